@@ -31,6 +31,7 @@ from longball.judge.stages import (
     ENOUGH,
     Change,
     Check,
+    Numbers,
     Placed,
     Trial,
     Trials,
@@ -142,36 +143,53 @@ def ends(stage: str, chosen: Seen, trials: Trials, dt: float | None) -> Iterator
         yield from _at_steps(stage, wrong, offs, dt or grid(stage, trials))
 
 
+def _apart(way: Numbers, along: Numbers) -> float:
+    """Return how far the ball is past the place where it is nearest to the bat's axis, m."""
+    return way[0] * along[0] + way[2] * along[2]
+
+
 # What is zero where a candidate may let ball and bat touch instead: from the place of the ball
-# beside the bat's axis and along it (x, y, z), m, and R + r_b.
-_CONTACTS: tuple[tuple[str, str, str, Callable[[Sequence[float], float], float]], ...] = (
+# beside the bat's axis and along it (x, y, z), m, R + r_b, and the direction of its velocity.
+_CONTACTS: tuple[tuple[str, str, str, Callable[[Numbers, float, Numbers], float]], ...] = (
     ("touches-in-space", "measures the way from the bat's middle to the ball in space, y too",
      "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
-     lambda way, reach: math.hypot(*way) - reach),
+     lambda way, reach, along: math.hypot(*way) - reach),
     ("touches-along-x", "lets ball and bat touch where x is R + r_b, at whatever height",
      "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
-     lambda way, reach: abs(way[0]) - reach),
+     lambda way, reach, along: abs(way[0]) - reach),
     ("touches-at-plate", "puts the contact where the ball crosses the plate",
-     "the contact is where the ball is R + r_b from the bat's axis", lambda way, reach: way[0]),
+     "the contact is where the ball is R + r_b from the bat's axis",
+     lambda way, reach, along: way[0]),
+    ("touches-closest", "puts the contact where the ball is nearest to the bat's axis",
+     "the contact is where the ball comes to be R + r_b from the bat's axis",
+     lambda way, reach, along: _apart(way, along)),
+    ("touches-last", "puts the contact where ball and bat part again",
+     "the contact is where the ball comes to be R + r_b from the bat's axis", lambda way, reach,
+     along: math.hypot(way[0], way[2]) - reach if _apart(way, along) > 0 else math.inf),
 )  # fmt: skip
+
+
+_AT = "contact.position: event", "contact.time"
 
 
 def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield where else ball and bat touch, if that is so in every scene with such an error."""
-    events = [c for _, cs in wrong for c in cs if c.quantity.endswith("event") and not c.follows]
-    if len(events) < ENOUGH:
+    told_at = [t for t, cs in wrong if any(not c.follows and c.quantity in _AT for c in cs)]
+    if len(told_at) < ENOUGH:
         return
-    told_at = [t for t, cs in wrong if any(c in events for c in cs)]
     ways = []
     for trial in told_at:
         held = view_values(trial, base, "contact.normal")
         if held is None or "contact.position" not in trial.given:
             return
-        scene, _, _, height = held
+        scene, _, before, height = held
         x, y, z = trial.given["contact.position"]
-        ways.append(((x, y, z - height), scene.ball.radius + scene.bat.radius))
+        if not any(before):  # nothing is said of the velocity beyond the bat's ends
+            continue
+        along = tuple(v / math.hypot(*before) for v in before)
+        ways.append(((x, y, z - height), scene.ball.radius + scene.bat.radius, along))
     for name, sentence, remedy, off in _CONTACTS:
-        if all(abs(off(way, reach)) <= 1e-7 * reach for way, reach in ways):
+        if all(abs(off(way, reach, along)) <= 1e-7 * reach for way, reach, along in ways):
             yield Explanation(name, sentence, remedy)
 
 

@@ -69,8 +69,8 @@ OTHERS = 3  # scenes of each kind in which it is seen what an explanation does t
 # hardly decide: beside a cause that is named, so few are not worth a line.
 FEW_UNSEEN = 0.05
 
-# What the axes or the unit of some scenes may leave of their errors: those are exact, and a throw to
-# the other side, for one, makes almost the same of them.
+# What the axes or the unit of some scenes may leave of their errors: those are exact, and a throw
+# to the other side, for one, makes almost the same of them.
 EXACTLY = 1e-4
 
 RIGHT = {"wrong": 0, "worst": 0.0, "example": None}  # of errors made elsewhere

@@ -326,8 +326,8 @@ def _through(front: float) -> Callable[[Any], Mapping[str, Any]]:
     """Return the change of the aim to where the throw is to go if it is to x = `front`, m."""
 
     def values(pitch: Any) -> Mapping[str, Any]:
-        (x, *beside), farther = pitch.release, pitch.release[0] / (pitch.release[0] - front)
-        return {"pitch.aim": tuple(b + (a - b) * farther
+        x, *beside = pitch.release
+        return {"pitch.aim": tuple(b + (a - b) * x / (x - front)
                                    for a, b in zip(pitch.aim, beside, strict=True))}  # fmt: skip
 
     return values
@@ -769,10 +769,16 @@ def _active(flow: Flow, p: Any) -> Any:
     return trace.ZERO if b is trace.ZERO else b * flow.speed / (a * p.spin)
 
 
-def _batted_spin(spin: Callable[[Any], Any]) -> Change:
-    """Return the change of a batted ball's spin, if it has one, to what is made of the scene."""
+def _batted_spin(spin: Callable[[Any, Any], Any]) -> Change:
+    """Return the change of a batted ball's spin, if it has one; it may ask for the scene."""
     return Change(launch=lambda scene, launch: launch if launch.spin is None else replace(
-        launch, spin=spin(scene)))  # fmt: skip
+        launch, spin=spin(launch.spin, scene)))  # fmt: skip
+
+
+def _decayed_before(spin: Any, scene: Any) -> Any:
+    """Return a spin after as much decay as the pitch's has at the bat."""
+    thrown = scene.pitch.spin and math.hypot(*scene.pitch.spin)
+    return scaled(math.hypot(*(_spin_at_bat(scene) or ())) / thrown, spin) if thrown else spin
 
 
 def _without_spin(given: Any, scene: Any, frame: Any, numbers: Any) -> Any:
@@ -955,6 +961,7 @@ _EARTH = "add -2 Ω × v, Ω = 7.292115e-5 rad/s (cos λ north + sin λ up)"
 _BILINEAR = "C_L is 1.5 S, and 0.09 + 0.6 S from S = 0.1 on"
 _AZIMUTH = "earth.azimuth is that of +x, clockwise from north"
 _S = "C_L follows S = R ω_T/U by the scene's law, however large S is"
+_SPEEDS = ("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048)  # and what they are in m/s
 _LINEAR = "a table is linear between its nodes, and constant outside"
 
 
@@ -1023,10 +1030,10 @@ EXTENDED: tuple[Mistake, ...] = (
       for name, sentence, change, *places in known),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch",
             "the batted ball has the spin that the impact gives it",
-            _batted_spin(_spin_at_bat)),
+            _batted_spin(lambda spin, scene: _spin_at_bat(scene))),
     Mistake("batted-spin-forgotten", "lets the batted ball fly by the lift of a ball of which no "
             "spin is given", "the batted ball has the spin that the impact gives it",
-            _batted_spin(lambda scene: None).then(_NO_SPIN)),
+            _batted_spin(lambda *_: None).then(_NO_SPIN)),
     *(Mistake(name, f"throws the pitch by the lift of a ball of which no spin is given{words}",
               "take pitch.spin from the scene", change)
       for name, words, change in (
@@ -1034,9 +1041,12 @@ EXTENDED: tuple[Mistake, ...] = (
            scene_change(lambda scene: {"pitch.spin": None}).then(_NO_SPIN)),
           ("pitch-spin-not-in-flight", "; it comes to the bat with its spin",
            _strengths(_pitch_without_spin, lambda term: term is not LIFT)))),
+    Mistake("spin-decay-goes-on", "lets the batted ball's spin fall as if it had flown "
+            "with the pitch",
+            "path and time of the decay begin anew at the contact", _batted_spin(_decayed_before)),
     Mistake("batted-without-spin", "lets the batted ball fly without spin",
             "the batted ball has the spin that the impact gives it",
-            _batted_spin(lambda scene: (0.0, 0.0, 0.0))),
+            _batted_spin(lambda *_: (0.0, 0.0, 0.0))),
     *(Mistake(f"spin-parameter-at-most-{most:g}", f"takes at most {most:g} for S", _S,
               _tables(partial(_level_from, most), "spin_parameter").then(
                   _limit_lift(partial(_lift_at, most))), True) for most in (0.1, 0.15, *_MOST)),
@@ -1274,7 +1284,12 @@ EXTENDED: tuple[Mistake, ...] = (
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
               "the nodes of a table of the airspeed are in m/s", _tables(
                   lambda at, values, scene, f=factor: ([x * f for x in at], values), "speed"))
-      for unit, factor in (("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048))),
+      for unit, factor in _SPEEDS),
+    *(Mistake(f"crisis-in-{unit}", f"compares the speed in {unit} with the numbers of the "
+              "drag crisis",
+              "they are in m/s", scene_change(lambda scene, f=factor: {  # type: ignore[misc]
+                  f"air.drag_coefficient.{key}": at(scene, f"air.drag_coefficient.{key}") * f
+                  for key in ("speed", "width")})) for unit, factor in _SPEEDS),
     Mistake("crisis-without-width", "leaves the width out of the drag crisis: e^(U - U_c)",
             "C_D = a + (b - a)/(1 + e^((U - U_c)/δ))",
             scene_change(lambda scene: {"air.drag_coefficient.width": 1.0})),
