@@ -134,7 +134,7 @@ def test_a_lift_with_the_sign_of_its_vertical_part():
         return x, y, -1.0 * z
 
     model = with_term(LIFT, replace(LIFT, acceleration=other))
-    assert explained(solved(flights(), Ivp()), same, model) == ["lift-vertical-sign"]
+    assert explained(solved(flights(), Ivp()), same, model) == ["lift-z-sign"]
 
 
 def test_a_lift_by_spin_without_wind():

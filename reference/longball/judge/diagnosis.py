@@ -88,6 +88,7 @@ KEEN, ONE_IN = frozenset(("vertical", "grazing")), 5
 # behind them. Below the second one nothing is sought.
 FINE, FAINT = 1e-7, 1e-10
 
+LAST = 1e-5  # of the errors, what explanations may leave in few scenes
 MINOR = 1e-3  # of the largest relative error of any stage: below it is not where the trouble begins
 DOUBT_OF_STEPS = 1e-6  # of the errors, what a scheme leaves that is the candidate's own
 MOST_STEPS = 15_000  # steps of all flights together that are followed with a scheme
@@ -461,7 +462,7 @@ class _Search:
             return False
         worst = max((size_of(c) for _, cs in wrong for c in cs), default=0.0)
         if not all(_keen(t) or _is_wild(t) for t, _ in wrong):
-            return few and worst < FINE
+            return few and worst < max(FINE, LAST * min(max(self.begun.values()), 1.0))
         # A graze makes of an error its square root.
         keen = len(wrong) + sum(_keen(t) for t, _ in good)
         return worst * worst < FAINT or ONE_IN * (len(wrong) - 1) <= keen
@@ -635,6 +636,7 @@ class _Search:
         found = [
             *relations.relations(chosen, beside, self.base),
             *relations.formulas(chosen, beside, self.base),
+            *(relations.by_speed(chosen, self.base) if stage == "restitution" else ()),
             *relations.resolutions(chosen),
         ]
         if stage in ("landing", "plate"):

@@ -457,7 +457,7 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
             continue
         if form == "fixed" and not varies and own[0] and factor_meaning(float(values[0] / own[0])):
             continue  # the factor says more
-        if form == "fixed" and not values.any() and own.all():
+        if form == "fixed" and varies and not values.any() and own.all():
             continue  # so it does here
         nearly = own.all() and 0 < abs(float(np.median(values / own)) - 1) < NEARLY
         strength = not varies and name == "air.density" and nearly

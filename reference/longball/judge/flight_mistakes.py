@@ -214,6 +214,42 @@ def _by_component(square: Callable[[Any], Any]) -> Change:
     return _in_air(DRAG, form, _AXES)
 
 
+def _acceleration(form: Any, motion: Motion, p: Any) -> Vector[Any]:
+    """Return what a drag, a lift or another force does."""
+    match form:
+        case Drag():
+            return scaled(-(motion.density * form.rate(motion, p)), motion.air.velocity)
+        case Lift():
+            return scaled(motion.density * form.factor(motion, p), spin_across(motion.lift, p))
+    return form.acceleration(motion, p)  # type: ignore[no-any-return]
+
+
+def _by_axis(which: Callable[[Term], bool], factors: Sequence[float]) -> Change:
+    """Return the change of terms by a factor for each axis of the scene."""
+
+    def changed(form: Any) -> Force:
+        def acceleration(motion: Motion, p: Any) -> Vector[Any]:
+            own = Flow(_acceleration(form, motion, p), None)
+            x, y, z = (f * a for f, a in zip(factors, _in_space(own, p), strict=True))
+            return p.cos * x + p.sin * y, p.cos * y - p.sin * x, z
+
+        return Force(form.parameters, form.strengths, acceleration)
+
+    return _terms(_forms(which, changed), Term(_AXES[0], lambda scene, frame, numbers: (
+        _AXES[1](scene, frame))))  # fmt: skip
+
+
+# Of drag or lift: what is done to the components.
+_AXES_CHANGED: tuple[tuple[str, str, tuple[float, float, float]], ...] = (
+    *((f"without-{axis}", f"leaves the {{}} along {axis} out", factors)
+      for axis, factors in (("x", (0, 1, 1)), ("y", (1, 0, 1)), ("z", (1, 1, 0)))),
+    ("vertical-part", "has the vertical part of the {}, and not the horizontal one", (0, 0, 1)),
+    *((f"{axis}-sign", f"turns the {{}} along {axis} the wrong way", factors)
+      for axis, factors in (("x", (-1, 1, 1)), ("y", (1, -1, 1)), ("z", (1, 1, -1)))),
+    ("level-sign", "turns the horizontal part of the {} the wrong way", (-1, -1, 1)),
+)  # fmt: skip
+
+
 def _of_two(x: Any, y: Any) -> Any:
     return trace.sqrt(x * x + y * y)
 
@@ -286,12 +322,6 @@ def _drag(factor: Callable[[Motion, Any], Any], more: More = ((), lambda *_: ())
     given = _more(DRAG, more)
     changed = Drag(given.parameters, given.strengths, lambda m, p: p.drag * factor(m, p))
     return _replaced(DRAG, changed)
-
-
-def _vertical_drag(vertical: Callable[[Any], Any]) -> Change:
-    """Return the change of the drag's vertical component to ``-k V vertical(w)``."""
-    return _in_air(DRAG, lambda m, flow, p: scaled(
-        -flow.speed, (*flow.velocity[:2], vertical(flow.velocity[2]))))  # fmt: skip
 
 
 def _lift(direction: Callable[[Any, Any, Any], Vector[Any]]) -> Change:
@@ -398,13 +428,16 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             "the scene's density holds at every height",
             scene_change(lambda scene: {"air.density_scale_height": 8500.0})),
     Mistake("drag-always-down", "drags a falling ball down: the vertical drag has no sign",
-            _AGAINST, _vertical_drag(_size)),
-    Mistake("vertical-drag-sign", "drags along the vertical velocity instead of against it",
-            _AGAINST, _vertical_drag(lambda w: -w)),
+            _AGAINST, _in_air(DRAG, lambda m, flow, p: scaled(
+                -flow.speed, (*flow.velocity[:2], _size(flow.velocity[2]))))),
+    Mistake("drag-level-falling", "drags a falling ball in its horizontal components only",
+            _AGAINST, _in_air(DRAG, lambda m, flow, p: scaled(-flow.speed, (
+                *flow.velocity[:2], flow.velocity[2] * _rising(m)))), True),
+    *(Mistake(f"{way}-{name}", f"{words.format(way)}", remedy, _by_axis(which, factors))
+      for way, which, remedy in (("drag", _drags, _AGAINST), ("lift", _lifting, _ACROSS))
+      for name, words, factors in _AXES_CHANGED),
     Mistake("drag-forward", "drags along the velocity instead of against it", _AGAINST,
             _drag(lambda motion, p: -motion.speed)),
-    Mistake("horizontal-drag-only", "drags the horizontal components only", _AGAINST,
-            _vertical_drag(lambda w: trace.ZERO)),
     Mistake("no-drag", "flies without drag", "add -k_D V v",
             _without(_drags)),
     Mistake("no-lift", "flies without lift", "add k_L V (ê × v)", _without(_lifts)),
@@ -429,14 +462,6 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
             scene_change(lambda s: {"air.lift_coefficient": abs(s.air.lift_coefficient)})),
     Mistake("lift-vertical", "lifts straight up with V², instead of across the velocity", _ACROSS,
             _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * speed))),
-    Mistake("lift-vertical-part", "has the vertical part of the lift, and not the horizontal one",
-            _ACROSS, _lift(lambda u, w, speed: (trace.ZERO, trace.ZERO, speed * u))),
-    Mistake("lift-not-across", "turns the horizontal part of the lift the wrong way: it is not "
-            "perpendicular to the velocity", _ACROSS,
-            _lift(lambda u, w, speed: (speed * w, trace.ZERO, speed * u))),
-    Mistake("lift-vertical-sign", "turns the vertical part of the lift the wrong way: it is not "
-            "perpendicular to the velocity", _ACROSS,
-            _lift(lambda u, w, speed: (-speed * w, trace.ZERO, -speed * u))),
     Mistake("lift-with-v", "lets the lift grow with V, not with V²", "the lift is ½ C_L ρ A V²",
             _lift_rate(lambda m, flow: 1.0), scaled="air.lift_coefficient"),
     Mistake("lift-with-horizontal-speed", "takes the horizontal speed for V in the lift", _ACROSS,
@@ -1123,11 +1148,11 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("wind-not-in-lift-by-spin", "leaves the wind out of the lift of balls with spin",
             _WIND, Change(_wind_not_in_lift_by_spin)),
     Mistake("wind-in-size-only", "drags by the airspeed, but along the velocity over the ground",
-            _WIND, _terms(lambda f: Force(f.parameters, f.strengths, lambda m, p: scaled(
-                -(m.density * f.rate(m, p)), m.velocity)) if isinstance(f, Drag) else f)),
+            _WIND, _terms(_forms(_drags, lambda f: Force(f.parameters, f.strengths, lambda m, p: (
+                scaled(-(m.density * f.rate(m, p)), m.velocity)))))),
     Mistake("wind-in-direction-only", "drags along the velocity through the air, but by the speed "
             "over the ground", _WIND,
-            _terms(lambda f: _ground_speed(f) if isinstance(f, Drag) else f)),
+            _terms(_forms(_drags, _ground_speed))),
     Mistake("speed-over-ground", "takes the speed over the ground for U in k C_D U u, and the "
             "airspeed in C_D", _WIND,
             _terms(_forms(_drags, lambda form: _multiplied(

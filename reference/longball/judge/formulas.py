@@ -338,6 +338,8 @@ FORMULAS: tuple[Formula, ...] = (
          PIVOT),
         ("ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
          _restitution(lambda v, e, r: e * (1 + r))),
+        ("ratio-without-one", "leaves the 1 out: e m/M_eff + m/M_eff",
+         _restitution(lambda v, e, r: e * r + r)),
         ("ratio-inverted", "takes M_eff/m for m/M_eff",
          _restitution(lambda v, e, r: _printed(e, 1 / r))),
         ("ratio-subtracted", "subtracts m/M_eff", _restitution(lambda v, e, r: e * (1 + r) - r)),
@@ -400,6 +402,8 @@ FORMULAS: tuple[Formula, ...] = (
         ("energy-with-effective-mass", "takes μ from M_eff", _energy(lambda v: v.bare)),
         ("energy-of-ball", "counts the ball's energy only", lambda v: (0.5 * v.m * (
             sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
+        ("energy-of-whole-speed", "takes the size of Ṽ, not its part along n", lambda v: (
+            -0.5 * v.mu * (1 - v.restitution**2) * dot(v.relative, v.relative),)),
         ("energy-with-ball-mass", "takes the ball's mass for μ", _energy(lambda v: v.m)),
         ("energy-not-halved", "leaves the ½ out: P·(g + K P)", _energy_not_halved,
          "ΔE = P·(g + K P/2), with the whole impulse P"),

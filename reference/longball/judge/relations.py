@@ -31,6 +31,7 @@ from longball.judge.stages import (
     digits,
     follow,
     view_values,
+    with_values,
 )
 from longball.model.arrays import Array
 
@@ -275,6 +276,48 @@ def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | Non
         return None if view is None else value(view)
     except (KeyError, AttributeError, TypeError, ZeroDivisionError, OverflowError, ValueError):
         return None  # of a scene that has not what the formula takes
+
+
+def by_speed(chosen: Seen, base: Change) -> Iterator[Explanation]:
+    """Yield that e falls or rises in proportion to the speed at which ball and bat meet."""
+    name = "impact.restitution"
+
+    def line(trial: Trial) -> tuple[float, float, float, float] | None:
+        """Return e, |Ṽ·n| in m/s, and a and b of ẽ = a + b e."""
+        view = _view(trial, base, name)
+        if view is None:
+            return None
+        ends = [replace(view, scene=with_values(view.scene, {"ball.restitution": e}))
+                for e in (0.0, 1.0)]  # fmt: skip
+        low, high = (end.collision().restitution for end in ends)
+        return view.e, abs(view.number("contact.normal_speed")), low, high - low
+
+    told = [(one, c.obtained[0]) for t, cs in chosen for c in cs
+            if c.quantity == name and (one := line(t)) and one[3]]  # fmt: skip
+    if len(told) < ENOUGH:
+        return
+    speed, more = np.array([(s, (said - a) / b - e) for (e, s, a, b), said in told]).T
+    if np.ptp(speed) < SAME * speed.max():
+        return
+    slope, start = np.polyfit(speed, more, 1).tolist()
+    if not slope or np.abs(start + slope * speed - more).max() > CERTAIN * np.abs(more).max():
+        return
+
+    def value(trial: Trial) -> Numbers | None:
+        if (one := line(trial)) is None:
+            return None
+        e, s, a, b = one
+        return (a + b * (e + start + slope * s),)
+
+    doubt = CERTAIN * abs(slope)
+    yield Explanation(
+        "restitution-by-speed", "has a ball's restitution that "
+        f"{'falls' if slope < 0 else 'rises'} with the speed: by {roundest(abs(slope), doubt):.6g} for each m/s above "
+        f"{roundest(-start / slope, CERTAIN * abs(start / slope)):.6g} m/s",
+        "ball.restitution is the same at every speed", share_by(chosen, lambda t, cs: sum(
+            off(value(t), c) if c.quantity == name else size_of(c) for c in cs)),
+        NUMBER, quantity=name, value=value,
+    )  # fmt: skip
 
 
 # --- digits ---------------------------------------------------------------------------------------
