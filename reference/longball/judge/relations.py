@@ -312,7 +312,8 @@ def by_speed(chosen: Seen, base: Change) -> Iterator[Explanation]:
     doubt = CERTAIN * abs(slope)
     yield Explanation(
         "restitution-by-speed", "has a ball's restitution that "
-        f"{'falls' if slope < 0 else 'rises'} with the speed: by {roundest(abs(slope), doubt):.6g} for each m/s above "
+        f"{'falls' if slope < 0 else 'rises'} with the speed: "
+        f"by {roundest(abs(slope), doubt):.6g} for each m/s above "
         f"{roundest(-start / slope, CERTAIN * abs(start / slope)):.6g} m/s",
         "ball.restitution is the same at every speed", share_by(chosen, lambda t, cs: sum(
             off(value(t), c) if c.quantity == name else size_of(c) for c in cs)),
