@@ -318,8 +318,10 @@ def beside_surface(stage: str, wrong: Seen) -> Iterator[Explanation]:
         speed = abs(trial.given.get(name, (0.0, 0.0, 0.0))[axis])
         offs.append(check.obtained[0] - check.expected[0])
         late.append(-offs[-1] / speed if speed else math.inf)
-    if len(late) < ENOUGH or not all(map(math.isfinite, late)):
+    known = [*filter(math.isfinite, late)]  # a ball that all but grazes the surface tells nothing
+    if len(known) < max(ENOUGH, (1 - FEW_OTHERS) * len(late)):
         return
+    late = known
     side = "behind" if min(late) > 0 else "before" if max(late) < 0 else "before or behind"
     most = max(map(abs, late))
     loose = "; a root is found no better" if most < _LOOSE else ""

@@ -399,6 +399,8 @@ FORMULAS: tuple[Formula, ...] = (
         ("energy-with-e", "uses e where ẽ belongs", _energy(loss=lambda v: 1 - v.e**2)),
         ("energy-e-not-squared", "uses 1 - ẽ where 1 - ẽ² belongs",
          _energy(loss=lambda v: 1 - v.restitution)),
+        ("energy-one-minus-e-squared", "uses (1 - ẽ)² where 1 - ẽ² belongs",
+         _energy(loss=lambda v: (1 - v.restitution) ** 2)),
         ("energy-with-effective-mass", "takes μ from M_eff", _energy(lambda v: v.bare)),
         ("energy-of-ball", "counts the ball's energy only", lambda v: (0.5 * v.m * (
             sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
