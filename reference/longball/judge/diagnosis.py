@@ -218,7 +218,8 @@ class _Search:
                 if not self._explain(stage, self._follow()):
                     break
         self.findings += outcomes.outcome_findings(self.trials, self.base, self.findings)
-        self.findings += (facts := list(outcomes.told_findings(self.trials, self.base)))
+        facts = [*outcomes.told_findings(self.trials, self.base, self.findings)]
+        self.findings += facts
         named = any(f.names for f in self.findings)
         if unseen and named and (self.single or unseen.wrong <= FEW_UNSEEN * len(self.wrong)):
             unseen = None

@@ -299,6 +299,12 @@ def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     return _terms(lambda term: term, Force(names, strengths, acceleration))
 
 
+def _axis_of_vertical(axis: Vector[Any], scene: Any, frame: Any) -> Vector[Any]:
+    """Return the axis of the lift, an own one of a launch straight up or down."""
+    level = scene.launch.velocity[:2] if scene.kind == "flight" else (1.0,)
+    return _right_axis(scene, frame) if any(level) else axis
+
+
 def _is_batted(scene: Any, frame: Any) -> bool:
     """Tell whether a flight of an at-bat is that of the batted ball."""
     return scene.kind == "at-bat" and (frame.x, frame.y) != tuple(scene.pitch.release[:2])
@@ -390,6 +396,28 @@ _SCENE = "take the numbers of the scene"
 _HEADING = "the axis ê is horizontal and across the heading at launch: (sin φ, -cos φ, 0)"
 _ANEW = "the axis ê is fixed at the launch of each flight: at the impact anew"
 
+# What else may be the axis of the lift: a name, words, the remedy, the axis in space.
+_AXES_OF_LIFT: tuple[tuple[str, str, str, Callable[[Any, Any], Vector[Any]]], ...] = (
+    ("lift-about-minus-y", "lifts about -y, whatever the ball's heading", _HEADING,
+     lambda scene, frame: (0.0, -1.0, 0.0)),
+    ("lift-about-own-y", "lifts about y, up whatever the ball's heading", _HEADING,
+     lambda scene, frame: (0.0, math.copysign(1.0, -frame.cos), 0.0)),
+    ("lift-axis-sign", "has the lift's axis the other way round, (-sin φ, cos φ, 0)",
+     _HEADING, lambda scene, frame: (-frame.sin, frame.cos, 0.0)),
+    ("lift-about-forward-axis", "takes |v_x| for v_x in the heading", _HEADING,
+     lambda scene, frame: (frame.sin, -abs(frame.cos), 0.0)),
+    ("lift-about-left-axis", "takes |v_y| for v_y in the axis of lift", _HEADING,
+     lambda scene, frame: (abs(frame.sin), -frame.cos, 0.0)),
+    *((f"heading-of-vertical-{name}", f"has a launch straight up or down head for {name}",
+       "its heading is +x", partial(_axis_of_vertical, axis))
+      for name, axis in (("-x", (0.0, 1.0, 0.0)), ("y", (1.0, 0.0, 0.0)),
+                         ("-y", (-1.0, 0.0, 0.0)))),
+    ("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
+     _ANEW, _axis_of_pitch(straight=False)),
+    ("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
+     _ANEW, _axis_of_pitch(straight=True)),
+)  # fmt: skip
+
 _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("drag-per-component", "drags each component by itself, with its own square",
             "the drag is -k V v: every component times the whole speed V",
@@ -474,17 +502,7 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("lift-sign-falling", "lifts a falling ball the wrong way", _ACROSS,
             _lift_rate(lambda m, flow: flow.speed * (2.0 * _rising(m) - 1.0)), True),
     *(Mistake(name, sentence + where, remedy, about(axis))
-      for name, sentence, remedy, axis in (
-          ("lift-about-minus-y", "lifts about -y, whatever the ball's heading", _HEADING,
-           lambda scene, frame: (0.0, -1.0, 0.0)),
-          ("lift-about-own-y", "lifts about y, up whatever the ball's heading", _HEADING,
-           lambda scene, frame: (0.0, math.copysign(1.0, -frame.cos), 0.0)),
-          ("lift-axis-sign", "has the lift's axis the other way round, (-sin φ, cos φ, 0)",
-           _HEADING, lambda scene, frame: (-frame.sin, frame.cos, 0.0)),
-          ("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
-           _ANEW, _axis_of_pitch(straight=False)),
-          ("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
-           _ANEW, _axis_of_pitch(straight=True)))
+      for name, sentence, remedy, axis in _AXES_OF_LIFT
       for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "

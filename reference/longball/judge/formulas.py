@@ -260,6 +260,20 @@ def misread(*names: str) -> Iterator[Mistake]:
         yield Mistake(name, sentence, remedy, reading_change(**switches))
 
 
+def _as_fast_as_released(v: View) -> Numbers:
+    share = math.hypot(*v.scene.pitch.thrown) / math.hypot(*v.before)
+    return tuple(share * x for x in v.before)
+
+
+_AT_CONTACT = "V is the ball's velocity at the contact"
+
+# What may be taken for V.
+_BEFORE: tuple[tuple[str, str, Value], ...] = (
+    ("plate-velocity", "the ball's velocity at the plate", lambda v: v["plate.velocity"]),
+    ("release-speed", "the speed at the release for that at the contact", _as_fast_as_released),
+    ("level-velocity", "0 for the ball's vertical velocity", lambda v: (*v.before[:2], 0.0)),
+)  # fmt: skip
+
 FORMULAS: tuple[Formula, ...] = (
     *_wrong("plate.velocity", "plate.velocity is where the ball crosses x = 0",
         ("velocity-of-release", "gives the release's velocity for that at the plate",
@@ -320,9 +334,9 @@ FORMULAS: tuple[Formula, ...] = (
          _closing(lambda v: plus(v.before, 1.0, v["contact.bat_velocity"]))),
         ("whole-speed", "takes the size of Ṽ, not its part along n",
          lambda v: (-math.hypot(*v.relative),), "Ṽ·n"),
-        ("plate-velocity", "takes the ball's velocity at the plate",
-         _closing(lambda v: plus(v["plate.velocity"], -1.0, v["contact.bat_velocity"])),
-         "take it at the contact")),
+        *((name, f"takes {words}", _closing(
+            lambda v, before=before: plus(before(v), -1.0, v["contact.bat_velocity"])), _AT_CONTACT)
+          for name, words, before in _BEFORE)),
     Formula("impact.restitution", "plain-restitution", PLAIN, EFFECTIVE, lambda v: (v.e,)),
     *(Formula("impact.restitution", name, sentence, remedy,
               lambda v, s=switches: (v.collision(**s).restitution,))
@@ -391,8 +405,9 @@ FORMULAS: tuple[Formula, ...] = (
                         v["contact.normal"])),
         ("bat-velocity-added", "adds the bat's velocity to the ball's",
          lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
-        ("plate-velocity-after", "starts from the velocity at the plate",
-         lambda v: plus(v["plate.velocity"], 1 / v.m, v.kick)),
+        *((f"{name}-after", f"starts from {words}",
+           lambda v, before=before: plus(before(v), 1 / v.m, v.kick), _AT_CONTACT)
+          for name, words, before in _BEFORE),
         ("friction-left-out", "leaves the friction's part of the impulse out",
          _after(lambda v: 1 / v.m), "V' = V + P/m with the whole impulse P")),
     *_wrong("impact.energy_change", _DE,

@@ -14,7 +14,7 @@ from longball.judge.findings import Finding, found, many
 from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
 from longball.judge.quantities import OPTIONAL, superfluous, told_by, untrue
 from longball.judge.rules import CHANCE, rule
-from longball.judge.stages import NONE, Change, Trial, Trials, stage_of
+from longball.judge.stages import COLLISION, NONE, Change, Trial, Trials, stage_of
 from longball.model.result import Result
 from longball.model.scene import FlightScene
 
@@ -331,16 +331,18 @@ def _flies_so(trial: Trial, velocity: Sequence[float]) -> bool:
 # --- besides numbers ------------------------------------------------------------------------------
 
 
-def told_findings(trials: Trials, base: Change) -> Iterator[Finding]:
+def told_findings(trials: Trials, base: Change, known: Sequence[Finding]) -> Iterator[Finding]:
     """Yield what is told besides numbers, and is not so; and blocks that do not belong there."""
+    struck = {f.stage for f in known}.isdisjoint(COLLISION)
     right = [t for t in trials if not t.confused]
     wrong: dict[str, list[tuple[Trial, object, object]]] = defaultdict(list)
     for t in right:
         facts = untrue(t.case.expected, t.told)
         made = told_by(_solved(t, base)) if facts and base is not NONE else {}
         for name, true, given in facts:
-            # What follows from what is explained, or from another velocity, is no other mistake.
-            if made.get(name) != given and (name not in OPTIONAL or _struck_rightly(t)):
+            # What follows from what is explained, or from another impact, is no other mistake.
+            rightly = name not in OPTIONAL or (struck and _struck_rightly(t))
+            if rightly and made.get(name) != given:
                 wrong[name].append((t, true, given))
     for name, told in wrong.items():
         some = [t for t, _, _ in told]
