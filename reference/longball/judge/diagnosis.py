@@ -67,7 +67,7 @@ OTHERS = 3  # scenes of each kind in which it is seen what an explanation does t
 
 # Of wrong answers, those in which no stage can be told to be wrong, such as grazes that doubles
 # hardly decide: beside a cause that is named, so few are not worth a line.
-FEW_UNSEEN = 0.05
+FEW_UNSEEN = 0.1
 
 # What the axes or the unit of some scenes may leave of their errors: those are exact, and a throw
 # to the other side, for one, makes almost the same of them.
@@ -101,6 +101,9 @@ MAYBE_STEPS = (
     "; an error of this size may be in a number, or the integrator's (long steps, a loose "
     "tolerance): see whether shorter steps change it"
 )
+
+# What one impulse with friction makes.
+PUSHED = ("impulse", "velocity after", "spin after", "energy")
 
 IN_STEPS = (
     "if it flies in steps, put {dt} where the COMMAND sets them: how errors fall with the step "
@@ -363,10 +366,12 @@ class _Search:
         # Large in a graze is what an earlier stage has left there, or had wrong from the beginning.
         few = len(wrong) < max(ENOUGH, every / ONE_IN)
         left = self.loose.keys() | self.thrown
-        inherited = stage in INHERITING and few and all(t.case.id in left for t, _ in wrong)
+        if stage in INHERITING and few and all(t.case.id in left for t, _ in wrong):
+            self._leave(stage, wrong)
+            return False
         # Of digits that are cut off a few scenes make a thousand times as much, and more.
         cut_off = self.coarse is not None and len(wrong) <= FEW_UNSEEN * every
-        searched = self.causes and not (little or stepped or inherited or cut_off)
+        searched = self.causes and not (little or stepped or cut_off)
         if searched and scenes:
             ids = {id(t) for t, _ in wrong}
             some = [t for t in self.trials if id(t) in ids]
@@ -653,6 +658,8 @@ class _Search:
             found += clocks.touchings(wrong, self.base)
         if stage not in COLLISION and any(e.named for e in found):
             return found
+        if stage == "impulse":
+            together = self._with_push(wrong, right, checks)
         if together:
             found += fits.parts(together)
             if any(e.named for e in found):
@@ -683,6 +690,15 @@ class _Search:
         if stage == "restitution" and not any(e.named for e in found):
             found += fits.one_after_another(sought, found)
         return found
+
+    def _with_push(self, wrong: Seen, right: Trials, checks: Seen) -> Sought | None:
+        """Return impacts with friction that are wrong in more: one explanation for all of it."""
+        more = {id(t) for t, cs in checks if any(
+            c.stage in PUSHED[1:] and not c.follows for c in cs)}  # fmt: skip
+        some = [t for t, _ in wrong if id(t) in more and t.scene.bat.friction is not None]
+        if len(some) < ENOUGH:
+            return None
+        return Sought(evenly(some, SOUGHT), right, PUSHED, self.base, self.work)
 
     def _with_flights(self, wrong: Seen, right: Trials, checks: Seen) -> Sought | None:
         """Return pitches and batted balls, which fly by one law: one explanation for both."""

@@ -392,6 +392,7 @@ def _falling(motion: Motion, p: Any) -> Vector[Any]:
 _NO_MORE = "weight, drag and lift are all the forces that there are"
 _AGAINST = "the drag is -k V v: against the velocity, in every component"
 _ACROSS = "the lift is k_L V (ê × v), which is k_L V (-w, u) in the flight plane"
+_ALONG_CROSS = "the lift is along ω × u/|ω × u|, u the ball's velocity through the air"
 _SCENE = "take the numbers of the scene"
 _HEADING = "the axis ê is horizontal and across the heading at launch: (sin φ, -cos φ, 0)"
 _ANEW = "the axis ê is fixed at the launch of each flight: at the impact anew"
@@ -461,8 +462,11 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     Mistake("drag-level-falling", "drags a falling ball in its horizontal components only",
             _AGAINST, _in_air(DRAG, lambda m, flow, p: scaled(-flow.speed, (
                 *flow.velocity[:2], flow.velocity[2] * _rising(m)))), True),
-    *(Mistake(f"{way}-{name}", f"{words.format(way)}", remedy, _by_axis(which, factors))
-      for way, which, remedy in (("drag", _drags, _AGAINST), ("lift", _lifting, _ACROSS))
+    *(Mistake(f"{way.replace(' ', '-')}-{name}", words.format(way), remedy,
+              _by_axis(which, factors))
+      for way, which, remedy in (
+          ("drag", _drags, _AGAINST), ("lift", _lifting, _ACROSS),
+          ("lift of a ball with spin", lambda term: isinstance(term, Lift), _ALONG_CROSS))
       for name, words, factors in _AXES_CHANGED),
     Mistake("drag-forward", "drags along the velocity instead of against it", _AGAINST,
             _drag(lambda motion, p: -motion.speed)),
@@ -1112,10 +1116,10 @@ EXTENDED: tuple[Mistake, ...] = (
             "lift's size", "S = R ω_T/U with ω_T = |ω × u|/U",
             _terms(_by_whole_spin, _TOTAL)),
     Mistake("lift-not-along-unit", "divides ω × u by ωU, and not by its length, in the "
-            "direction of the lift", "the lift is along ω × u/|ω × u|",
+            "direction of the lift", _ALONG_CROSS,
             _terms(_lift_times(_active))),
     Mistake("magnus-order", "takes u × ω for ω × u: the lift by spin has the wrong sign",
-            "the lift is along ω × u, where u is the ball's velocity through the air",
+            _ALONG_CROSS,
             _terms(_lift_times(lambda flow, p: -1.0))),
     Mistake("spin-all-back", "takes the size of the spin for backspin", _DIRECTION,
             _spins(_backspin)),

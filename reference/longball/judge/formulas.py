@@ -181,7 +181,6 @@ def _distance(formula: Callable[[float, float, float], float]) -> Value:
     return lambda v: (formula(*v["landing.position"]),)
 
 
-_ROUND = "has {} r_b² for the bat's radius in its moment of inertia, M(L²/3 + r_b²/4)"
 _I = "I = M(L²/3 + r_b²/4) about the end B"
 PLAIN = "uses e where ẽ belongs"
 EFFECTIVE = "ẽ = e(1 + m/M_eff) + m/M_eff with M_eff = I/r̃²"
@@ -211,26 +210,38 @@ def _round(v: View) -> float:
     return 0.0 if v.scene.reading.inertia == "thin_rod" else 0.25
 
 
-def _round_part(v: View, ratio: float) -> float:
-    """Return c of the moment of inertia M(… + c r_b²) with which m/M_eff is a ratio."""
-    inertia = v.inertia * v.ratio / ratio
-    return float((inertia / v.M - _slender(v)) / v.scene.bat.radius**2)
+@dataclass(frozen=True)
+class _Part:
+    """A number times a size, and the rest: of the bat's moment of inertia by its mass."""
+
+    size: Number  # m²
+    rest: Number  # m²
+
+    def ratio(self, v: View, number: float) -> float:
+        """Return m/M_eff with a number."""
+        return float(v.ratio * v.inertia / (v.M * (self.rest(v) + number * self.size(v))))
+
+    def number(self, v: View, ratio: float) -> float:
+        """Return the number with which m/M_eff is a ratio."""
+        return float((v.inertia * v.ratio / (ratio * v.M) - self.rest(v)) / self.size(v))
+
+    def restitution(self, v: View, number: float) -> Numbers:
+        """Return ẽ with a number."""
+        return _restitution(lambda v, e, r: _printed(e, self.ratio(v, number)))(v)
+
+    def impulse(self, v: View, number: float) -> Numbers:
+        """Return the impulse with a number, where the reading takes μ from M_eff."""
+        bare = math.isclose(v.mu, v.bare, rel_tol=1e-12)
+        return _push(lambda v: v.m / (1 + self.ratio(v, number)) if bare else v.mu)(v)
+
+    def pushed(self, v: View, said: Numbers) -> float:
+        """Return the number in the μ that an impulse is made with."""
+        mu = -said[0] / ((1 + v.restitution) * v.number("contact.normal_speed"))
+        return self.number(v, v.m / mu - 1)
 
 
-def _ratio_with(v: View, c: float) -> float:
-    return float(v.ratio * v.inertia / (v.M * (_slender(v) + c * float(v.scene.bat.radius) ** 2)))
-
-
-def _bare_said(v: View, said: Numbers) -> float:
-    """Return c of the moment of inertia in the μ that an impulse is made with."""
-    mu = -said[0] / ((1 + v.restitution) * v.number("contact.normal_speed"))
-    return _round_part(v, v.m / mu - 1)
-
-
-def _bare_pushed(v: View, c: float) -> Numbers:
-    """Return the impulse with that μ, where the reading takes it from M_eff."""
-    bare = math.isclose(v.mu, v.bare, rel_tol=1e-12)
-    return _push(lambda v: v.m / (1 + _ratio_with(v, c)) if bare else v.mu)(v)
+_OF_RADIUS = _Part(lambda v: v.scene.bat.radius**2, _slender)
+_OF_LENGTH = _Part(lambda v: v.scene.bat.length**2, lambda v: _round(v) * v.scene.bat.radius**2)
 
 
 def _of_ball_radius(v: View) -> float:
@@ -335,7 +346,7 @@ FORMULAS: tuple[Formula, ...] = (
         ("whole-speed", "takes the size of Ṽ, not its part along n",
          lambda v: (-math.hypot(*v.relative),), "Ṽ·n"),
         *((name, f"takes {words}", _closing(
-            lambda v, before=before: plus(before(v), -1.0, v["contact.bat_velocity"])), _AT_CONTACT)
+            lambda v, before=before: plus(before(v), -1.0, v["contact.bat_velocity"])), _AT_CONTACT)  # type: ignore[misc]
           for name, words, before in _BEFORE)),
     Formula("impact.restitution", "plain-restitution", PLAIN, EFFECTIVE, lambda v: (v.e,)),
     *(Formula("impact.restitution", name, sentence, remedy,
@@ -345,7 +356,7 @@ FORMULAS: tuple[Formula, ...] = (
         ("bat-mass-ratio", "takes the bat's whole mass for M_eff",
          _restitution(lambda v, e, r: _printed(e, v.m / v.M))),
         ("bat-inertia-of-ball-radius", "takes the ball's radius for the bat's in its moment of "
-         "inertia", _restitution(lambda v, e, r: _printed(e, _ratio_with(v, _of_ball_radius(v)))),
+         "inertia", lambda v: _OF_RADIUS.restitution(v, _of_ball_radius(v)),
          _I),
         ("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _restitution(
             lambda v, e, r: _printed(e, r * ((v.scene.bat.length - v.lever) / v.lever) ** 2)),
@@ -362,7 +373,9 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("impact.impulse", _J,
         ("reduced-mass", "takes μ from M_eff", _push(lambda v: v.bare), MU),
         ("bat-inertia-of-ball-radius", "takes the ball's radius for the bat's in its moment of "
-         "inertia", lambda v: _bare_pushed(v, _of_ball_radius(v)), _I),
+         "inertia", lambda v: _OF_RADIUS.impulse(v, _of_ball_radius(v)), _I),
+        ("impulse-per-mass", "divides the impulse by the ball's mass",
+         lambda v: (_push()(v)[0] / v.m,), "impact.impulse is in N s"),
         ("ball-mass-for-mu", "takes the ball's mass for μ", _push(lambda v: v.m)),
         ("bat-mass-for-mu", "takes the bat's mass for μ", _push(lambda v: v.M)),
         ("sum-of-masses", "takes m + M for μ", _push(lambda v: v.m + v.M)),
@@ -504,8 +517,12 @@ NUMBERED: tuple[Numbered, ...] = (
              lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v),
              lambda v, said: (math.copysign(math.hypot(*said), said[0])
                               / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length),
-    Numbered("impact.restitution", "bat-inertia", _ROUND, _I,
-             lambda v, c: _restitution(lambda v, e, r: _printed(e, _ratio_with(v, c)))(v),
-             lambda v, said: _round_part(v, (said[0] - v.e) / (1 + v.e))),
-    Numbered("impact.impulse", "bat-inertia", _ROUND, _I, _bare_pushed, _bare_said),
+    *(one for name, words, part in (
+          ("bat-inertia", "r_b² for the bat's radius", _OF_RADIUS),
+          ("bat-inertia-of-length", "L² for the bat's length", _OF_LENGTH))
+      for sentence in [f"has {{}} {words} in its moment of inertia, M(L²/3 + r_b²/4)"]
+      for one in (
+          Numbered("impact.restitution", name, sentence, _I, part.restitution,
+                   lambda v, said, part=part: part.number(v, (said[0] - v.e) / (1 + v.e))),  # type: ignore[misc]
+          Numbered("impact.impulse", name, sentence, _I, part.impulse, part.pushed))),
 )  # fmt: skip

@@ -38,6 +38,8 @@ class Parts:
     # Of ball and bat as they go into the slip, rad/s: from the contact and the scene.
     spin: Callable[[ContactState[float]], Floats] = lambda contact: contact.spin or STILL
     rotation: Callable[[Any], Floats] = lambda scene: bat_rotation(scene.swing, DOUBLES)
+    # Their tangential restitution, from the scene's and ẽ.
+    tangential: Callable[[float, float], float] = lambda given, e: given
     # Of ball and bat as they go into the slip, m, from the scene.
     radii: Callable[[Any], tuple[float, float]] = lambda s: (s.ball.radius, s.bat.radius)
     # Those of `inverse_mass` that are others, from the scene and the right ones.
@@ -67,7 +69,8 @@ def _struck(scene: Any, contact: ContactState[float], parts: Parts) -> Impact[fl
     """Return the impulse with such parts, and what it does."""
     ball, bat, normal = scene.ball, scene.bat, contact.normal
     pair = collision_parameters(ball, bat, contact.lever_arm, scene.reading, DOUBLES)
-    e, e_t = pair.restitution, tangential_restitution(bat, DOUBLES)
+    e = pair.restitution
+    e_t = parts.tangential(tangential_restitution(bat, DOUBLES), e)
     motion = contact.velocity, parts.spin(contact), contact.bat_velocity, parts.rotation(scene)
     g = contact.normal_speed, *impact.slip(*motion, normal, *parts.radii(scene))[1:]
     given = inverse_mass_arguments(ball, bat, contact.lever_arm, scene.reading, DOUBLES)
@@ -155,11 +158,17 @@ RUBBING: tuple[Mistake, ...] = (
     Mistake("friction-same-inertia", "takes the bat's moment of inertia across its axis for that "
             "about it", _K, rubbed(arguments=lambda s, given: {
                 "axial_inertia": given["inertia"]})),
+    Mistake("friction-ball-as-ring", "has m R² for the ball's moment of inertia in K", _K,
+            rubbed(arguments=lambda s, given: {"inertia_factor": 1.0})),
+    Mistake("friction-bat-pivoted", "leaves 1/M of a free bat out of K", _K,
+            rubbed(arguments=lambda s, given: {"inverse_bat_mass": 0.0})),
     *(Mistake(f"friction-{name}-axial", f"{words} for the bat's moment of inertia about its axis, "
               "M r_b²/2", _K, rubbed(arguments=lambda s, given, factor=factor: {
                   "axial_inertia": factor * given["axial_inertia"]}))
       for name, words, factor in (("half", "takes M r_b²/4", 0.5), ("double", "takes M r_b²", 2.0),
                                   ("infinite", "takes infinity", math.inf))),
+    Mistake("one-restitution", "takes ẽ for the tangential restitution",
+            "bat.tangential_restitution, or 0.3", rubbed(tangential=lambda given, e: e)),
     Mistake("always-grips", "lets the ball grip always", _CONE, rubbed(grips=lambda grips: True)),
     Mistake("always-slides", "lets the ball slide always", _CONE,
             rubbed(grips=lambda grips: False)),
