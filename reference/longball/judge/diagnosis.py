@@ -42,7 +42,7 @@ from longball.judge.explanations import (
 )
 from longball.judge.findings import Diagnosis, Finding, StageRow, found, many
 from longball.judge.quantities import superfluous, untrue
-from longball.judge.rules import TURNED, rule
+from longball.judge.rules import FEWEST, TURNED, rule
 from longball.judge.stages import (
     COLLISION,
     ENOUGH,
@@ -63,6 +63,7 @@ from longball.judge.steps import FixedStep, schemes
 from longball.model.readings import Reading
 
 SOUGHT, BESIDE = 10, 4  # failing and passing scenes that an explanation is sought in, before all
+PASSING = 60  # passing scenes in which it is seen what contradicts an explanation
 OTHERS = 3  # scenes of each kind in which it is seen what an explanation does to other stages
 
 # Of wrong answers, those in which no stage can be told to be wrong, such as grazes that doubles
@@ -485,6 +486,7 @@ class _Search:
         found = [e for one in some if (e := replace(one, left=one.left + one.against)).named]
         named = [e for e in sorted(found, key=lambda e: (e.left, e.rank))
                  if e.change is None or not self._contradicted(e.change, wrong, good)]  # fmt: skip
+        named = named or self._but_for(some, stage, wrong, good)
         if not named:
             return []
         alike, doubt = ALIKE * named[0].left, doubt_of(wrong)
@@ -495,6 +497,22 @@ class _Search:
         ties = self._told_from_ties(ties, stage, wrong)
         by_sentence = {e.sentence: e for e in reversed(ties)}
         return sorted(by_sentence.values(), key=lambda e: e.rank)
+
+    def _but_for(
+        self, some: Iterable[Explanation], stage: str, wrong: Seen, good: Seen
+    ) -> list[Explanation]:
+        """Return an explanation that trials which pass contradict, if a rule tells those."""
+        explain = [e for e in some if e.change is not None and e.named]
+        if not explain or len(wrong) < FEWEST:
+            return []
+        best = min(explain, key=lambda e: (e.left, e.rank))
+        full = self.base.then(best.change or NONE)
+        spared = [t.case for t, _ in evenly(good, PASSING) if any(
+            c.stage == stage and not c.follows for c in follow(t, full, (stage,)))]  # fmt: skip
+        where = rule(spared, [t.case for t, _ in wrong])
+        if where is None:
+            return []
+        return [replace(best, sentence=f"{best.sentence}, but not in scenes with {where}")]
 
     def _told_from_ties(
         self, ties: list[Explanation], stage: str, wrong: Seen

@@ -236,6 +236,13 @@ class Sought:
                 break
         return left
 
+    def split(self, e: Explanation) -> Explanation:
+        """Return an explanation with what it does to trials beside it apart from what it leaves."""
+        if e.named or not self.beside or e.change is None:
+            return e
+        left = self.of(self.trials).screened(e.change)
+        return e if left is None else replace(e, left=left, against=max(0.0, e.left - left))
+
     def some(self, count: int) -> Sought:
         """Return a few of the trials, the shortest flights first."""
         short = sorted(self.trials, key=lambda t: duration(t.case))

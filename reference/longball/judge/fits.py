@@ -534,7 +534,7 @@ def _tried(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
             return
         left = sought.screened(mistake.change) if sought.concerned(mistake.change) else None
         if left is not None:
-            yield _explanation(mistake, left)
+            yield sought.split(_explanation(mistake, left))
 
 
 # Of the larger half of errors, what a law may leave to an integrator; and their least size.
@@ -595,7 +595,8 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
                 if there is not None and there < left + SNAP:
                     fit, left = usual, there
             rank = 2 + fit.roundness + (BEHIND if fit.form == "where" else 0)
-            yield Explanation(fit.name, fit.sentence, fit.remedy, left, rank, fit.change)
+            found = Explanation(fit.name, fit.sentence, fit.remedy, left, rank, fit.change)
+            yield sought.split(found)
 
 
 # Numbers that a force goes with, and so may have another value in each scene.

@@ -41,8 +41,9 @@ def _leaves(trial: Trial, fair: bool = True) -> bool:
 
 
 def _beyond_limit(trial: Trial) -> bool:
-    (hang,) = trial.given.get("landing.hang_time", (0.0,))
-    return trial.case.expected.outcome == "airborne" and bool(hang > trial.scene.time_limit)
+    times = (trial.given.get(name, (0.0,)) for name in ("landing.hang_time", "plate.time"))
+    flown = max(time for (time,) in times)
+    return trial.case.expected.outcome == "airborne" and bool(flown > trial.scene.time_limit)
 
 
 def _limited_together(trial: Trial) -> bool:
