@@ -182,10 +182,9 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
         return
     ways = []
     for trial in told_at:
-        held = view_values(trial, base, "contact.normal")
-        if held is None or "contact.position" not in trial.given:
+        if "contact.position" not in trial.given:
             return
-        scene, _, before, height = held
+        scene, _, before, height = view_values(trial, base, "contact.normal")
         x, y, z = trial.given["contact.position"]
         if not any(before):  # nothing is said of the velocity beyond the bat's ends
             continue

@@ -502,7 +502,7 @@ class _Search:
         self, some: Iterable[Explanation], stage: str, wrong: Seen, good: Seen
     ) -> list[Explanation]:
         """Return an explanation that trials which pass contradict, if a rule tells those."""
-        explain = [e for e in some if e.change is not None and e.named]
+        explain = [e for e in some if e.change is not None and e.named and not fits.is_odd(e)]
         if not explain or len(wrong) < FEWEST:
             return []
         best = min(explain, key=lambda e: (e.left, e.rank))
@@ -622,10 +622,10 @@ class _Search:
         assert best.quantity is not None
         assert best.value is not None
         check = next((c for c in checks if c.quantity == best.quantity), None)
-        if check is None or check.follows:
-            return trial
         said, wrong = trial.given.get(best.quantity), best.value(trial)
-        if said is None or wrong is None or len(said) != len(check.expected):
+        if check is None or said is None or wrong is None or len(said) != len(check.expected):
+            return trial
+        if check.follows and math.dist(said, check.expected) <= math.dist(said, wrong):
             return trial
         value = tuple(e + s - w for e, s, w in zip(check.expected, said, wrong, strict=True))
         return trial.saying({best.quantity: value})

@@ -319,7 +319,9 @@ def told(value: float, doubt: float) -> str:
     return f"{value:.{places}f} ± {doubt:.1g}"
 
 
-STANDARD = (9.80665,)  # numbers of many digits that people choose all the same: m/s²
+# Numbers of many digits that people choose all the same: m/s², 5 ounces in kg, and the radius of a
+# circumference of 9 and of 9¼ inches in m.
+STANDARD = (9.80665, 0.14175, 0.1417476, 0.036383, 0.037394)
 
 # What a factor is, if it is one of these.
 _FACTORS = (

@@ -470,6 +470,10 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
       for name, words, factors in _AXES_CHANGED),
     Mistake("drag-forward", "drags along the velocity instead of against it", _AGAINST,
             _drag(lambda motion, p: -motion.speed)),
+    Mistake("air-for-null", "has the usual air where the scene says null",
+            "air = null is none: no drag and no lift", Change(lambda scene: (
+                scene if getattr(scene, "air", 0) is not None
+                else scene.model_copy(update={"air": Air()})))),
     Mistake("no-drag", "flies without drag", "add -k_D V v",
             _without(_drags)),
     Mistake("no-lift", "flies without lift", "add k_L V (ê × v)", _without(_lifts)),
@@ -863,7 +867,8 @@ def _profile(rise: Callable[[Any, Any], Any]) -> Change:
     def changed(f: Any) -> Any:
         if not (isinstance(f, Wind) and ROUGHNESS in f.parameters):
             return f
-        more = _more(f, (("wind_height",), lambda scene, frame: (scene.air.wind.height,)))
+        more = _more(f, (("wind_height", "start_height"), lambda scene, frame: (
+            scene.air.wind.height, _LEVELS[0][2](scene))))  # fmt: skip
 
         def velocity(position: Vector[Any], p: Any) -> Vector[Any]:
             own = trace.log(1.0 + p.wind_height / p.roughness) * rise(position[2], p)
@@ -1205,6 +1210,13 @@ EXTENDED: tuple[Mistake, ...] = (
     Mistake("wind-profile-denominator", "divides by ln(h/z_0) in the wind's profile", _PROFILE,
             _profile(lambda z, p: trace.log(1.0 + z / p.roughness)
                      / trace.log(p.wind_height / p.roughness))),
+    Mistake("wind-profile-linear", "lets the wind grow as z/h, up to h", _PROFILE,
+            _profile(lambda z, p: trace.exp(trace.log(_larger(
+                -_larger(-z, -p.wind_height), trace.ZERO) / p.wind_height))), True),
+    Mistake("wind-profile-from-launch", "counts the height of a wind with `roughness` from the "
+            "launch", _PROFILE, _profile(lambda z, p: trace.log(
+                1.0 + _larger(z - p.start_height, trace.ZERO) / p.roughness)
+                / trace.log(1.0 + p.wind_height / p.roughness)), True),
     Mistake("wind-profile-power", "lets the wind grow as (z/h)^(1/7)", _PROFILE,
             _profile(lambda z, p: trace.exp(
                 trace.log(_larger(z, trace.ZERO) / p.wind_height) / 7.0)), True),

@@ -38,6 +38,11 @@ class View:
         return held if held is not None else tuple(self.scene.incoming.position)
 
     @property
+    def start(self) -> Numbers:
+        """Where the ball's flight begins that ends with its landing, m."""
+        return tuple(self.scene.launch.position) if self.scene.kind == "flight" else self.position
+
+    @property
     def axis(self) -> Numbers:
         """From the bat's axis to the ball, m."""
         return self.position[0], 0.0, self.position[2] - self.height
@@ -289,10 +294,20 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("plate.velocity", "plate.velocity is where the ball crosses x = 0",
         ("velocity-of-release", "gives the release's velocity for that at the plate",
          lambda v: tuple(v.scene.pitch.thrown))),
+    *_wrong("plate.position", "plate.position is in the axes of the scene",
+        ("plate-from-aim", "counts the height at the plate from that aimed at",
+         lambda v: (*(there := v["plate.position:follows"])[:2],
+                    there[2] - v.scene.pitch.aim[1]))),
+    *_wrong("contact.position", "contact.position is the ball's centre in the axes of the scene",
+        ("contact-from-axis", "counts the height of the contact from the bat's axis",
+         lambda v: plus(v["contact.position:follows"], -1.0, (0.0, 0.0, v.height)))),
     *_wrong("contact.margin", "the margin is reach less the least distance from the bat's axis",
         ("margin-at-plate", "takes the margin from the height above the bat's axis at the plate",
          lambda v: (v.scene.ball.radius + v.scene.bat.radius
-                    - abs(v["plate.position"][2] - v.height),))),
+                    - abs(v["plate.position"][2] - v.height),)),
+        ("margin-share", "divides the margin by R + r_b", lambda v: (
+            v.number("contact.margin:follows") / (v.scene.ball.radius + v.scene.bat.radius),),
+         "contact.margin is in m")),
     *_wrong("contact.normal", _N,
         ("normal-not-unit", "does not divide the normal by its length", lambda v: v.axis,
          "n is a unit vector"),
@@ -305,6 +320,12 @@ FORMULAS: tuple[Formula, ...] = (
          lambda v: tuple(x / v.scene.bat.radius for x in v.axis), "n is a unit vector"),
         ("normal-level", "has the normal along x, whatever the height of the ball above the bat",
          lambda v: (1.0, 0.0, 0.0)),
+        ("normal-level-to-ball", "has the normal level, whatever the height of the ball above the "
+         "bat", lambda v: (math.copysign(1.0, v.position[0]), 0.0, 0.0)),
+        ("normal-small-angle", "takes 1 for the cosine of the normal's angle",
+         lambda v: (math.copysign(1.0, v.position[0]), 0.0, _unit(v.axis)[2])),
+        ("normal-against-velocity", "has the normal against the ball's velocity",
+         lambda v: tuple(-x for x in _unit(v.before))),
         ("offset-ignored", "takes the normal without swing.height_offset",
          lambda v: _unit((v.position[0], 0.0, v.position[2] - v["plate.position"][2])),
          "the bat's height is z'_b + σ_b"),
@@ -470,7 +491,15 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("landing.position", "the batted ball flies from contact.position",
         ("batted-from-plate", "lets the batted ball fly from where the pitch crosses the plate",
          lambda v: plus(v["landing.position:follows"], 1.0, plus(
-             v["plate.position"], -1.0, v["contact.position"])))),
+             v["plate.position"], -1.0, v["contact.position"]))),
+        ("position-from-start", "counts landing.position from where the flight begins",
+         _less("landing.position", lambda v: v.start), "landing.position is in the axes of the "
+         "scene")),
+    *_wrong("landing.path", "landing.path is ∫ U dt along the flight",
+        ("path-straight", "measures the path on a straight line from where the flight begins",
+         lambda v: (math.dist(v["landing.position"], v.start),)),
+        ("path-by-landing-speed", "takes the speed at the landing for that of all the flight",
+         lambda v: (v.number("landing.hang_time") * math.hypot(*v["landing.velocity"]),))),
     *_wrong("landing.velocity", "landing.velocity is a vector",
         ("speed-for-vertical", "gives the speed for the vertical velocity",
          lambda v: (*(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
@@ -482,8 +511,7 @@ FORMULAS: tuple[Formula, ...] = (
     *_wrong("landing.distance", _D,
         ("distance-from-start", "measures the distance from the launch, or from where the ball was "
          "met, and not from the plate",
-         lambda v: (math.dist(v["landing.position"][:2], (
-             v.scene.launch.position if v.scene.kind == "flight" else v.position)[:2]),)),
+         lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
         ("distance-in-space", "measures the distance in space, height too", _distance(math.hypot)),
         ("distance-of-x-and-z", "takes z for y in the distance",
          _distance(lambda x, y, z: math.hypot(x, z))),

@@ -30,6 +30,7 @@ from longball.judge.stages import (
     Trials,
     digits,
     follow,
+    stage_of,
     view_values,
     with_values,
 )
@@ -81,11 +82,14 @@ def _held(
     value: Callable[[Trial, Check], Sequence[float] | Array | None],
 ) -> tuple[float, float]:
     """Return the share of the errors that is left if a quantity has a value, and is made beside."""
+    # What follows from what is said of the quantity itself.
+    made_of = (f"{quantity}: event", *(("landing.spin",) if quantity == "landing.path" else ()))
 
     def left(trial: Trial, checks: Iterable[Check]) -> float:
         return sum(
-            off(value(trial, c), c) if c.quantity == quantity else size_of(c) for c in checks
-        )
+            off(value(trial, c), c) if c.quantity == quantity else size_of(c)
+            for c in checks if c.quantity not in made_of
+        )  # fmt: skip
 
     whole = sum(sum(map(size_of, cs)) for _, cs in chosen)
     against = sum(
@@ -216,7 +220,8 @@ TURNS = tuple(sorted(_turns(), key=lambda turn: turn[0].count("-")))
 
 def _image_value(quantity: str, image: Image, base: Change) -> Callable[[Trial], Numbers | None]:
     def value(trial: Trial) -> Numbers | None:
-        rows = (c.expected for c in follow(trial, base) if c.quantity == quantity)
+        known = follow(trial, base, (stage_of(quantity),))  # later stages may not follow at all
+        rows = (c.expected for c in known if c.quantity == quantity)
         return next((tuple(image(np.array(row)).tolist()) for row in rows), None)
 
     return value
@@ -231,7 +236,7 @@ def formulas(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]:
     wanted = [f for f in FORMULAS if f.quantity in failing]
     if "landing.position" in failing:  # where the ball is at a time counted otherwise
         wanted += [f for f in FORMULAS if f.quantity == "landing.hang_time"]
-    views: dict[int, View | None] = {}
+    views: dict[int, View] = {}
 
     def tried(value: Callable[[View], Numbers], trial: Trial) -> Numbers | None:
         if id(trial) not in views:
@@ -266,14 +271,13 @@ def _settled(numbers: Sequence[float]) -> float | None:
     return number if digits_of(number) <= FEW_DIGITS else None
 
 
-def _view(trial: Trial, base: Change, quantity: str) -> View | None:
-    held = view_values(trial, base, quantity)
-    return View(*held) if held else None
+def _view(trial: Trial, base: Change, quantity: str) -> View:
+    return View(*view_values(trial, base, quantity))
 
 
-def _value(value: Callable[[View], Numbers], view: View | None) -> Numbers | None:
+def _value(value: Callable[[View], Numbers], view: View) -> Numbers | None:
     try:
-        return None if view is None else value(view)
+        return value(view)
     except (KeyError, AttributeError, TypeError, ZeroDivisionError, OverflowError, ValueError):
         return None  # of a scene that has not what the formula takes
 
@@ -285,7 +289,7 @@ def by_speed(chosen: Seen, base: Change) -> Iterator[Explanation]:
     def line(trial: Trial) -> tuple[float, float, float, float] | None:
         """Return e, |Ṽ·n| in m/s, and a and b of ẽ = a + b e."""
         view = _view(trial, base, name)
-        if view is None:
+        if "contact.normal_speed" not in view.values:
             return None
         ends = [replace(view, scene=with_values(view.scene, {"ball.restitution": e}))
                 for e in (0.0, 1.0)]  # fmt: skip

@@ -344,19 +344,24 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
 
 def view_values(
     trial: Trial, change: Change, quantity: str
-) -> tuple[Any, Mapping[str, Numbers], Numbers, float] | None:
-    """Return what formulas take: scene, values so far, velocity before the impact, bat's height."""
+) -> tuple[Any, Mapping[str, Numbers], Numbers, float]:
+    """Return what formulas take: scene, values so far, velocity before the impact, bat's height.
+
+    Velocity and height are 0 where they are not known.
+    """
     following = _Following(trial, change)
     flies = stage_of(quantity) in FLYING
     with suppress(*_NO_STATE):  # what comes later may not follow, and is not needed
         list(following.checks(frozenset(STAGES if flies else set(STAGES) - set(FLYING))))
-    try:
-        before, height = (0.0, 0.0, 0.0), 0.0
-        if "contact.normal" in trial.expected:
-            before, height = following.before, following.height  # type: ignore[assignment]
-    except _NO_STATE:
-        return None
-    follows = {f"{name}:follows": value for name, value in following.own.items()}
+    before: Numbers = (0.0, 0.0, 0.0)
+    height = 0.0
+    if "contact.normal" in trial.expected:
+        with suppress(*_NO_STATE):
+            height = following.height
+            before = following.before
+    # Where doubles do not tell what follows, as of a graze, the truth stands for it.
+    known = {**trial.expected, **following.own}
+    follows = {f"{name}:follows": value for name, value in known.items()}
     return following.scene, {**follows, **following.own, **following.given}, before, height
 
 
