@@ -1160,6 +1160,10 @@ EXTENDED: tuple[Mistake, ...] = (
             "spin falls by e along spin_decay_length of path through the air",
             _replaced(DECAY_ALONG_PATH, replace(
                 DECAY_ALONG_PATH, rate=lambda motion, p: size(motion.velocity)))),
+    Mistake("spin-decay-level", "lets the spin decay along the horizontal part of the path",
+            "spin falls by e along spin_decay_length of path through the air",
+            _replaced(DECAY_ALONG_PATH, replace(
+                DECAY_ALONG_PATH, rate=lambda motion, p: _of_two(*motion.air.velocity[:2])))),
     Mistake("wind-sign", "takes the wind for where it blows from", "wind is where it blows to",
             _winds(_arranged("-x -y -z"))),
     Mistake("wind-side-sign", "has the wind's y the other way round", "+y is left of the catcher",
@@ -1340,6 +1344,11 @@ EXTENDED: tuple[Mistake, ...] = (
               _tables(partial(_extrapolated, below=name != "-above", above=name != "-below")))
       for name, words in (("", "first and last line outside"), ("-below", "first line below"),
                           ("-above", "last line above"))),
+    Mistake("table-reversed", "takes the values of a table in the reverse order", _LINEAR,
+            _tables(lambda at, values, scene: (at, values[::-1]))),
+    Mistake("table-even", "takes the nodes of a table for evenly spaced", _LINEAR,
+            _tables(lambda at, values, scene: (
+                np.linspace(at[0], at[-1], len(at)).tolist(), values))),
     *(Mistake(f"table-in-{unit}", f"takes a table of the airspeed for one in {unit}",
               "the nodes of a table of the airspeed are in m/s", _tables(
                   lambda at, values, scene, f=factor: ([x * f for x in at], values), "speed"))
@@ -1373,6 +1382,10 @@ def _single(value: Any) -> Any:
     return tuple(map(_single, value)) if isinstance(value, tuple) else float(np.float32(value))
 
 
+def _to_digits(count: int, x: float) -> float:
+    return float(f"{x:.{count}g}")
+
+
 def _with_single_strength(scene: Any) -> Any:
     """Return a scene with the density of a k = ρ A/(2 m) in single precision."""
     if getattr(scene, "air", None) is None:
@@ -1390,6 +1403,13 @@ SINGLES = (
             scene_change(lambda scene: {n: _single(float(x)) for n, x in numbers(scene)})),
     Mistake("single:k", "has k = ρ A/(2 m) in single precision", _DOUBLES,
             Change(_with_single_strength)),
+    *(Mistake(f"read-to:{name}", f"reads the scene's numbers to {name} only", _DOUBLES,
+              scene_change(lambda scene, short=short: {  # type: ignore[misc]
+                  n: short(float(x)) for n, x in numbers(scene)}))
+      for name, short in (
+          *((many(n, "decimal"), partial(round, ndigits=n)) for n in range(1, 7)),
+          *((f"{n} digits", partial(_to_digits, n)) for n in range(2, 8)),
+          ("half precision", lambda x: float(np.float16(x))))),
     *(Mistake(f"single:{place}", f"takes {place} in single precision", _DOUBLES,
               scene_change(lambda scene, place=place: {place: _single(at(scene, place))}))  # type: ignore[misc]
       for place in ("gravity", "launch.velocity", "launch.position", "air.density", "ball.mass",

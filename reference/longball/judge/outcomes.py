@@ -60,6 +60,10 @@ RULES: tuple[tuple[str, str, str, Callable[[Trial], bool]], ...] = (
      _beyond_limit),
     ("time-limit-of-both", "counts time_limit for pitch and batted ball together",
      "pitch and batted ball have time_limit seconds each", _limited_together),
+    ("pitch-without-ground", "lets a pitch fly on below the ground",
+     "a pitch that comes down before the plate is grounded", lambda t: (
+         t.case.expected.outcome == "grounded" and "plate.position" in t.given
+         and t.given["plate.position"][2] < t.scene.ground.height)),
     ("foul-home-run", "takes a foul ball over the fence for a home run",
      "a ball that passes the fence foul is none: it flies on, and lands",
      lambda t: t.outcome == "home_run" and _leaves(t, fair=False)),

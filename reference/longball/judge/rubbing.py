@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from longball.engines.chain import collide
@@ -112,8 +113,10 @@ def _along(factor: Callable[[Floats, Floats, float], float]) -> Callable[..., Fl
     return sliding
 
 
-def _level(scene: Any) -> Floats:
-    return bat_rotation(with_values(scene, {"swing.tilt": 0.0}).swing, DOUBLES)
+def _leaning(factor: float, scene: Any) -> Floats:
+    """Return the bat's rotation with a factor of the tilt."""
+    tilt = factor * scene.swing.tilt
+    return bat_rotation(with_values(scene, {"swing.tilt": tilt}).swing, DOUBLES)
 
 
 def _reversed(vector: Floats) -> Floats:
@@ -137,7 +140,9 @@ RUBBING: tuple[Mistake, ...] = (
     Mistake("friction-spin-sign", "counts the ball's spin the other way round in the slip", _SLIP,
             rubbed(spin=lambda contact: _reversed(contact.spin or STILL))),
     Mistake("friction-rotation-level", "turns the bat's surface about z, whatever the tilt", _SLIP,
-            rubbed(rotation=_level)),
+            rubbed(rotation=partial(_leaning, 0.0))),
+    Mistake("friction-rotation-tilt", "tilts the bat's axis of rotation the wrong way", _SLIP,
+            rubbed(rotation=partial(_leaning, -1.0))),
     Mistake("friction-rotation-sign", "counts the bat's rotation the other way round in the slip",
             _SLIP, rubbed(rotation=lambda s: _reversed(bat_rotation(s.swing, DOUBLES)))),
     Mistake("friction-bat-radius", "takes the bat's radius for the ball's in the slip", _SLIP,
