@@ -1386,6 +1386,11 @@ def _to_digits(count: int, x: float) -> float:
     return float(f"{x:.{count}g}")
 
 
+def _to_half(x: float) -> float:
+    with np.errstate(over="ignore"):  # 65504 is the largest
+        return float(np.float16(x))
+
+
 def _with_single_strength(scene: Any) -> Any:
     """Return a scene with the density of a k = ρ A/(2 m) in single precision."""
     if getattr(scene, "air", None) is None:
@@ -1409,7 +1414,7 @@ SINGLES = (
       for name, short in (
           *((many(n, "decimal"), partial(round, ndigits=n)) for n in range(1, 7)),
           *((f"{n} digits", partial(_to_digits, n)) for n in range(2, 8)),
-          ("half precision", lambda x: float(np.float16(x))))),
+          ("half precision", _to_half))),
     *(Mistake(f"single:{place}", f"takes {place} in single precision", _DOUBLES,
               scene_change(lambda scene, place=place: {place: _single(at(scene, place))}))  # type: ignore[misc]
       for place in ("gravity", "launch.velocity", "launch.position", "air.density", "ball.mass",
