@@ -45,6 +45,8 @@ TOLERANCE = 1e-11
 LONGEST = 0.3
 
 _SHORT = 1e-4  # s: half of what a derivative is a difference over
+# m and m/s: a law drives a ball on without end that comes so far. Events there take seconds to find.
+FARTHEST = 1e15
 MOST_STEPS = 500  # a baseball's flight takes twenty, and one that a wrong law drives on any number
 
 
@@ -104,7 +106,8 @@ class AnyLaw(PathEngine[float]):
                 after = bend(solver.y, solver.f)
                 length = reaching(time, solver.t - time, solver.t)
                 between = _between(length, (before, solver.y), (slope, solver.f), (bent, after))
-            if message is not None or not np.isfinite(between).all():
+            lost = not np.isfinite(between).all() or np.abs(solver.y).max() > FARTHEST
+            if message is not None or lost:
                 raise OutOfRange(f"DOP853 gave up at t = {time:.6g} s")
             yield PolynomialPiece(time, length, law.state, between)
             if solver.status == "finished":
