@@ -13,6 +13,7 @@ from typing import get_args
 
 from longball.golden import real
 from longball.golden.case_builder import Draft, between, draft, shares, towards
+from longball.golden.combined import combined, edges
 from longball.golden.fences import fence
 from longball.golden.hard import hard
 from longball.golden.kinks import flight_kinks
@@ -274,8 +275,9 @@ FAMILIES: dict[str, Family] = {
     family.__name__.replace("_", "-"): family
     for family in (
         flight_vacuum, flight_drag, flight_lift, flight_both, flight_vertical, flight_weightless,
-        pitch, impact, at_bat, hard, impact_oblique, fence, real.flight_spin_lift,
+        pitch, impact, at_bat, hard, edges, impact_oblique, fence, real.flight_spin_lift,
         real.flight_spin_drag, real.flight_spin_decay, real.flight_wind, real.flight_weather,
         flight_kinks, real.flight_real, real.at_bat_real, real.hard_real,
+        combined,
     )
 }  # fmt: skip

@@ -19,6 +19,7 @@ def header(folder: Path = DATA) -> Header:
 EXTENDED = (
     "impact-oblique", "fence", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
     "flight-wind", "flight-weather", "flight-kinks", "flight-real", "at-bat-real", "hard-real",
+    "combined",
 )  # fmt: skip
 
 
