@@ -46,7 +46,7 @@ LONGEST = 0.3
 
 _SHORT = 1e-4  # s: half of what a derivative is a difference over
 # m and m/s: a law that takes a ball so far drives it on without end; events there take seconds.
-FARTHEST = 1e15
+FARTHEST = 1e7
 MOST_STEPS = 500  # a baseball's flight takes twenty, and one that a wrong law drives on any number
 
 
@@ -81,7 +81,7 @@ class AnyLaw(PathEngine[float]):
         if is_papers(law):
             for piece in Ivp().steps(law, start, begin, limit, events):
                 if max(map(abs, piece.at(0.0))) > FARTHEST:
-                    raise OutOfRange(f"the ball is driven on without end, at t = {piece.begin:.6g} s")
+                    raise OutOfRange(f"the ball is driven on at t = {piece.begin:.6g} s")
                 yield piece
             return
         state, rates = np.array(start, dtype=float), _within(right_hand_side(law))
