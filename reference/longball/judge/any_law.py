@@ -45,8 +45,8 @@ TOLERANCE = 1e-11
 LONGEST = 0.3
 
 _SHORT = 1e-4  # s: half of what a derivative is a difference over
-# m and m/s: a law drives a ball on without end that comes so far. Events there take seconds to find.
-FARTHEST = 1e15
+# m and m/s: a law that takes a ball so far drives it on without end; events there take seconds.
+FARTHEST = 1e7
 MOST_STEPS = 500  # a baseball's flight takes twenty, and one that a wrong law drives on any number
 
 
@@ -79,7 +79,10 @@ class AnyLaw(PathEngine[float]):
     ) -> Iterator[PolynomialPiece]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`."""
         if is_papers(law):
-            yield from Ivp().steps(law, start, begin, limit, events)
+            for piece in Ivp().steps(law, start, begin, limit, events):
+                if max(map(abs, piece.at(0.0))) > FARTHEST:
+                    raise OutOfRange(f"the ball is driven on at t = {piece.begin:.6g} s")
+                yield piece
             return
         state, rates = np.array(start, dtype=float), _within(right_hand_side(law))
 
