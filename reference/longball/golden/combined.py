@@ -13,7 +13,6 @@ from longball.model.air import (
     Air,
     BilinearLift,
     CrisisDrag,
-    LinearLift,
     Table,
     Weather,
     WindAbove,
@@ -26,9 +25,11 @@ from longball.model.scene import (
     Bat,
     Earth,
     Fence,
+    FlightScene,
     Ground,
     ImpactScene,
     Incoming,
+    Launch,
     Pitch,
     PitchScene,
     Rotation,
@@ -44,7 +45,7 @@ def combined() -> Iterator[Draft]:
 
 def edges() -> Iterator[Draft]:
     """Edges of the bat, of the ground and of headings, and swings that tilt downwards."""
-    for cases in (_ends_of_the_bat, _grounds, _upright, _downwards):
+    for cases in (_ends_of_the_bat, _grounds, _upright, _downwards, _popped_up):
         yield from cases()
 
 
@@ -63,8 +64,8 @@ READINGS: tuple[dict[str, str], ...] = (
 
 _BY_SPEED = Table(law="table", of="speed", at=(20.0, 35.0, 50.0), values=(0.5, 0.4, 0.3))
 _BY_MACH = Table(law="table", of="mach", at=(0.05, 0.1, 0.15), values=(0.3, 0.22, 0.15))
-_DRAGS = NATHAN_DRAG, CrisisDrag(law="crisis", per_spin=1e-4), _BY_SPEED
-_LIFTS = NATHAN_LIFT, LinearLift(law="linear", slope=1.0), BilinearLift(law="bilinear"), _BY_MACH
+_DRAGS = NATHAN_DRAG, CrisisDrag(law="crisis", per_spin=1e-4)
+_LIFTS = NATHAN_LIFT, BilinearLift(law="bilinear"), _BY_MACH
 
 
 def _air(i: int) -> Air:
@@ -82,7 +83,7 @@ def _air(i: int) -> Air:
     return Air(
         density=weather,
         density_scale_height=8217.0 if i % 2 else None,
-        drag_coefficient=_DRAGS[i % len(_DRAGS)],
+        drag_coefficient=_BY_SPEED if i % 5 == 1 else _DRAGS[i % len(_DRAGS)],
         lift_coefficient=_LIFTS[i % len(_LIFTS)],
         spin_decay_length=between(100.0, 1341.0, d),
         wind=winds[i // 2 % len(winds)],
@@ -100,7 +101,7 @@ def _spin(i: int) -> Point:
 
 
 def _flights() -> Iterator[Draft]:
-    for i, switches in enumerate(READINGS):
+    for i, switches in enumerate(READINGS, 1):
         velocity = towards(between(34.0, 46.0, shares(i)[0]), 12.0 + 4 * i, 12.0 * i - 36.0)
         blocks: dict[str, Any] = {"air": _air(i), "reading": Reading.model_validate(switches)}
         yield draft(
@@ -120,35 +121,27 @@ def _throws() -> Iterator[Draft]:
         {"slide_direction": "final"},
         {"distance_origin": "launch"},
     )
-    for i, switches in enumerate((*READINGS, *READINGS)):
+    for i, switches in enumerate((*READINGS, *READINGS), 1):
         a, b, c, d, *_ = shares(i)
         pitch = Pitch(
             velocity=(-between(38.0, 44.0, a), between(-0.3, 0.3, b), between(0.0, 1.5, c)),
             release=(16.6, between(-0.2, 0.2, d), between(1.7, 2.1, a)),
             spin=_spin(i),
         )
-        comment = "one reading, in a wind, with spin that decays"
-        earth = _earth(i)
-        if i < len(READINGS):
-            reading = Reading.model_validate(switches)
-            name = f"combined-pitch-{i:04d}"
-            scene = PitchScene(id=name, pitch=pitch, air=_air(i), earth=earth, reading=reading)
-            yield draft(scene, comment)
-            continue
+        thrown: dict[str, Any] = {"pitch": pitch, "air": _air(i), "earth": _earth(i)}
+        reading = Reading.model_validate(switches)
+        scene = PitchScene(id=f"combined-pitch-{i:04d}", reading=reading, **thrown)
+        yield draft(scene, "one reading, in a wind, with spin that decays")
         both = bats[i % len(bats)] | switches
-        yield draft(
-            AtBatScene(
-                id=f"combined-at-bat-{i:04d}",
-                pitch=pitch,
-                air=_air(i),
-                earth=earth,
-                reading=Reading.model_validate(both),
-                bat=Bat(friction=0.05 if i % 4 == 0 else between(0.1, 0.6, b)),
-                swing=Swing(height_offset=between(-0.03, 0.03, c), tilt=between(-0.2, 0.2, d)),
-            ),
-            "a reading of the flight and one of the impact, with friction",
-            "friction",
+        at_bat = AtBatScene(
+            id=f"combined-at-bat-{i:04d}",
+            reading=Reading.model_validate(both),
+            bat=Bat(friction=0.05 if i % 4 == 0 else between(0.1, 0.6, b)),
+            swing=Swing(height_offset=between(-0.03, 0.03, c), tilt=between(-0.2, 0.2, d)),
+            **thrown,
         )
+        comment = "a reading of the flight and one of the impact, with friction"
+        yield draft(at_bat, comment, "friction")
 
 
 # --- impacts --------------------------------------------------------------------------------------
@@ -237,6 +230,25 @@ def _grounds() -> Iterator[Draft]:
             yield draft(scene_, "a pitch whose centre is above the ground at the plate by less "
                         "than its radius")  # fmt: skip
 
+    for ground in (0.0, -3.0):
+        yield draft(
+            flight(f"edges-surface-{ground:g}", (30.0, 8.0, 14.0), reading=surface,
+                   ground=Ground(height=ground)),
+            "a flight that ends where the ball's surface touches the ground",
+        )  # fmt: skip
+
+
+def _popped_up() -> Iterator[Draft]:
+    """Yield pop-ups that lift turns over the vertical, up or fixed."""
+    for offset, lift in ((-0.0475, 0.5), (-0.05, 0.2), (-0.0525, 0.5)):
+        scene = AtBatScene(
+            id=f"edges-popped-up-{offset:g}",
+            swing=Swing(height_offset=offset),
+            air=Air(lift_coefficient=lift),
+            reading=Reading(lift_direction="always_up"),
+        )
+        yield draft(scene, "an at-bat whose ball turns past the vertical")
+
 
 def _fences() -> Iterator[Draft]:
     sloping = Fence(polyline=((80.0, 80.0, 12.0), (115.0, 0.0, 2.0), (80.0, -80.0, 9.0)))
@@ -265,8 +277,9 @@ def _fences() -> Iterator[Draft]:
         ("in-time", over, RULE_BOOK, {"time_limit": 5.2}),
         ("in-time-circle", over, circle, {"time_limit": 5.2}),
     ):
-        launch: dict[str, Any] = {"air": Air(), "fence": fence, **blocks}
-        scene = flight(f"combined-fence-{name}", velocity, **launch)
+        launch: dict[str, Any] = {"fence": fence, **blocks}
+        aside = Launch(position=(3.0, -2.0, 1.0), velocity=velocity)
+        scene = FlightScene(id=f"combined-fence-{name}", launch=aside, **launch)
         yield draft(scene, "a fence that slopes or folds, or a reading of it")
 
 
