@@ -158,7 +158,7 @@ class Work:
 
 
 PATIENCE = 8_000.0  # flights of a search, which end within ten seconds: the same on every machine
-MOST_EFFORT = 30_000  # steps of DOP853: a law that drives the ball on takes many
+MOST_EFFORT = 36_000  # steps of DOP853: a law that drives the ball on takes many
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 

@@ -245,7 +245,7 @@ _AXES_CHANGED: tuple[tuple[str, str, tuple[float, float, float]], ...] = (
       for axis, factors in (("x", (0, 1, 1)), ("y", (1, 0, 1)), ("z", (1, 1, 0)))),
     ("vertical-part", "has the vertical part of the {}, and not the horizontal one", (0, 0, 1)),
     *((f"{axis}-sign", f"turns the {{}} along {axis} the wrong way", factors)
-      for axis, factors in (("x", (-1, 1, 1)), ("y", (1, -1, 1)), ("z", (1, 1, -1)))),
+      for axis, factors in (("y", (1, -1, 1)), ("z", (1, 1, -1)))),
     ("level-sign", "turns the horizontal part of the {} the wrong way", (-1, -1, 1)),
 )  # fmt: skip
 
@@ -299,10 +299,18 @@ def _about_if_fixed(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
     return _terms(lambda term: term, Force(names, strengths, acceleration))
 
 
-def _axis_of_vertical(axis: Vector[Any], scene: Any, frame: Any) -> Vector[Any]:
-    """Return the axis of the lift, an own one of a launch straight up or down."""
-    level = scene.launch.velocity[:2] if scene.kind == "flight" else (1.0,)
-    return _right_axis(scene, frame) if any(level) else axis
+_ASIDE = 1e-9  # m/s: too slow to move a flight, and enough to give it a heading
+
+
+def _headed(way: Sequence[float]) -> Change:
+    """Return the change of launches straight up or down to ones with a heading."""
+
+    def values(scene: Any) -> Mapping[str, Any]:
+        *level, rise = scene.launch.velocity
+        aside = (_ASIDE * x for x in way)
+        return {} if any(level) else {"launch.velocity": (*aside, rise)}
+
+    return scene_change(values)
 
 
 def _is_batted(scene: Any, frame: Any) -> bool:
@@ -405,14 +413,6 @@ _AXES_OF_LIFT: tuple[tuple[str, str, str, Callable[[Any, Any], Vector[Any]]], ..
      lambda scene, frame: (0.0, math.copysign(1.0, -frame.cos), 0.0)),
     ("lift-axis-sign", "has the lift's axis the other way round, (-sin φ, cos φ, 0)",
      _HEADING, lambda scene, frame: (-frame.sin, frame.cos, 0.0)),
-    ("lift-about-forward-axis", "takes |v_x| for v_x in the heading", _HEADING,
-     lambda scene, frame: (frame.sin, -abs(frame.cos), 0.0)),
-    ("lift-about-left-axis", "takes |v_y| for v_y in the axis of lift", _HEADING,
-     lambda scene, frame: (abs(frame.sin), -frame.cos, 0.0)),
-    *((f"heading-of-vertical-{name}", f"has a launch straight up or down head for {name}",
-       "its heading is +x", partial(_axis_of_vertical, axis))
-      for name, axis in (("-x", (0.0, 1.0, 0.0)), ("y", (1.0, 0.0, 0.0)),
-                         ("-y", (-1.0, 0.0, 0.0)))),
     ("lift-about-axis-of-pitch", "lifts a batted ball about the axis that the pitch had",
      _ANEW, _axis_of_pitch(straight=False)),
     ("lift-about-plus-y", "lifts a batted ball about +y, the axis of a straight pitch",
@@ -512,6 +512,13 @@ _PAPERS_LAW: tuple[Mistake, ...] = (
     *(Mistake(name, sentence + where, remedy, about(axis))
       for name, sentence, remedy, axis in _AXES_OF_LIFT
       for where, about in (("", _about), (", but not where it is always up", _about_if_fixed))),
+    *(Mistake(f"heading-of-vertical-{name}", f"has a launch straight up or down head for {name}",
+              "its heading is +x", _headed(way))
+      for name, way in (("-x", (-1.0, 0.0)), ("y", (0.0, 1.0)), ("-y", (0.0, -1.0)))),
+    Mistake("lift-about-forward-axis", "takes |v_x| for v_x in the heading", _HEADING,
+            _about_if_fixed(lambda scene, frame: (frame.sin, -abs(frame.cos), 0.0))),
+    Mistake("lift-about-left-axis", "takes |v_y| for v_y in the axis of lift", _HEADING,
+            _about_if_fixed(lambda scene, frame: (abs(frame.sin), -frame.cos, 0.0))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the "
             "opposite one where v_x < 0: the lift then has the wrong sign", "take atan2(v_y, v_x), "
             "or divide the horizontal velocity by its size", _about(lambda scene, frame: scaled(
