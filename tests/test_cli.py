@@ -567,9 +567,16 @@ def test_help_shows_an_example(called, command: list[str]):
     assert not command or "Example: longball" in run.stdout
 
 
-@pytest.mark.parametrize("what", ["import longball", "import longball.cli"])
-def test_heavy_libraries_wait_until_they_are_needed(what: str):
-    heavy = "{'sympy', 'pandas', 'matplotlib', 'numba', 'flint', 'mpmath', 'joblib'}"
+@pytest.mark.parametrize(
+    ("what", "more"),
+    [
+        ("import longball", {"numpy", "pydantic", "typer"}),
+        ("import longball.cli", {"numpy", "pydantic", "rich"}),
+        ("from longball.cli import solve; from longball.engines.ivp import Ivp", {"scipy"}),
+    ],
+)
+def test_heavy_libraries_wait_until_they_are_needed(what: str, more: set[str]):
+    heavy = {"sympy", "pandas", "matplotlib", "numba", "flint", "mpmath", "joblib", "scipy"} | more
     code = f"import sys; {what}; print(*({heavy} & set(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
     assert run.stdout.strip() == b""

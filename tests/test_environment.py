@@ -186,18 +186,19 @@ class TestSignals:
         assert process.returncode == 128 + number
         assert words == b"longball: " + said + b"\n"
 
-    def test_end_imports_without_a_word(self):
+    @pytest.mark.parametrize("name", ["typer", "longball.cli.fit", "numpy"])
+    def test_end_imports_without_a_word(self, name: str):
         code = (
             "import os, signal, sys\n"
             "class Finder:\n"
             "    def find_spec(self, name, path=None, target=None):\n"
-            "        if name == 'typer': os.kill(os.getpid(), signal.SIGINT)\n"
+            "        if name == sys.argv[2]: os.kill(os.getpid(), signal.SIGINT)\n"
             "sys.meta_path.insert(0, Finder())\n"
             "from longball.__main__ import main\n"
             "main()\n"
         )
         run = subprocess.run(
-            [sys.executable, "-c", code],
+            [sys.executable, "-c", code, "fit", name],
             capture_output=True,
             check=False,
             preexec_fn=hear_interrupts,
