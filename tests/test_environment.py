@@ -42,11 +42,18 @@ def shell(line: str, folder: Path) -> subprocess.CompletedProcess:
 # --- streams and encodings ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", [["fit", "--example"], ["readings", "--samples", "0"]])
-def test_output_is_utf_8_whatever_the_locale(command: list[str]):
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["fit", "--example"], "4418 pitches used of 4418 rows"),
+        (["readings", "--samples", "0"], "bat_ball_restitution"),
+    ],
+)
+def test_output_is_utf_8_whatever_the_locale(command: list[str], said: str):
     run = longball(*command, env={**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0"})
     assert run.returncode == 0, run.stderr
     assert any(ord(c) > 255 for c in run.stdout.decode())
+    assert said in run.stdout.decode()
 
 
 @pytest.mark.parametrize(
