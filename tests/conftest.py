@@ -21,15 +21,15 @@ settings.load_profile("same")
 
 @pytest.fixture
 def called(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Return a function that calls the command line in this process, with nothing on its input.
+    """Return a function that calls the command line in this process.
 
-    For what is over before anything is computed: to start Python takes longer.
+    For what does not hang on the process: to start one takes longer, with libraries some seconds.
     """
     from longball.__main__ import STOPPED, main
 
-    def call(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    def call(*arguments: str | Path, stdin: bytes = b"") -> subprocess.CompletedProcess[str]:
         monkeypatch.setattr(sys, "argv", ["longball", *map(str, arguments)])
-        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO()))
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
         handlers = {number: signal.getsignal(number) for number in STOPPED}
         capsys.readouterr()
         try:

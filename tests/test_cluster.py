@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,8 +21,8 @@ import longball as longball_package
 
 distributed = pytest.importorskip("distributed")
 
-# Enough for a hundred tasks; a worker does one in some tenths of a second.
-HOME_RUN = ("homerun", "--samples", "200000", "--e", "0.41,0.45", "--json")
+# Enough for dozens of tasks; a worker does one in some tenths of a second.
+HOME_RUN = ("homerun", "--samples", "80000", "--e", "0.41,0.45", "--json")
 PATIENCE = 60.0  # s, far beyond what anything here takes
 
 
@@ -57,9 +57,9 @@ class Cluster:
 Start = Callable[..., None]
 
 
-@pytest.fixture
-def start() -> Iterator[Start]:
-    """Start parts of a cluster, which end with the test."""
+@contextmanager
+def starting() -> Iterator[Start]:
+    """Yield what starts parts of a cluster, which end with the context."""
 
     def start(what: str, *arguments: str, **options: Any) -> None:
         command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments]
@@ -76,10 +76,9 @@ def start() -> Iterator[Start]:
         yield start
 
 
-@pytest.fixture
-def scheduler(tmp_path: Path, start: Start) -> str:
+def start_scheduler(start: Start, folder: Path) -> str:
     """Return the address of a scheduler without workers."""
-    about = tmp_path / "scheduler.json"
+    about = folder / "scheduler.json"
     start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(about))
     wait_until(lambda: about.exists() and about.read_text().endswith("}"))
     return json.loads(about.read_text())["address"]
@@ -89,15 +88,29 @@ def start_worker(start: Start, address: str, **options: Any) -> None:
     start("worker", address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1", **options)
 
 
-@pytest.fixture
-def cluster(scheduler: str, start: Start) -> Iterator[Cluster]:
-    for _ in range(2):
-        start_worker(start, scheduler)
-    with distributed.Client(scheduler, set_as_default=False) as client:
-        client.wait_for_workers(2, timeout=PATIENCE)
-        yield Cluster(scheduler, client)
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    with starting() as start:
+        scheduler = start_scheduler(start, tmp_path_factory.mktemp("cluster"))
+        for _ in range(2):
+            start_worker(start, scheduler)
+        with distributed.Client(scheduler, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=PATIENCE)
+            yield Cluster(scheduler, client)
 
 
+def test_lines_have_the_same_answers(cluster: Cluster) -> None:
+    scenes = b"".join(
+        b'{"id": "%d", "kind": "at-bat", "swing": {"height_offset": %f}}\n' % (i, 0.001 * i - 0.05)
+        for i in range(100)
+    )
+    here = longball("solve", "-", stdin=scenes)
+    there = longball("solve", "-", "--scheduler", cluster.address, stdin=scenes)
+    assert there.returncode == 0
+    assert there.stdout == here.stdout
+
+
+# The last that needs both workers.
 def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> None:
     here = longball(*HOME_RUN)
     with subprocess.Popen(
@@ -120,17 +133,6 @@ def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> 
     wait_until(lambda: victim not in cluster.workers() and len(cluster.workers()) == 1)
 
 
-def test_lines_have_the_same_answers(cluster: Cluster) -> None:
-    scenes = b"".join(
-        b'{"id": "%d", "kind": "at-bat", "swing": {"height_offset": %f}}\n' % (i, 0.001 * i - 0.05)
-        for i in range(100)
-    )
-    here = longball("solve", "-", stdin=scenes)
-    there = longball("solve", "-", "--scheduler", cluster.address, stdin=scenes)
-    assert there.returncode == 0
-    assert there.stdout == here.stdout
-
-
 @pytest.mark.parametrize(
     ("address", "named"),
     [
@@ -148,23 +150,22 @@ def test_an_address_where_nobody_answers_is_refused(address: str, named: str) ->
     assert b"Traceback" not in run.stderr
 
 
-def test_workers_that_are_none_or_have_other_code_are_refused(
-    scheduler: str, start: Start, tmp_path: Path
-) -> None:
-    run = longball("solve", "--scheduler", scheduler, stdin=b"{}")
-    assert run.returncode == 2
-    assert b"has no workers, or none that answers within 8 s" in run.stderr
-
+def test_workers_that_are_none_or_have_other_code_are_refused(tmp_path: Path) -> None:
     package = Path(longball_package.__file__).parent
     other = tmp_path / "longball"
     shutil.copytree(package, other, ignore=shutil.ignore_patterns("data", "__pycache__"))
     with open(other / "engines" / "enclosure" / "lemmas.py", "a") as file:
         file.write("# other code\n")
-    start_worker(start, scheduler, env={**os.environ, "PYTHONPATH": str(tmp_path)})
-    run = longball("solve", "--scheduler", scheduler, stdin=b"{}")
-    assert run.returncode == 2
-    assert b"1 of 1 workers have other code than this longball" in run.stderr
-    assert run.stdout == b""
+    with starting() as start:
+        scheduler = start_scheduler(start, tmp_path)
+        run = longball("solve", "--scheduler", scheduler, stdin=b"{}")
+        assert run.returncode == 2
+        assert b"has no workers, or none that answers within 8 s" in run.stderr
+        start_worker(start, scheduler, env={**os.environ, "PYTHONPATH": str(tmp_path)})
+        run = longball("solve", "--scheduler", scheduler, stdin=b"{}")
+        assert run.returncode == 2
+        assert b"1 of 1 workers have other code than this longball" in run.stderr
+        assert run.stdout == b""
 
 
 def test_without_dask_the_extra_is_named() -> None:

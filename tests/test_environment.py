@@ -42,11 +42,18 @@ def shell(line: str, folder: Path) -> subprocess.CompletedProcess:
 # --- streams and encodings ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", [["fit", "--example"], ["readings", "--samples", "0"]])
-def test_output_is_utf_8_whatever_the_locale(command: list[str]):
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["fit", "--example"], "4418 pitches used of 4418 rows"),
+        (["readings", "--samples", "0"], "bat_ball_restitution"),
+    ],
+)
+def test_output_is_utf_8_whatever_the_locale(command: list[str], said: str):
     run = longball(*command, env={**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0"})
     assert run.returncode == 0, run.stderr
     assert any(ord(c) > 255 for c in run.stdout.decode())
+    assert said in run.stdout.decode()
 
 
 @pytest.mark.parametrize(
@@ -186,18 +193,19 @@ class TestSignals:
         assert process.returncode == 128 + number
         assert words == b"longball: " + said + b"\n"
 
-    def test_end_imports_without_a_word(self):
+    @pytest.mark.parametrize("name", ["typer", "longball.cli.fit", "numpy"])
+    def test_end_imports_without_a_word(self, name: str):
         code = (
             "import os, signal, sys\n"
             "class Finder:\n"
             "    def find_spec(self, name, path=None, target=None):\n"
-            "        if name == 'typer': os.kill(os.getpid(), signal.SIGINT)\n"
+            "        if name == sys.argv[2]: os.kill(os.getpid(), signal.SIGINT)\n"
             "sys.meta_path.insert(0, Finder())\n"
             "from longball.__main__ import main\n"
             "main()\n"
         )
         run = subprocess.run(
-            [sys.executable, "-c", code],
+            [sys.executable, "-c", code, "fit", name],
             capture_output=True,
             check=False,
             preexec_fn=hear_interrupts,

@@ -10,6 +10,10 @@ from pathlib import Path
 import pytest
 
 from longball.extras import EXTRAS
+from longball.golden import writer
+from longball.golden.files import write_files
+from longball.golden.reader import DATA
+from tests.golden.test_writing import SMALL
 
 AT_BAT = '{"id": "a", "kind": "at-bat"}'
 BLOCK = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
@@ -78,8 +82,12 @@ def test_the_judge_and_the_golden_data(tmp_path: Path):
     run = command_line("judge", "--golden", "flight-weightless", "--", *candidate)
     assert run.returncode == 0, run.stdout + run.stderr
     assert run.stdout.startswith("PASSED")
-    run = command_line("golden", "check", "--sample", "2")
+    small = tmp_path / "golden"
+    writer.write(small, SMALL)
+    write_files(small, {"probability.json": (DATA / "probability.json").read_text("utf-8")})
+    run = command_line("golden", "check", str(small))
     assert (run.returncode, run.stdout) == (0, ""), run.stderr
+    assert "; 3 solved again" in run.stderr
     assert "P(e) is not integrated again" in run.stderr
 
 

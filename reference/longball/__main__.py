@@ -1,6 +1,6 @@
 """The command line as a process: signals, standard streams, and no traceback.
 
-`longball.cli` is imported when those are in order: it takes some tenths of a second.
+Commands are imported when those are in order: it takes some tenths of a second.
 """
 
 from __future__ import annotations
@@ -59,8 +59,10 @@ def main() -> None:
         signal.signal(number, signal.SIG_DFL)  # an import that is interrupted has nothing to say
     _prepare_streams()
 
-    from longball.cli import app
-    from longball.cli.common import tell
+    from longball.cli import COMMANDS, app, module_of
+
+    if sys.argv[1:] and sys.argv[1] in COMMANDS:
+        module_of(sys.argv[1])  # not before: each brings libraries of its own
 
     stopped_by: list[int] = []
 
@@ -83,7 +85,7 @@ def main() -> None:
     except BaseException as error:
         # After a signal it may be another one: workers that have been stopped are missed.
         if stopped_by:
-            tell(STOPPED[signal.Signals(stopped_by[0])])
+            _tell(STOPPED[signal.Signals(stopped_by[0])])
             sys.exit(128 + stopped_by[0])
         if BrokenPipeError in (type(error), type(error.__context__)):
             # The reader of our output has left. Python would raise again when it flushes. The
@@ -92,8 +94,14 @@ def main() -> None:
             sys.exit(getattr(error.__context__, "code", 0))
         if not isinstance(error, Exception):
             raise
-        tell(_sentence(error))
+        _tell(_sentence(error))
         sys.exit(2 if isinstance(error, OSError | MissingExtra) else 1)
+
+
+def _tell(sentence: str) -> None:
+    from longball.cli.common import tell  # brings the model, which --version does without
+
+    tell(sentence)
 
 
 def _sentence(error: Exception) -> str:

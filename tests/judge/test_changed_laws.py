@@ -63,7 +63,7 @@ def earth(**change: Callable[[float], float]) -> Callable[[Any], Any]:
     ],
 )
 def test_an_angle_of_the_earth(name, alter):
-    assert explained(gold("flight-real", 2), alter)[0] == name
+    assert explained(gold("flight-real", 4), alter)[0] == name
 
 
 def test_an_axis_of_the_earth_without_its_vertical_part():
@@ -82,7 +82,7 @@ def test_a_wind_above_a_height_over_the_launch():
             return scene
         return with_values(scene, {"air.wind.above": wind.above + scene.launch.position[2]})
 
-    assert explained(gold("flight-kinks"), higher) == ["wind-above-launch"]
+    assert explained(gold("flight-kinks", 2), higher) == ["wind-above-launch"]
 
 
 def test_spin_that_decays_over_ground():
@@ -98,7 +98,7 @@ def test_a_drag_crisis_by_the_speed_over_ground():
         return CRISIS.rate(over, p) * (motion.air.speed / ground)
 
     over_ground = with_term(CRISIS, replace(CRISIS, rate=rate))
-    assert explained(gold("flight-real"), same, over_ground) == ["crisis-over-ground"]
+    assert explained(gold("flight-real", 2), same, over_ground) == ["crisis-over-ground"]
 
 
 def changed(kind: type[Term], factor: Callable[[Any], Any]) -> Model:
@@ -120,12 +120,12 @@ def changed(kind: type[Term], factor: Callable[[Any], Any]) -> Model:
 
 def test_a_drag_by_the_speed_over_ground_and_a_coefficient_by_the_airspeed():
     over_ground = changed(Drag, lambda m: size(m.velocity) / m.air.speed)
-    assert explained(gold("flight-real"), same, over_ground) == ["speed-over-ground"]
+    assert explained(gold("flight-real", 2), same, over_ground) == ["speed-over-ground"]
 
 
 def test_a_lift_in_air_that_is_the_same_at_all_heights():
     same_aloft = changed(Lift, lambda m: 1.0 / m.density)
-    assert explained(gold("flight-real"), same, same_aloft) == ["lift-the-same-aloft"]
+    assert explained(gold("flight-real", 2), same, same_aloft) == ["lift-the-same-aloft"]
 
 
 def test_a_lift_with_the_sign_of_its_vertical_part():
@@ -144,7 +144,7 @@ def test_a_lift_by_spin_without_wind():
         reading = scene.reading.model_copy(update={"wind_acts_on": "drag"})
         return scene.model_copy(update={"reading": reading})
 
-    cases = [*gold("flight-wind", 2), *gold("flight-real", 2)]
+    cases = [*gold("flight-wind", 4), *gold("flight-real", 4)]
     assert explained(cases, calm) == ["wind-not-in-lift-by-spin"]
 
 
@@ -183,7 +183,7 @@ def test_a_formula_of_the_weather(name, formula):
             return scene
         return with_values(scene, {"air.density": formula(scene)})
 
-    assert explained(gold("flight-weather"), other) == [name]
+    assert explained(gold("flight-weather", 2), other) == [name]
 
 
 def test_a_table_that_goes_on_below_its_first_node():
@@ -197,7 +197,7 @@ def test_a_table_that_goes_on_below_its_first_node():
                 found[f"air.{name}.values"] = (c - a * (d - c) / (b - a), *table.values)
         return with_values(scene, found)
 
-    assert explained(gold("flight-kinks"), longer) == ["table-extrapolated-below"]
+    assert explained(gold("flight-kinks", 2), longer) == ["table-extrapolated-below"]
 
 
 def test_a_drag_by_the_spin_at_launch():
@@ -244,7 +244,7 @@ def test_two_mistakes_in_the_restitution():
 
 
 def test_a_slightly_other_density_in_each_scene():
-    cases = gold("flight-weather", 2)
+    cases = gold("flight-weather", 4)
     results = []
     for number, case in enumerate(cases):
         value = float(density(case.scene, DOUBLES)) * (1 + 1e-5 * (3 + number * number % 7))

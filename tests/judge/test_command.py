@@ -50,18 +50,18 @@ def results(folder: Path, change: Callable[[dict], dict | None] = lambda answer:
     return path
 
 
-def test_the_reference_passes_and_so_does_its_file(tmp_path: Path):
-    said = judge("--golden", "pitch", "--", *LONGBALL, "solve")
+def test_the_reference_passes_and_so_does_its_file(called, tmp_path: Path):
+    said = called("judge", "--golden", "pitch", "--", *LONGBALL, "solve")
     assert (said.returncode, said.stderr) == (0, ""), said.stdout
     assert said.stdout.startswith(f"PASSED: {shlex.join([*LONGBALL, 'solve'])}\n")
-    said = judge("--golden", "pitch", "--results", results(tmp_path))
+    said = called("judge", "--golden", "pitch", "--results", results(tmp_path))
     assert said.returncode == 0, said.stdout
     assert said.stdout.startswith("PASSED: results.jsonl\nprofile exact")
 
 
-def test_a_verdict_in_every_form(tmp_path: Path):
+def test_a_verdict_in_every_form(called, tmp_path: Path):
     junit, html = tmp_path / "verdict.xml", tmp_path / "verdict.html"
-    said = judge("--golden", "flight-drag", "--json", "--junit", junit, "--html", html,
+    said = called("judge", "--golden", "flight-drag", "--json", "--junit", junit, "--html", html,
                  *verlet("0.01", "--forces", "old_carried"))  # fmt: skip
     assert said.returncode == 1
     verdict = json.loads(said.stdout)
@@ -78,33 +78,33 @@ def test_a_verdict_in_every_form(tmp_path: Path):
     assert html.read_text(encoding="utf-8").count("<img") == 2
 
 
-def test_a_place_for_the_step_shows_how_it_converges(tmp_path: Path):
+def test_a_place_for_the_step_shows_how_it_converges(called, tmp_path: Path):
     html = tmp_path / "verdict.html"
     arguments = ("--golden", "flight-drag", "--profile", "converged", "--tolerance", "1",
                  "--steps", "0.02:0.002:5", "--html", html)  # fmt: skip
     command = ("--", sys.executable, "-I", CANDIDATE, "--dt", "{dt}")
-    said = judge(*arguments, "--expected", "2", *command)
+    said = called("judge", *arguments, "--expected", "2", *command)
     assert said.returncode == 1
     assert said.stdout.splitlines()[0].endswith("--dt 0.002")
     assert "at least 10 shorter ones, with dt = 0.02 to 0.002" in said.stderr
     assert "failed because: convergence: distance: other order" in said.stdout
     assert ", but 2 in theory" in said.stdout
     assert html.read_text(encoding="utf-8").count("<img") == 2
-    said = judge(*arguments, "--expected", "1", "--json", *command)
+    said = called("judge", *arguments, "--expected", "1", "--json", *command)
     assert said.returncode == 0, said.stdout
     orders = json.loads(said.stdout)["convergence"]["orders"]
     assert {order["verdict"] for order in orders} == {"as expected"}
 
 
-def test_samples_are_judged_alone_and_beside_answers(tmp_path: Path):
+def test_samples_are_judged_alone_and_beside_answers(called, tmp_path: Path):
     samples = tmp_path / "samples.jsonl"
     lines = [json.dumps(scene) for scene in at_bats(offset_spread=0.0732)]
     samples.write_text("\n".join(lines), encoding="utf-8")
-    alone = judge("--samples", samples)
+    alone = called("judge", "--samples", samples)
     assert alone.returncode == 1
     assert alone.stdout.startswith("FAILED: samples.jsonl\nfailed because: sampling: swing.height")
-    both = judge(
-        "--golden", "pitch", "--results", results(tmp_path), "--samples", samples, "--json"
+    both = called(
+        "judge", "--golden", "pitch", "--results", results(tmp_path), "--samples", samples, "--json"
     )
     assert both.returncode == 1
     verdict = json.loads(both.stdout)
@@ -114,7 +114,7 @@ def test_samples_are_judged_alone_and_beside_answers(tmp_path: Path):
     assert reason.startswith("sampling: swing.height_offset")
 
 
-def test_a_table_with_columns_of_its_own(tmp_path: Path):
+def test_a_table_with_columns_of_its_own(called, tmp_path: Path):
     table = tmp_path / "results.csv"
     with table.open("w", encoding="utf-8", newline="") as file:
         write = csv.writer(file).writerow
@@ -126,10 +126,10 @@ def test_a_table_with_columns_of_its_own(tmp_path: Path):
             cells = [repr(plate.time), *map(repr, plate.velocity)] if plate else [""] * 4
             write([case.id, *cells, "mine"])
     arguments = ("--golden", "pitch", "--results", table, "--column", "case=id")
-    said = judge(*arguments, "--column", "t=plate.time", "--partial")
+    said = called("judge", *arguments, "--column", "t=plate.time", "--partial")
     assert said.returncode == 0, said.stdout
     assert "left out: plate.position in " in said.stdout
-    said = judge(*arguments, "--column", "t=plate.time")
+    said = called("judge", *arguments, "--column", "t=plate.time")
     assert said.returncode == 1
     assert said.stdout.startswith("PARTIAL ")
 
@@ -221,22 +221,21 @@ def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: st
 EULER = [sys.executable, str(CANDIDATE.with_name("euler_csv.py"))]
 
 
-def test_a_candidate_that_takes_csv_converges():
+def test_a_candidate_that_takes_csv_converges(called):
     command = ["--golden", "flight-both", "--as-csv", "--", *EULER, "{dt}", "17"]
-    ran = subprocess.run(
-        [*LONGBALL, "converge", "--json", "--steps", "0.01:0.001:5", *command],
-        capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
+    ran = called("converge", "--json", "--steps", "0.01:0.001:5", *command)
     assert ran.returncode == 0, ran.stderr
     orders = {one["quantity"]: one["order"] for one in json.loads(ran.stdout)["orders"]}
     assert orders["landing point"] == pytest.approx(1.0, abs=0.01)
-    said = judge("--partial", "--steps", "0.01:0.001:5", *command)
+    said = called("judge", "--partial", "--steps", "0.01:0.001:5", *command)
     assert "landing point  1.0" in said.stdout, said.stdout
     assert "not JSON" not in said.stdout
 
 
 @pytest.mark.parametrize("step", ["0.01", "0.001"])
-def test_six_digits_hide_no_method_of_order_one(step: str):
-    said = judge("--golden", "flight-both", "--partial", "--as-csv", "--", *EULER, step, "6")
+def test_six_digits_hide_no_method_of_order_one(called, step: str):
+    said = called(
+        "judge", "--golden", "flight-both", "--partial", "--as-csv", "--", *EULER, step, "6"
+    )
     assert "flight: it errs as a method of order 1 does" in said.stdout, said.stdout
     assert "writes its numbers with 6 digits only" in said.stdout

@@ -5,32 +5,60 @@ Exit status: 0 success, 1 a line or a verdict failed, 2 the call itself was wron
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from longball import __version__
-from longball.cli import golden
-from longball.cli.converge import converge
-from longball.cli.fit import fit
-from longball.cli.homerun import homerun
-from longball.cli.judge import judge
-from longball.cli.measured import measured
-from longball.cli.plot import plot
-from longball.cli.readings import readings
-from longball.cli.solve import solve
-from longball.model.scene import in_our_words
+
+# Each command is a module of its own, which is imported when the command is asked for.
+EXAMPLES = {
+    "solve": "longball solve at-bats.jsonl -o results.jsonl",
+    "judge": "longball judge -- longball solve --engine verlet --dt 1e-3",
+    "converge": "longball converge --golden flight-both --expected 2 -- "
+    "longball solve --engine verlet --forces implicit --dt {dt}",
+    "homerun": "longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png",
+    "fit": "longball fit pitches.csv --json > fitted.json",
+    "measured": "longball measured statcast.csv --kind batted --figure errors.png",
+    "plot": "longball plot at-bats.jsonl -o paths.svg",
+    "readings": "longball readings --samples 1000",
+}
+COMMANDS = (*EXAMPLES, "golden")
+
+
+def module_of(command: str) -> Any:
+    """Import the module of a command."""
+    return import_module(f"longball.cli.{command}")
 
 
 class Commands(TyperGroup):
-    """Commands that refuse the value of an option in plain words."""
+    """Commands that are imported when they are asked for, and refuse values in plain words."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of the commands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command, None if there is none of that name."""
+        if cmd_name not in COMMANDS:
+            return None
+        module = module_of(cmd_name)
+        if cmd_name == "golden":  # which has commands of its own
+            return typer.main.get_command(module.app)
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+        command = alone.command(cmd_name, epilog=f"Example: {EXAMPLES[cmd_name]}")
+        command(getattr(module, cmd_name))
+        return typer.main.get_command(alone)
 
     def invoke(self, ctx: Any) -> Any:
         """Call the command that is asked for."""
         try:
             return super().invoke(ctx)
         except typer.BadParameter as error:
+            from longball.model.scene import in_our_words
+
             error.message = in_our_words(error.message)
             raise
 
@@ -44,22 +72,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command(epilog="Example: longball solve at-bats.jsonl -o results.jsonl")(solve)
-app.add_typer(golden.app, name="golden")
-app.command(epilog="Example: longball judge -- longball solve --engine verlet --dt 1e-3")(judge)
-app.command(
-    epilog="Example: longball converge --golden flight-both --expected 2 -- "
-    "longball solve --engine verlet --forces implicit --dt {dt}"
-)(converge)
-app.command(epilog="Example: longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png")(
-    homerun
-)
-app.command(epilog="Example: longball fit pitches.csv --json > fitted.json")(fit)
-app.command(epilog="Example: longball measured statcast.csv --kind batted --figure errors.png")(
-    measured
-)
-app.command(epilog="Example: longball plot at-bats.jsonl -o paths.svg")(plot)
-app.command(epilog="Example: longball readings --samples 1000")(readings)
 
 
 @app.callback(invoke_without_command=True)

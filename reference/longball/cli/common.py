@@ -18,13 +18,11 @@ from typing import Annotated, Any, BinaryIO, NoReturn, TextIO, TypeVar
 import typer
 from pydantic import BaseModel, ValidationError
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from longball import engines
 from longball.engines.parallel import checked
 from longball.extras import naming_extras
 from longball.model.scene import explain
-from longball.pitches import EXAMPLE, TableError
 from longball.text_table import aligned
 
 M = TypeVar("M", bound=BaseModel)
@@ -156,12 +154,16 @@ def chosen_table(table: str, example: bool) -> str | Path | TextIO:
     """Return the table to read: longball's example, or a file; - is standard input."""
     if example and table != "-":
         wrong_call(f"either --example or {table}, not both")
+    from longball.pitches import EXAMPLE  # brings numpy
+
     return EXAMPLE if example else sys.stdin if table == "-" else table
 
 
 @contextmanager
 def reading_table() -> Iterator[None]:
     """Say what is wrong with a table, with status 1; one that cannot be opened is a wrong call."""
+    from longball.pitches import TableError
+
     try:
         yield
     except TableError as error:
@@ -224,13 +226,23 @@ def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 @contextmanager
 def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
     """Show progress on a terminal; yield a function of what is done (and of the total)."""
+    if say.quiet or not say.is_terminal:
+        yield lambda done, of=total: None
+        return
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
     bar = Progress(
         TextColumn(what),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
         console=say,
-        disable=not say.is_terminal or say.quiet,
         transient=True,
     )
     with bar:

@@ -24,6 +24,8 @@ app = typer.Typer(
     help="The golden data: list, locate, export, check or generate them.",
     epilog="Example: longball golden list",
     no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
 )
 
 Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]

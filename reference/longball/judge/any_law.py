@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong
@@ -22,7 +21,6 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, reaching
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
-from longball.engines.taylor import right_hand_side
 from longball.model.arrays import Array
 from longball.model.law import PAPER, Law, State
 from longball.model.numbers import DOUBLES, Doubles
@@ -84,6 +82,10 @@ class AnyLaw(PathEngine[float]):
                     raise OutOfRange(f"the ball is driven on at t = {piece.begin:.6g} s")
                 yield piece
             return
+        from scipy.integrate import DOP853  # slow to import
+
+        from longball.engines.taylor import right_hand_side
+
         state, rates = np.array(start, dtype=float), _within(right_hand_side(law))
 
         def bend(state: Array, slope: Array) -> Array:
