@@ -66,7 +66,7 @@ CALLERS = {
     "engines/batch/jit.py": "engines/batch/records.py",
     "engines/batch/roots.py": "engines/batch/records.py",
     "engines/coefficients.py": "engines/polynomial.py",
-    "engines/series.py": "engines/expander.py",
+    "engines/series.py": "engines/taylor.py",
     "engines/verlet_steps.py": "engines/verlet.py",
 }
 LIMIT = 60.0  # s of tests for a mutant

@@ -562,7 +562,6 @@ def test_help_shows_an_example(called, command: list[str]):
     [
         ("import longball", {"numpy", "pydantic", "typer"}),
         ("import longball.cli", {"numpy", "pydantic", "rich"}),
-        ("from longball.cli import solve; from longball.engines.ivp import Ivp", {"scipy"}),
     ],
 )
 def test_heavy_libraries_wait_until_they_are_needed(what: str, more: set[str]):

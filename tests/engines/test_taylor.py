@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from longball.engines import expander
-from longball.engines.expander import Expander
-from longball.engines.taylor import Taylor, right_hand_side
+from longball.engines import taylor
+from longball.engines.taylor import Expander, Taylor, right_hand_side
 from longball.model import trace
 from longball.model.law import Law, law_with
 from tests.engines.test_ivp import fly, ground, wall
@@ -117,7 +116,7 @@ def test_what_is_too_large_for_doubles_fails_as_scipy_has_it():
 
 
 def test_too_many_steps_shorter_than_the_spacing_of_times_fail_as_scipy_has_it(monkeypatch):
-    monkeypatch.setattr(expander, "_MOST_SHORT_STEPS", 3)
+    monkeypatch.setattr(taylor, "_MOST_SHORT_STEPS", 3)
     found = by_taylor(BALL, (1.0, 2.0), [0.0, 1.0, 1e-30, 0.0])
     assert (found.success, found.status) == (False, -1)
     assert found.message == Taylor.TOO_SMALL_STEP

@@ -1,4 +1,4 @@
-"""The reference engine: Taylor's method, or `scipy.integrate.solve_ivp` with terminal events.
+"""The reference engine: `scipy.integrate.solve_ivp` with terminal events.
 
 solve_ivp looks for a change of an event's sign between its steps, so that a ball that dips and
 comes back within a step is not seen, and finds the event on its interpolant, whose order may be
@@ -12,17 +12,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
+import scipy.integrate
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong
 from longball.engines.event import Events
-from longball.engines.expander import Expander, NoStep, step
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
+from longball.engines.taylor import Expander, Taylor, right_hand_side
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles
@@ -41,12 +42,12 @@ _BEYOND = "the forces are beyond the range of double precision"
 
 @dataclass(frozen=True)
 class Ivp(PathEngine[float]):
-    """Flights by Taylor's method, or by `scipy.integrate.solve_ivp`.
+    """Flights by `scipy.integrate.solve_ivp`.
 
     Attributes
     ----------
     method
-        "Taylor" (`longball.engines.expander`), as exact as doubles are; or any of solve_ivp's
+        "Taylor" (`longball.engines.taylor.Taylor`), as exact as doubles are; or any of solve_ivp's
         own methods, by name.
     rtol, atol
         Tolerances of the steps of solve_ivp's own methods, relative and absolute (m and m/s);
@@ -120,7 +121,7 @@ class Ivp(PathEngine[float]):
         Raises
         ------
         OutOfRange, TooLong
-            If the integration gives up, or the flight takes too many steps.
+            If solve_ivp gives up, or the flight takes too many steps.
         """
         time, state = begin, np.array(start, dtype=float)
         taken = 0
@@ -128,41 +129,40 @@ class Ivp(PathEngine[float]):
             if taken > 0 and _has_settled(law, state):
                 yield _uniform(law, time, state, limit)
                 return
-            leg = self._integrate(law, time, state, limit, events)
-            for piece in leg.pieces:
+            solution, pieces = self._integrate(law, time, state, limit, events)
+            for piece in pieces:
                 taken, time = taken + 1, piece.begin + piece.length
                 if taken > _MOST_STEPS:
                     raise TooLong(
                         f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
                     )
                 yield piece
-            time, state = leg.time, leg.state
-            if leg.failure:
-                raise OutOfRange(f"the integration gave up at t = {time:.6g} s: {leg.failure}")
+            if solution.status < 0:
+                raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {solution.message}")
+            time, state = float(solution.t[-1]), solution.y[:, -1]
             events = ()  # whoever asks for more did not stop there
 
     def _integrate(
         self, law: Law[float], time: float, state: Array, limit: float, events: Events[float]
-    ) -> _Leg:
-        """Integrate to a time, or to the end of the step that meets an event."""
-        ends = _ends(events, law)
+    ) -> tuple[Any, Iterable[PolynomialPiece]]:
+        """Return what solve_ivp returns, and the polynomials of its steps."""
+        span, ends = (time, limit), _ends(events, law)
         if self.method == "Taylor":
-            return _by_taylor(law, time, state, limit, ends)
-        from scipy.integrate import solve_ivp  # slow to import
-
-        from longball.engines.taylor import right_hand_side
-
+            pieces: list[PolynomialPiece] = []
+            options = {"law": law, "ends": ends, "pieces": pieces}
+            solution = scipy.integrate.solve_ivp(
+                None, span, state, method=_TaylorFlight, events=ends, **options
+            )
+            return solution, pieces
         rates = right_hand_side(law)
         if not np.isfinite(rates(time, state)).all():
             raise OutOfRange(_BEYOND)
         # A trial step may overflow; the step control then takes a shorter one or gives up.
         with np.errstate(all="ignore"):
-            found = solve_ivp(
-                rates, (time, limit), state, method=self.method, events=ends, **self.tolerances
+            solution = scipy.integrate.solve_ivp(
+                rates, span, state, method=self.method, events=ends, **self.tolerances
             )
-        times, states = found.t.tolist(), found.y.T
-        failure = found.message if found.status < 0 else ""
-        return _Leg(_expanded(law, times, states), times[-1], states[-1], failure)
+        return solution, _expanded(law, solution.t.tolist(), solution.y.T)
 
     def views(
         self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
@@ -213,35 +213,43 @@ class Ivp(PathEngine[float]):
 _NEAR = 4.0
 
 
-class _Leg(NamedTuple):
-    """Pieces of a flight, and the time and the state at their end; why it is the end, if it is."""
+class _TaylorFlight(Taylor):
+    """Taylor's method that goes on to an event, and hands on its series.
 
-    pieces: Iterable[PolynomialPiece]
-    time: float
-    state: Array
-    failure: str = ""
+    solve_ivp looks at an event for longer than a series takes: it is shown the last one alone.
+    """
 
+    def __init__(
+        self,
+        *given: Any,
+        law: Law[float],
+        ends: Callable[[float, Array], float],
+        pieces: list[PolynomialPiece],
+        **options: Any,
+    ) -> None:
+        super().__init__(*given, law=law, **options)
+        self._state, self._ends, self._pieces = law.state, ends, pieces
 
-def _by_taylor(
-    law: Law[float],
-    time: float,
-    state: Array,
-    limit: float,
-    ends: Callable[[float, Array], float],
-) -> _Leg:
-    """Take steps of Taylor's method until the value of an event is zero."""
-    expand, low = Expander(law), np.zeros(len(state))
-    pieces: list[PolynomialPiece] = []
-    while time < limit:
-        begin = time
-        try:
-            series, time, state, low = step(expand, time, state, low, limit)
-        except NoStep as reason:
-            return _Leg(pieces, time, state, str(reason))
-        pieces.append(PolynomialPiece(begin, _length(begin, time), law.state, series))
-        if not ends(time, state) > 0:
-            break
-    return _Leg(pieces, time, state)
+    def step(self) -> str | None:
+        """Take steps until the event's value is zero, with the account that `OdeSolver` keeps."""
+        while self.status == "running":
+            begin = self.t
+            moved, message = self._step_impl()
+            if not moved:
+                self.status = "failed"
+                return message
+            self.t_old = begin
+            length = _length(begin, self.t)
+            self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
+            if self.t == self.t_bound:
+                self.status = "finished"
+            elif not self._ends(self.t, self.y) > 0:
+                break
+        return None
+
+    def _dense_output_impl(self) -> Callable[[float], Array]:
+        """Return the ends of the last series: an event whose value is zero there is not sought."""
+        return {self.t_old: self._x[:, 0], self.t: self.y}.__getitem__
 
 
 def _expanded(
