@@ -144,7 +144,9 @@ def _moved(quantity: str, expected: Array, obtained: Array) -> Iterator[tuple[st
     """Yield the vector that is added to all, if it is the same."""
     by = np.median(obtained - expected, axis=0)
     apart = np.linalg.norm(obtained - expected - by, axis=1)
-    if by.any() and len(apart) >= FIRST and apart.max() < 1e-3 * np.linalg.norm(by):
+    size = float(np.linalg.norm(by))
+    least = SAME * float(np.linalg.norm(expected, axis=1).max())  # an integrator's errors are less
+    if size > least and len(apart) >= FIRST and apart.max() < 1e-3 * size:
         told = f"({', '.join(f'{roundest(x, float(apart.max())):.6g}' for x in by.tolist())})"
         yield f"{quantity}+{told}", f"{quantity}: obtained = expected + {told}", lambda x: x + by
 
