@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -381,6 +382,43 @@ def test_a_mistake_in_one_branch_is_told_with_the_scenes_that_it_spares():
     told_ = findings(spinning, flat)[0]
     assert told_.names[0] == "spin-z-left-out"
     assert "spin_parameter" in told_.sentence + str(told_.scenes)
+
+
+def mean(line: Any) -> Any:
+    return [(x, y, (p[2] + q[2]) / 2) for p, q in pairwise(line) for x, y, _ in (p, q)]
+
+
+def turned(line: Any) -> Any:
+    return [end for p, q in pairwise(line) for end in ((*p[:2], q[2]), (*q[:2], p[2]))]
+
+
+def without_steps(line: Any) -> Any:
+    return [line[0], *(q for p, q in pairwise(line) if p[:2] != q[:2])]
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("fence-height-of-mean", mean),
+        ("fence-height-reversed", turned),
+        ("fence-one-height", lambda line: [(x, y, line[0][2]) for x, y, _ in line]),
+        ("fence-height-in-feet", lambda line: [(x, y, 0.3048 * z) for x, y, z in line]),
+        ("fence-without-steps", without_steps),
+    ],
+)
+def test_a_fence_of_other_heights(name, change):
+    def has_line(s: Any) -> bool:
+        return s.kind == "flight" and bool(s.fence and s.fence.polyline)
+
+    cases = [*family("fence", has_line), *family("combined", has_line)]
+
+    def other(scene: Any) -> Any:
+        return with_values(
+            scene, {"fence.polyline": tuple(map(tuple, change(scene.fence.polyline)))}
+        )
+
+    (only,) = (f for f in findings(cases, other) if f.stage == "fence")
+    assert only.names[0] == name
 
 
 # --- events and outcomes --------------------------------------------------------------------------

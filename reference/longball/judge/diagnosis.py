@@ -83,7 +83,7 @@ MADE = ("impact.mode",)  # what the impact tells besides numbers, which a change
 
 # Scenes with these flags magnify the errors of flights under laws other than longball's; where one
 # in so many of them is wrong with an explanation at hand, it is that explanation's own error.
-KEEN, ONE_IN = frozenset(("vertical", "grazing")), 5
+KEEN, ONE_IN = frozenset(("vertical", "grazing", "vertex")), 5
 
 # Errors below this, relative, are mostly an integrator's: of the physics only a number may be
 # behind them. Below the second one nothing is sought.

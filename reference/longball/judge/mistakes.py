@@ -227,16 +227,31 @@ def _level(
         yield from ((*a, height(low, high)), (*b, height(low, high)))
 
 
+_HEIGHT_ALONG = "the height is linear along a chord"
+
 FENCE: tuple[Mistake, ...] = (
     Mistake("fence-by-angle", "bends the fence: its distance is linear in the angle",
             "vertices are joined by straight chords", _fence(_by_angle)),
     Mistake("fence-without-height", "takes the fence for a line on the ground",
             "the third number of a vertex is the fence's height there",
             _fence(lambda v: ((x, y, 0.0) for x, y, _ in v))),
-    *(Mistake(f"fence-height-of-{name}", f"has a chord as high as its {name} vertex",
-              "the height is linear along a chord", _fence(partial(_level, height)))
-      for name, height in (("first", lambda a, b: a), ("last", lambda a, b: b),
-                           ("higher", max), ("lower", min))),
+    *(Mistake(f"fence-height-of-{name}", f"has a chord as high as {words}", _HEIGHT_ALONG,
+              _fence(partial(_level, height)))
+      for name, words, height in (
+          ("first", "its first vertex", lambda a, b: a), ("last", "its last vertex",
+                                                          lambda a, b: b),
+          ("higher", "its higher vertex", max), ("lower", "its lower vertex", min),
+          ("mean", "the mean of its vertices", lambda a, b: (a + b) / 2))),
+    Mistake("fence-height-reversed", "lets the height along a chord run the other way",
+            _HEIGHT_ALONG, _fence(lambda v: (
+                end for (*a, low), (*b, high) in pairwise(v) for end in ((*a, high), (*b, low))))),
+    Mistake("fence-one-height", "has a fence that is everywhere as high as its first vertex",
+            _HEIGHT_ALONG, _fence(lambda v: ((x, y, v[0][2]) for x, y, _ in v))),
+    Mistake("fence-height-in-feet", "takes the fence's height for feet", "heights are in m",
+            _fence(lambda v: ((x, y, 0.3048 * height) for x, y, height in v))),
+    Mistake("fence-without-steps", "leaves out the second of two vertices at one place",
+            "where the height steps, a vertex is given twice", _fence(lambda v: (
+                b for a, b in pairwise((None, *v)) if a is None or a[:2] != b[:2]))),
     Mistake("fence-cleared-by-surface", "asks the ball's whole surface to clear the fence",
             "the centre does, unless the reading fence_clearance says surface",
             reading_change(fence_clearance="surface")),
