@@ -242,7 +242,8 @@ def _by_axis(which: Callable[[Term], bool], factors: Sequence[float]) -> Change:
 # Of drag or lift: what is done to the components.
 _AXES_CHANGED: tuple[tuple[str, str, tuple[float, float, float]], ...] = (
     *((f"without-{axis}", f"leaves the {{}} along {axis} out", factors)
-      for axis, factors in (("x", (0, 1, 1)), ("y", (1, 0, 1)), ("z", (1, 1, 0)))),
+      for axis, factors in (("x", (0, 1, 1)), ("y", (1, 0, 1)))),
+    ("level-part", "has the horizontal part of the {}, and not the vertical one", (1, 1, 0)),
     ("vertical-part", "has the vertical part of the {}, and not the horizontal one", (0, 0, 1)),
     *((f"{axis}-sign", f"turns the {{}} along {axis} the wrong way", factors)
       for axis, factors in (("y", (1, -1, 1)), ("z", (1, 1, -1)))),
