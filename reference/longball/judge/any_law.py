@@ -16,9 +16,9 @@ import numpy as np
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Event
+from longball.engines.event import Event, Events, Piece
 from longball.engines.ivp import Ivp
-from longball.engines.path import Flight, reaching
+from longball.engines.path import Flight, Path, reaching
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.arrays import Array
@@ -30,6 +30,13 @@ class Effort(threading.local):
     """What flights of a thread have taken so far: so a verdict hangs on no other one's work."""
 
     steps = 0.0  # of DOP853, of 0.2 ms or so; of what takes a part of that, the part
+
+    def __init__(self) -> None:
+        self.paths: dict[tuple[Any, ...], Path[float]] = {}  # the last `MOST_PATHS` flights
+
+    def forget(self) -> None:
+        """Forget the flights: what a search takes hangs on none before it."""
+        self.paths.clear()
 
 
 EFFORT = Effort()
@@ -45,6 +52,7 @@ LONGEST = 0.3
 _SHORT = 1e-4  # s: half of what a derivative is a difference over
 # m and m/s: a law that takes a ball so far drives it on without end; events there take seconds.
 FARTHEST = 1e7
+MOST_PATHS = 2000
 MOST_STEPS = 500  # a baseball's flight takes twenty, and one that a wrong law drives on any number
 
 
@@ -66,6 +74,29 @@ class AnyLaw(PathEngine[float]):
     def flight_error(self) -> float:
         """Relative error of a state at the end of a flight."""
         return 10 * TOLERANCE
+
+    def path(
+        self, law: Law[float], start: State[float], limit: float, events: Events[float] = ()
+    ) -> Path[float]:
+        """Return a flight; many changes leave the same one as it was, which is not flown again."""
+        if law.bends:
+            return super().path(law, start, limit, events)
+        named = tuple(event.name for event in events)
+        key = id(law.program), *law.strengths.items(), start, limit, named
+        paths = EFFORT.paths
+
+        def pieces() -> Iterator[Piece[float]]:
+            try:
+                yield from self._pieces(law, start, limit, events)
+            except ArithmeticError:  # not solved, or not decided
+                paths.pop(key, None)  # a path that has failed would seem to end there
+                raise
+
+        if key not in paths:
+            if len(paths) == MOST_PATHS:
+                del paths[next(iter(paths))]
+            paths[key] = Path(pieces())
+        return paths[key]
 
     def steps(
         self,

@@ -137,6 +137,7 @@ class Work:
     done = 0.0  # flights
 
     def __init__(self) -> None:
+        EFFORT.forget()
         self._begun = EFFORT.steps
 
     @property
@@ -157,8 +158,8 @@ class Work:
         return follow(trial, change, wanted)
 
 
-PATIENCE = 8_000.0  # flights of a search, which end within ten seconds: the same on every machine
-MOST_EFFORT = 36_000  # steps of DOP853: a law that drives the ball on takes many
+PATIENCE = 6_000.0  # flights of a search, which end within ten seconds: the same on every machine
+MOST_EFFORT = 24_000  # steps of DOP853: a law that drives the ball on takes many
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 

@@ -677,6 +677,9 @@ def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]
                     return
 
 
+ALONG = 1e-12  # of an effect, what is left of it beside one in the same direction, by rounding
+
+
 def _left_by(
     rows: tuple[list[Array], list[Array], list[Array]], names: tuple[Any, Any], common: bool
 ) -> float:
@@ -690,9 +693,13 @@ def _left_by(
         for name, does in zip(names, effects, strict=True):
             if not isinstance(name, str):
                 rest = rest - does
-        if free:
-            matrix = np.array(free).T
-            rest = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
+        # Least squares, of one or two: a hundred thousand small ones.
+        axes: list[Array] = []
+        for does in free:
+            across = does - sum(axis.dot(does) * axis for axis in axes)
+            size = math.sqrt(across.dot(across))
+            axes += [across / size] if size > ALONG * math.sqrt(does.dot(does)) else []
+        rest = rest - sum(axis.dot(rest) * axis for axis in axes)
         left += float(np.abs(rest).sum())
     return left
 

@@ -53,13 +53,18 @@ def at(block: Any, name: str) -> Any:
     if not _NAME.fullmatch(name):
         raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
     for key, bracket in _STEP.findall(name):
-        if block is None:
-            return None
-        step = f"[{key}]" if bracket else key
-        parts = dict(_parts(block))
-        if step not in parts and (bracket or not isinstance(block, BaseModel | Mapping)):
-            raise ValueError(f"{name}: {reprlib.repr(block)} has no {step}")
-        block = parts.get(step)
+        match block:
+            case None:
+                return None
+            case BaseModel() if not bracket:
+                block = getattr(block, key) if key in type(block).model_fields else None
+            case Mapping() if not bracket:
+                block = block.get(key)
+            case tuple() | list() if bracket and int(key) < len(block):
+                block = block[int(key)]
+            case _:
+                step = f"[{key}]" if bracket else key
+                raise ValueError(f"{name}: {reprlib.repr(block)} has no {step}")
     return block
 
 
