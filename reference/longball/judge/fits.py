@@ -426,6 +426,8 @@ def fits(names: Sequence[str], sought: Sought, own: Change = NONE) -> list[list[
     scenes: list[Any] = []
     missed, may_miss = 0, MOST_MISSED * len(trials) * (set(sought.stages) <= set(COLLISION))
     for trial in trials:
+        if sought.work.exhausted:
+            return [[] for _ in names]
         one = implied(trial, names, sought, own)
         if one is None:
             continue
@@ -775,7 +777,8 @@ def _joined(sought: Sought, a: Explanation | str, b: Explanation | str) -> Expla
     fitted: list[Fit] = []
     if free:
         joint = [(sought.left(_together(own, some)), some)
-                 for some in itertools.product(*fits(free, sought, own))]  # fmt: skip
+                 for some in itertools.product(*fits(free, sought, own))
+                 if not sought.work.exhausted]  # fmt: skip
         tried = [(left, some) for left, some in joint if left is not None]
         if not tried:
             return None
