@@ -5,8 +5,9 @@
 A mutant is one module with one operator, comparison or constant changed, in a copy of the package
 that stands before the real one on the path. A first run of the tests of `TESTS` records which test
 reaches which line, and in what time. Each mutant then runs the tests that reach its line, followed
-by those that reach its module, the quickest first, up to `LIMIT` seconds in all. Killed: a test
-fails, or none ends in time. The others are survivors, whether another test would kill them or not.
+by those that reach its module, the quickest first, up to `LIMIT` seconds in all; one that survives
+them without a reason, up to `LONGER`. Killed: a test fails, or none ends in time. The others are
+survivors, whether another test would kill them or not.
 
 Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
 which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
@@ -70,6 +71,7 @@ CALLERS = {
     "engines/verlet_steps.py": "engines/verlet.py",
 }
 LIMIT = 60.0  # s of tests for a mutant
+LONGER = 600.0  # s
 SLOWER = 3.0  # times as long as without a mutant: no end
 COMPILING = 30.0  # s beyond that
 # Imported once, before the processes of the mutants are forked.
@@ -227,8 +229,8 @@ class Reach:
     seconds: dict[str, float]
     lines: dict[str, dict[str, list[str]]]  # by module and line
 
-    def tests(self, mutant: Mutant) -> list[str]:
-        """Return the tests of a mutant, in their order."""
+    def tests(self, mutant: Mutant, limit: float) -> list[str]:
+        """Return the tests of a mutant, in their order, up to a limit of s."""
         reached = self.lines.get(mutant.module, {})
         own = [test for line in mutant.lines for test in reached.get(str(line), ())]
         caller = self.lines.get(CALLERS.get(mutant.module, ""), {})
@@ -237,7 +239,7 @@ class Reach:
         chosen, total = [], 0.0
         for test in dict.fromkeys(ordered):
             total += self.seconds[test]
-            if total < LIMIT or not chosen:
+            if total < limit or not chosen:
                 chosen.append(test)
         return chosen
 
@@ -328,9 +330,9 @@ def record(file: Path) -> Reach:
     return Reach(**json.loads(file.read_text(encoding="utf-8")))
 
 
-def fate(mutant: Mutant, reach: Reach) -> str:
+def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
     """Return what the tests make of a mutant: ``killed``, ``no end`` or ``SURVIVED``."""
-    tests = reach.tests(mutant)
+    tests = reach.tests(mutant, limit)
     files = dict.fromkeys(test.partition("::")[0] for test in tests)
     seconds = COMPILING + SLOWER * sum(reach.seconds[test] for test in tests)
     with tempfile.TemporaryDirectory(dir=SPACE) as folder:
@@ -446,7 +448,9 @@ def main() -> None:
     with contextlib.suppress(KeyboardInterrupt):
         for mutant in asked[: options.sample]:
             start = time.monotonic()
-            word = fate(mutant, reach)
+            word = fate(mutant, reach, LIMIT)
+            if word == "SURVIVED" and not reasons.get(mutant.key):
+                word = fate(mutant, reach, LONGER)
             tried.append(mutant)
             survivors += [mutant] if word == "SURVIVED" else []
             print(f"{word:8} {time.monotonic() - start:5.1f} s  {mutant}", flush=True)

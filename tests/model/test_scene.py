@@ -132,6 +132,10 @@ def test_ids_of_any_text(text):
     assert parse_scene(scene.line().encode()) == scene
 
 
+def test_texts_are_written_as_they_are():
+    assert '"id":"é⚾"' in parsed(id="é⚾").line().replace(" ", "")
+
+
 def test_a_byte_order_mark_is_no_part_of_the_line():
     line = json.dumps(LEAST["pitch"]).encode("utf-8-sig")
     assert parse_scene(line) == parsed()
