@@ -19,6 +19,7 @@ from flint import arb
 from analysis.random_scenes import random_scene
 from longball import golden
 from longball.engines import event
+from longball.engines.arithmetic import Dual
 from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.fence import Stop, at_stop
@@ -579,3 +580,7 @@ def test_a_batted_ball_whose_direction_is_left_open_is_not_taken_for_a_vertical_
 def test_nodes_of_two_tables_that_are_passed_at_once_are_told(of):
     (case,) = (c for c in golden.load("flight-kinks") if c.scene.id.endswith(f"both-by-{of}"))
     assert solve(case.scene, ENCLOSURE).outcome == "landed"
+
+
+def test_a_number_with_its_rate_follows_the_rules_of_derivatives() -> None:
+    assert (1.0 - Dual(3.0, 2.0)) * Dual(5.0, 7.0) == Dual(-10.0, -24.0)

@@ -364,6 +364,14 @@ def test_a_fence_runs_from_left_to_right_between_two_places() -> None:
             scene(fence=fence)
 
 
+def test_a_fence_that_turns_back_goes_the_way_between_its_ends() -> None:
+    corners = [(60, 0.1), (100, -0.5), (60, 0.05)]
+    fence = [[far * math.cos(angle), far * math.sin(angle), 2] for far, angle in corners]
+    assert scene(fence={"polyline": fence}).fence.polyline is not None
+    with pytest.raises(InvalidScene, match="the wrong way round"):
+        scene(fence={"polyline": fence[::-1]})
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_fence_is_seen_from_the_plate(sign: int) -> None:
     """Almost along a line of sight, which is another one from a metre aside or ahead of it."""
