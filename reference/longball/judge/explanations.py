@@ -142,13 +142,17 @@ class Work:
 
     @property
     def exhausted(self) -> bool:
-        """Whether the search has done all that it may."""
-        return self.done > PATIENCE or self.spent
+        """Whether the search for laws has done all that it may."""
+        return self.done > PATIENCE or self._steps > LAWS_EFFORT
 
     @property
     def spent(self) -> bool:
-        """Whether its flights have taken very many steps."""
-        return EFFORT.steps - self._begun > MOST_EFFORT
+        """Whether its flights have taken very many steps: more than leave time for schemes."""
+        return self._steps > MOST_EFFORT
+
+    @property
+    def _steps(self) -> float:
+        return EFFORT.steps - self._begun
 
     def checks(self, trial: Trial, change: Change, stages: Iterable[str]) -> list[Check]:
         """Return what follows in some stages, and on the way to them, under a change."""
@@ -159,7 +163,8 @@ class Work:
 
 
 PATIENCE = 6_000.0  # flights of a search, which end within ten seconds: the same on every machine
-MOST_EFFORT = 24_000  # steps of DOP853: a law that drives the ball on takes many
+# Steps of DOP853, for laws, and for schemes after them: a law that drives the ball on takes many.
+LAWS_EFFORT, MOST_EFFORT = 24_000, 36_000
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 
