@@ -164,7 +164,7 @@ class Work:
 
 PATIENCE = 6_000.0  # flights of a search, which end within ten seconds: the same on every machine
 # Steps of DOP853, for laws, and for schemes after them: a law that drives the ball on takes many.
-LAWS_EFFORT, MOST_EFFORT = 24_000, 36_000
+LAWS_EFFORT, MOST_EFFORT = 30_000, 36_000
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 
