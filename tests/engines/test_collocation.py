@@ -37,6 +37,12 @@ def launched(z: float, u: float, w: float) -> PlaneState[Any]:
 # --- the rule -------------------------------------------------------------------------------------
 
 
+def test_half_an_ulp_of_one_is_what_is_lost_beside_one():
+    one, rounding = NUMBERS.context.one, NUMBERS.context.mpf(NUMBERS.rounding)
+    assert one + rounding / 2 == one
+    assert one + 3 * rounding > one
+
+
 def test_legendre_polynomials_are_those_of_scipy() -> None:
     for x in (-1.0, -0.3, 0.0, 0.7, 1.0):
         found = legendre(exact(x), 9)

@@ -11,6 +11,7 @@ import json
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -584,3 +585,9 @@ def test_nodes_of_two_tables_that_are_passed_at_once_are_told(of):
 
 def test_a_number_with_its_rate_follows_the_rules_of_derivatives() -> None:
     assert (1.0 - Dual(3.0, 2.0)) * Dual(5.0, 7.0) == Dual(-10.0, -24.0)
+
+
+def test_a_fall_before_all_that_was_seen_is_at_the_end_of_the_last() -> None:
+    below = SimpleNamespace(curve=lambda value: lambda t: -1.0)
+    seen = [(below, 0.5), (SimpleNamespace(curve=below.curve), 0.25)]
+    assert event._fallen(seen, SimpleNamespace(value=None), DOUBLES) is seen[1]

@@ -548,6 +548,12 @@ def test_half_the_force_over_two_steps_from_the_step_gone_back_to():
     assert launch.time == 8 * dt
     assert launch.delay == pytest.approx(8 * dt - touching, rel=1e-12)
     assert not launch.landed
+    # Down by a quarter of the push times Δt after one step: deep below the ground.
+    launch = engine.rebound(
+        meeting.pitch.frame, meeting.touch, (70.0, 0.0, -500.0), lambda _: NOTHING, ground(1.7)
+    )
+    assert launch.landed
+    assert launch.time == pytest.approx(6 * dt + 0.1 / 125.0, rel=1e-12)
 
 
 def test_a_ball_that_is_down_before_the_bat_lets_go_has_landed(window):
