@@ -82,13 +82,14 @@ class AnyLaw(PathEngine[float]):
         if law.bends:
             return super().path(law, start, limit, events)
         named = tuple(event.name for event in events)
+        # Programs are kept for good, so that a number belongs to one of them.
         key = id(law.program), *law.strengths.items(), start, limit, named
         paths = EFFORT.paths
 
         def pieces() -> Iterator[Piece[float]]:
             try:
                 yield from self._pieces(law, start, limit, events)
-            except ArithmeticError:  # not solved, or not decided
+            except Exception:
                 paths.pop(key, None)  # a path that has failed would seem to end there
                 raise
 
