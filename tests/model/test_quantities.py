@@ -106,6 +106,7 @@ def test_where_there_is_no_number_none_is_near():
     [
         ({"pitch": 7}, "pitch.speed", "7 has no speed"),
         ({"aim": []}, "aim[0]", r"\[\] has no \[0\]"),
+        ({"aim": [1, 2]}, "aim[01]", r"\[1, 2\] has no \[01\]"),
         ({"pitch": {"aim": 1}}, "pitch.aim[0]", r"1 has no \[0\]"),
         ({}, "pitch..aim", "is not the name of a number"),
     ],

@@ -60,7 +60,7 @@ def at(block: Any, name: str) -> Any:
                 block = getattr(block, key) if key in type(block).model_fields else None
             case Mapping() if not bracket:
                 block = block.get(key)
-            case tuple() | list() if bracket and int(key) < len(block):
+            case tuple() | list() if bracket and key in map(str, range(len(block))):
                 block = block[int(key)]
             case _:
                 step = f"[{key}]" if bracket else key
