@@ -572,7 +572,7 @@ def _explanation(mistake: Mistake, left: float) -> Explanation:
 def _scaled(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]:
     """Yield mistakes that have a number of their own, such as the speed that V² is made with."""
     for mistake in library:
-        if mistake.scaled and not sought.work.exhausted:
+        if mistake.scaled:
             one = _explanation(mistake, 1.0)
             if joined := _joined(sought, one, mistake.scaled):
                 yield joined
@@ -584,7 +584,7 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
         t.scene.kind == "at-bat" and "impact.velocity" not in t.given for t in sought.trials
     )
     for name, stages in PARAMETERS.items():
-        if (sought.stage not in stages and not whole_chain) or sought.work.exhausted:
+        if sought.stage not in stages and not whole_chain:
             continue
         (forms,) = fits([name], sought)
         same = (f for f in forms if f.form == "fixed" and not f.varies)
@@ -679,9 +679,6 @@ def pairs(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]
                     return
 
 
-ALONG = 1e-12  # of an effect, what is left of it beside one in the same direction, by rounding
-
-
 def _left_by(
     rows: tuple[list[Array], list[Array], list[Array]], names: tuple[Any, Any], common: bool
 ) -> float:
@@ -695,13 +692,9 @@ def _left_by(
         for name, does in zip(names, effects, strict=True):
             if not isinstance(name, str):
                 rest = rest - does
-        # Least squares, of one or two: a hundred thousand small ones.
-        axes: list[Array] = []
-        for does in free:
-            across = does - sum(axis.dot(does) * axis for axis in axes)
-            size = math.sqrt(across.dot(across))
-            axes += [across / size] if size > ALONG * math.sqrt(does.dot(does)) else []
-        rest = rest - sum(axis.dot(rest) * axis for axis in axes)
+        if free:
+            matrix = np.array(free).T
+            rest = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
         left += float(np.abs(rest).sum())
     return left
 
