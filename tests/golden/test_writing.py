@@ -5,20 +5,17 @@ from __future__ import annotations
 import json
 import math
 import shutil
-from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from longball.engines.enclosure import Enclosure
 from longball.golden import condition, home_runs, writer
-from longball.golden.case_builder import Draft, solve_for
+from longball.golden.case import FOUND, Drafts
 from longball.golden.checker import check
 from longball.golden.condition import inputs, sensitivity, with_input
-from longball.golden.families import FAMILIES
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
-from longball.golden.reader import header, load, probabilities
+from longball.golden.reader import drafts, header, load, probabilities
 from longball.golden.truth import make, prove, shortened
 from longball.home_run.quadrature import Nodes
 from longball.model.quantities import replaced
@@ -28,12 +25,9 @@ from longball.model.scene import parse_scene
 FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
 
 
-def few() -> Iterator[Draft]:
-    """Three impacts."""
-    yield from list(FAMILIES["impact"]())[:3]
-
-
-SMALL = {"few": few}
+IMPACTS = drafts()["impact"].cases
+FEW = Drafts("Three impacts.", IMPACTS[:3])
+SMALL = {"few": FEW}
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -95,27 +89,37 @@ def test_what_other_code_has_left_behind_is_not_used(
 
 
 def test_a_case_whose_scene_changed_is_solved_again(tmp_path: Path, solved: list[str]):
-    drafts = list(few())
-    heavier = replaced(drafts[0].scene, {"ball.mass": 0.15})
-    interrupt(tmp_path, {"few": lambda: iter([replace(drafts[0], scene=heavier), *drafts[1:]])})
+    first, *others = FEW.cases
+    heavier = first.model_copy(update={"scene": replaced(first.scene, {"ball.mass": 0.15})})
+    interrupt(tmp_path, {"few": Drafts("", [heavier, *others])})
     solved.clear()
     writer.write(tmp_path, SMALL)
     assert solved == ["impact-0000", "impact-0002"]
 
 
 def test_families_that_are_not_asked_for_stay(tmp_path: Path, solved: list[str]):
-    def others() -> Iterator[Draft]:
-        yield from list(FAMILIES["impact"]())[3:5]
-
-    interrupt(tmp_path, {"few": few})
+    others = Drafts("Two more.", IMPACTS[3:5])
+    interrupt(tmp_path)
     writer.write(tmp_path, {"others": others})
     assert (tmp_path / PARTIAL / "few").is_dir()
     solved.clear()
     # A family that the header does not know yet is read as its file has it.
-    writer.write(tmp_path, {"few": few, "others": others}, only=["few"])
+    writer.write(tmp_path, SMALL | {"others": others}, only=["few"])
     assert solved == ["impact-0002"]
     assert not (tmp_path / PARTIAL).exists()
     assert [len(load(name, tmp_path)) for name in ("few", "others")] == [3, 2]
+
+
+def test_a_line_may_hold_what_is_written_of_a_case_and_no_more(tmp_path: Path):
+    writer.write(tmp_path, SMALL)
+    line, *lines = (tmp_path / "few.jsonl").read_text(encoding="utf-8").splitlines()
+    case = json.loads(line)
+    assert not {*FOUND} & {*case["flags"]}
+    bare = {key: case[key] for key in ("scene", "comment", "flags")} | {"flags": ["wide", "tie"]}
+    (tmp_path / "few.jsonl").write_text("\n".join([json.dumps(bare), *lines]), encoding="utf-8")
+    few = drafts(tmp_path)["few"]
+    assert few == Drafts("Three impacts.", [few.cases[0], *FEW.cases[1:]])
+    assert few.cases[0] == FEW.cases[0].model_copy(update={"flags": ("tie",)})
 
 
 # --- checking -------------------------------------------------------------------------------------
@@ -197,7 +201,7 @@ def test_swapped_lines_are_named(small: Path):
     first, second, third = (small / "few.jsonl").read_text(encoding="utf-8").splitlines()
     lines = "".join(f"{line}\n" for line in (first, third, second))
     write_files(small, {"few.jsonl": lines})  # with its checksum
-    assert check(small, SMALL, sample=0).failures == (
+    assert check(small, sample=0).failures == (
         "impact-0002: stands where impact-0001 belongs",
         "impact-0001: stands where impact-0002 belongs",
     )
@@ -250,13 +254,19 @@ def with_probabilities(tmp_path_factory, computed) -> Path:
     """A set of three cases, and P(0.45) of the default reading."""
     folder = tmp_path_factory.mktemp("probabilities")
     writer.write(folder, SMALL)
-    default, *_ = home_runs.drafts()
-    draft = replace(default, restitutions=(0.45,))
+    default, *_ = probabilities().cases
+    (row,) = (row for row in default.rows if row.e == 0.45)
+    nothing = row.model_copy(update={"p": math.nan})  # what is there is not used
+    wanted = default.model_copy(update={"rows": (nothing,)})
     seen = []
     with pytest.MonkeyPatch.context() as patch:
         nothing_twice(patch, computed)
         assert home_runs.write_probabilities(
-            folder, [draft], lines=64, workers=-1, progress=lambda *done: seen.append(done)
+            folder,
+            [wanted],
+            lines=64,
+            workers=-1,
+            progress=lambda *done: seen.append(done),
         )
     assert seen == [(1, 1)]
     return folder
@@ -385,12 +395,3 @@ def test_ashortened_number_still_contains_the_truth():
         "value": "0",
         "radius": "4E-50",
     }
-
-
-def test_solve_for_gives_the_double_nearest_to_the_root():
-    from decimal import Decimal
-
-    found = solve_for(lambda x: Decimal(x) * Decimal(x), "2", 1.0, 2.0)
-    assert found == 2**0.5
-    with pytest.raises(ValueError, match="no double found"):
-        solve_for(lambda x: Decimal(x) * Decimal(x), "-2", 1.0, 2.0)

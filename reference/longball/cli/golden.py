@@ -94,10 +94,10 @@ def write(
     probabilities P(e) somewhat longer.
     """
     from longball.golden import home_runs, writer  # with them come the engines
-    from longball.golden.families import FAMILIES
 
-    if unknown := set(family or []) - FAMILIES.keys():
-        known = ", ".join(FAMILIES)
+    families = reader.header().families
+    if unknown := set(family or []) - families.keys():
+        known = ", ".join(families)
         wrong_call(f"--family {unknown.pop()}: there is none; the families are {known}")
     if part != "probability":
         with progress_bar("cases", 1) as advance:

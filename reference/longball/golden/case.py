@@ -6,9 +6,9 @@ import json
 import math
 from collections.abc import Iterator
 from decimal import Decimal
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from longball.model.block import Strict
 from longball.model.jsonl import json_line
@@ -20,6 +20,30 @@ Difficulty = Literal["lower", "average", "higher"]
 
 # 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
 ROUNDING = 2.0**-53
+
+
+# Flags that solving a case gives it; the others come with its scene.
+FOUND = ("undecided", "many-digits", "fragile", "unconfirmed", "wide")
+
+
+class Draft(Strict, extra="ignore"):
+    """What is written of a case; solving its scene, whose id is the case's, gives the rest."""
+
+    scene: Scene = Field(discriminator="kind")
+    comment: str
+    flags: tuple[str, ...] = ()
+
+    @field_validator("flags")
+    @classmethod
+    def _written(cls, flags: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(flag for flag in flags if flag not in FOUND)
+
+
+class Drafts(NamedTuple):
+    """A family before it is solved: what it is about, and its cases."""
+
+    about: str
+    cases: list[Draft]
 
 
 class Quantity(Strict):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from importlib import import_module
@@ -16,7 +16,6 @@ from pydantic import ValidationError
 from longball.engines.parallel import in_parallel
 from longball.extras import MissingExtra, naming_extras
 from longball.golden.case import Case, Header, as_double, decisive, numbers_of
-from longball.golden.families import FAMILIES, Family
 from longball.golden.files import (
     CHECKSUMS,
     HEADER,
@@ -28,7 +27,7 @@ from longball.golden.files import (
 )
 from longball.golden.home_runs import integrated_again
 from longball.golden.probability import Probabilities, ProbabilityCase
-from longball.golden.reader import DATA
+from longball.golden.reader import DATA, drafts
 from longball.golden.truth import confirm, prove
 from longball.model.result import Result
 
@@ -47,7 +46,6 @@ class Report:
 
 def check(
     folder: Path = DATA,
-    families: Mapping[str, Family] = FAMILIES,
     *,
     sample: int | None = None,
     seed: int = 1,
@@ -61,8 +59,6 @@ def check(
     ----------
     folder
         The set; by default the shipped one.
-    families
-        Functions that return the drafts of a family, in the order of its cases.
     sample
         How many cases are solved again, drawn at random; by default all of them.
     seed
@@ -86,8 +82,8 @@ def check(
         found, wrong = _read_family(folder / family.file, name, family.cases)
         cases += found
         failures += wrong
-        if name in families:
-            failures += _out_of_order(found, families[name])
+    if folder.resolve() != DATA:
+        failures += _out_of_order(cases)
     every: list[Case | ProbabilityCase] = [*cases]
     if (folder / PROBABILITIES).exists():
         integrals, fault = _read(Probabilities, folder / PROBABILITIES)
@@ -169,9 +165,10 @@ def _read_family(path: Path, family: str, count: int) -> tuple[list[Case], list[
     return cases, failures
 
 
-def _out_of_order(cases: list[Case], family: Family) -> Iterator[str]:
-    """Yield which cases stand where others belong, in the order in which a family is written."""
-    place = {draft.scene.id: number for number, draft in enumerate(family())}
+def _out_of_order(cases: list[Case]) -> Iterator[str]:
+    """Yield which cases stand where others belong, in the order of the shipped set."""
+    shipped = (draft.scene.id for family in drafts().values() for draft in family.cases)
+    place = {name: number for number, name in enumerate(shipped)}
     ids = [case.id for case in cases if case.id in place]
     for stands, belongs in zip(ids, sorted(ids, key=place.__getitem__), strict=True):
         if stands != belongs:

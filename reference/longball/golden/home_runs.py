@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
@@ -12,10 +12,9 @@ from longball import __version__
 from longball.golden.files import PROBABILITIES, schemas, write_files
 from longball.golden.headers import NUMBERS_OF_PROBABILITIES
 from longball.golden.probability import Probabilities, ProbabilityCase, ProbabilityRow, Second
-from longball.home_run import RESTITUTIONS, Randomised, integrals, paper_at_bats, scrambled
+from longball.golden.reader import probabilities
+from longball.home_run import Randomised, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
-from longball.model.readings import Reading, SamplingReading, readings_of
-from longball.model.scene import AtBatScene
 
 LINES = 1024  # in each scramble
 SEED, SEED_OF_CHECKS = 1, 2
@@ -24,42 +23,9 @@ SEED, SEED_OF_CHECKS = 1, 2
 FARTHEST = 5.0
 
 
-@dataclass(frozen=True)
-class ProbabilityDraft:
-    """A reading and restitutions of which the probabilities are wanted."""
-
-    id: str
-    comment: str
-    reading: Reading
-    sampling: SamplingReading
-    restitutions: Sequence[float]
-
-
-def drafts() -> Iterator[ProbabilityDraft]:
-    """Yield the default reading, and those switches that a scheme for P(e) may get wrong."""
-    yield ProbabilityDraft(
-        "probability-default", "The default reading of the ledger.", *readings_of({}), RESTITUTIONS
-    )
-    ends = (RESTITUTIONS[0], RESTITUTIONS[-1])
-    for switch, option, comment in (
-        ("speed_spread", "as_printed", "Speeds that scatter less."),
-        ("cell_width", 0.25, "Aims that scatter more."),
-        ("offset_spread", 0.0732, "Offsets that scatter twice as much."),
-        ("effective_mass", "as_printed", "A lighter bat towards its pivot."),
-        ("reduced_mass", "effective_mass", "An impulse that grows along the bat."),
-        ("bat_ball_restitution", "plain", "A restitution that is the same all along the bat."),
-        ("inertia", "thin_rod", "A small change of the inertia."),
-        ("ground_contact", "surface", "The ball lands a radius earlier."),
-        ("sample_space", "batted", "Among batted balls only."),
-    ):
-        yield ProbabilityDraft(
-            f"probability-{switch}-{option}", comment, *readings_of({switch: option}), ends
-        )
-
-
 def write_probabilities(
     folder: Path,
-    wanted: Sequence[ProbabilityDraft] | None = None,
+    wanted: Sequence[ProbabilityCase] | None = None,
     *,
     lines: int = LINES,
     workers: int = 1,
@@ -72,7 +38,8 @@ def write_probabilities(
     folder
         The set; its other files are left alone.
     wanted
-        What to compute; by default all of `drafts`.
+        What to compute again: cases, whose scene, sampling and restitutions count; by default
+        those of the shipped set.
     lines
         Of the second method in each scramble.
     workers
@@ -80,10 +47,10 @@ def write_probabilities(
     progress
         Called with the numbers of cases done and of all.
     """
-    chosen = list(drafts()) if wanted is None else wanted
+    chosen = probabilities().cases if wanted is None else wanted
     cases = []
-    for draft in chosen:
-        cases.append(make(draft, lines, workers))
+    for case in chosen:
+        cases.append(make(case, lines, workers))
         progress(len(cases), len(chosen))
     from longball.engines.batch import Batch  # extra `fast`
 
@@ -108,26 +75,19 @@ def write_probabilities(
     return len(cases)
 
 
-def make(draft: ProbabilityDraft, lines: int, workers: int) -> ProbabilityCase:
-    """Return a case: its integrals, and what the second method makes of them."""
-    scene = AtBatScene(id=draft.id, reading=draft.reading)
-    at_bats, space = paper_at_bats(draft.sampling), draft.sampling.sample_space
-    found = integrals(scene, at_bats, draft.restitutions, sample_space=space, workers=workers)
-    second = scrambled(
-        scene, at_bats, draft.restitutions, lines, SEED, sample_space=space, workers=workers
+def make(case: ProbabilityCase, lines: int, workers: int) -> ProbabilityCase:
+    """Return a case with its integrals, and what the second method makes of them, anew."""
+    at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
+    problem = case.scene, at_bats, [row.e for row in case.rows]
+    found = integrals(*problem, sample_space=space, workers=workers)
+    second = scrambled(*problem, lines, SEED, sample_space=space, workers=workers)
+    rows = tuple(
+        ProbabilityRow(
+            **asdict(row), confirmation=Second(p=other.p, standard_error=other.standard_error)
+        )
+        for row, other in zip(found, second, strict=True)
     )
-    return ProbabilityCase(
-        id=draft.id,
-        comment=draft.comment,
-        scene=scene,
-        sampling=draft.sampling,
-        rows=tuple(
-            ProbabilityRow(
-                **asdict(row), confirmation=Second(p=other.p, standard_error=other.standard_error)
-            )
-            for row, other in zip(found, second, strict=True)
-        ),
-    )
+    return case.model_copy(update={"rows": rows})
 
 
 def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from longball.golden.case import Case, Header
+from longball.golden.case import Case, Draft, Drafts, Header
 from longball.golden.probability import Probabilities
 
 DATA = Path(__file__).parent / "data"
@@ -57,7 +57,25 @@ def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:
 
 def read_cases(file: Path) -> list[Case]:
     """Return the cases of a file, which has a line for each."""
-    return [Case.model_validate_json(line) for line in file.read_bytes().splitlines()]
+    return [Case.model_validate_json(line) for line in _lines(file)]
+
+
+def _lines(file: Path) -> list[bytes]:
+    return file.read_bytes().splitlines()
+
+
+def drafts(folder: Path = DATA) -> dict[str, Drafts]:
+    """Return the families of a set with what is written of their cases, and not solved for.
+
+    A line may hold that alone.
+    """
+    return {
+        name: Drafts(
+            family.about,
+            [Draft.model_validate_json(line) for line in _lines(folder / family.file)],
+        )
+        for name, family in header(folder).families.items()
+    }
 
 
 def probabilities(folder: Path = DATA) -> Probabilities:

@@ -9,9 +9,11 @@ from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import (
+    FOUND,
     Case,
     Confirmation,
     Difficulty,
+    Draft,
     Quantity,
     as_double,
     decisions,
@@ -19,7 +21,6 @@ from longball.golden.case import (
     numbers_of,
     vector_of,
 )
-from longball.golden.case_builder import Draft
 from longball.golden.condition import (
     Sensitivity,
     attainable_errors,
@@ -176,20 +177,21 @@ def make(family: str, draft: Draft) -> Case:
     if result.outcome is not None:
         found = sensitivity(scene, result, Enclosure(DIGITS))
     table = quantities(result, attainable_errors(scene, result, found))
-    found_out = {
-        "undecided": result.outcome is None and "refused" not in draft.flags,
-        "many-digits": result.engine != Enclosure(DIGITS).description,
-        "fragile": found.fragile,
-        "unconfirmed": not agrees,
-        "wide": result.outcome is not None and not _good_enough(scene, result),
-    }
+    solved_with = (
+        result.outcome is None and "refused" not in draft.flags,
+        result.engine != Enclosure(DIGITS).description,
+        found.fragile,
+        not agrees,
+        result.outcome is not None and not _good_enough(scene, result),
+    )
+    found_out = (flag for flag, applies in zip(FOUND, solved_with, strict=True) if applies)
     assert scene.id
     return Case(
         id=scene.id,
         family=family,
         level=level_of(result, table, found.fragile),
         comment=draft.comment,
-        flags=(*draft.flags, *(flag for flag, applies in found_out.items() if applies)),
+        flags=(*draft.flags, *found_out),
         scene=scene,
         expected=result,
         quantities=table,

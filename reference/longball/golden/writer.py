@@ -7,7 +7,6 @@ atomically; neither the number of workers nor an interruption changes a byte of 
 from __future__ import annotations
 
 import hashlib
-import inspect
 import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
@@ -16,13 +15,11 @@ from pathlib import Path
 import longball
 from longball.engines.parallel import in_parallel
 from longball.extras import naming_extras
-from longball.golden.case import Case
-from longball.golden.case_builder import Draft
-from longball.golden.families import FAMILIES, Family
+from longball.golden.case import Case, Draft, Drafts
 from longball.golden.files import DOCUMENTS, HEADER, HISTORIES, PARTIAL, schemas, write_files
 from longball.golden.headers import header, made_by
 from longball.golden.history import ABOUT, history
-from longball.golden.reader import DATA, read_cases
+from longball.golden.reader import DATA, drafts, read_cases
 from longball.golden.truth import make
 from longball.model.scene import FlightScene
 
@@ -37,14 +34,9 @@ TABULATED = (
 )
 
 
-def plan(families: Mapping[str, Family] = FAMILIES) -> dict[str, list[Draft]]:
-    """Return the drafts of families; this takes some seconds."""
-    return {name: list(family()) for name, family in families.items()}
-
-
 def write(
     folder: Path,
-    families: Mapping[str, Family] = FAMILIES,
+    families: Mapping[str, Drafts] | None = None,
     *,
     only: Collection[str] | None = None,
     workers: int = 1,
@@ -57,7 +49,7 @@ def write(
     folder
         Where to; other files in it are left alone.
     families
-        Functions that return the drafts of a family; their docstrings go into the header.
+        What is to be solved; by default the scenes of the shipped set.
     only
         Families to be solved; the cases of the others are read from the folder, as they are.
     workers
@@ -65,29 +57,29 @@ def write(
     progress
         Called with the numbers of cases done, those of an interrupted run included, and of all.
     """
+    families = drafts() if families is None else families
     chosen = families if only is None else {name: families[name] for name in only}
     # This may need an extra, and says so before anything is solved.
     lines = {name: _remembered(folder / PARTIAL / name) for name in chosen}
-    drafts = plan(chosen)
-    total = sum(map(len, drafts.values()))
+    total = sum(len(family.cases) for family in chosen.values())
     made: dict[str, list[Case]] = {
-        name: [] if name in drafts else read_cases(folder / f"{name}.jsonl") for name in families
+        name: [] if name in chosen else read_cases(folder / f"{name}.jsonl") for name in families
     }
-    for name, family in drafts.items():
-        for case in _cases(lines[name], name, family, workers):
+    for name, family in chosen.items():
+        for case in _cases(lines[name], name, family.cases, workers):
             made[name].append(case)
-            progress(sum(len(made[name]) for name in drafts), total)
+            progress(sum(len(made[name]) for name in chosen), total)
     files = {
         f"{name}.jsonl": "".join(case.line() + "\n" for case in cases)
         for name, cases in made.items()
     }
     tables = dict(_histories(made))
-    about = {name: inspect.getdoc(family) or "" for name, family in families.items()}
+    about = {name: family.about for name, family in families.items()}
     top = header(made, about, dict.fromkeys(tables, ABOUT))
     files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
     write_files(folder, files)
-    for name in drafts:
+    for name in chosen:
         shutil.rmtree(folder / PARTIAL / name, ignore_errors=True)
     with suppress(OSError):  # what other families have left there is kept
         (folder / PARTIAL).rmdir()
@@ -104,11 +96,11 @@ def _histories(made: Mapping[str, list[Case]]) -> Iterator[tuple[str, str]]:
 
 
 def _cases(
-    line: Callable[..., str], family: str, drafts: list[Draft], workers: int
+    line: Callable[..., str], family: str, written: list[Draft], workers: int
 ) -> Iterator[Case]:
     """Yield the cases of a family in order."""
     stamp = fingerprint()
-    calls = ((stamp, family, draft) for draft in drafts)
+    calls = ((stamp, family, draft) for draft in written)
     for text in in_parallel(line, calls, workers):
         yield Case.model_validate_json(text)
 
