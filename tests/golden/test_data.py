@@ -19,9 +19,7 @@ from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.golden.case import as_double, decisive, numbers_of, vector_of
 from longball.golden.checker import check
-from longball.golden.export import export
-from longball.golden.files import CHECKSUMS, HEADER, schemas
-from longball.golden.headers import FLAGS, LEVELS, NUMBERS
+from longball.golden.files import CHECKSUMS, HEADER, TEXTS, export, schemas
 from longball.golden.reader import DATA
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model import exact
@@ -58,10 +56,10 @@ def test_an_unknown_family_is_refused_by_name():
 def test_the_header_explains_what_the_cases_use():
     header = golden.header()
     assert set(header.flags) == {flag for case in CASES for flag in case.flags}
-    assert header.flags.items() <= FLAGS.items()
-    assert header.levels == LEVELS
-    assert header.numbers == NUMBERS
-    assert {case.level for case in CASES} == set(LEVELS)
+    assert header.flags.items() <= TEXTS["flags"].items()
+    assert header.levels == TEXTS["levels"]
+    assert header.numbers == TEXTS["numbers"]
+    assert {case.level for case in CASES} == set(TEXTS["levels"])
 
 
 def test_lines_obey_the_shipped_schemas():
@@ -95,7 +93,9 @@ def test_the_schemas_have_no_words_but_json_schemas():
 def test_a_set_goes_into_one_archive(tmp_path):
     first, second = tmp_path / "a.zip", tmp_path / "b.zip"
     assert (
-        export(first) == export(second) == len([path for path in DATA.rglob("*") if path.is_file()])
+        export(first, DATA)
+        == export(second, DATA)
+        == len([path for path in DATA.rglob("*") if path.is_file()])
     )
     assert first.read_bytes() == second.read_bytes()
     with zipfile.ZipFile(first) as archive:

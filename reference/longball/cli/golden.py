@@ -18,7 +18,7 @@ from longball.cli.common import (
     tell,
     wrong_call,
 )
-from longball.golden import Header, reader
+from longball.golden import Header, files, reader
 
 app = typer.Typer(
     help="The golden data: list, locate, export, check or generate them.",
@@ -63,11 +63,9 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write a set as one archive, the same bytes every time."""
-    from longball.golden import export as archive
-
-    target = output or Path(f"{archive.NAME}.zip")
+    target = output or Path(f"{files.ARCHIVE}.zip")
     with refusing():
-        count = archive.export(target, folder or reader.DATA)
+        count = files.export(target, folder or reader.DATA)
     note(f"{count} files in {target}")
 
 

@@ -10,8 +10,7 @@ Reading needs none of the libraries that made the data. `longball.golden.writer`
 `longball.golden.checker` verifies it.
 """
 
-from longball.golden.case import Case, Header
-from longball.golden.probability import Probabilities
+from longball.golden.case import Case, Header, Probabilities
 from longball.golden.reader import header, load, probabilities
 
 __all__ = ["Case", "Header", "Probabilities", "header", "load", "probabilities"]

@@ -15,7 +15,15 @@ from pydantic import ValidationError
 
 from longball.engines.parallel import in_parallel
 from longball.extras import MissingExtra, naming_extras
-from longball.golden.case import Case, Header, as_double, decisive, numbers_of
+from longball.golden.case import (
+    Case,
+    Header,
+    Probabilities,
+    ProbabilityCase,
+    as_double,
+    decisive,
+    numbers_of,
+)
 from longball.golden.files import (
     CHECKSUMS,
     HEADER,
@@ -26,7 +34,6 @@ from longball.golden.files import (
     schemas,
 )
 from longball.golden.home_runs import integrated_again
-from longball.golden.probability import Probabilities, ProbabilityCase
 from longball.golden.reader import DATA, drafts
 from longball.golden.truth import confirm, prove
 from longball.model.result import Result

@@ -1,16 +1,18 @@
-"""The files of a golden set: names, checksums, schemas, and writing without halves."""
+"""The files of a golden set: names, texts, checksums, schemas, and writing without halves."""
 
 from __future__ import annotations
 
 import hashlib
 import os
+import tomllib
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from pydantic import BaseModel
 
-from longball.golden.case import Case, Header
-from longball.golden.probability import Probabilities
+from longball import __version__
+from longball.golden.case import Case, Header, Probabilities
 from longball.model.schema import published, text
 
 # The version of the form of the files; README.md in their folder says when it changes.
@@ -23,6 +25,12 @@ HEADER = "header.json"
 HISTORIES = "histories"
 PROBABILITIES = "probability.json"
 PARTIAL = ".partial"
+ARCHIVE = f"longball-golden-{FORMAT}-{__version__}"
+
+# What the headers say, by table and key.
+TEXTS: dict[str, dict[str, str]] = tomllib.loads(
+    Path(__file__).with_name("legend.toml").read_text(encoding="utf-8")
+)
 
 
 def schemas() -> dict[str, str]:
@@ -75,3 +83,18 @@ def listed(folder: Path) -> dict[str, str]:
 def checksum(path: Path) -> str:
     """Return the SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def export(path: Path, folder: Path) -> int:
+    """Write a set as a ZIP archive, the same bytes every time; return how many files it holds."""
+    names = sorted([*listed(folder), CHECKSUMS])
+    if names == [CHECKSUMS]:
+        raise ValueError(f"{folder}: there is no {CHECKSUMS}, and so no golden data")
+    never = (1980, 1, 1, 0, 0, 0)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in names:
+            entry = zipfile.ZipInfo(f"{ARCHIVE}/{name}", never)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, (folder / name).read_bytes())
+    return len(names)

@@ -9,9 +9,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from longball import __version__
-from longball.golden.files import PROBABILITIES, schemas, write_files
-from longball.golden.headers import NUMBERS_OF_PROBABILITIES
-from longball.golden.probability import Probabilities, ProbabilityCase, ProbabilityRow, Second
+from longball.golden.case import Probabilities, ProbabilityCase, ProbabilityRow, Second
+from longball.golden.files import PROBABILITIES, TEXTS, schemas, write_files
 from longball.golden.reader import probabilities
 from longball.home_run import Randomised, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
@@ -56,7 +55,7 @@ def write_probabilities(
 
     whole = Probabilities(
         title="Longball's golden data: the probability of a home run P(e)",
-        numbers=NUMBERS_OF_PROBABILITIES,
+        numbers=TEXTS["probability"],
         made_by={
             "p": "quadrature",
             "confirmation": f"{SCRAMBLES} scrambles of {lines} Sobol' points",

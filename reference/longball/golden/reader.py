@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from longball.golden.case import Case, Draft, Drafts, Header
-from longball.golden.probability import Probabilities
+from longball.golden.case import Case, Draft, Drafts, Header, Probabilities
 
 DATA = Path(__file__).parent / "data"
 

@@ -7,20 +7,36 @@ atomically; neither the number of workers nor an interruption changes a byte of 
 from __future__ import annotations
 
 import hashlib
+import math
 import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
+from decimal import Decimal, localcontext
+from importlib.metadata import version
 from pathlib import Path
 
+import flint
+
 import longball
+from longball.engines.chain import solve_with_path
+from longball.engines.enclosure import Enclosure
+from longball.engines.multiprecision import Multiprecision
 from longball.engines.parallel import in_parallel
 from longball.extras import naming_extras
-from longball.golden.case import Case, Draft, Drafts
-from longball.golden.files import DOCUMENTS, HEADER, HISTORIES, PARTIAL, schemas, write_files
-from longball.golden.headers import header, made_by
-from longball.golden.history import ABOUT, history
+from longball.golden.case import Case, Draft, Drafts, Family, Header
+from longball.golden.files import (
+    DOCUMENTS,
+    FORMAT,
+    HEADER,
+    HISTORIES,
+    PARTIAL,
+    TEXTS,
+    schemas,
+    write_files,
+)
 from longball.golden.reader import DATA, drafts, read_cases
-from longball.golden.truth import make
+from longball.golden.truth import CONFIRMING, DIGITS, WORK, make
+from longball.model.result import Bounded
 from longball.model.scene import FlightScene
 
 # Flights that are tabulated: one of every kind, all of which land.
@@ -128,3 +144,73 @@ def fingerprint() -> str:
     for path in sources:
         digest.update(path.read_bytes())
     return digest.hexdigest()
+
+
+# --- the header -----------------------------------------------------------------------------------
+
+
+def header(
+    cases: Mapping[str, list[Case]], about: Mapping[str, str], histories: Mapping[str, str]
+) -> Header:
+    """Return the header of a set of families; `about` says what each one is."""
+    used = {flag for family in cases.values() for case in family for flag in case.flags}
+    return Header(
+        title="Longball's golden data: scenes of baseball at-bats with proven results",
+        format=FORMAT,
+        licence="CC0-1.0",
+        numbers=TEXTS["numbers"],
+        levels=TEXTS["levels"],
+        flags={flag: TEXTS["flags"][flag] for flag in sorted(used)},
+        families={
+            name: Family(file=f"{name}.jsonl", cases=len(family), about=about[name])
+            for name, family in cases.items()
+        },
+        histories=dict(histories),
+        made_by=made_by(),
+    )
+
+
+def made_by() -> dict[str, str]:
+    """Return who computes, and the versions of everything that takes part."""
+    return {
+        "truth": f"{Enclosure(DIGITS).description}, and up to {WORK[-1]} where it takes more",
+        "confirmation": f"{Multiprecision(CONFIRMING[0]).description}, and up to {CONFIRMING[-1]} "
+        "where it takes more",
+        "longball": longball.__version__,
+        "python-flint": version("python-flint"),
+        "FLINT": flint.__FLINT_VERSION__,
+        "mpmath": version("mpmath"),
+        "numpy": version("numpy"),
+    }
+
+
+# --- histories ------------------------------------------------------------------------------------
+
+COLUMNS = ("time_s", "x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s")
+HISTORY_DIGITS = 20
+PER_SECOND = 20  # rows; the paper's Δt = 0.05 s
+
+ABOUT = (
+    "Position and velocity of the case's ball every 0.05 s from launch up to the last full step "
+    f"before landing. {HISTORY_DIGITS} digits; the last one may be off by one."
+)
+
+
+def history(scene: FlightScene, until: float) -> str:
+    """Return the table of a flight, as CSV, for times up to `until`, s."""
+    engine = Enclosure(HISTORY_DIGITS + 10)
+    numbers = engine.numbers
+    lines = [",".join(COLUMNS)]
+    with numbers.arithmetic():
+        _, way = solve_with_path(scene, engine)
+        rows = range(math.floor(until * PER_SECOND) + 1)
+        times = [numbers.exact(row) / PER_SECOND for row in rows]
+        for row, state in zip(rows, way.sample(times), strict=True):
+            shown = [_shown(numbers.report(x)) for x in state]
+            lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
+    return "\n".join(lines) + "\n"
+
+
+def _shown(number: Bounded) -> str:
+    with localcontext(prec=HISTORY_DIGITS):
+        return str(+Decimal(number.value))
