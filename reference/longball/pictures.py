@@ -132,23 +132,14 @@ def _saved(
 
 @dataclass(frozen=True)
 class Drawn:
-    """A scene as it is drawn.
+    """A scene as it is drawn."""
 
-    Attributes
-    ----------
-    label
-        Says which, and what became of it.
-    flights
-        Points of its flights, m; an array of shape (n, 3) for each, the pitch first.
-    fence
-        Its fence from above, m, an array of shape (n, 2); None without one.
-    passed
-        x and height of the fence where the ball comes to it, m; None if it does not.
-    """
-
-    label: str
+    label: str  # says which, and what became of it
+    # Points of its flights, m; an array of shape (n, 3) for each, the pitch first.
     flights: tuple[Array, ...]
+    # Its fence from above, m, an array of shape (n, 2); None without one.
     fence: Array | None = None
+    # x and height of the fence where the ball comes to it, m; None if it does not.
     passed: tuple[float, float] | None = None
 
 

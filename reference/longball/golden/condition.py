@@ -69,17 +69,11 @@ _ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient"
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What inputs do to a result.
+    """What inputs do to a result."""
 
-    Attributes
-    ----------
-    derivatives
-        ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome.
-    fragile
-        Whether a step of any input, in any direction, changes the outcome or leaves none.
-    """
-
+    # ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome.
     derivatives: Mapping[str, Mapping[str, float | None]]
+    # Whether a step of any input, in any direction, changes the outcome or leaves none.
     fragile: bool
 
 

@@ -62,24 +62,13 @@ class Mixture:
 
 @dataclass(frozen=True)
 class AtBats:
-    """The distributions that at-bats are drawn from.
+    """The distributions that at-bats are drawn from."""
 
-    Attributes
-    ----------
-    speed
-        m/s, of the pitch (paper, Eq. 3).
-    aim
-        m, the horizontal coordinate P_y of the point aimed at (paper, Eq. 4).
-    offset_deviation
-        m, of the height of the bat's axis over the pitch; its mean is 0 (paper, Sec. III.A).
-    largest_tilt
-        rad, of the swing's axis, which is uniform from 0 (paper, Sec. III.A).
-    """
-
-    speed: Mixture
-    aim: Mixture
+    speed: Mixture  # m/s, of the pitch (paper, Eq. 3).
+    aim: Mixture  # m, the horizontal coordinate P_y of the point aimed at (paper, Eq. 4).
+    # m, of the height of the bat's axis over the pitch; its mean is 0 (paper, Sec. III.A).
     offset_deviation: float
-    largest_tilt: float
+    largest_tilt: float  # rad, of the swing's axis, which is uniform from 0 (paper, Sec. III.A).
 
     @property
     def offset(self) -> Mixture:

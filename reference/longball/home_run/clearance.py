@@ -30,26 +30,13 @@ class Clearance:
     """How far, m, a landing is inside what is counted; negative outside.
 
     A ball that is not batted goes no distance at all.
-
-    Attributes
-    ----------
-    base
-        Everything about the at-bats that is not random.
-    restitution
-        The ball's.
-    engine
-        What solves the at-bats.
-    sample_space
-        Of which the home runs are a share.
-    counted
-        Home runs within the sample space, or all of that space.
     """
 
-    base: AtBatScene
-    restitution: float
-    engine: Batch
-    sample_space: SampleSpace = "pitches"
-    counted: Counted = "home runs"
+    base: AtBatScene  # everything about the at-bats that is not random
+    restitution: float  # the ball's
+    engine: Batch  # what solves the at-bats
+    sample_space: SampleSpace = "pitches"  # of which the home runs are a share
+    counted: Counted = "home runs"  # home runs within the sample space, or all of that space
 
     def __post_init__(self) -> None:
         if self.base.fence is not None:

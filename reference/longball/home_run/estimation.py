@@ -23,24 +23,14 @@ RESTITUTIONS = (0.41, 0.42, 0.43, 0.44, 0.45)  # paper, Fig. 7
 
 @dataclass(frozen=True)
 class Estimate:
-    """P(e) counted from samples, with its Wilson interval of 95 %.
+    """P(e) counted from samples, with its Wilson interval of 95 %."""
 
-    Attributes
-    ----------
-    e
-        The ball's coefficient of restitution.
-    home_runs, trials
-        What was counted, among how many of the sample space.
-    failed
-        Samples that the engine could not decide, counted as no home runs.
-    p, low, high
-        The share of home runs, and the interval; NaN without a trial.
-    """
-
-    e: float
+    e: float  # the ball's coefficient of restitution
+    # What was counted, among how many of the sample space.
     home_runs: int
     trials: int
-    failed: int
+    failed: int  # samples that the engine could not decide, counted as no home runs
+    # The share of home runs, and the interval; NaN without a trial.
     p: float
     low: float
     high: float

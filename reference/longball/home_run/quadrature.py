@@ -79,20 +79,13 @@ class Integral:
 
     Each error is the difference of two rules, the coarser of which makes nearly all of it, and the
     weight of what the engine could not decide. NaN where the sample space is empty.
-
-    Attributes
-    ----------
-    e
-        The ball's coefficient of restitution.
-    p, error
-        The probability of a home run.
-    slope, slope_error
-        dP/de.
     """
 
-    e: float
+    e: float  # the ball's coefficient of restitution
+    # The probability of a home run.
     p: float
     error: float
+    # dP/de.
     slope: float
     slope_error: float
 
@@ -455,26 +448,16 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
 
 @dataclass(frozen=True)
 class _Intervals:
-    """Intervals of aims that are counted, for given speeds, offsets and tilts: the lines.
+    """Intervals of aims that are counted, for given speeds, offsets and tilts: the lines."""
 
-    Attributes
-    ----------
-    clearance, inputs
-        What is counted, and the lines.
-    grid, values
-        Aims, m, an array (line, sample), and clearances there, m.
-    ends
-        Of the intervals, but for the ends of the bat.
-    unsolved
-        Whether the engine could not decide some at-bat of a line.
-    """
-
+    # What is counted, and the lines.
     clearance: Clearance
     inputs: Samples
+    # Aims, m, an array (line, sample), and clearances there, m.
     grid: Array
     values: Array
-    ends: Crossings
-    unsolved: Flags
+    ends: Crossings  # of the intervals, but for the ends of the bat
+    unsolved: Flags  # whether the engine could not decide some at-bat of a line
 
     @classmethod
     def found(cls, clearance: Clearance, inputs: Samples) -> _Intervals:

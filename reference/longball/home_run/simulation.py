@@ -35,19 +35,12 @@ COLUMNS = 200 * BLOCK
 
 @dataclass(frozen=True)
 class Struck(Arrays):
-    """Landings of at-bats, one array element for each.
+    """Landings of at-bats, one array element for each."""
 
-    Attributes
-    ----------
-    x, y
-        m, where the ball landed, or met the fence; NaN if it was not batted.
-    failed
-        Whether the engine could not decide.
-    """
-
+    # m, where the ball landed, or met the fence; NaN if it was not batted.
     x: Array
     y: Array
-    failed: Flags
+    failed: Flags  # whether the engine could not decide
 
     @property
     def distance(self) -> Array:

@@ -55,18 +55,10 @@ def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers[N]) -> N:
 
 @dataclass(frozen=True)
 class CollisionParameters(Generic[N]):
-    """What the impulse depends on besides the velocities.
+    """What the impulse depends on besides the velocities."""
 
-    Attributes
-    ----------
-    restitution
-        ẽ, between ball and bat.
-    reduced_mass
-        μ, kg.
-    """
-
-    restitution: N
-    reduced_mass: N
+    restitution: N  # ẽ, between ball and bat
+    reduced_mass: N  # μ, kg
 
 
 def collision_parameters(

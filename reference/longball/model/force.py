@@ -122,58 +122,35 @@ class Thinning(Term):
 
 @dataclass(frozen=True)
 class Decay(Term):
-    """How spin decays.
+    """How spin decays."""
 
-    Attributes
-    ----------
-    rate
-        Of what it decays along, the variable `path` of the state, m/s: from the motion, but for
-        its spin, and the parameters.
-    left
-        The spin that is left, relative to that at launch: from `path`, the airspeed and the
-        parameters.
-    """
-
+    # Of what it decays along, the variable `path` of the state, m/s: from the motion, but for its
+    # spin, and the parameters.
     rate: Callable[[Motion, Any], Any]
+    # The spin that is left, relative to that at launch: from `path`, the airspeed and the
+    # parameters.
     left: Callable[[Any, Any, Any], Any]
 
 
 class Branches(NamedTuple):
-    """The forms that a term takes, one after the other, as what it depends on grows.
+    """The forms that a term takes, one after the other, as what it depends on grows."""
 
-    Attributes
-    ----------
-    levels
-        Where one form ends and the next begins, in rising order.
-    strengths
-        For each form, as a term has them; one more than levels.
-    """
-
-    levels: tuple[Any, ...]
+    levels: tuple[Any, ...]  # where one form ends and the next begins, in rising order
+    # For each form, as a term has them; one more than levels.
     strengths: tuple[tuple[Any, ...], ...]
 
 
 @dataclass(frozen=True)
 class Piecewise(Term):
-    """A term whose parameters change where something passes a level.
+    """A term whose parameters change where something passes a level."""
 
-    Attributes
-    ----------
-    term
-        The term itself.
-    branches
-        From a scene, a frame and a number system; None if the scene does not name the term.
-    argument
-        What passes the levels, as top and bottom of a fraction that are built of + - * alone, the
-        bottom positive.
-    question
-        That it does, as a clause.
-    """
-
-    term: Term
+    term: Term  # the term itself
+    # From a scene, a frame and a number system; None if the scene does not name the term.
     branches: Callable[[Any, Any, Numbers[Any]], Branches | None]
+    # What passes the levels, as top and bottom of a fraction that are built of + - * alone, the
+    # bottom positive.
     argument: Callable[[Motion, Any], tuple[Any, Any]]
-    question: str
+    question: str  # that it does, as a clause
 
 
 def switched(scene: Any, frame: Any, numbers: Numbers[Any]) -> None:

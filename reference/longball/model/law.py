@@ -327,28 +327,16 @@ def law_with(
 
 @dataclass(frozen=True, eq=False)
 class _Traced:
-    """What is traced of a law.
+    """What is traced of a law."""
 
-    Attributes
-    ----------
-    rates
-        Of the variables, by name.
-    further
-        The variables besides positions and velocities.
-    spin_left
-        The size of the spin, relative to that at launch.
-    motion, parameters
-        What it was traced with.
-    made
-        What the variables are that stand for exponentials and logarithms, by name: each in terms
-        of the variables before it.
-    """
-
-    rates: Mapping[str, Node]
-    further: tuple[str, ...]
-    spin_left: Any
+    rates: Mapping[str, Node]  # of the variables, by name
+    further: tuple[str, ...]  # the variables besides positions and velocities
+    spin_left: Any  # the size of the spin, relative to that at launch
+    # What it was traced with.
     motion: Motion
     parameters: Any
+    # What the variables are that stand for exponentials and logarithms, by name: each in terms of
+    # the variables before it.
     made: Mapping[str, Node] = field(default_factory=dict)
 
 

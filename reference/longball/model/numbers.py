@@ -127,15 +127,9 @@ def doubt(x: N, error: N, question: str, numbers: Numbers[N]) -> str:
 
 
 class Single(Generic[N]):
-    """What number systems of one number at a time share.
+    """What number systems of one number at a time share."""
 
-    Attributes
-    ----------
-    precision
-        As messages have it.
-    """
-
-    precision: str
+    precision: str  # as messages have it
 
     def arithmetic(self) -> AbstractContextManager[object]:
         """Return a context that does nothing: these numbers bring their own precision."""

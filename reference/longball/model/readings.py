@@ -104,24 +104,12 @@ def readings_of(switches: Mapping[str, object]) -> tuple[Reading, SamplingReadin
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the ledger.
+    """A line of the ledger."""
 
-    Attributes
-    ----------
-    switch
-        Its name.
-    options
-        What it can be set to; the default comes first.
-    place
-        Where in the paper the question arises.
-    why
-        One sentence on what is silent, ambiguous or wrong.
-    """
-
-    switch: str
-    options: tuple[str, ...]
-    place: str
-    why: str
+    switch: str  # its name
+    options: tuple[str, ...]  # what it can be set to; the default comes first
+    place: str  # where in the paper the question arises
+    why: str  # one sentence on what is silent, ambiguous or wrong
 
     @property
     def is_switch(self) -> bool:

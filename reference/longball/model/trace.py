@@ -25,24 +25,17 @@ Scalar = float  # Python's numbers; they stand for themselves, exactly
 
 
 class Node:
-    """A value of a traced formula; equal nodes are identical.
-
-    Attributes
-    ----------
-    kind
-        ``constant``, ``parameter`` and ``variable`` have one argument, a number or a name.
-        ``product``, ``quotient``, ``sqrt``, ``exp``, ``log`` and ``unit`` have nodes. ``sum`` has
-        a static node (the constant term) and pairs of a static coefficient and a dynamic node.
-        A static sum, ``plus``, has two nodes. ``unit`` is a quotient known to be between -1 and 1.
-    static
-        Whether it depends on no variable.
-    """
+    """A value of a traced formula; equal nodes are identical."""
 
     __slots__ = ("args", "kind", "static")
 
+    # ``constant``, ``parameter`` and ``variable`` have one argument, a number or a name.
+    # ``product``, ``quotient``, ``sqrt``, ``exp``, ``log`` and ``unit`` have nodes. ``sum`` has a
+    # static node (the constant term) and pairs of a static coefficient and a dynamic node. A static
+    # sum, ``plus``, has two nodes. ``unit`` is a quotient known to be between -1 and 1.
     kind: str
     args: tuple[Any, ...]
-    static: bool
+    static: bool  # whether it depends on no variable
 
     # Arithmetic with numbers is arithmetic with constants.
     def __add__(self, other: Any) -> Node:
@@ -294,19 +287,12 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node]) -> Node:
 
 @dataclass(frozen=True)
 class Program:
-    """Straight-line code: from variables and parameters to outputs.
+    """Straight-line code: from variables and parameters to outputs."""
 
-    Attributes
-    ----------
-    variables, parameters
-        Names, in the order in which values are given.
-    outputs
-        What is computed, as nodes.
-    """
-
+    # Names, in the order in which values are given.
     variables: tuple[str, ...]
     parameters: tuple[str, ...]
-    outputs: tuple[Node, ...]
+    outputs: tuple[Node, ...]  # what is computed, as nodes
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:

@@ -104,40 +104,21 @@ class PitchTypes(Strict):
 
 @dataclass(frozen=True)
 class Pitches:
-    """The pitches of a table that say everything the analysis asks.
+    """The pitches of a table that say everything the analysis asks."""
 
-    Attributes
-    ----------
-    source
-        Where they come from.
-    rows_read
-        How many rows the table has.
-    left_out
-        Which of them are not here. A row is listed under the first thing it lacks.
-    types
-        Type of each pitch, shape (n,).
-    straight
-        Whether it is a straight ball, shape (n,).
-    speed
-        m/s, shape (n,).
-    across
-        Where it crosses the plate, in cells: 3 is the middle, to the right of the pitcher is more.
-        Shape (n,).
-    height
-        In cells: 1.5 is the bottom of the strike zone, 4.5 its top. Shape (n,), or None.
-    columns
-        How the table was read.
-    """
-
-    source: str
-    rows_read: int
+    source: str  # where they come from
+    rows_read: int  # how many rows the table has
+    # Which of them are not here. A row is listed under the first thing it lacks.
     left_out: tuple[Omission, ...]
-    types: tuple[str, ...]
-    straight: Flags
-    speed: Array
+    types: tuple[str, ...]  # type of each pitch, shape (n,)
+    straight: Flags  # whether it is a straight ball, shape (n,)
+    speed: Array  # m/s, shape (n,)
+    # Where it crosses the plate, in cells: 3 is the middle, to the right of the pitcher is more.
+    # Shape (n,).
     across: Array
+    # In cells: 1.5 is the bottom of the strike zone, 4.5 its top. Shape (n,), or None.
     height: Array | None
-    columns: Columns
+    columns: Columns  # how the table was read
 
 
 def cell(place: Array) -> Integers:

@@ -20,31 +20,17 @@ STANDARD_GRAVITY = 9.80665  # m/s²
 
 @dataclass(frozen=True)
 class FlightModel:
-    """What acts on a measured ball.
+    """What acts on a measured ball."""
 
-    Attributes
-    ----------
-    source
-        Whose it is, and what it was fitted to.
-    drag, lift
-        As ``drag_coefficient`` and ``lift_coefficient`` of a scene; None for both: no air.
-    density
-        kg/m³; None: of the weather of the game.
-    spin
-        Whether the ball has its spin; without it lift is upwards, as in the paper.
-    ball
-        Mass and radius, where they are not the paper's.
-    gravity
-        m/s².
-    """
-
-    source: str
+    source: str  # whose it is, and what it was fitted to
+    # As ``drag_coefficient`` and ``lift_coefficient`` of a scene; None for both: no air.
     drag: Coefficient | None
     lift: Coefficient | None
-    density: float | None = None
-    spin: bool = True
+    density: float | None = None  # kg/m³; None: of the weather of the game
+    spin: bool = True  # whether the ball has its spin; without it lift is upwards, as in the paper
+    # Mass and radius, where they are not the paper's.
     ball: Mapping[str, float] = field(default_factory=dict)
-    gravity: float = STANDARD_GRAVITY
+    gravity: float = STANDARD_GRAVITY  # m/s²
 
     def blocks(self, temperature: float, elevation: float) -> dict[str, Any]:
         """Return the blocks of a scene in the weather of a game, K and m."""

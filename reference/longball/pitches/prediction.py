@@ -36,25 +36,14 @@ SPEEDS = (60, 80, 90, 95, 100, 105, 125)
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a model says of measured balls.
+    """What a model says of measured balls."""
 
-    Attributes
-    ----------
-    measured
-        The balls.
-    predicted
-        As ``measured.measured``, m: y and z at the plate, shape (n, 2), or the distance, (n, 1).
-        NaN where the ball does not get there.
-    without
-        Why other rows have no prediction, and how many each.
-    failed
-        How many of those the engine could not solve; the others do not get there.
-    """
-
-    measured: Measured
+    measured: Measured  # the balls
+    # As ``measured.measured``, m: y and z at the plate, shape (n, 2), or the distance, (n, 1). NaN
+    # where the ball does not get there.
     predicted: Array
-    without: Mapping[str, int]
-    failed: int
+    without: Mapping[str, int]  # why other rows have no prediction, and how many each
+    failed: int  # how many of those the engine could not solve; the others do not get there
 
     @property
     def error(self) -> Array:
@@ -69,22 +58,13 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Summary:
-    """Errors of a group of balls.
+    """Errors of a group of balls."""
 
-    Attributes
-    ----------
-    group, count
-        What it is called, and how many.
-    bias
-        Mean error of each component, m.
-    rms
-        Root mean square of the length of the error, m.
-    """
-
+    # What it is called, and how many.
     group: str
     count: int
-    bias: tuple[float, ...]
-    rms: float
+    bias: tuple[float, ...]  # mean error of each component, m
+    rms: float  # root mean square of the length of the error, m
 
 
 def scenes(

@@ -73,30 +73,18 @@ LOWEST, HIGHEST, SLOWEST = np.radians(10.0), np.radians(60.0), 60.0 * MPH
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of a table that say all that is asked; arrays have a row for each, in SI units.
+    """Rows of a table that say all that is asked; arrays have a row for each, in SI units."""
 
-    Attributes
-    ----------
-    source, rows_read, left_out
-        Where they come from, of how many, and which of those are not here.
-    rows
-        Their numbers, from 1 below the header.
-    games
-        Number of the game of each; 0 if the table does not say.
-    temperature, elevation
-        Of the air and the park, K and m.
-    weather_unknown
-        For how many the usual values stand there.
-    """
-
+    # Where they come from, of how many, and which of those are not here.
     source: str
     rows_read: int
     left_out: tuple[Omission, ...]
-    rows: Integers
-    games: Integers
+    rows: Integers  # their numbers, from 1 below the header
+    games: Integers  # number of the game of each; 0 if the table does not say
+    # Of the air and the park, K and m.
     temperature: Array
     elevation: Array
-    weather_unknown: int
+    weather_unknown: int  # for how many the usual values stand there
 
     def __len__(self) -> int:
         """Return how many rows there are."""
@@ -111,34 +99,17 @@ class Rows:
 
 @dataclass(frozen=True)
 class MeasuredPitches(Rows):
-    """Pitches in the frame of scenes.
+    """Pitches in the frame of scenes."""
 
-    Attributes
-    ----------
-    labels
-        Statcast's types.
-    release, velocity
-        Shape (n, 3), at the release.
-    acceleration
-        Shape (n, 3): of the fit that is recorded.
-    spin_rate
-        rad/s.
-    axis
-        Unit vectors, shape (n, 3): of the part of the spin across the velocity.
-    hand
-        1 for a right-handed pitcher, -1 for a left-handed one.
-    measured
-        Where the pitch crosses the front of the plate: y and z, shape (n, 2).
-    """
-
-    labels: Any
+    labels: Any  # Statcast's types
+    # Shape (n, 3), at the release.
     release: Array
     velocity: Array
-    acceleration: Array
-    spin_rate: Array
-    axis: Array
-    hand: Array
-    measured: Array
+    acceleration: Array  # shape (n, 3): of the fit that is recorded
+    spin_rate: Array  # rad/s
+    axis: Array  # unit vectors, shape (n, 3): of the part of the spin across the velocity
+    hand: Array  # 1 for a right-handed pitcher, -1 for a left-handed one
+    measured: Array  # where the pitch crosses the front of the plate: y and z, shape (n, 2)
 
     def spin(self, active: Array) -> Array:
         """Return the spin, rad/s, of which a share `active` is across the velocity at release.
@@ -159,27 +130,13 @@ class MeasuredPitches(Rows):
 
 @dataclass(frozen=True)
 class MeasuredFlies(Rows):
-    """Batted balls in the frame of scenes.
+    """Batted balls in the frame of scenes."""
 
-    Attributes
-    ----------
-    speed
-        m/s, off the bat.
-    angle
-        rad, of the launch above the horizontal.
-    bearing
-        rad, positive to right field.
-    side
-        1 for a right-handed batter, -1 for a left-handed one.
-    measured
-        `hit_distance_sc`, m, shape (n, 1).
-    """
-
-    speed: Array
-    angle: Array
-    bearing: Array
-    side: Array
-    measured: Array
+    speed: Array  # m/s, off the bat
+    angle: Array  # rad, of the launch above the horizontal
+    bearing: Array  # rad, positive to right field
+    side: Array  # 1 for a right-handed batter, -1 for a left-handed one
+    measured: Array  # `hit_distance_sc`, m, shape (n, 1)
 
     @property
     def velocity(self) -> Array:
