@@ -26,13 +26,7 @@ class MissingExtra(ImportError):
 
 @contextmanager
 def naming_extras() -> Iterator[None]:
-    """Make the failure to import a library of an extra a sentence; also as a decorator.
-
-    Raises
-    ------
-    MissingExtra
-        If a library of an extra is not installed.
-    """
+    """Raise a `MissingExtra` if a library of an extra is not installed; also as a decorator."""
     try:
         yield
     except ModuleNotFoundError as error:

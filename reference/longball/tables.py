@@ -371,13 +371,7 @@ def _place(name: str) -> tuple[int, int]:
 
 
 def scene_lines(path: Path) -> bytes:
-    """Return the scenes of a .csv or .parquet as lines of JSON, numbered as those of the file.
-
-    Raises
-    ------
-    ValueError
-        If the file is no table, or a column has no name of a scene.
-    """
+    """Return the scenes of a .csv or .parquet as lines of JSON, numbered as those of the file."""
     rows: Iterable[tuple[int, Mapping[Any, Any]]] = _csv_rows(path)
     if path.suffix.lower() == ".parquet":
         import pandas as pd

@@ -64,22 +64,12 @@ def fit_line(steps: Array, errors: Array, first: int, last: int) -> PowerLaw:
 
 
 def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
-    """Find the asymptotic range and fit it.
+    """Find the asymptotic range of descending steps, s, and fit it; None if there is no such range.
 
     Of all ranges of at least `FEWEST` steps and a factor `NARROWEST` in which errors fall along a
     line that is not bent, and below which they do not fall on, those are kept whose interval is
     narrow: within `GOOD_ENOUGH`, or within one and a half times the narrowest. Of these the one
-    with the finest step wins, and the longest if there are several.
-
-    Parameters
-    ----------
-    steps, errors
-        s, descending; positive errors, NaN where there is none.
-
-    Returns
-    -------
-    PowerLaw or None
-        Its indices are those of the arguments. None if there is no such range.
+    with the finest step wins, and the longest if there are several. An error of NaN is none.
     """
     there = np.flatnonzero(np.isfinite(errors) & (errors > 0))
     h, e = steps[there], errors[there]

@@ -60,22 +60,10 @@ def check(
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Report:
-    """Verify a golden set.
+    """Verify a golden set: its files, and its cases, or a random sample of them, solved again.
 
-    Parameters
-    ----------
-    folder
-        The set; by default the shipped one.
-    sample
-        How many cases are solved again, drawn at random; by default all of them.
-    seed
-        Where the draw comes from.
-    independent
-        Whether the second method, which takes a few times as long, solves them too.
-    workers
-        Processes; -1 for one per core.
-    progress
-        Called with the numbers of cases solved again, and of those to be.
+    The second method takes a few times as long as the first; `progress` is called with the numbers
+    of cases solved again, and of those to be.
     """
     failures = [*_wrong_files(folder)]
     cases: list[Case] = []

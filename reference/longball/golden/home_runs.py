@@ -32,19 +32,9 @@ def write_probabilities(
 ) -> int:
     """Write the file of probabilities into a set; return the number of its cases.
 
-    Parameters
-    ----------
-    folder
-        The set; its other files are left alone.
-    wanted
-        What to compute again: cases, whose scene, sampling and restitutions count; by default
-        those of the shipped set.
-    lines
-        Of the second method in each scramble.
-    workers
-        Threads; -1 for one per core. Their number does not change what is written.
-    progress
-        Called with the numbers of cases done and of all.
+    Computed again are the scene, the sampling and the restitutions of cases, by default those of
+    the shipped set, with so many lines in each scramble of the second method. Threads do not change
+    what is written.
     """
     chosen = probabilities().cases if wanted is None else wanted
     cases = []
@@ -92,12 +82,7 @@ def make(case: ProbabilityCase, lines: int, workers: int) -> ProbabilityCase:
 def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
     """Compute a case again; return a sentence for each thing that comes out otherwise.
 
-    Parameters
-    ----------
-    case
-        From the file.
-    independent
-        Whether the second method, with other scrambles, computes it too.
+    If `independent`, the second method computes it too, with other scrambles.
     """
     at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     restitutions = [row.e for row in case.rows]

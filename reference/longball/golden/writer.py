@@ -58,20 +58,12 @@ def write(
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> int:
-    """Write the golden data; return the number of its cases.
+    """Write the golden data, and leave other files in the folder alone; return the number of cases.
 
-    Parameters
-    ----------
-    folder
-        Where to; other files in it are left alone.
-    families
-        What is to be solved; by default the scenes of the shipped set.
-    only
-        Families to be solved; the cases of the others are read from the folder, as they are.
-    workers
-        Processes; -1 for one per core. Their number does not change what is written.
-    progress
-        Called with the numbers of cases done, those of an interrupted run included, and of all.
+    Solved are the families, by default the scenes of the shipped set; or `only` some of them: the
+    cases of the others are read from the folder, as they are. Processes do not change what is
+    written. `progress` is called with the numbers of cases done, those of an interrupted run
+    included, and of all.
     """
     families = drafts() if families is None else families
     chosen = families if only is None else {name: families[name] for name in only}

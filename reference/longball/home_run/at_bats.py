@@ -154,13 +154,7 @@ DRAWN = (
 
 
 def refuse_drawn(base: AtBatScene) -> None:
-    """Refuse an at-bat that sets what varies from sample to sample.
-
-    Raises
-    ------
-    ValueError
-        With the name of the number.
-    """
+    """Raise a ValueError if an at-bat sets a number that varies from sample to sample."""
     usual = AtBatScene()
     for name in DRAWN:
         if at(base, name) != at(usual, name):

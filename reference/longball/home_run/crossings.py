@@ -52,12 +52,7 @@ def probability(
 ) -> Array:
     """Return the probability, on each line, of places where a function is positive.
 
-    Parameters
-    ----------
-    below
-        The distribution function of places.
-    grid, values, ends
-        As `crossings` takes and returns them.
+    Places have the distribution function `below`; the rest is what `crossings` takes and returns.
     """
     last, first = (np.where(values[:, i] >= 0.0, below(grid[:, i]), 0.0) for i in (-1, 0))
     p: Array = last - first
@@ -76,16 +71,9 @@ class _Brackets(NamedTuple):
 def narrowed(
     low: Array, high: Array, changed: Callable[[Array], Flags], times: int
 ) -> tuple[Array, Array]:
-    """Narrow brackets to the part in which something first changes.
+    """Narrow brackets, by so many divisions, to the part in which something first changes.
 
-    Parameters
-    ----------
-    low, high
-        Ends of brackets, between which something changes.
-    changed
-        From places, an array (bracket, place), to whether it has changed there.
-    times
-        How often a bracket is divided by five.
+    `changed` tells of places, an array (bracket, place), whether it has changed there.
     """
     rows = np.arange(len(low))
     for _ in range(times if len(rows) else 0):
@@ -99,22 +87,10 @@ def narrowed(
 
 
 def crossings(function: Function, grid: Array, values: Array) -> Crossings:
-    """Find where a function changes its sign.
+    """Find where a function changes its sign, from its values on grids (line, sample).
 
-    Parameters
-    ----------
-    function
-        Of places (array) and the numbers of the lines they are on.
-    grid
-        Integers, an array (line, sample), rising along a line.
-    values
-        The function there.
-
-    Returns
-    -------
-    Crossings
-        One between two samples of different signs; two or none beside a sample that is nearer to
-        zero than its neighbours.
+    There is one crossing between two samples of different signs; two or none beside a sample that
+    is nearer to zero than its neighbours.
     """
     from scipy.optimize import elementwise  # slow to import, and not needed for --help
 

@@ -124,17 +124,8 @@ def integrals(
 ) -> list[Integral]:
     """Return P(e) and dP/de at each restitution, by the batch engine.
 
-    Parameters
-    ----------
-    base, at_bats, restitutions, workers
-        As `longball.home_run.monte_carlo` takes them.
-    sample_space
-        Of which the home runs are a share.
-    tolerance
-        Error of P that is asked for; ten times as much of dP/de. The rules are refined until two in
-        a row agree so far, or there is no finer one.
-    progress
-        Called with the number of restitutions done.
+    Rules are refined until two in a row agree so far as P is to be known, and dP/de ten times less
+    well, or there is no finer one. `progress` is called with the number of restitutions done.
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
@@ -234,21 +225,9 @@ class _Nodes(NamedTuple):
 def _without_kinks(
     ranges: _Ranges, nodes: _Nodes, kind: Callable[[Array, Integers], Integers], times: int
 ) -> tuple[Flags, _Ranges]:
-    """Find, between nodes of different kinds, where the kind changes; the first place, if many.
+    """Find, between neighbouring nodes of different kinds, the first place where the kind changes.
 
-    Parameters
-    ----------
-    ranges, nodes
-        The nodes in order.
-    kind
-        From places, and the numbers of their lines.
-    times
-        How often the distance of two nodes is divided.
-
-    Returns
-    -------
-    tuple
-        In which ranges there is none, and the pieces of the others.
+    Returned is in which ranges there is none, and the pieces of the others.
     """
     bent = (nodes.number[1:] == nodes.number[:-1]) & (nodes.kind[1:] != nodes.kind[:-1])
     number, before = nodes.number[:-1][bent], nodes.kind[:-1][bent]

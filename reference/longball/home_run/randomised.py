@@ -48,14 +48,7 @@ def scrambled(
 ) -> list[Randomised]:
     """Return P(e) at each restitution, by the batch engine, from the same lines for all.
 
-    Parameters
-    ----------
-    base, at_bats, restitutions, sample_space, workers
-        As `longball.home_run.integrals` takes them.
-    lines
-        Lines along the offset in each of the scrambles: a power of 2.
-    seed
-        Where the scrambles come from.
+    There is a power of 2 of lines along the offset in each of the scrambles.
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 

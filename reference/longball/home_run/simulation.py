@@ -86,25 +86,11 @@ def monte_carlo(
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Struck]:
-    """Return the landings of sampled at-bats, the same ones at each restitution.
+    """Return the landings of samples of a seed, the same ones at each restitution.
 
-    Parameters
-    ----------
-    base
-        Everything about the at-bats that is not random, its reading included.
-    at_bats
-        The distributions of what is.
-    restitutions
-        Values of e; one `Struck` is returned for each.
-    count, seed
-        Number of samples, and where they come from. Fewer samples are the first of more.
-    engine
-        The batch engine if none is given, over columns; any other one solves scene by scene.
-    workers
-        Threads of the batch engine, processes of another; -1 for one per core. The answer does not
-        depend on it, to the last bit.
-    progress
-        Called with the number of samples done.
+    `base` is everything about the at-bats that is not random. Fewer samples are the first of more.
+    The batch engine, which is the default, solves columns in threads, another one scene by scene in
+    processes; their number changes no bit. `progress` is called with the number of samples done.
     """
     solver = engine or create("batch")
     threads = isinstance(solver, ManyAtOnce)

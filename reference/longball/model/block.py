@@ -39,10 +39,5 @@ Point = tuple[Quantity, Quantity, Quantity]
 
 
 def refuse(sentence: str) -> NoReturn:
-    """Refuse a value, in a sentence.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse a value by a ValueError with this sentence."""
     raise ValueError(sentence)

@@ -128,13 +128,7 @@ def bat_velocity_after(velocity: sp.Expr, normal: sp.Expr, impulse: sp.Expr) -> 
 
 @cache
 def inverse_reduced_mass() -> sp.Expr:
-    """Factor 1/μ = 1/m + 1/M of the impulse in the relative velocity: (A1) minus (A2) gives (A3).
-
-    Raises
-    ------
-    ValueError
-        If the three components do not share one factor: the change is not along the normal then.
-    """
+    """Factor 1/μ = 1/m + 1/M of the impulse in the relative velocity: (A3), (A1) minus (A2)."""
     before = VELOCITY - BAT_VELOCITY
     after = ball_velocity_after(VELOCITY, NORMAL, IMPULSE) - bat_velocity_after(
         BAT_VELOCITY, NORMAL, IMPULSE
@@ -279,12 +273,7 @@ def apparent_from_printed() -> sp.Expr:
 def energy_creating_mass_ratios() -> sp.Rel:
     """Condition on r = m / M_eff under which Eq. 10 creates energy: r > (1 - e) / (1 + e).
 
-    Equivalent to ẽ > 1, since Eq. 10 rises linearly with r for every e >= 0.
-
-    Raises
-    ------
-    ValueError
-        If Eq. 10 does not rise linearly with r: the condition is not a single threshold then.
+    Equivalent to ẽ > 1, since Eq. 10 rises linearly with r for every e >= 0, which is checked.
     """
     excess = printed_restitution() - energy_creating_restitutions().inf
     slope = sp.diff(excess, MASS_RATIO)
@@ -340,12 +329,7 @@ def slip(bodies: Bodies = BODIES) -> sp.Matrix:
 def inverse_mass() -> sp.Matrix:
     """Return K, 3 × 3, by which an impulse at the contact changes the relative velocity there.
 
-    It is symmetric, and nothing couples to the direction across normal and bat.
-
-    Raises
-    ------
-    ValueError
-        If it is not so: then no impulse follows component by component.
+    It is symmetric, and nothing couples to the direction across normal and bat, which is checked.
     """
     found = (slip(pushed(BODIES)) - slip(BODIES)).jacobian(PUSH).applyfunc(sp.expand)
     if found != found.T or found[0, 2] != 0 or found[1, 2] != 0:
@@ -376,12 +360,8 @@ def gripping_impulse() -> sp.Matrix:
 def sliding_impulse() -> tuple[sp.Expr, sp.Matrix]:
     """Return the impulse of a ball that slides: P = P_n (n - μ_f t), P_n from the restitution.
 
-    Returns
-    -------
-    resistance : sympy.Expr
-        D = n·K(n - μ_f t). Where it is not positive the bodies jam: no impulse parts them.
-    impulse : sympy.Matrix, shape (3, 1)
-        In terms of D.
+    In terms of D = n·K(n - μ_f t), which comes first. Where that is not positive the bodies jam: no
+    impulse parts them.
     """
     along = sp.Matrix([1, *(-FRICTION * t for t in DIRECTION)])
     resistance = _change(along)[0]
@@ -494,13 +474,9 @@ class _ProductsForPowers(ast.NodeTransformer):
 def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
     """Print an expression as Python that works for every kind of number.
 
-    That is + - * / on whole numbers and the names of symbols.
-
-    Raises
-    ------
-    ValueError
-        If the expression needs more than that, or has a fraction on its own, like the half in
-        x + 1/2: Python would round it to a double before any other number type could see it.
+    That is + - * / on whole numbers and the names of symbols. What needs more than that is refused;
+    so is a fraction on its own, like the half in x + 1/2: Python would round it to a double before
+    any other number type could see it.
     """
     renamed = expression.xreplace({symbol: sp.Symbol(name) for symbol, name in names.items()})
     tree = _ProductsForPowers().visit(ast.parse(str(renamed), mode="eval").body)
@@ -553,13 +529,7 @@ def _derived() -> dict[str, sp.Expr | sp.Matrix]:
 
 
 def generate() -> str:
-    """Return the text of impact.py, with what its functions return as derived.
-
-    Raises
-    ------
-    ValueError
-        If it has other functions, or one that lacks a number that its expression needs.
-    """
+    """Return the text of impact.py, with what its functions return as derived."""
     text = _impact().read_text(encoding="utf-8")
     lines, derived = text.splitlines(keepends=True), _derived()
     functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]

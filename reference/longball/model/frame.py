@@ -71,11 +71,6 @@ def launch_frame(
 
     A launch straight up or down has no heading of its own and takes that of +x, towards the
     pitcher: with it the landing distance from above the plate is continuous across the vertical.
-
-    Raises
-    ------
-    Undecided
-        If the numbers cannot tell whether the launch is vertical.
     """
     x, y, z = position
     vx, vy, vz = velocity

@@ -100,13 +100,7 @@ class Numbers(Protocol[N]):
         """Return cosine and sine of an angle in radians."""
 
     def positive(self, x: N, error: N, question: str) -> bool:
-        """Tell whether ``x > 0``, where `x` may be off by `error`.
-
-        Raises
-        ------
-        Undecided
-            If the sign of `x` is not certain; the message contains `question`.
-        """
+        """Tell whether ``x > 0``; `Undecided`, with the question, if `x` is within its error."""
 
     def report(self, x: N) -> Number:
         """Return `x` as a result writes it."""

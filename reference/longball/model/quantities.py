@@ -26,18 +26,9 @@ _STEP = re.compile(r"(\w+)(\]?)", re.ASCII)
 
 
 def numbers(block: Any) -> Iterator[tuple[str, Any]]:
-    """Return the name and the value of every number in a block, in the order of its keys.
+    """Yield the name and the value of every number in a block, in the order of its keys.
 
-    Parameters
-    ----------
-    block
-        A pydantic model, or plain data as JSON has it. What is neither a number nor a block or
-        list of them (texts, null) is passed over.
-
-    Returns
-    -------
-    iterator of tuple of str and float, int, `Bounded` or `Certified`
-        Values as they are held.
+    The block is a model, or plain data as JSON has it; texts and null are passed over.
     """
     return ((name, value) for name, value in flat(block) if _is_number(value))
 
@@ -45,10 +36,7 @@ def numbers(block: Any) -> Iterator[tuple[str, Any]]:
 def at(block: Any, name: str) -> Any:
     """Return what stands under a name, number or not; None if it is left out.
 
-    Raises
-    ------
-    ValueError
-        If the way there leads through something that has no parts, or not so many.
+    A ValueError says that the way there leads through something that has no parts, or not so many.
     """
     if not _NAME.fullmatch(name):
         raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
@@ -69,13 +57,7 @@ def at(block: Any, name: str) -> Any:
 
 
 def number(block: Any, name: str) -> Any:
-    """Return a number of a block, as it is held.
-
-    Raises
-    ------
-    ValueError
-        If the block has no number of that name; the message names the nearest that it has.
-    """
+    """Return a number of a block, as it is held; a ValueError names the nearest if it has none."""
     try:
         value = at(block, name)
     except ValueError:
@@ -93,20 +75,10 @@ def unknown(name: str, names: Iterable[str]) -> ValueError:
 
 
 def replaced(block: B, values: Mapping[str, object]) -> B:
-    """Return a model with other numbers, validated as if it had been written so.
+    """Return a scene, a result or a block of one with other numbers, as if it had been written so.
 
-    Parameters
-    ----------
-    block
-        A scene, a result or a block of one.
-    values
-        By name. They are put in together: a scene is valid or not as a whole.
-
-    Raises
-    ------
-    ValueError
-        If the block has no number of a name; the message names the nearest that it has. If the
-        numbers make no valid block (`pydantic.ValidationError`).
+    They are put in together. A ValueError says that the block has no number of a name, or that the
+    numbers make no valid block (`pydantic.ValidationError`).
     """
     data: Any = block.model_dump()
     for name, value in values.items():
@@ -128,15 +100,8 @@ def flat(data: Any) -> Iterator[tuple[str, Any]]:
 def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
     """Return plain data that hold values under their names.
 
-    Parameters
-    ----------
-    default
-        A block that the rest of a vector is taken from if only some of its components are named.
-
-    Raises
-    ------
-    ValueError
-        If something is no name, or names contradict each other.
+    The rest of a vector of which some components are named is taken from the block `default`. A
+    ValueError says that something is no name, or that names contradict each other.
     """
     data: dict[str, Any] = {}
     for name, value in values.items():

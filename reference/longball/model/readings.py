@@ -90,13 +90,7 @@ class SamplingReading(_Switches):
 
 
 def readings_of(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]:
-    """Return the readings of scene and sampling that switches of the ledger make.
-
-    Raises
-    ------
-    ValueError
-        If a switch belongs to neither, or does not take its option, or contradicts another.
-    """
+    """Return the readings of scene and sampling that switches make, or raise a ValueError."""
     sampling = {name: x for name, x in switches.items() if name in SamplingReading.model_fields}
     physics = {name: x for name, x in switches.items() if name not in sampling}
     return Reading.model_validate(physics), SamplingReading.model_validate(sampling)

@@ -421,13 +421,7 @@ def ids_of(scenes: Sequence[Scene]) -> list[str]:
 
 
 def parse_scene(line: str | bytes) -> Scene:
-    """Return the scene written on a line of JSON.
-
-    Raises
-    ------
-    InvalidScene
-        With a sentence that names the key at fault and says what it takes.
-    """
+    """Return the scene written on a line of JSON; `InvalidScene` names the key at fault."""
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):

@@ -341,12 +341,7 @@ class Program:
     ) -> Callable[..., tuple[Any, ...]]:
         """Return the program as a function of its variables, with values of its parameters.
 
-        Parameters
-        ----------
-        values
-            Of the parameters, by name.
-        functions
-            What `sqrt`, `exp`, `log` and `unit` are for the numbers at hand.
+        `functions` are what `sqrt`, `exp`, `log` and `unit` are for the numbers at hand.
         """
         make = run_source(self.source, "program", functions)
         bound: Callable[..., tuple[Any, ...]] = make(*(values[name] for name in self.parameters))

@@ -131,27 +131,10 @@ def read_pitches(
     columns: Columns | None = None,
     types: PitchTypes | None = None,
 ) -> Pitches:
-    """Read a table of pitches.
+    """Read the pitches of a table: a CSV file by its path, an open one, or a pandas DataFrame.
 
-    Parameters
-    ----------
-    table
-        A CSV file with a header, by its path or open; or a pandas DataFrame.
-    columns
-        Which column says what; default: Statcast's.
-    types
-        Which types of pitch are straight; default: for Statcast's codes.
-
-    Returns
-    -------
-    Pitches
-        Those of the rows that lack nothing; the others are listed with what they lack.
-
-    Raises
-    ------
-    TableError
-        If the table cannot be read, lacks a column, is empty, or holds something that is neither
-        a value nor missing.
+    Columns and types of pitch are by default Statcast's. Rows that lack something are listed with
+    what they lack. A `TableError` says why a table cannot be used.
     """
     columns, types = columns or Columns(), types or PitchTypes()
     source, frame = read_table(table, _needed(columns))

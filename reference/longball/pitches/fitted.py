@@ -198,13 +198,7 @@ class FittedPitches(Strict):
 
 
 def load_fitted(path: str | PathLike[str]) -> FittedPitches:
-    """Read what `longball fit --json` wrote.
-
-    Raises
-    ------
-    TableError
-        With a sentence that names the key at fault.
-    """
+    """Read what `longball fit --json` wrote; a `TableError` names the key at fault."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:

@@ -391,11 +391,8 @@ _STARTS_OF_ONE = _OnePeak(3.0, 1.05, 1.0), _OnePeak(3.0, 1.6, 1.0)  # even, and 
 def _likeliest_aim(counts: Integers, edges: Array) -> tuple[_Aim, float, float]:
     """Fit Eq. 4 to counts in cells with these boundaries.
 
-    Returns
-    -------
-    tuple
-        The likeliest mixture, and twice the logarithm of how much likelier it is than the likeliest
-        normal distribution, and than the likeliest mixture with one maximum.
+    Also return twice the logarithm of how much likelier it is than the likeliest normal
+    distribution, and than the likeliest mixture with one maximum.
     """
     total = int(counts.sum())
     shares = counts / total

@@ -70,20 +70,10 @@ class Summary:
 def scenes(
     measured: Measured, model: FlightModel | Sequence[FlightModel], spin: Array | None = None
 ) -> Iterator[Scene]:
-    """Yield the scene of each measured ball.
+    """Yield the scene of each measured ball, under one model, or under one for each.
 
-    Parameters
-    ----------
-    model
-        One for all balls, or one for each.
-    spin
-        rad/s, shape (n, 3); `longball.pitches.models.expected_spin` if it is left out. It counts
-        only if the model has spin.
-
-    Raises
-    ------
-    TableError
-        If a row is no ball that a scene takes, such as one that is released below the ground.
+    With a model that has spin it has `expected_spin`, unless another is given, rad/s, shape (n, 3).
+    A `TableError` names a row that is no scene, such as a ball that is released below the ground.
     """
     spin = expected_spin(measured) if spin is None else spin
     models = repeat(model) if isinstance(model, FlightModel) else model

@@ -171,22 +171,11 @@ def directions(angle: Array, bearing: Array) -> Array:
 def read_measured(
     table: str | Path | TextIO | pd.DataFrame, kind: Kind, games: str | Path | pd.DataFrame = GAMES
 ) -> MeasuredPitches | MeasuredFlies:
-    """Read measured pitches or batted balls from a table in Statcast's columns.
+    """Read the pitches of a table in Statcast's columns, or the flies among its batted balls.
 
-    Parameters
-    ----------
-    table
-        A CSV file with a header, by its path or open; or a pandas DataFrame.
-    kind
-        What of it: the pitches, or the flies among the batted balls.
-    games
-        A table of ``game_pk``, ``temperature`` (°F) and ``park``; the rows of other games get
-        the usual temperature, at sea level.
-
-    Raises
-    ------
-    TableError
-        If a table cannot be used; the message says which column or row, and why.
+    A table is a CSV file by its path, an open one, or a pandas DataFrame. `games` has ``game_pk``,
+    ``temperature`` (°F) and ``park``; the rows of other games get the usual temperature, at sea
+    level. A `TableError` says which column or row cannot be used, and why.
     """
     return _pitches(table, games) if kind == "pitch" else _flies(table, games)
 
@@ -293,13 +282,7 @@ def _flies(table: Any, games: Any) -> MeasuredFlies:
 
 
 def _side(column: pd.Series) -> Array:
-    """Return 1 for R, -1 for L, NaN where there is neither.
-
-    Raises
-    ------
-    TableError
-        If something else stands there.
-    """
+    """Return 1 for R, -1 for L, NaN where there is nothing; a `TableError` names what else is."""
     text = texts(column)
     odd = text.notna() & ~text.isin(["R", "L"])
     if odd.any():

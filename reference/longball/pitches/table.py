@@ -57,17 +57,8 @@ def read_table(
 ) -> tuple[str, pd.DataFrame]:
     """Return the name of a table and some of its columns, as they are written.
 
-    Parameters
-    ----------
-    table
-        A CSV file with a header, by its path or open; or a pandas DataFrame.
-    columns
-        Those that are needed.
-
-    Raises
-    ------
-    TableError
-        If the table cannot be read, is empty, or lacks any of the columns or has one twice.
+    It is a CSV file by its path, an open one, or a pandas DataFrame. A `TableError` says that it
+    cannot be read, is empty, or lacks a column or has one twice.
     """
     source, frame = _frame(table)
     names = [str(each) for each in frame.columns]
@@ -119,13 +110,7 @@ def texts(column: pd.Series) -> pd.Series:
 
 
 def numbers(column: pd.Series) -> Array:
-    """Return the numbers of a column, NaN where there is none.
-
-    Raises
-    ------
-    TableError
-        If something stands there that is not a finite number.
-    """
+    """Return the numbers of a column, NaN where there is none; a `TableError` for anything else."""
     import pandas as pd
 
     values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
@@ -147,10 +132,7 @@ def select_rows(
 ) -> tuple[tuple[Omission, ...], Flags]:
     """List the rows that lack something, each under the first thing; and mark the others.
 
-    Raises
-    ------
-    TableError
-        If no row is left.
+    A `TableError` says that no row is left.
     """
     keep = np.ones(count, dtype=bool)
     left_out = []
