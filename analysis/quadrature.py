@@ -52,9 +52,8 @@ def run(report: Report, full: bool) -> str:
 
 def counted(samples: int) -> tuple[float, float]:
     """Return P and its standard error from a sample."""
-    (struck,) = home_run.monte_carlo(*PROBLEM, [E], samples, SEED, workers=-1)
-    p = home_run.estimate(E, struck).p
-    return p, float(np.sqrt(p * (1 - p) / samples))
+    (found,) = home_run.estimates(*PROBLEM, [E], samples, SEED, workers=-1)
+    return found.p, float(np.sqrt(found.p * (1 - found.p) / samples))
 
 
 def through_lines(lines: int) -> tuple[float, float]:

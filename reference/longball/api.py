@@ -524,15 +524,11 @@ def home_run_probability(
         at_bats = fitted.drawn_in(at_bats)
     problem = base, at_bats, restitutions
     rows: Sequence[home_run.Estimate | home_run.Integral]
+    space = sampling.sample_space
     if method == "quadrature":
-        space = sampling.sample_space
         rows = home_run.integrals(*problem, sample_space=space, workers=workers)
     elif method == "monte-carlo":
-        struck = home_run.monte_carlo(*problem, count, first, workers=workers)
-        rows = [
-            home_run.estimate(x, one, sampling.sample_space)
-            for x, one in zip(restitutions, struck, strict=True)
-        ]
+        rows = home_run.estimates(*problem, count, first, sample_space=space, workers=workers)
     else:
         raise ValueError(f"method {method!r} is not one of quadrature, monte-carlo")
     return pd.DataFrame([home_run.columns(row) for row in rows])

@@ -96,6 +96,24 @@ Seed = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
 ]
+Steps = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FROM:TO:COUNT",
+        help="The time steps, s, that replace {dt} one after the other, evenly spaced in their "
+        "logarithm, at least 5. Default: 0.01:0.0001:9.",
+    ),
+]
+Knob = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME=VALUES",
+        help="The values that replace {NAME} in the COMMAND one after the other, from coarse "
+        "to fine: FROM:TO:COUNT, or a list with commas. For tolerances, numbers of steps and "
+        "the like.",
+    ),
+]
+Timeout = Annotated[float, typer.Option(min=0.001, help="Longest wait for the next result, s.")]
 Expected = Annotated[
     float | None,
     typer.Option(callback=_finite, help="The order of convergence that the method should have."),

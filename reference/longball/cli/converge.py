@@ -13,7 +13,10 @@ from longball.cli.common import (
     AsCsv,
     Expected,
     Json,
+    Knob,
     Quiet,
+    Steps,
+    Timeout,
     failing_unless,
     named,
     progress_bar,
@@ -47,20 +50,8 @@ def converge(
             metavar="SET", help="Cases of one golden family instead; see longball golden list."
         ),
     ] = None,
-    steps: Annotated[
-        str,
-        typer.Option(
-            metavar="FROM:TO:COUNT", help="s; evenly spaced in their logarithm, at least 5."
-        ),
-    ] = "0.01:0.0001:9",
-    knob: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME=VALUES",
-            help="Instead of {dt}: what {NAME} in the COMMAND stands for, FROM:TO:COUNT or a list "
-            "with commas, from coarse to fine.",
-        ),
-    ] = None,
+    steps: Steps = None,
+    knob: Knob = None,
     expected: Expected = None,
     truth: Annotated[
         bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
@@ -72,7 +63,7 @@ def converge(
         ),
     ] = 8,
     table: AsCsv = False,
-    timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
+    timeout: Timeout = 60.0,
     as_json: Json = False,
     csv: Annotated[Path | None, to_file("Write the error at every step here.")] = None,
     figure: Annotated[Path | None, to_picture("Draw error against step here.")] = None,
@@ -82,7 +73,7 @@ def converge(
     # The judge brings compiled code with it, and --help does not need it.
     from longball.convergence.figure import save_convergence
     from longball.judge.candidate import Limits
-    from longball.judge.step_sweep import PLACE, StepSweep, parse_steps, takes_step
+    from longball.judge.step_sweep import PLACE, STEPS, StepSweep, parse_steps, takes_step
 
     if not (knob or takes_step(command)):
         wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
@@ -96,7 +87,7 @@ def converge(
         sweep = (
             StepSweep.of_knob(knob, expected, progress=advance)
             if knob
-            else StepSweep(parse_steps(steps), expected, phases, advance)
+            else StepSweep(parse_steps(steps or STEPS), expected, phases, advance)
         )
         report, issues = sweep.run(command, asked, proven, Limits(timeout), table)
     for issue in issues[:20]:

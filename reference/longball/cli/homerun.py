@@ -128,12 +128,15 @@ def homerun(
         drawn = {"samples": samples, "seed": seed}
         solver = engines.create(engine)
         with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
-            struck = home_run.monte_carlo(
-                *problem, samples, seed, engine=solver, workers=workers, progress=advance
+            rows = home_run.estimates(
+                *problem,
+                samples,
+                seed,
+                sample_space=space,
+                engine=solver,
+                workers=workers,
+                progress=advance,
             )
-        rows = [
-            home_run.estimate(x, one, space) for x, one in zip(restitutions, struck, strict=True)
-        ]
         fitted = home_run.fit(rows)
         failed = max(row.failed for row in rows)
     # The paper's form and its curves are those of 150 m.

@@ -14,7 +14,10 @@ from longball.cli.common import (
     AsCsv,
     Expected,
     Json,
+    Knob,
     Quiet,
+    Steps,
+    Timeout,
     failing_unless,
     note,
     progress_bar,
@@ -111,27 +114,10 @@ def judge(
         float | None,
         typer.Option(help="The program's time step, s. It replaces {dt} in the COMMAND."),
     ] = None,
-    steps: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FROM:TO:COUNT",
-            help="The time steps, s, that replace {dt} one after the other, at least 5. Default: "
-            "0.01:0.0001:9.",
-        ),
-    ] = None,
-    knob: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME=VALUES",
-            help="The values that replace {NAME} in the COMMAND one after the other, from coarse "
-            "to fine: FROM:TO:COUNT, or a list with commas. For tolerances, numbers of steps and "
-            "the like.",
-        ),
-    ] = None,
+    steps: Steps = None,
+    knob: Knob = None,
     expected: Expected = None,
-    timeout: Annotated[
-        float, typer.Option(min=0.001, help="Longest wait for the next result, s.")
-    ] = 60.0,
+    timeout: Timeout = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
     as_json: Json = False,
     junit: Annotated[Path | None, to_file("Write the verdict to this file as JUnit XML.")] = None,

@@ -17,7 +17,7 @@ from longball.cli.common import (
     progress_bar,
     show,
 )
-from longball.home_run import Estimate, estimate, monte_carlo, paper_at_bats
+from longball.home_run import Estimate, estimates, paper_at_bats
 from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
 
@@ -42,10 +42,15 @@ def readings(
         with progress_bar("readings", len(switched)) as advance:
             for done, (reading, sampling) in enumerate(switched, 1):
                 base = AtBatScene(id="base", reading=reading)
-                (struck,) = monte_carlo(
-                    base, paper_at_bats(sampling), [e], samples, seed, workers=workers
+                (effects[reading, sampling],) = estimates(
+                    base,
+                    paper_at_bats(sampling),
+                    [e],
+                    samples,
+                    seed,
+                    sample_space=sampling.sample_space,
+                    workers=workers,
                 )
-                effects[reading, sampling] = estimate(e, struck, sampling.sample_space)
                 advance(done)
     if as_json:
         print(json.dumps(ledger_as_data(lines, effects), ensure_ascii=False))

@@ -101,8 +101,9 @@ class Arrays:
     """A base of dataclasses of arrays, whose elements of one number are a row."""
 
     def chosen(self, which: NDArray[Any] | slice) -> Self:
-        """Return some of the rows."""
-        return type(self)(*(column[which] for column in vars(self).values()))
+        """Return some of the rows, with what is no array as it is."""
+        held = vars(self).values()
+        return type(self)(*(x[which] if isinstance(x, np.ndarray) else x for x in held))
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:

@@ -6,13 +6,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from statistics import NormalDist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from longball.home_run.simulation import HOME_RUN_DISTANCE, Struck
+from longball.home_run.at_bats import AtBats
+from longball.home_run.simulation import HOME_RUN_DISTANCE, Struck, monte_carlo
 from longball.model.arrays import Array
 from longball.model.readings import SampleSpace
+from longball.model.scene import AtBatScene
 
 if TYPE_CHECKING:
     from longball.home_run.quadrature import Integral
@@ -45,6 +47,21 @@ def estimate(e: float, struck: Struck, sample_space: SampleSpace = "pitches") ->
     p = hits / trials if trials else math.nan
     low, high = wilson(hits, trials)
     return Estimate(e, hits, trials, int(np.count_nonzero(struck.failed)), p, low, high)
+
+
+def estimates(
+    base: AtBatScene,
+    at_bats: AtBats,
+    restitutions: Sequence[float],
+    count: int,
+    seed: int,
+    *,
+    sample_space: SampleSpace = "pitches",
+    **others: Any,
+) -> list[Estimate]:
+    """Return P(e) at each restitution, counted from samples that `monte_carlo` strikes."""
+    struck = monte_carlo(base, at_bats, restitutions, count, seed, **others)
+    return [estimate(e, one, sample_space) for e, one in zip(restitutions, struck, strict=True)]
 
 
 def wilson(successes: int, trials: int) -> tuple[float, float]:

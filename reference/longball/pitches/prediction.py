@@ -19,15 +19,13 @@ from longball.model.arrays import Array, Flags
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene
 from longball.pitches.models import FlightModel, expected_spin
-from longball.pitches.statcast import FOOT, MPH, MeasuredFlies, MeasuredPitches
-from longball.pitches.table import LENGTH_UNITS, TableError
+from longball.pitches.statcast import MPH, MeasuredFlies, MeasuredPitches
+from longball.pitches.table import TableError
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Measured = MeasuredPitches | MeasuredFlies
-
-INCH = LENGTH_UNITS["in"]
 
 # Bounds of the groups that flies are told by: degrees and mph.
 ANGLES = (10, 20, 25, 30, 35, 40, 60)
@@ -177,7 +175,7 @@ def as_frame(prediction: Prediction) -> pd.DataFrame:
         columns |= {"speed": measured.speed, "angle": measured.angle, "bearing": measured.bearing}
     columns |= {"temperature": measured.temperature, "elevation": measured.elevation}
     for what, values in (("measured", measured.measured), ("predicted", prediction.predicted)):
-        columns |= {f"{what}_{name}": values[:, i] for i, name in enumerate(components(measured))}
+        columns |= {f"{what}_{name}": values[:, i] for i, name in enumerate(measured.components)}
     return pd.DataFrame(columns)
 
 
@@ -190,14 +188,9 @@ def as_data(prediction: Prediction) -> dict[str, Any]:
         "rows_used": len(measured),
         "left_out": [each.model_dump() for each in measured.left_out],
         "without_prediction": dict(prediction.without),
-        "components": list(components(measured)),
+        "components": list(measured.components),
         "groups": [asdict(each) for each in summaries(prediction)],
     }
-
-
-def components(measured: Measured) -> tuple[str, ...]:
-    """Return the names of what is predicted of a ball."""
-    return ("y", "z") if isinstance(measured, MeasuredPitches) else ("distance",)
 
 
 def as_text(prediction: Prediction, name: str, model: FlightModel) -> str:
@@ -207,25 +200,18 @@ def as_text(prediction: Prediction, name: str, model: FlightModel) -> str:
 
 def _lines(prediction: Prediction, name: str, model: FlightModel) -> Iterator[str]:
     measured = prediction.measured
-    pitches = isinstance(measured, MeasuredPitches)
-    what = "pitches" if pitches else "batted balls"
-    yield f"{measured.source}: {len(measured)} {what} used of {measured.rows_read} rows"
+    yield f"{measured.source}: {len(measured)} {measured.what} used of {measured.rows_read} rows"
     yield from (f"  {each}" for each in measured.left_out)
     yield from (f"  no prediction: {n}, {why}" for why, n in prediction.without.items())
     if measured.weather_unknown:
         yield f"  weather not known: {measured.weather_unknown}; taken as 20 °C at sea level"
     yield f"model {name}: {model.source}"
     yield ""
-    unit, label = (INCH, "in") if pitches else (FOOT, "ft")
-    # The catcher's right is where y is negative.
-    biases = ((f"right, {label}", -1.0), (f"up, {label}", 1.0)) if pitches else (
-        (f"bias, {label}", 1.0),
-    )  # fmt: skip
-    yield _row("", "n", *(title for title, _ in biases), f"RMS, {label}")
+    unit, label = measured.unit
+    yield _row("", "n", *(f"{name}, {label}" for name, _ in measured.seen), f"RMS, {label}")
     for each in summaries(prediction):
-        means = (
-            f"{sign * bias / unit:+.2f}" for bias, (_, sign) in zip(each.bias, biases, strict=True)
-        )
+        biases = zip(each.bias, measured.seen, strict=True)
+        means = (f"{sign * bias / unit:+.2f}" for bias, (_, sign) in biases)
         yield _row(each.group, str(each.count), *means, f"{each.rms / unit:.2f}")
 
 

@@ -19,12 +19,13 @@ for the direction of the launch (Petti's transformation, baseballwithr.wordpress
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self, TextIO
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TextIO
 
 import numpy as np
 
+from longball.home_run.at_bats import Arrays
 from longball.model.arrays import Array, Flags, Integers
 from longball.pitches.table import (
     DATA,
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["pitch", "batted"]
 
-FOOT = LENGTH_UNITS["ft"]
+FOOT, INCH = LENGTH_UNITS["ft"], LENGTH_UNITS["in"]
 MPH = SPEED_UNITS["mph"]
 RPM = 2.0 * np.pi / 60.0  # rad/s
 FAHRENHEIT = 1.0 / 1.8  # K of a degree
@@ -72,8 +73,13 @@ LOWEST, HIGHEST, SLOWEST = np.radians(10.0), np.radians(60.0), 60.0 * MPH
 
 
 @dataclass(frozen=True)
-class Rows:
+class Rows(Arrays):
     """Rows of a table that say all that is asked; arrays have a row for each, in SI units."""
+
+    what: ClassVar[str]  # they are, in a message
+    components: ClassVar[tuple[str, ...]]  # of what is measured
+    unit: ClassVar[tuple[float, str]]  # m of what it is measured in, and that unit's name
+    seen: ClassVar[tuple[tuple[str, float], ...]]  # components as people have them, and their signs
 
     # Where they come from, of how many, and which of those are not here.
     source: str
@@ -90,16 +96,13 @@ class Rows:
         """Return how many rows there are."""
         return len(self.rows)
 
-    def chosen(self, which: Flags) -> Self:
-        """Return some of the rows."""
-        parts = {each.name: getattr(self, each.name) for each in fields(self)}
-        arrays = {k: v[which] for k, v in parts.items() if isinstance(v, np.ndarray)}
-        return type(self)(**(parts | arrays))
-
 
 @dataclass(frozen=True)
 class MeasuredPitches(Rows):
     """Pitches in the frame of scenes."""
+
+    what, components, unit = "pitches", ("y", "z"), (INCH, "in")
+    seen = ("right", -1.0), ("up", 1.0)  # by the catcher
 
     labels: Any  # Statcast's types
     # Shape (n, 3), at the release.
@@ -131,6 +134,9 @@ class MeasuredPitches(Rows):
 @dataclass(frozen=True)
 class MeasuredFlies(Rows):
     """Batted balls in the frame of scenes."""
+
+    what, components, unit = "batted balls", ("distance",), (FOOT, "ft")
+    seen = (("bias", 1.0),)
 
     speed: Array  # m/s, off the bat
     angle: Array  # rad, of the launch above the horizontal
