@@ -69,6 +69,9 @@ class TestFit:
     def test_says_when_there_is_nothing_to_fit(self):
         assert fit(self.rows(Curve(100.0, 5.0), 1000)) is None
         assert fit(self.rows(PAPER_CURVES["caption"], 1000)[:2]) is None
+        # The same P at every e tells no slope.
+        level = [Estimate(e, 1, 300, 0, 1 / 300, *wilson(1, 300)) for e in (0.41, 0.43, 0.45)]
+        assert fit(level) is None
 
     def test_the_paper_s_text_agrees_with_its_caption(self):
         assert PAPER_CURVES["caption"](0.42) == pytest.approx(0.177, abs=5e-4)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from statistics import NormalDist
@@ -130,10 +131,10 @@ def fit_form(
     Without `errors`, the standard ones of P, every value weighs the same, and the errors of the fit
     come from how far the values are from the form.
 
-    Returns None for fewer than `FEWEST` values, or too few of them strictly between 0 and 1: fewer
-    than two, or without errors three.
+    Returns None for fewer than `FEWEST` values, too few of them strictly between 0 and 1 (fewer
+    than two, or without errors three), or values that do not tell the two parameters.
     """
-    from scipy.optimize import curve_fit
+    from scipy.optimize import OptimizeWarning, curve_fit
     from scipy.special import erfc
 
     inner = [i for i, value in enumerate(p) if 0 < value < 1]
@@ -146,14 +147,18 @@ def fit_form(
     e, values = np.array(restitutions)[inner], np.array(p)[inner]
     # In a = C₁/σ and b = 150/σ the form is a probit line, a e - b, which gives the start.
     start = np.polyfit(e, [NormalDist().inv_cdf(value) for value in values], 1)
-    (a, b), covariance = curve_fit(
-        form,
-        e,
-        values,
-        p0=(start[0], -start[1]),
-        sigma=None if errors is None else np.array(errors)[inner],
-        absolute_sigma=errors is not None,
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", OptimizeWarning)  # of what is asked for below
+        (a, b), covariance = curve_fit(
+            form,
+            e,
+            values,
+            p0=(start[0], -start[1]),
+            sigma=None if errors is None else np.array(errors)[inner],
+            absolute_sigma=errors is not None,
+        )
+    if not np.isfinite(covariance).all():
+        return None
     sigma, c1 = HOME_RUN_DISTANCE / b, HOME_RUN_DISTANCE * a / b
     to_c1 = np.array([HOME_RUN_DISTANCE / b, -c1 / b])
     return Fit(
