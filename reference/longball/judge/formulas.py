@@ -180,8 +180,8 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
      lambda speed, lever, x, z: (speed * lever * x, 0.0, speed * lever * z), {
         "ω": (lambda v: v.scene.swing.angular_speed, {}),
         "r̃": (lambda v: v.lever, {
-            "L/2 + y; the bat then turns about the other end": lambda v: v.scene.bat.length - v.lever,
-            "-y; the bat then turns about the middle": lambda v: -v.position[1],
+            "L/2 + y; it then turns about the other end": lambda v: v.scene.bat.length - v.lever,
+            "-y; it then turns about the middle": lambda v: -v.position[1],
             "L/2 - |y|": lambda v: v.scene.bat.length / 2 - abs(v.position[1]),
             "L; the lever of the tip": lambda v: v.scene.bat.length,
             "L/2; whatever y is": lambda v: v.scene.bat.length / 2}),
