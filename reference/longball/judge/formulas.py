@@ -157,6 +157,7 @@ _MU: Symbol = (lambda v: v.mu, {
     "m + M": lambda v: v.m + v.M,
     "(m + M)/2; the mean of the masses": lambda v: (v.m + v.M) / 2,
     "2mM/(m + M)": lambda v: 2 * v.m * v.M / (v.m + v.M),
+    "μ/m; that is a change of speed": lambda v: v.mu / v.m,
     "1/√(1/m² + 1/M²)": lambda v: 1 / math.hypot(1 / v.m, 1 / v.M),
 })  # fmt: skip
 
@@ -165,6 +166,7 @@ _V: Mapping[str, Value] = {
     "the velocity at the plate": lambda v: v["plate.velocity"],
     "the release's speed": lambda v: _times(
         math.hypot(*v.scene.pitch.thrown) / math.hypot(*v.before), v.before),
+    "(V_x, V_y, 0)": lambda v: (*v.before[:2], 0.0),
 }  # fmt: skip
 
 _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = (
@@ -248,7 +250,7 @@ _RESTITUTION: tuple[tuple[str, Callable[[View], float]], ...] = (
     ("r̃ from the bat's other end, L/2 + y", lambda v: _printed(
         v.e, 1, v.ratio * ((v.scene.bat.length - v.lever) / v.lever) ** 2)),
     ("e(1 + m/M_eff), with m/M_eff left out", lambda v: v.e * (1 + v.ratio)),
-    ("e m/M_eff + m/M_eff, with the 1 left out", lambda v: _printed(v.e, 0, v.ratio)),
+    ("e m/M_eff + m/M_eff, without the 1", lambda v: _printed(v.e, 0, v.ratio)),
     ("e(1 + m/M_eff) - m/M_eff, subtracted", lambda v: v.e * (1 + v.ratio) - v.ratio),
     ("the mean of e and ẽ", lambda v: (v.e + _printed(v.e, 1, v.ratio)) / 2),
     ("(e - m/M_eff)/(1 + m/M_eff), the collision efficiency",
@@ -301,11 +303,20 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
     ("plate.velocity", "plate.velocity is where the ball crosses x = 0",
      (("the velocity of the release", lambda v: tuple(v.scene.pitch.thrown)),)),
     ("contact.position", "contact.position is the ball's centre in the axes of the scene",
-     (("the place with its height counted from the bat's axis", _less(
+     (("the height above the bat's axis", _less(
          "contact.position", lambda v: (0.0, 0.0, v.height))),)),
+    ("plate.position", "plate.position is in the axes of the scene",
+     (("the height above that aimed at", _less(
+         "plate.position", lambda v: (0.0, 0.0, v.scene.pitch.aim[1]))),)),
     ("contact.margin", "the margin is reach less the least distance from the bat's axis",
      (("the margin by the height at the plate", lambda v: (
-         _reach(v) - abs(v["plate.position"][2] - v.height),)),)),
+         _reach(v) - abs(v["plate.position"][2] - v.height),)),
+      ("the margin as a share of R + r_b", lambda v: (
+          v.number("contact.margin:follows") / _reach(v),)))),
+    ("contact.normal", "n points from the bat's axis to the ball",
+     (("against the velocity", lambda v: _times(-1.0, _unit(v.before))),
+      ("1 for its cosine", lambda v: (
+          math.copysign(1.0, v.position[0]), 0.0, _unit(v.axis)[2])))),
     ("impact.impulse", "impact.impulse is its part along n, in N s",
      (("the size of the whole impulse, the friction's part included", _whole_impulse),)),
     ("impact.velocity", "V' = V + P/m with the impulse P, of which J = P·n",
@@ -331,6 +342,11 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
     ("landing.spin", "spin falls by e along spin_decay_length of path through the air",
      (("the spin of the launch", lambda v: tuple(
          v.scene.launch.spin) if v.scene.kind == "flight" else v["impact.spin"]),)),
+    ("landing.path", "landing.path is ∫ U dt along the flight",
+     (("the straight way", lambda v: (
+         math.dist(v["landing.position"], v.start),)),
+      ("the way at the landing's speed", lambda v: (
+          v.number("landing.hang_time") * math.hypot(*v["landing.velocity"]),)))),
     ("landing.time", "landing.time is since the start of the scene: contact.time + hang_time",
      (("landing.hang_time, counted from the contact,", lambda v: v["landing.hang_time"]),
       ("the time of the plate + hang_time", lambda v: (
@@ -343,7 +359,7 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
      (("the place of a flight from where the pitch crosses the plate", lambda v: plus(
          v["landing.position:follows"], 1.0, plus(
              v["plate.position"], -1.0, v["contact.position"]))),
-      ("the way from where the flight begins", _less("landing.position", lambda v: v.start)))),
+      ("the way from the launch", _less("landing.position", lambda v: v.start)))),
     ("landing.velocity", "landing.velocity is the vector over the ground where the ball lands",
      (("the speed for v_z", lambda v: (
          *(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
@@ -369,19 +385,25 @@ def _round(v: View) -> float:
     return 0.0 if v.scene.reading.inertia == "thin_rod" else 0.25
 
 
-def _of_radius(v: View, number: float) -> Numbers:
-    """Return ẽ with a number for c."""
-    inertia = moment_of_inertia(v.scene.bat, v.scene.reading, DOUBLES)
-    other = inertia + (number - _round(v)) * v.M * v.scene.bat.radius**2
-    printed = v.scene.reading.bat_ball_restitution == "as_printed"
-    return (_printed(v.e, 1, v.ratio * inertia / other) if printed else v.e,)
+def _in_inertia(name: str, square: Value, usual: Value, words: str) -> Numbered:
+    """Return that a square in the bat's moment of inertia has another number than the usual one."""
 
+    def inertia(v: View, number: float) -> float:
+        own = moment_of_inertia(v.scene.bat, v.scene.reading, DOUBLES)
+        return float(own + (number - usual(v)) * v.M * square(v))
 
-def _radius_in(v: View, said: Numbers) -> float:
-    """Return the number for c with which ẽ is what a candidate says."""
-    inertia = moment_of_inertia(v.scene.bat, v.scene.reading, DOUBLES)
-    other = v.ratio * (1 + v.e) / (said[0] - v.e)
-    return float(_round(v) + inertia * (other - 1) / (v.M * v.scene.bat.radius**2))
+    def restitution(v: View, number: float) -> Numbers:
+        printed = v.scene.reading.bat_ball_restitution == "as_printed"
+        ratio = v.ratio * inertia(v, usual(v)) / inertia(v, number)
+        return (_printed(v.e, 1, ratio) if printed else v.e,)
+
+    def number(v: View, said: Numbers) -> float:
+        other = inertia(v, usual(v)) * (v.ratio * (1 + v.e) / (said[0] - v.e) - 1)
+        return float(usual(v) + other / (v.M * square(v)))
+
+    return Numbered("impact.restitution", name, f"has {{}} {words} in its moment of inertia, "
+                    "M(L²/3 + r_b²/4)", "I = M(L²/3 + r_b²/4) about the end B",
+                    restitution, number)  # fmt: skip
 
 
 NUMBERED: tuple[Numbered, ...] = (
@@ -408,7 +430,8 @@ NUMBERED: tuple[Numbered, ...] = (
                  for x in (math.cos(_tilt(v)), 0.0, math.sin(_tilt(v)))),
              lambda v, said: (math.copysign(math.hypot(*said), said[0])
                               / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length),
-    Numbered("impact.restitution", "bat-inertia", "has {} r_b² for the bat's radius in its moment "
-             "of inertia, M(L²/3 + r_b²/4)", "I = M(L²/3 + r_b²/4) about the end B",
-             _of_radius, _radius_in),
+    _in_inertia("bat-inertia", lambda v: v.scene.bat.radius**2, _round,
+                "r_b² for the bat's radius"),
+    _in_inertia("bat-inertia-of-length", lambda v: v.scene.bat.length**2, lambda v: 1 / 3,
+                "L² for the bat's length"),
 )  # fmt: skip

@@ -17,7 +17,7 @@ from longball.judge.changes import Mistake, scene_change
 from longball.judge.misreadings import of_weather, with_density
 from longball.judge.stages import Change
 from longball.model import trace
-from longball.model.aerodynamics import DRAG, LIFT, spin_across
+from longball.model.aerodynamics import DECAY_ALONG_PATH, DRAG, LIFT, spin_across
 from longball.model.air import Air, Table, Weather
 from longball.model.atmosphere import ZERO_CELSIUS, density
 from longball.model.earth import CORIOLIS, ROTATION
@@ -42,7 +42,7 @@ Which = Callable[[Term], bool]
 # --- changes of terms -----------------------------------------------------------------------------
 
 
-def _terms(change: Callable[[Any], Any], *carried: Term) -> Change:
+def changed_terms(change: Callable[[Any], Any], *carried: Term) -> Change:
     """Return the change of each term that may act on a ball in flight; None leaves it out."""
     # `carried` are terms behind them, whose parameters those changed may use.
     changed = cache(change)  # the same terms each time, so that their law is traced once
@@ -54,7 +54,7 @@ def _terms(change: Callable[[Any], Any], *carried: Term) -> Change:
     return Change(model=model)
 
 
-def _forms(which: Which, change: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def of_kind(which: Which, change: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """Return the change of terms of a kind to another form, on each branch if they have some."""
 
     def changed(term: Any) -> Any:
@@ -66,25 +66,27 @@ def _forms(which: Which, change: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return changed
 
 
-def _drags(term: Term) -> bool:
+def drags(term: Term) -> bool:
+    """Tell whether a term is a drag."""
     return isinstance(term, Drag)
 
 
-def _lifts(term: Term) -> bool:
+def lifts(term: Term) -> bool:
+    """Tell whether a term is a lift, by spin or about a fixed axis."""
     forced = isinstance(term, Force) and any("lift" in name for name in term.parameters)
     return forced or isinstance(term, Lift)
 
 
 # The kinds of terms: what they are called, and which they are.
 _KINDS: dict[str, Which] = {
-    "drag": _drags,
-    "lift": _lifts,
+    "drag": drags,
+    "lift": lifts,
     "gravity": lambda term: term is GRAVITY,
     "Coriolis force": lambda term: term is CORIOLIS,
 }
 
 
-def _multiplied(form: Any, factor: Callable[[Motion, Any], Any]) -> Any:
+def multiplied(form: Any, factor: Callable[[Motion, Any], Any]) -> Any:
     """Return a drag, a lift or another force times a factor, of the motion and the parameters."""
     match form:
         case Drag():
@@ -137,13 +139,13 @@ def _by_axis(which: Which, factors: Sequence[float]) -> Change:
 
         return Force(form.parameters, form.strengths, acceleration)
 
-    return _terms(_forms(which, changed), _BEGUN)
+    return changed_terms(of_kind(which, changed), _BEGUN)
 
 
 def _instead(term: Term, acceleration: Callable[[Motion, Any], Vector[Any]]) -> Change:
     """Return the change of one term into a force with that acceleration."""
     new = Force(term.parameters, term.strengths, acceleration)
-    return _terms(lambda f: new if f is term else f, _BEGUN)
+    return changed_terms(lambda f: new if f is term else f, _BEGUN)
 
 
 # m/s. A series in time cannot go through the kink of |c| at c = 0. What stands for it has none, and
@@ -177,20 +179,20 @@ def _by_speed(which: Which, speed: Callable[[Motion, Flow, Any], Any]) -> Callab
     def factor(motion: Motion, p: Any, flow: Flow) -> Any:
         return speed(motion, flow, p) / flow.speed
 
-    return _forms(which, lambda form: _multiplied(
-        form, lambda m, p: factor(m, p, m.air if _drags(form) else m.lift)))  # fmt: skip
+    return of_kind(which, lambda form: multiplied(
+        form, lambda m, p: factor(m, p, m.air if drags(form) else m.lift)))  # fmt: skip
 
 
 def _other_speeds() -> Iterator[Mistake]:
     for words, speed in _SPEEDS:
-        drag, lift = (_by_speed(which, speed) for which in (_drags, _lifts))
+        drag, lift = (_by_speed(which, speed) for which in (drags, lifts))
         for where, change in (
             ("the drag", drag), ("the lift", lift),
             ("drag and lift", lambda term, d=drag, i=lift: i(d(term))),
         ):  # fmt: skip
             name = f"{where}-by-{words}".replace("the ", "").replace(" ", "-")
             yield Mistake(name, f"takes {words} for V in {where}", "V is the whole present speed "
-                          "through the air", _terms(change, _BEGUN))  # fmt: skip
+                          "through the air", changed_terms(change, _BEGUN))  # fmt: skip
 
 
 # --- the terms ------------------------------------------------------------------------------------
@@ -217,6 +219,11 @@ def _rising(motion: Motion, p: Any) -> Any:
 _FACTORS: tuple[tuple[str, str, Callable[[Motion, Any], Any]], ...] = (
     ("with-v", "lets the {} grow linearly with V, not with V²", lambda m, p: 1.0 / m.speed),
     ("with-v-cubed", "lets the {} grow with V³", lambda m, p: m.speed),
+    (
+        "the-same-aloft",
+        "has the density of z = 0 at all heights in the {}",
+        lambda m, p: 1.0 / m.density,
+    ),
     ("rising-only", "has the {} act on the ball's way up only", _rising),
 )
 
@@ -229,24 +236,24 @@ _FORCES = {
 }
 
 
-def _of_kinds() -> Iterator[Mistake]:
+def _of_forces() -> Iterator[Mistake]:
     """Yield what may be wrong with any of the forces."""
     for kind, remedy in _FORCES.items():
         which = _KINDS[kind]
         yield Mistake(f"no-{kind}", f"flies without {kind}", remedy,
-                      _terms(_forms(which, lambda form: None)))  # fmt: skip
-        turned = _forms(which, lambda form: _multiplied(form, lambda m, p: -1.0))
+                      changed_terms(of_kind(which, lambda form: None)))  # fmt: skip
+        turned = of_kind(which, lambda form: multiplied(form, lambda m, p: -1.0))
         sentence = f"turns the {kind} the wrong way round: the sign"
-        yield Mistake(f"{kind}-sign", sentence, remedy, _terms(turned))
+        yield Mistake(f"{kind}-sign", sentence, remedy, changed_terms(turned))
         for name, words, factors in _AXES if kind != "gravity" else ():
             yield Mistake(f"{kind}-{name}", words.format(kind), remedy, _by_axis(which, factors))
     for kind in ("drag", "lift"):
         place, remedy = f"air.{kind}_coefficient", f"the {kind} is ½ C ρ A V², all the way"
         for name, words, factor in _FACTORS:
-            change = _terms(_forms(_KINDS[kind], partial(_multiplied, factor=factor)))
-            jumps = name == "rising-only"
-            yield Mistake(f"{kind}-{name}", words.format(kind), remedy, change, jumps,
-                          None if jumps else place)  # fmt: skip
+            change = changed_terms(of_kind(_KINDS[kind], partial(multiplied, factor=factor)))
+            scaled_by = place if name.startswith("with") else None
+            yield Mistake(f"{kind}-{name}", words.format(kind), remedy, change,
+                          name == "rising-only", scaled_by)  # fmt: skip
 
 
 def _squared(square: Callable[[Any], Any]) -> Change:
@@ -277,7 +284,7 @@ def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
         return scaled(m.density * p.lift_about_axis * m.lift.speed, across)
 
     new = Force(names, strengths, acceleration)
-    return _terms(lambda term: new if term is LIFT else term)
+    return changed_terms(lambda term: new if term is LIFT else term)
 
 
 def _axis_of_pitch(scene: Any, frame: Any) -> Vector[Any]:
@@ -359,7 +366,7 @@ _HEADING = "the axis ê is horizontal and across the heading at launch: (sin φ,
 _RELEASED = "pitch.speed is the size of the velocity at the release"
 
 LAW: tuple[Mistake, ...] = (
-    *_of_kinds(),
+    *_of_forces(),
     *_other_speeds(),
     Mistake("drag-per-component", "drags each component by itself, with its own square",
             "the drag is -k V v: every component times the whole speed V",
@@ -410,8 +417,13 @@ LAW: tuple[Mistake, ...] = (
             _about(_axis_of_pitch)),
     Mistake("wind-in-size-only", "drags by the airspeed, but along the velocity over the ground",
             "the wind is subtracted from the ball's velocity, in drag and lift alike: u = v - W",
-            _terms(_forms(_drags, lambda f: Force(f.parameters, f.strengths, lambda m, p: scaled(
-                -(m.density * f.rate(m, p)), m.velocity))))),
+            changed_terms(of_kind(drags, lambda f: Force(
+                f.parameters, f.strengths,
+                lambda m, p: scaled(-(m.density * f.rate(m, p)), m.velocity))))),
+    Mistake("spin-decay-over-ground", "lets the spin decay along the path over the ground",
+            "spin falls by e along spin_decay_length of path through the air",
+            changed_terms(lambda term: replace(term, rate=lambda m, p: size(m.velocity))
+                          if term is DECAY_ALONG_PATH else term)),
     Mistake("aim-at-front", "aims at a point above the front of home plate, x = 0.4318 m",
             "the aim is a point of the plane x = 0", _through(0.4318)),
     Mistake("pitch-speed-along-x", "gives the ball pitch.speed along x, and the rest of the way "
@@ -422,6 +434,8 @@ LAW: tuple[Mistake, ...] = (
             "the aim is a point: y and z where the plate is", scene_change(lambda scene: {
                 "pitch.aim": tuple(a + b for a, b in zip(
                     scene.pitch.aim, scene.pitch.release[1:], strict=True))})),
+    Mistake("celsius-for-kelvin", "takes the temperature for °C: adds 273.15 once more", _WEATHER,
+            _density(lambda s, w: of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
     Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,
             _density(lambda s, w: of_weather(s) * w.temperature / (w.temperature - ZERO_CELSIUS))),
     Mistake("kelvin-in-vapour", "takes the vapour pressure at the temperature in K", _WEATHER,
@@ -448,9 +462,9 @@ def _own(
     """Return a number that a factor of terms hangs on: of the motion and the number."""
     # It is a parameter of a term that does nothing else; 0 on no branch yet.
     constant = Term((name,), lambda scene, frame, numbers: (getattr(scene, name, usual),))
-    change = _forms(which, lambda form: _multiplied(
+    change = of_kind(which, lambda form: multiplied(
         form, lambda m, p: factor(m, getattr(p, name, trace.ZERO))))  # fmt: skip
-    return Own(words, usual, _terms(change, constant))
+    return Own(words, usual, changed_terms(change, constant))
 
 
 def _to_power(flow: Flow, more: Any) -> Any:
@@ -469,9 +483,9 @@ def _heard(scene: Any) -> Mapping[str, Any]:
 
 
 OWN: dict[str, Own] = {
-    "drag_exponent": _own("the exponent of V in the drag", "drag_exponent", 2.0, _drags,
+    "drag_exponent": _own("the exponent of V in the drag", "drag_exponent", 2.0, drags,
                           lambda m, n: _to_power(m.air, n - 2.0)),
-    "lift_exponent": _own("the exponent of V in the lift", "lift_exponent", 2.0, _lifts,
+    "lift_exponent": _own("the exponent of V in the lift", "lift_exponent", 2.0, lifts,
                           lambda m, n: _to_power(m.lift, n - 2.0)),
     "rotation": _own("the Earth's rotation in rad/s", "rotation", ROTATION,
                      _KINDS["Coriolis force"], lambda m, n: n / ROTATION),
