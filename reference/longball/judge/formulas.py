@@ -152,8 +152,8 @@ _SIN_COS: dict[str, Symbol] = {
 
 _MU: Symbol = (lambda v: v.mu, {
     "1/(1/m + 1/M_eff); the reduced mass of M_eff": lambda v: v.bare,
-    "m": lambda v: v.m,
-    "M": lambda v: v.M,
+    "m; the ball's mass": lambda v: v.m,
+    "M; the bat's mass": lambda v: v.M,
     "m + M": lambda v: v.m + v.M,
     "(m + M)/2; the mean of the masses": lambda v: (v.m + v.M) / 2,
     "2mM/(m + M)": lambda v: 2 * v.m * v.M / (v.m + v.M),
@@ -203,7 +203,8 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
         "V": (lambda v: v.before, _V),
         "V_b": (lambda v: v["contact.bat_velocity"], {
             "0; as of a bat at rest": lambda v: (0.0, 0.0, 0.0),
-            "-V_b; the velocities are added": lambda v: _times(-1.0, v["contact.bat_velocity"])}),
+            "-V_b; the bat's velocity is added": lambda v: _times(
+                -1.0, v["contact.bat_velocity"])}),
         "n": (lambda v: v.normal, {
             "the direction of -Ṽ": lambda v: _times(-1.0, _unit(v.relative))})}),
     ("impact.impulse", "J = -μ(1 + ẽ)(Ṽ·n)", lambda mu, e, w: -mu * e * w, {
@@ -219,7 +220,9 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
             "0": lambda v: (0.0, 0.0, 0.0), "Ṽ": lambda v: v.relative,
             "V + V_b": lambda v: plus(v.before, 1.0, v["contact.bat_velocity"]), **_V}),
         "J": (lambda v: v.impulse, {"-J": lambda v: -v.impulse}),
-        "m": (lambda v: v.m, {"M": lambda v: v.M, "1": lambda v: 1.0, "μ": lambda v: v.mu}),
+        "m": (lambda v: v.m, {
+            "M; the bat's mass": lambda v: v.M, "1; it is not divided": lambda v: 1.0,
+            "μ": lambda v: v.mu}),
         "n": (lambda v: v.normal, {
             "the direction of -Ṽ": lambda v: _times(-1.0, _unit(v.relative))})}),
     ("impact.energy_change", "ΔE = -½ μ (1 - ẽ²)(Ṽ·n)²", lambda half, mu, loss, w: (
