@@ -357,7 +357,9 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
       ("2 contact.time + hang_time", lambda v: (
           2 * v.number("contact.time") + v.number("landing.hang_time"),)))),
     ("landing.hang_time", "landing.hang_time is since contact or launch",
-     (("landing.time, counted from the start,", lambda v: v["landing.time"]),)),
+     (("landing.time, counted from the start,", lambda v: v["landing.time"]),
+      ("the time since the plate", lambda v: (
+          v.number("landing.time") - v.number("plate.time"),)))),
     ("landing.position", "the batted ball flies from contact.position, in the axes of the scene",
      (("the place of a flight from where the pitch crosses the plate", lambda v: plus(
          v["landing.position:follows"], 1.0, plus(

@@ -205,17 +205,31 @@ def _misread(name: str, sentence: str, what: str, change: Change) -> Mistake:
     return Mistake(name, sentence, _SCENE.format(what), change)
 
 
+def _possible(values: Callable[[Any], Mapping[str, Any]]) -> Change:
+    """Return the change of blocks of a scene; none where that makes no scene."""
+
+    def change(scene: Any) -> Any:
+        new = changed.scene(scene)
+        try:
+            return type(scene).model_validate(new.model_dump())
+        except ValueError:
+            return scene
+
+    changed = scene_change(values)
+    return Change(change)
+
+
 def _set(name: str, value: Callable[[Any], Any], told: str, sentence: str) -> Mistake:
     """Return the mistake of another value, from the one that the scene has."""
-    return _misread(f"{name}{told}", sentence, name,
-                    scene_change(lambda scene: {name: value(at(scene, name))}))  # fmt: skip
+    change = _possible(lambda scene: {name: value(at(scene, name))})
+    return _misread(f"{name}{told}", sentence, name, change)
 
 
 @cache
 def _ignored(name: str) -> Mistake:
     places = [place for place in _PLACES.get(name, (name,)) if not place.endswith(".velocity")]
-    return _misread(f"{name}-ignored", f"ignores {name}", name,
-                    scene_change(lambda scene: dict.fromkeys(places)))  # fmt: skip
+    change = _possible(lambda scene: dict.fromkeys(places))
+    return _misread(f"{name}-ignored", f"ignores {name}", name, change)
 
 
 @cache
