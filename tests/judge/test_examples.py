@@ -86,22 +86,23 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
     ("name", "right", "wrong", "mistake"),
     [
         ("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "gravity=9.81"),
-        ("paper_verlet.c", "L * L / 3 + rb * rb / 4", "L * L / 3", "thin-rod"),
+        ("paper_verlet.c", "L * L / 3 + rb * rb / 4", "L * L / 3", "inertia=thin_rod"),
         ("paper_verlet.c", "lever = L / 2 - r.y", "lever = L / 2 + r.y", "other-pivot"),
         ("paper_verlet.c", "-drag * speed, v", "-drag, v", "drag-with-v"),
         ("paper_verlet.c", 'radius = num("ball", "radius", 0)',
          'radius = num("ball", "radius", 0) / 2', "ball.radius*0.5"),
         ("paper_verlet.js", "{ ball, bat, swing }, r, v, height) {",
          "{ ball, bat, swing: { tilt: degrees, angular_speed } }, r, v, height) {\n"
-         "  const swing = { angular_speed, tilt: (degrees * Math.PI) / 180 };", "tilt-in-degrees"),
-        ("paper_verlet.js", "bat.length ** 2 / 3", "bat.length ** 2 / 12", "inertia-about-centre"),
+         "  const swing = { angular_speed, tilt: (degrees * Math.PI) / 180 };",
+         "contact.bat_velocity: (cos θ, sin θ) = θ in degrees"),
+        ("paper_verlet.js", "bat.length ** 2 / 3", "bat.length ** 2 / 12", "inertia=about_centre"),
         ("paper_verlet.js", "restitution * (1 + ratio) + ratio;", "restitution;",
-         "plain-restitution"),
+         "bat_ball_restitution=plain"),
         ("paper_verlet.py", "t = between(r0, r1, share), between(v0, v1, share), (k - 1 + share)",
          "t = list(r1), v1, k", "first-below"),
         ("paper_verlet.py", 'floor = scene["ground"]["height"]\n    flight',
          'floor = scene["ground"]["height"] + scene["ball"]["radius"]\n    flight',
-         "landing-of-surface"),
+         "ground_contact=surface"),
     ],
 )  # fmt: skip
 def test_a_mistake_in_the_source_is_named(
@@ -142,7 +143,7 @@ OLD, HALF, NEXT = (
         (0.004, [(PUSH, BLOW)], {"lagged-verlet"}),
         (0.004, [(OLD, NEXT)], {"two-step-push"}),
         (0.02, [("a[2] -= g", "a[2] -= 9.81"), ("rb**2 / 4)", "0)")],
-         {"lagged-verlet", "gravity=9.81", "thin-rod"}),
+         {"lagged-verlet", "gravity=9.81", "inertia=thin_rod"}),
     ],
 )  # fmt: skip
 def test_against_the_truth_its_mistakes_are_told_from_its_scheme(

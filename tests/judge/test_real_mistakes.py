@@ -72,16 +72,16 @@ def test_without_a_mistake_the_other_program_agrees(gold: dict[str, list[Case]])
 
 
 NAMES = {
-    "spin in rpm": ("impact-oblique", "spin-in-rpm"),
-    "spin sign": ("impact-oblique", "spin-sign"),
-    "diameter": ("flight-spin-lift", "spin-parameter-of-diameter"),
-    "total spin": ("flight-spin-lift", "spin-total"),
-    "wind sign": ("flight-wind", "wind-sign"),
-    "wind not in the lift": ("flight-wind", "wind-not-in-lift"),
+    "spin in rpm": ("impact-oblique", "spin*0.10472"),
+    "spin sign": ("impact-oblique", "spin:(-x, -y, -z)"),
+    "diameter": ("flight-spin-lift", "spin*2"),
+    "total spin": ("flight-spin-lift", "spin_parameter=total"),
+    "wind sign": ("flight-wind", "air.wind:(-x, -y, -z)"),
+    "wind not in the lift": ("flight-wind", "wind_acts_on=drag"),
     "celsius": ("flight-weather", "celsius-for-kelvin"),
-    "percent": ("flight-weather", "humidity-per-cent"),
-    "station pressure": ("flight-weather", "elevation-ignored"),
-    "decay in time": ("flight-spin-decay", "spin-decay-in-time"),
+    "percent": ("flight-weather", "air.density.humidity*0.01"),
+    "station pressure": ("flight-weather", "air.density.elevation*0"),
+    "decay in time": ("flight-spin-decay", "spin_decay=time"),
     "fence by angle": ("fence", "fence-by-angle"),
     "slip without spin": ("impact-oblique", "friction-without-spin"),
 }

@@ -12,7 +12,6 @@ from decimal import Decimal
 
 import numpy as np
 
-from longball.engines.fence import chords
 from longball.judge.explanations import (
     Explanation,
     Seen,
@@ -23,78 +22,40 @@ from longball.judge.explanations import (
     size_of,
 )
 from longball.judge.findings import many
-from longball.judge.fits import Fit, meaning, roundest, told
+from longball.judge.fits import told
 from longball.judge.relations import DOUBLES as ALL_DIGITS
 from longball.judge.relations import FEW_DECIMALS
 from longball.judge.stages import (
-    CLOSE,
     ENOUGH,
+    NOWHERE,
     Change,
     Check,
     Numbers,
     Placed,
     Trial,
     Trials,
-    along_chord,
     follow,
     placed,
     view_values,
 )
 from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
 from longball.model.arrays import Array
-from longball.model.numbers import DOUBLES
 from longball.model.scene import landing_height
 
-# The heights at which a candidate may let the ball land instead: above the ground, m.
-_SURFACES: tuple[tuple[str, str, str, Callable[[Trial], float]], ...] = (
-    ("landing-of-surface", "lets the ball land when its surface touches the ground, at z = R",
-     "the ball lands when its centre reaches the ground, unless the reading ground_contact says "
-     "otherwise", lambda t: t.scene.ball.radius),
-    ("ignores-surface-reading",
-     "lets the ball's centre reach the ground though reading.ground_contact = surface",
-     "take the reading from the scene, or leave those out", lambda t: -t.scene.ball.radius),
-    ("ground-ignored", "lands at z = 0, whatever ground.height is",
-     "the ball lands at ground.height", lambda t: -t.scene.ground.height),
-    ("ground-sign", "lands at -ground.height: the sign is wrong",
-     "the ball lands at ground.height", lambda t: -2 * t.scene.ground.height),
-    ("ground-rounded", "lands at ground.height without its decimals",
-     "the ball lands at ground.height",
-     lambda t: float(round(t.scene.ground.height)) - t.scene.ground.height),
-    ("lands-at-launch-height", "lands at the height that it was launched from",
-     "the ball lands at ground.height",
-     lambda t: _launch_height(t) - t.scene.ground.height),
-)  # fmt: skip
+FEW_OTHERS = 0.05  # of the ends, how many may be elsewhere for another reason
 
 
-FEWEST_PLACES = 3  # places beside the fence that are enough to tell what they have in common
-FEW_OTHERS = 0.05  # of landings, how many may be elsewhere for another reason
+def _begin(trial: Trial) -> Numbers:
+    """Return where the ball that lands is set free, m; NaN if that is not told."""
+    flight = trial.scene.kind == "flight"
+    held = trial.scene.launch.position if flight else trial.given.get("contact.position", NOWHERE)
+    return tuple(held)
 
 
 def _stays(trial: Trial) -> bool:
     """Tell whether a flight lands where, and when, it begins."""
-    start = trial.scene.launch.position if trial.scene.kind == "flight" else None
-    start = start or trial.given.get("contact.position")
     hang = trial.given.get("landing.hang_time", trial.given.get("landing.time"))
-    return start is not None and trial.given["landing.position"] == tuple(start) and hang == (0.0,)
-
-
-def _launch_height(trial: Trial) -> float:
-    flight = trial.scene.kind == "flight"
-    return float((trial.scene.launch.position if flight else trial.given["contact.position"])[2])
-
-
-def _lands(trial: Trial) -> bool:
-    """Tell whether a flight ends at the ground."""
-    return bool(abs(trial.given["landing.position"][2] - landing_height(trial.scene)) <= CLOSE)
-
-
-def _where(wrong: Trials, right: Trials) -> str:
-    """Return where flights end elsewhere, and not at the ground, by its height."""
-    heights = [float(t.scene.ground.height) for t in (*wrong, *right)]
-    there, others = heights[: len(wrong)], (0.0, *heights[len(wrong) :])
-    if max(there) < min(others):
-        return "where ground.height is negative"
-    return "where ground.height is positive" if min(there) > max(others) else "in some scenes"
+    return trial.given["landing.position"] == _begin(trial) and hang == (0.0,)
 
 
 # Of a flight's end: the axis across the surface, the velocity there, and what the surface is.
@@ -123,18 +84,12 @@ def ends(stage: str, chosen: Seen, trials: Trials, dt: float | None) -> Iterator
             "let the ball fly on to the ground", quantity=event,
         )  # fmt: skip
     elif landing:
-        grounded = [t for t in trials if "landing.position" in t.given and _lands(t)]
-        for name, sentence, remedy, above in _SURFACES:
-            try:
-                heights = np.array([*map(above, wrong)])
-                right = [t for t in grounded if above(t)]
-            except KeyError:
-                continue
-            if heights.any() and np.allclose(offs, heights, rtol=1e-6, atol=1e-9):
-                if right:  # it is not always so
-                    sentence = f"{sentence.partition(', whatever')[0]}, {_where(wrong, right)}"
-                yield Explanation(name, sentence, remedy, quantity=event)
-        yield from _scaled_ground(wrong, trials, event)
+        above = [_begin(t)[2] - landing_height(t.scene) for t in wrong]
+        if any(above) and np.allclose(offs, above, rtol=1e-6, atol=1e-9):
+            yield Explanation(
+                "lands-at-launch-height", "lands at the height that it was launched from",
+                "the ball lands at ground.height", quantity=event,
+            )  # fmt: skip
     if len(offs) < 2:  # of one scene it is not seen whether it is always so
         return
     low, high = float(offs.min()), float(offs.max())
@@ -154,12 +109,6 @@ def _apart(way: Numbers, along: Numbers) -> float:
 # What is zero where a candidate may let ball and bat touch instead: from the place of the ball
 # beside the bat's axis and along it (x, y, z), m, R + r_b, and the direction of its velocity.
 _CONTACTS: tuple[tuple[str, str, str, Callable[[Numbers, float, Numbers], float]], ...] = (
-    ("touches-in-space", "measures the way from the bat's middle to the ball in space, y too",
-     "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
-     lambda way, reach, along: math.hypot(*way) - reach),
-    ("touches-along-x", "lets ball and bat touch where x is R + r_b, at whatever height",
-     "ball and bat touch where x² + (z - z_b)² = (R + r_b)²",
-     lambda way, reach, along: abs(way[0]) - reach),
     ("touches-at-plate", "puts the contact where the ball crosses the plate",
      "the contact is where the ball is R + r_b from the bat's axis",
      lambda way, reach, along: way[0]),
@@ -215,18 +164,6 @@ def contacts_at_steps(wrong: Seen) -> Iterator[Explanation]:
             )  # fmt: skip
 
 
-def margins(wrong: Seen) -> Iterator[Explanation]:
-    """Yield that balls are held to pass farther from the bat than they do, in all scenes."""
-    failing = [c for _, cs in wrong for c in cs if not c.follows]
-    short = [c.expected[0] - c.obtained[0] for c in failing if c.quantity == "contact.margin"]
-    if len(short) == len(failing) >= ENOUGH and min(short) > 0:
-        yield Explanation(
-            "margin-at-steps", f"contact.margin is too small, always, by up to {max(short):.2g} m: "
-            "as by the least of the distances at the steps", "find the least distance within the "
-            "step, where it changes from falling to rising", rank=3, quantity="contact.margin",
-        )  # fmt: skip
-
-
 def fences(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield what is wrong with when or where a ball passes the fence."""
 
@@ -241,46 +178,6 @@ def fences(wrong: Seen, base: Change) -> Iterator[Explanation]:
         "fence-time-since-contact", "counts fence.time from the contact",
         "fence.time is since the start of the scene", left, mend=mend,
     )  # fmt: skip
-    places = [(t, t.given.get("fence.position")) for t, _ in wrong]
-    if len(places) >= FEWEST_PLACES and all(
-        place is not None and _beyond_chord(t, place) for t, place in places
-    ):
-        yield Explanation(
-            "fence-without-ends", "takes the chords of the fence for lines without ends",
-            "the ball passes a chord between its two vertices",
-        )  # fmt: skip
-
-
-def _beyond_chord(trial: Trial, place: Sequence[float]) -> bool:
-    """Tell whether a place is on the line of a chord of the fence, and beyond its ends."""
-    x, y, _ = place
-    beside = (along_chord(c, x, y) for c in chords(trial.scene.fence.polyline or (), DOUBLES))
-    return any(abs(aside) < CLOSE and not 0 <= along <= end for along, aside, end in beside)
-
-
-def _scaled_ground(wrong: Trials, trials: Trials, event: str) -> Iterator[Explanation]:
-    """Yield by what the height of the ground is multiplied, if that is so wherever a ball lands."""
-    ratios = [_ground_told(t) / t.scene.ground.height for t in wrong if t.scene.ground.height]
-    if len(ratios) < len(wrong) or len(set(ratios)) < 2:
-        return
-    doubt = float(np.ptp(ratios)) / 2
-    factor = roundest(float(np.median(ratios)), max(doubt, 1e-9))
-    landed = [t for t in trials if "landing.position" in t.given]
-    others = [t for t in landed if not math.isclose(
-        _ground_told(t), factor * t.scene.ground.height, rel_tol=1e-6, abs_tol=1e-6)]  # fmt: skip
-    if len(others) > FEW_OTHERS * len(landed) or factor in (0.0, 1.0, -1.0):
-        return  # 0 and -1 are named above
-    fit = Fit("ground.height", "factor", factor, 0.0, varies=True)
-    yield Explanation(
-        fit.name, f"lands at {factor:.9g} times ground.height{meaning(fit)}",
-        "the ball lands at ground.height, in metres", change=fit.change, quantity=event,
-    )  # fmt: skip
-
-
-def _ground_told(trial: Trial) -> float:
-    """Return the height of the ground that a landing implies, m."""
-    above = landing_height(trial.scene) - float(trial.scene.ground.height)
-    return float(trial.given["landing.position"][2] - above)
 
 
 def _at_steps(

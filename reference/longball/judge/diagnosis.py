@@ -14,8 +14,9 @@ from __future__ import annotations
 import math
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from statistics import median
 from typing import Any
 
@@ -648,66 +649,87 @@ class _Search:
         chosen = evenly(wrong, SOUGHT)
         right = evenly([t for t, _ in good if not _keen(t)], BESIDE)
         sought = Sought([t for t, _ in chosen], right, (stage,), self.base, self.work)
-        if found := list(relations.singles(wrong)):
+        flies, ends = stage in ("pitch", "flight"), stage in ("plate", "landing")
+        if stage == "pitch":
+            together = self._with_flights(wrong, right, checks)
+        else:
+            together = self._with_push(wrong, right, checks) if stage == "impulse" else None
+        found = [*relations.singles(wrong)]
+        if found:
             return found
-        together = self._with_flights(wrong, right, checks) if stage == "pitch" else None
-        at_surface = clocks.beside_surface(stage, wrong) if stage in ("plate", "landing") else ()
+        ratios = partial(relations.relations, chosen, beside, self.base)
+        at_surface = partial(clocks.beside_surface, stage, wrong)
+        ways: list[Callable[[], Iterable[Explanation]]]
         if max(size_of(c) for _, cs in wrong for c in cs if not c.follows) < FINE:
-            ratios = [*relations.relations(chosen, beside, self.base), *at_surface]
-            if any(e.named for e in ratios):
-                return ratios
-            return [*ratios, *_fine([together, sought] if together else [sought])]
-        found = [
-            *relations.relations(chosen, beside, self.base),
-            *relations.formulas(chosen, beside, self.base),
-            *(relations.by_speed(chosen, self.base) if stage == "restitution" else ()),
-            *relations.resolutions(chosen),
-        ]
-        if stage in ("landing", "plate"):
-            found += clocks.ends(stage, chosen, self.trials, self.dt)
-            if not any(e.named for e in found):
-                found += at_surface
-        if stage == "landing velocity":
-            found += clocks.between_steps(stage, wrong, self.base)
-            found += clocks.velocities_of_another_time(wrong, self.base)
-        if stage == "fence":
-            found += clocks.fences(wrong, self.base)
-        if stage == "touching":
-            found += clocks.touchings(wrong, self.base)
-        if stage not in COLLISION and any(e.named for e in found):
-            return found
-        if stage == "impulse":
-            together = self._with_push(wrong, right, checks)
-        if together:
-            found += fits.parts(together)
-            if any(e.named for e in found):
-                return found
-        found += fits.parts(sought)
-        if stage in ("pitch", "flight"):
-            found += clocks.clocks(stage, chosen, self.base)
-            if not any(e.named for e in found) and self.scheme is None and not self.stepless:
-                known = self.dt or clocks.grid(stage, self.trials)
-                found += clocks.on_chords(sought.some(4), self.base, known)
-                if not any(e.named for e in found):
-                    found += schemes(sought, known, self.order)
-                # What flies the pitch flies the batted ball.
-                self.stepless = not any(e.named for e in found)
-            if not any(e.named for e in found):
-                found += fits.mostly(together or sought)
-            if not any(e.named for e in found):
-                single = list({e.name: e for e in reversed(found)}.values())[::-1]
-                found += fits.two(together or sought, single)
-                if together and not any(e.named for e in found):
-                    # Pitches alone are alike: any two numbers explain them, but not any scheme.
-                    some = fits.two(sought, single)
-                    found += (e for e in some if e.change and e.change.engine != NONE.engine)
-            if not any(e.named for e in found):
-                found += clocks.between_steps(stage, wrong, self.base)
-        if stage == "touching" and not any(e.named for e in found):
-            found += [*clocks.contacts_at_steps(wrong), *clocks.margins(wrong)]
-        if stage == "restitution" and not any(e.named for e in found):
-            found += fits.one_after_another(sought, found)
+            ways = [lambda: [*ratios(), *(at_surface() if ends else ())],
+                    *(partial(_fine, some) for some in (together, sought) if some)]  # fmt: skip
+        else:
+            ways = [
+                lambda: [*ratios(), *relations.formulas(chosen, beside, self.base),
+                         *relations.resolutions(chosen), *self._own_of(stage, wrong, chosen)],
+                *([partial(fits.parts, together)] if together else []),
+                partial(fits.parts, sought),
+            ]  # fmt: skip
+            ways += [at_surface] if ends else []
+            ways += self._of_flights(stage, wrong, sought, together, found) if flies else []
+            if stage == "touching":
+                ways.append(partial(clocks.contacts_at_steps, wrong))
+            if stage == "restitution":
+                ways.append(lambda: fits.one_after_another(sought, found))
+        for number, way in enumerate(ways):
+            found += way()
+            # A known mistake in the collision may be behind a formula's.
+            if any(e.named for e in found) and (number or stage not in COLLISION):
+                break
         return found
+
+    def _own_of(self, stage: str, wrong: Seen, chosen: Seen) -> Iterator[Explanation]:
+        """Yield explanations that are of one stage alone."""
+        match stage:
+            case "restitution":
+                yield from relations.by_speed(chosen, self.base)
+            case "landing" | "plate":
+                yield from clocks.ends(stage, chosen, self.trials, self.dt)
+            case "landing velocity":
+                yield from clocks.between_steps(stage, wrong, self.base)
+                yield from clocks.velocities_of_another_time(wrong, self.base)
+            case "fence":
+                yield from clocks.fences(wrong, self.base)
+            case "touching":
+                yield from clocks.touchings(wrong, self.base)
+            case "pitch" | "flight":
+                yield from clocks.clocks(stage, chosen, self.base)
+
+    def _of_flights(
+        self, stage: str, wrong: Seen, sought: Sought, together: Sought | None,
+        found: Sequence[Explanation],
+    ) -> list[Callable[[], Iterable[Explanation]]]:  # fmt: skip
+        """Return ways to explain flights that no single change of the chain does."""
+        both = together or sought
+
+        def in_steps() -> Iterable[Explanation]:
+            known = self.dt or clocks.grid(stage, self.trials)
+            chords = [*clocks.on_chords(sought.some(4), self.base, known)]
+            own = chords if any(e.named for e in chords) else [
+                *chords, *schemes(sought, known, self.order)]  # fmt: skip
+            # What flies the pitch flies the batted ball.
+            self.stepless = not any(e.named for e in own)
+            return own
+
+        def two() -> Iterable[Explanation]:
+            single = list({e.name: e for e in reversed(found)}.values())[::-1]
+            pairs = [*fits.two(both, single)]
+            if together and not any(e.named for e in pairs):
+                # Pitches alone are alike: any two numbers explain them, but not any scheme.
+                some = fits.two(sought, single)
+                pairs += (e for e in some if e.change and e.change.engine != NONE.engine)
+            return pairs
+
+        steps = [] if self.scheme is not None or self.stepless else [in_steps]
+        return [
+            *steps, partial(fits.mostly, both), two,
+            partial(clocks.between_steps, stage, wrong, self.base),
+        ]  # fmt: skip
 
     def _with_push(self, wrong: Seen, right: Trials, checks: Seen) -> Sought | None:
         """Return impacts with friction that are wrong in more: one explanation for all of it."""
@@ -805,15 +827,13 @@ def _known(check: Check) -> bool:
     return all(map(math.isfinite, check.expected))
 
 
-def _fine(sought: Iterable[Sought]) -> list[Explanation]:
-    """Return the numbers, one or two, that may be behind errors that are mostly an integrator's."""
-    found: list[Explanation] = []
-    for some in sought:
-        for way in (fits.singles(some), fits.fitted(some), fits.pairs(some, ())):
-            found += way
-            if any(e.named for e in found):
-                return found
-    return found
+def _fine(sought: Sought) -> Iterator[Explanation]:
+    """Yield the numbers, one or two, that may be behind errors that are mostly an integrator's."""
+    for way in (fits.singles(sought), fits.fitted(sought), fits.pairs(sought, ())):
+        found = [*way]
+        yield from found
+        if any(e.named for e in found):
+            return
 
 
 def _absent(trial: Trial) -> str | None:

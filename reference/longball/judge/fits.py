@@ -22,18 +22,10 @@ import numpy as np
 
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
+from longball.judge.contact_mistakes import BATTED, FENCE, IMPACT, TOUCHING, TWO_STEP_PUSH
 from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought
-from longball.judge.flight_mistakes import LAW, OWN, SINGLES, SPIN, with_density
-from longball.judge.mistakes import (
-    BATTED,
-    FENCE,
-    IGNORED,
-    IMPACT,
-    READINGS,
-    TOUCHING,
-    TWO_STEP_PUSH,
-)
-from longball.judge.rubbing import RUBBING
+from longball.judge.law_mistakes import LAW, OWN
+from longball.judge.misreadings import SHORT, misreadings, with_density
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
 from longball.judge.steps import ITS_OWN, LIKE
 from longball.model.air import (
@@ -510,25 +502,24 @@ def parts(sought: Sought) -> list[Explanation]:
         push = list(_tried([TWO_STEP_PUSH], sought))
         if any(e.named for e in push):
             return push
-    library = _library(sought.stage)
+    library = _library(sought)
     found = [*_tried(library, sought), *fitted(sought)]
     if any(e.named for e in found):
         return found
     return [*found, *_scaled(library, sought)]
 
 
-def _library(stage: str) -> list[Mistake]:
-    """Return the known mistakes that may show at a stage."""
+def _library(sought: Sought) -> list[Mistake]:
+    """Return the known mistakes that may show at a stage, and how its scenes may be misread."""
+    stage = sought.stage
     struck = stage in ("restitution", "impulse", "velocity after", "spin after", "energy")
-    before = stage in ("pitch", "plate", "touching", "normal", "bat velocity")
     return [
+        *misreadings([t.scene for t in sought.trials], stage),
         *(LAW if stage in ("pitch", "flight", "spin decay") else ()),
         *(BATTED if stage == "flight" else ()),
         *(TOUCHING if stage in ("touching", "normal") else ()),
         *(FENCE if stage == "fence" else ()),
-        *((*IMPACT, *RUBBING, *SPIN) if struck else ()),
-        *(() if before else READINGS),
-        *(*IGNORED, *SINGLES),
+        *(IMPACT if struck else ()),
     ]
 
 
@@ -559,7 +550,7 @@ def mostly(sought: Sought) -> Iterator[Explanation]:
 
 def singles(sought: Sought) -> list[Explanation]:
     """Return what the candidate may hold in single precision."""
-    return list(_tried(SINGLES, sought))
+    return list(_tried(SHORT, sought))
 
 
 def _explanation(mistake: Mistake, left: float) -> Explanation:
@@ -632,8 +623,13 @@ def scene_by_scene(sought: Sought) -> str:
 # --- two at once ----------------------------------------------------------------------------------
 
 
+_SHORTENED = frozenset(mistake.name for mistake in SHORT)
+
+
 def two(sought: Sought, known: Sequence[Explanation]) -> Iterator[Explanation]:
     """Yield two of the known mistakes and fitted numbers together."""
+    # Few digits go with anything.
+    known = [e for e in known if e.name not in _SHORTENED]
     for way in (pairs, one_after_another):
         found = list(way(sought, known))
         yield from found
@@ -727,7 +723,7 @@ def one_after_another(sought: Sought, known: Sequence[Explanation]) -> Iterator[
     for _, _, first in ranked[:FIRSTS]:
         assert first.change is not None
         rest = sought.given(first.change)
-        seconds = [*_tried(_library(sought.stage), rest), *fitted(rest)]
+        seconds = [*_tried(_library(rest), rest), *fitted(rest)]
         best = 1.0
         for second in (e for e in seconds if e.named and e.change and not is_odd(e)):
             assert second.change is not None

@@ -1,4 +1,7 @@
-"""Known mistakes in formulas: what a quantity then is, from the scene and the values before it."""
+"""Known mistakes in formulas: what a quantity then is, from the scene and the values before it.
+
+Each formula is written once, with what may stand in the place of each of its symbols.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from longball.judge.changes import Mistake, reading_change
 from longball.judge.stages import Numbers
 from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
-from longball.model.force import cross
 from longball.model.numbers import DOUBLES, dot, plus
 from longball.model.readings import Reading
 
@@ -64,15 +65,12 @@ class View:
     ratio = property(lambda self: self.m / self.bare - 1)  # m/M_eff
     restitution = property(lambda self: self.number("impact.restitution"))  # ẽ
     relative = property(lambda self: plus(self.before, -1.0, self["contact.bat_velocity"]))  # Ṽ
-
-    inertia = property(lambda self: float(  # the bat's, kg m²
-        moment_of_inertia(self.scene.bat, self.scene.reading, DOUBLES)))  # fmt: skip
-    kick = property(lambda self: tuple(  # J n, N s
-        self.number("impact.impulse") * n for n in self["contact.normal"]))  # fmt: skip
+    normal = property(lambda self: self["contact.normal"])
+    closing = property(lambda self: self.number("contact.normal_speed"))  # Ṽ·n, m/s
+    impulse = property(lambda self: self.number("impact.impulse"))  # J, N s
 
 
-Number = Callable[[View], float]
-Value = Callable[[View], Numbers]
+Value = Callable[[View], Any]
 
 
 @dataclass(frozen=True)
@@ -102,54 +100,194 @@ class Numbered(Formula):
         )  # fmt: skip
 
 
-def _wrong(quantity: str, remedy: str, *known: tuple[Any, ...]) -> Iterator[Formula]:
-    """Yield mistakes in a formula: names, sentences and values, and remedies if they differ."""
-    for name, sentence, value, *other in known:
-        yield Formula(quantity, name, sentence, other[0] if other else remedy, value)
+# --- formulas with their symbols ------------------------------------------------------------------
+
+# A symbol's value, and what else may be taken for it, by what that is called.
+Symbol = tuple[Value, Mapping[str, Value]]
 
 
-def _cos_sin(angle: float) -> tuple[float, float]:
-    return math.cos(angle), math.sin(angle)
+def _substituted(
+    quantity: str, law: str, formula: Callable[..., Any], symbols: Mapping[str, Symbol]
+) -> Iterator[Formula]:
+    """Yield a formula with each of its symbols taken for something else."""
+    # What is behind a semicolon says what that means.
+    right = {name: value for name, (value, _) in symbols.items()}
+    for symbol, (_, others) in symbols.items():
+        for words, other in others.items():
+
+            def value(v: View, values: Mapping[str, Value] = right | {symbol: other}) -> Numbers:
+                found = formula(*(one(v) for one in values.values()))
+                return found if isinstance(found, tuple) else (found,)
+
+            taken, _, meaning = words.partition("; ")
+            sentence = f"takes {taken} for {symbol} in {law}{f': {meaning}' * bool(meaning)}"
+            yield Formula(quantity, f"{quantity}: {symbol} = {taken}", sentence, law, value)
 
 
-def _swung(
-    lever: Number = lambda v: v.lever, tilt: Callable[[float], tuple[float, ...]] = _cos_sin
-) -> Value:
-    """Return ω times a lever, m, along what is made of the tilt: x and z."""
-
-    def value(v: View) -> Numbers:
-        speed = v.scene.swing.angular_speed * lever(v)
-        x, z = tilt(v.scene.swing.tilt)
-        return speed * x, 0.0, speed * z
-
-    return value
+def _unit(v: Numbers) -> Numbers:
+    size = math.hypot(*v)
+    return tuple(x / size for x in v)
 
 
-def _restitution(formula: Callable[[View, float, float], float]) -> Value:
-    """Return ẽ by a formula of e and m/M_eff, where it is not e itself."""
-
-    def value(v: View) -> Numbers:
-        printed = v.scene.reading.bat_ball_restitution == "as_printed"
-        return (formula(v, v.e, v.ratio) if printed else v.e,)
-
-    return value
+def _times(factor: float, vector: Numbers) -> Numbers:
+    return tuple(factor * x for x in vector)
 
 
-def _printed(e: float, ratio: float) -> float:
-    return e * (1 + ratio) + ratio
+def _tilt(v: View) -> float:
+    return float(v.scene.swing.tilt)
 
 
-def _closing(velocity: Value) -> Value:
-    """Return the part of a velocity along the normal."""
-    return lambda v: (dot(velocity(v), v["contact.normal"]),)
+def _reach(v: View) -> float:
+    return float(v.scene.ball.radius + v.scene.bat.radius)
 
 
-def _push(mass: Number = lambda v: v.mu, e: Number = lambda v: v.restitution) -> Value:
-    return lambda v: (-mass(v) * (1 + e(v)) * v.number("contact.normal_speed"),)
+def _printed(e: float, one: float, ratio: float) -> float:
+    return e * (one + ratio) + ratio
 
 
-def _after(factor: Number, keep: float = 1.0) -> Value:
-    return lambda v: tuple(keep * b + factor(v) * k for b, k in zip(v.before, v.kick, strict=True))
+_SIN_COS: dict[str, Symbol] = {
+    "cos θ": (lambda v: math.cos(_tilt(v)), {"1": lambda v: 1.0}),
+    "sin θ": (lambda v: math.sin(_tilt(v)), {"θ": _tilt, "tan θ": lambda v: math.tan(_tilt(v))}),
+}
+
+_MU: Symbol = (lambda v: v.mu, {
+    "1/(1/m + 1/M_eff); the reduced mass of M_eff": lambda v: v.bare,
+    "m; the ball's mass": lambda v: v.m,
+    "M; the bat's mass": lambda v: v.M,
+    "m + M": lambda v: v.m + v.M,
+    "(m + M)/2; the mean of the masses": lambda v: (v.m + v.M) / 2,
+    "2mM/(m + M)": lambda v: 2 * v.m * v.M / (v.m + v.M),
+    "μ/m; that is a change of speed": lambda v: v.mu / v.m,
+    "1/√(1/m² + 1/M²)": lambda v: 1 / math.hypot(1 / v.m, 1 / v.M),
+})  # fmt: skip
+
+# What may be taken for the ball's velocity at the contact.
+_V: Mapping[str, Value] = {
+    "the velocity at the plate": lambda v: v["plate.velocity"],
+    "the release's speed": lambda v: _times(
+        math.hypot(*v.scene.pitch.thrown) / math.hypot(*v.before), v.before),
+    "(V_x, V_y, 0)": lambda v: (*v.before[:2], 0.0),
+}  # fmt: skip
+
+_FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = (
+    ("contact.normal", "n = (x, 0, z - z_b)/d", lambda way, length: _times(1 / length, way), {
+        "(x, 0, z - z_b)": (lambda v: v.axis, {
+            "(z - z_b, 0, x)": lambda v: v.axis[::-1],
+            "(x, 0, z - z'_b); without the offset": lambda v: (
+                v.position[0], 0.0, v.position[2] - v["plate.position"][2]),
+            "a horizontal way to the ball": lambda v: (
+                math.copysign(math.hypot(*v.axis), v.position[0]), 0.0, 0.0)}),
+        "d": (lambda v: math.hypot(*v.axis), {"1": lambda v: 1.0, "R + r_b": _reach})}),
+    ("contact.bat_velocity", "V_b = ω r̃ (cos θ, 0, sin θ) with r̃ = L/2 - y",
+     lambda speed, lever, x, z: (speed * lever * x, 0.0, speed * lever * z), {
+        "ω": (lambda v: v.scene.swing.angular_speed, {}),
+        "r̃": (lambda v: v.lever, {
+            "L/2 + y; it then turns about the other end": lambda v: v.scene.bat.length - v.lever,
+            "-y; it then turns about the middle": lambda v: -v.position[1],
+            "L/2 - |y|": lambda v: v.scene.bat.length / 2 - abs(v.position[1]),
+            "L; the lever of the tip": lambda v: v.scene.bat.length,
+            "L/2; whatever y is": lambda v: v.scene.bat.length / 2}),
+        **_SIN_COS}),
+    ("contact.bat_velocity", "V_b = ω r̃ (cos θ, 0, sin θ)", lambda speed, both: (
+        speed * both[0], 0.0, speed * both[1]), {
+        "ω r̃": (lambda v: v.scene.swing.angular_speed * v.lever, {}),
+        "(cos θ, sin θ)": (lambda v: (math.cos(_tilt(v)), math.sin(_tilt(v))), {
+            "(sin θ, cos θ)": lambda v: (math.sin(_tilt(v)), math.cos(_tilt(v))),
+            "(1, 0); without the tilt": lambda v: (1.0, 0.0),
+            "(1, θ)": lambda v: (1.0, _tilt(v)),
+            "θ in degrees": lambda v: (math.cos(math.radians(_tilt(v))),
+                                       math.sin(math.radians(_tilt(v)))),
+            "-θ": lambda v: (math.cos(_tilt(v)), -math.sin(_tilt(v)))})}),
+    ("contact.normal_speed", "Ṽ·n with Ṽ = V - V_b", lambda ball, bat, n: dot(
+        plus(ball, -1.0, bat), n), {
+        "V": (lambda v: v.before, _V),
+        "V_b": (lambda v: v["contact.bat_velocity"], {
+            "0; as of a bat at rest": lambda v: (0.0, 0.0, 0.0),
+            "-V_b; the bat's velocity is added": lambda v: _times(
+                -1.0, v["contact.bat_velocity"])}),
+        "n": (lambda v: v.normal, {
+            "the direction of -Ṽ": lambda v: _times(-1.0, _unit(v.relative))})}),
+    ("impact.impulse", "J = -μ(1 + ẽ)(Ṽ·n)", lambda mu, e, w: -mu * e * w, {
+        "μ": _MU,
+        "1 + ẽ": (lambda v: 1 + v.restitution, {
+            "1 + e": lambda v: 1 + v.e, "1 - ẽ": lambda v: 1 - v.restitution,
+            "ẽ": lambda v: v.restitution, "1": lambda v: 1.0}),
+        "Ṽ·n": (lambda v: v.closing, {
+            "V·n; without the bat's velocity": lambda v: dot(v.before, v.normal),
+            "-|Ṽ|": lambda v: -math.hypot(*v.relative)})}),
+    ("impact.velocity", "V' = V + (J/m) n", lambda v, j, m, n: plus(v, j / m, n), {
+        "V": (lambda v: v.before, {
+            "0": lambda v: (0.0, 0.0, 0.0), "Ṽ": lambda v: v.relative,
+            "V + V_b": lambda v: plus(v.before, 1.0, v["contact.bat_velocity"]), **_V}),
+        "J": (lambda v: v.impulse, {"-J": lambda v: -v.impulse}),
+        "m": (lambda v: v.m, {
+            "M; the bat's mass": lambda v: v.M, "1; it is not divided": lambda v: 1.0,
+            "μ": lambda v: v.mu}),
+        "n": (lambda v: v.normal, {
+            "the direction of -Ṽ": lambda v: _times(-1.0, _unit(v.relative))})}),
+    ("impact.energy_change", "ΔE = -½ μ (1 - ẽ²)(Ṽ·n)²", lambda half, mu, loss, w: (
+        -half * mu * loss * w * w), {
+        "½": (lambda v: 0.5, {}),
+        "μ": (_MU[0], {words: _MU[1][words] for words in [*_MU[1]][:3]}),
+        "1 - ẽ²": (lambda v: 1 - v.restitution**2, {
+            "1 - e²": lambda v: 1 - v.e**2, "1 - ẽ": lambda v: 1 - v.restitution,
+            "(1 - ẽ)²": lambda v: (1 - v.restitution) ** 2}),
+        "Ṽ·n": (lambda v: v.closing, {"|Ṽ|": lambda v: math.hypot(*v.relative)})}),
+    ("landing.distance", "D = √(x² + y²) at the landing", lambda d: d, {
+        "√(x² + y²)": (lambda v: 0.0, {
+            "√(x² + y² + z²); all three coordinates": lambda v: math.hypot(*v["landing.position"]),
+            "√(x² + z²)": lambda v: math.hypot(*v["landing.position"][::2]),
+            "x": lambda v: v["landing.position"][0],
+            "|x|": lambda v: abs(v["landing.position"][0]),
+            "x² + y²": lambda v: sum(x * x for x in v["landing.position"][:2]),
+            "|x| + |y|": lambda v: sum(map(abs, v["landing.position"][:2])),
+            "the way from the launch; or from where the ball was met": lambda v: math.dist(
+                v["landing.position"][:2], v.start[:2])})}),
+)  # fmt: skip
+
+# ẽ where it is not e itself, as the reading of the paper has it.
+_RESTITUTION: tuple[tuple[str, Callable[[View], float]], ...] = (
+    ("e", lambda v: v.e),
+    ("m/M for m/M_eff", lambda v: _printed(v.e, 1, v.m / v.M)),
+    ("M_eff/m for m/M_eff, inverted", lambda v: _printed(v.e, 1, 1 / v.ratio)),
+    ("r̃ from the bat's other end, L/2 + y", lambda v: _printed(
+        v.e, 1, v.ratio * ((v.scene.bat.length - v.lever) / v.lever) ** 2)),
+    ("e(1 + m/M_eff), with m/M_eff left out", lambda v: v.e * (1 + v.ratio)),
+    ("e m/M_eff + m/M_eff, without the 1", lambda v: _printed(v.e, 0, v.ratio)),
+    ("e(1 + m/M_eff) - m/M_eff, subtracted", lambda v: v.e * (1 + v.ratio) - v.ratio),
+    ("the mean of e and ẽ", lambda v: (v.e + _printed(v.e, 1, v.ratio)) / 2),
+    ("(e - m/M_eff)/(1 + m/M_eff), the collision efficiency",
+     lambda v: (v.e - v.ratio) / (1 + v.ratio)),
+)  # fmt: skip
+
+
+def _restitutions() -> Iterator[Formula]:
+    name, law = "impact.restitution", "ẽ = e(1 + m/M_eff) + m/M_eff with M_eff = I/r̃²"
+    for words, formula in _RESTITUTION:
+
+        def value(v: View, formula: Callable[[View], float] = formula) -> Numbers:
+            printed = v.scene.reading.bat_ball_restitution == "as_printed"
+            return (formula(v) if printed else v.e,)
+
+        yield Formula(name, f"{name}: {words}", f"takes {words} for ẽ", law, value)
+
+
+# --- values that are others -----------------------------------------------------------------------
+
+
+def _less(quantity: str, what: Value) -> Value:
+    """Return what follows for a quantity, less something."""
+    return lambda v: plus(v[f"{quantity}:follows"], -1.0, what(v))
+
+
+def _kept(axis: int) -> Value:
+    """Return the velocity after the impact with one component of that before it."""
+    return lambda v: (*(after := v["impact.velocity:follows"])[:axis], v.before[axis],
+                      *after[axis + 1 :])  # fmt: skip
+
+
+def _along_normal(quantity: str) -> Value:
+    return lambda v: _times(dot(v[f"{quantity}:follows"], v.normal), v.normal)
 
 
 def _whole_impulse(v: View) -> Numbers:
@@ -158,381 +296,131 @@ def _whole_impulse(v: View) -> Numbers:
     return (v.m * math.dist(v["impact.velocity"], v.before),) if rough else ()
 
 
-def _energy(mass: Number = lambda v: v.mu, loss: Number = lambda v: 1 - v.restitution**2) -> Value:
-    return lambda v: (-0.5 * mass(v) * loss(v) * v.number("contact.normal_speed") ** 2,)
+def _energy_of_ball(v: View) -> Numbers:
+    after, before = (sum(x * x for x in w) for w in (v["impact.velocity"], v.before))
+    return (0.5 * v.m * (after - before),)
 
 
-def _energy_not_halved(v: View) -> Numbers:
-    """Return P·(g + K P), which is 2 ΔE - P·g, with the whole impulse P and the slip g."""
-    ball, bat, n = v.scene.ball, v.scene.bat, v["contact.normal"]
-    x, z = _cos_sin(v.scene.swing.tilt)
-    of_ball = _across(v.values.get("contact.spin", (0.0, 0.0, 0.0)), n)
-    of_bat = _across((-v.scene.swing.angular_speed * z, 0.0, v.scene.swing.angular_speed * x), n)
-    slip = plus(plus(v.relative, -ball.radius, of_ball), -bat.radius, of_bat)
-    push = plus(v["impact.velocity"], -1.0, v.before)
-    return (2 * v.number("impact.energy_change:follows") - v.m * dot(push, slip),)
-
-
-def _across(turning: Numbers, n: Numbers) -> Numbers:
-    return cross((turning[0], turning[1], turning[2]), (n[0], n[1], n[2]))
-
-
-def _less(quantity: str, what: Value) -> Value:
-    """Return what follows for a quantity, less something."""
-    return lambda v: plus(v[f"{quantity}:follows"], -1.0, what(v))
-
-
-def _distance(formula: Callable[[float, float, float], float]) -> Value:
-    return lambda v: (formula(*v["landing.position"]),)
-
-
-_I = "I = M(L²/3 + r_b²/4) about the end B"
-PLAIN = "uses e where ẽ belongs"
-EFFECTIVE = "ẽ = e(1 + m/M_eff) + m/M_eff with M_eff = I/r̃²"
-_N = "n points from the bat's axis to the ball: (x, 0, z - z_b)/d"
-PIVOT = "the pivot B is at y = +L/2: r̃ = L/2 - y"
-_V_B = "V_b = ω r̃ (cos θ, 0, sin θ) with r̃ = L/2 - y"
-MU = "1/μ = 1/m + 1/M, with the bat's mass M"
-_J = "J = -μ(1 + ẽ)(Ṽ·n) with 1/μ = 1/m + 1/M"
-_V = "V' = V + (J/m) n"
-_DE = "ΔE = -½ μ (1 - ẽ²)(Ṽ·n)²"
-_SPUN = "ω' = ω - (R/I) n × P with I = inertia_factor m R²"
-_D = "D is the horizontal distance from the origin to the landing"
-
-
-def _unit(v: Numbers) -> Numbers:
-    size = math.hypot(*v)
-    return tuple(x / size for x in v)
-
-
-def _slender(v: View) -> float:
-    """Return the bat's moment of inertia without its part of r_b², by its mass, m²."""
-    return float(v.inertia / v.M - _round(v) * v.scene.bat.radius**2)
-
-
-def _round(v: View) -> float:
-    """Return c of the moment of inertia M(… + c r_b²)."""
-    return 0.0 if v.scene.reading.inertia == "thin_rod" else 0.25
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A number times a size, and the rest: of the bat's moment of inertia by its mass."""
-
-    size: Number  # m²
-    rest: Number  # m²
-
-    def ratio(self, v: View, number: float) -> float:
-        """Return m/M_eff with a number."""
-        return float(v.ratio * v.inertia / (v.M * (self.rest(v) + number * self.size(v))))
-
-    def number(self, v: View, ratio: float) -> float:
-        """Return the number with which m/M_eff is a ratio."""
-        return float((v.inertia * v.ratio / (ratio * v.M) - self.rest(v)) / self.size(v))
-
-    def restitution(self, v: View, number: float) -> Numbers:
-        """Return ẽ with a number."""
-        return _restitution(lambda v, e, r: _printed(e, self.ratio(v, number)))(v)
-
-    def impulse(self, v: View, number: float) -> Numbers:
-        """Return the impulse with a number, where the reading takes μ from M_eff."""
-        bare = math.isclose(v.mu, v.bare, rel_tol=1e-12)
-        return _push(lambda v: v.m / (1 + self.ratio(v, number)) if bare else v.mu)(v)
-
-    def pushed(self, v: View, said: Numbers) -> float:
-        """Return the number in the μ that an impulse is made with."""
-        mu = -said[0] / ((1 + v.restitution) * v.number("contact.normal_speed"))
-        return self.number(v, v.m / mu - 1)
-
-
-_OF_RADIUS = _Part(lambda v: v.scene.bat.radius**2, _slender)
-_OF_LENGTH = _Part(lambda v: v.scene.bat.length**2, lambda v: _round(v) * v.scene.bat.radius**2)
-
-
-def _of_ball_radius(v: View) -> float:
-    """Return c of the moment of inertia that has the ball's radius for the bat's."""
-    return _round(v) * float(v.scene.ball.radius / v.scene.bat.radius) ** 2
-
-
-def _with_component(vector: Numbers, i: int, value: float) -> Numbers:
-    return (*vector[:i], value, *vector[i + 1 :])
-
-
-# In the bat's parameters: names, sentences, remedies, and the switches of the reading that make
-# them.
-_MISREAD: dict[str, tuple[str, str, dict[str, str]]] = {
-    "effective-mass": ("takes M_eff = I/r̃, as printed, which is no mass", "M_eff = I/r̃²",
-                       {"effective_mass": "as_printed"}),
-    "thin-rod": ("takes the bat for a thin rod", _I, {"inertia": "thin_rod"}),
-    "inertia-about-centre": ("takes the bat's moment of inertia about its centre", _I,
-                             {"inertia": "about_centre"}),
-}  # fmt: skip
-
-
-def misread(*names: str) -> Iterator[Mistake]:
-    """Yield formulas that are readings of the paper as changes of the whole chain."""
-    for name in names:
-        sentence, remedy, switches = _MISREAD[name]
-        yield Mistake(name, sentence, remedy, reading_change(**switches))
-
-
-def _as_fast_as_released(v: View) -> Numbers:
-    share = math.hypot(*v.scene.pitch.thrown) / math.hypot(*v.before)
-    return tuple(share * x for x in v.before)
-
-
-_AT_CONTACT = "V is the ball's velocity at the contact"
-
-# What may be taken for V.
-_BEFORE: tuple[tuple[str, str, Value], ...] = (
-    ("plate-velocity", "the ball's velocity at the plate", lambda v: v["plate.velocity"]),
-    ("release-speed", "the speed at the release for that at the contact", _as_fast_as_released),
-    ("level-velocity", "0 for the ball's vertical velocity", lambda v: (*v.before[:2], 0.0)),
+# Quantities: what they are, what stands there instead, and as what.
+_OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
+    ("plate.velocity", "plate.velocity is where the ball crosses x = 0",
+     (("the velocity of the release", lambda v: tuple(v.scene.pitch.thrown)),)),
+    ("contact.position", "contact.position is the ball's centre in the axes of the scene",
+     (("the height above the bat's axis", _less(
+         "contact.position", lambda v: (0.0, 0.0, v.height))),)),
+    ("plate.position", "plate.position is in the axes of the scene",
+     (("the height above that aimed at", _less(
+         "plate.position", lambda v: (0.0, 0.0, v.scene.pitch.aim[1]))),)),
+    ("contact.margin", "the margin is reach less the least distance from the bat's axis",
+     (("the margin by the height at the plate", lambda v: (
+         _reach(v) - abs(v["plate.position"][2] - v.height),)),
+      ("the margin as a share of R + r_b", lambda v: (
+          v.number("contact.margin:follows") / _reach(v),)))),
+    ("contact.normal", "n points from the bat's axis to the ball",
+     (("against the velocity", lambda v: _times(-1.0, _unit(v.before))),
+      ("1 for its cosine", lambda v: (
+          math.copysign(1.0, v.position[0]), 0.0, _unit(v.axis)[2])))),
+    ("impact.impulse", "impact.impulse is its part along n, in N s",
+     (("the size of the whole impulse, the friction's part included", _whole_impulse),)),
+    ("impact.velocity", "V' = V + P/m with the impulse P, of which J = P·n",
+     (*((f"v_{letter} as before the impact", _kept(i)) for i, letter in enumerate("xyz")),
+      ("the part along the normal only", _along_normal("impact.velocity")),
+      ("the whole velocity reversed, -ẽ V", lambda v: _times(-v.restitution, v.before)),
+      ("the whole relative velocity reversed, V_b - ẽ Ṽ", lambda v: plus(
+          v["contact.bat_velocity"], -v.restitution, v.relative)),
+      ("V - (1 + ẽ)(Ṽ·n) n, mirrored at the bat", lambda v: plus(
+          v.before, -(1 + v.restitution) * v.closing, v.normal)),
+      ("V + (J/m) n, without the friction's part", lambda v: plus(
+          v.before, v.impulse / v.m, v.normal)))),
+    ("impact.energy_change", "the energy is that of ball and bat together",
+     (("the energy of the ball only", _energy_of_ball),)),
+    ("impact.spin", "ω' = ω - (R/I) n × P with I = inertia_factor m R²",
+     (("the spin before the impact", lambda v: v["contact.spin"]),
+      ("its change alone, without the spin before", _less(
+          "impact.spin", lambda v: v["contact.spin"])),
+      ("a spin without its part about the normal", _less(
+          "impact.spin", _along_normal("impact.spin"))),
+      ("a change of the other sign", lambda v: plus(
+          _times(2.0, v["contact.spin"]), -1.0, v["impact.spin:follows"])))),
+    ("landing.spin", "spin falls by e along spin_decay_length of path through the air",
+     (("the spin of the launch", lambda v: tuple(
+         v.scene.launch.spin) if v.scene.kind == "flight" else v["impact.spin"]),)),
+    ("landing.path", "landing.path is ∫ U dt along the flight",
+     (("the straight way", lambda v: (
+         math.dist(v["landing.position"], v.start),)),
+      ("the way at the landing's speed", lambda v: (
+          v.number("landing.hang_time") * math.hypot(*v["landing.velocity"]),)))),
+    ("landing.time", "landing.time is since the start of the scene: contact.time + hang_time",
+     (("landing.hang_time, counted from the contact,", lambda v: v["landing.hang_time"]),
+      ("the time of the plate + hang_time", lambda v: (
+          v.number("plate.time") + v.number("landing.hang_time"),)),
+      ("2 contact.time + hang_time", lambda v: (
+          2 * v.number("contact.time") + v.number("landing.hang_time"),)))),
+    ("landing.hang_time", "landing.hang_time is since contact or launch",
+     (("landing.time, counted from the start,", lambda v: v["landing.time"]),
+      ("the time since the plate", lambda v: (
+          v.number("landing.time") - v.number("plate.time"),)))),
+    ("landing.position", "the batted ball flies from contact.position, in the axes of the scene",
+     (("the place of a flight from where the pitch crosses the plate", lambda v: plus(
+         v["landing.position:follows"], 1.0, plus(
+             v["plate.position"], -1.0, v["contact.position"]))),
+      ("the way from the launch", _less("landing.position", lambda v: v.start)))),
+    ("landing.velocity", "landing.velocity is the vector over the ground where the ball lands",
+     (("the speed for v_z", lambda v: (
+         *(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
+      ("the velocity through the air", _less("landing.velocity", lambda v: v.scene.air.wind)))),
 )  # fmt: skip
 
 FORMULAS: tuple[Formula, ...] = (
-    *_wrong("plate.velocity", "plate.velocity is where the ball crosses x = 0",
-        ("velocity-of-release", "gives the release's velocity for that at the plate",
-         lambda v: tuple(v.scene.pitch.thrown))),
-    *_wrong("plate.position", "plate.position is in the axes of the scene",
-        ("plate-from-aim", "counts the height at the plate from that aimed at",
-         lambda v: (*(there := v["plate.position:follows"])[:2],
-                    there[2] - v.scene.pitch.aim[1]))),
-    *_wrong("contact.position", "contact.position is the ball's centre in the axes of the scene",
-        ("contact-from-axis", "counts the height of the contact from the bat's axis",
-         lambda v: plus(v["contact.position:follows"], -1.0, (0.0, 0.0, v.height)))),
-    *_wrong("contact.margin", "the margin is reach less the least distance from the bat's axis",
-        ("margin-at-plate", "takes the margin from the height above the bat's axis at the plate",
-         lambda v: (v.scene.ball.radius + v.scene.bat.radius
-                    - abs(v["plate.position"][2] - v.height),)),
-        ("margin-share", "divides the margin by R + r_b", lambda v: (
-            v.number("contact.margin:follows") / (v.scene.ball.radius + v.scene.bat.radius),),
-         "contact.margin is in m")),
-    *_wrong("contact.normal", _N,
-        ("normal-not-unit", "does not divide the normal by its length", lambda v: v.axis,
-         "n is a unit vector"),
-        ("normal-by-reach", "divides the normal by R + r_b, whatever its length is",
-         lambda v: tuple(x / (v.scene.ball.radius + v.scene.bat.radius) for x in v.axis),
-         "n is a unit vector"),
-        ("normal-by-ball-radius", "divides the normal by R, not by its length",
-         lambda v: tuple(x / v.scene.ball.radius for x in v.axis), "n is a unit vector"),
-        ("normal-by-bat-radius", "divides the normal by r_b, not by its length",
-         lambda v: tuple(x / v.scene.bat.radius for x in v.axis), "n is a unit vector"),
-        ("normal-level", "has the normal along x, whatever the height of the ball above the bat",
-         lambda v: (1.0, 0.0, 0.0)),
-        ("normal-level-to-ball", "has the normal level, whatever the height of the ball above the "
-         "bat", lambda v: (math.copysign(1.0, v.position[0]), 0.0, 0.0)),
-        ("normal-small-angle", "takes 1 for the cosine of the normal's angle",
-         lambda v: (math.copysign(1.0, v.position[0]), 0.0, _unit(v.axis)[2])),
-        ("normal-against-velocity", "has the normal against the ball's velocity",
-         lambda v: tuple(-x for x in _unit(v.before))),
-        ("offset-ignored", "takes the normal without swing.height_offset",
-         lambda v: _unit((v.position[0], 0.0, v.position[2] - v["plate.position"][2])),
-         "the bat's height is z'_b + σ_b"),
-        ("normal-swapped", "exchanges x and z of the normal", lambda v: _unit(v.axis[::-1]))),
-    *_wrong("contact.bat_velocity", _V_B,
-        ("other-pivot", "lets the bat turn about its end A, at y = -L/2",
-         _swung(lambda v: v.scene.bat.length / 2 + v.position[1]), PIVOT),
-        ("other-pivot-backwards", "turns the bat about its end A, and backwards",
-         _swung(lambda v: -v.scene.bat.length / 2 - v.position[1]), PIVOT),
-        ("pivot-in-the-middle", "lets the bat turn about its middle",
-         _swung(lambda v: -v.position[1])),
-        ("lever-of-size", "takes |y| for y in the lever",
-         _swung(lambda v: v.scene.bat.length / 2 - abs(v.position[1]))),
-        ("tip-speed", "gives all of the bat the speed of its tip",
-         _swung(lambda v: v.scene.bat.length)),
-        ("middle-speed", "gives all of the bat the speed of its middle",
-         _swung(lambda v: v.scene.bat.length / 2)),
-        ("tilt-sign", "tilts the swing downwards", _swung(tilt=lambda t: _cos_sin(-t))),
-        ("tilt-ignored", "swings level: the tilt is not used", _swung(tilt=lambda t: (1.0, 0.0))),
-        ("tilt-swapped", "exchanges sine and cosine of the tilt",
-         _swung(tilt=lambda t: _cos_sin(t)[::-1])),
-        ("tilt-small-angle", "takes 1 for the cosine of the tilt, and the tilt for its sine",
-         _swung(tilt=lambda t: (1.0, t))),
-        ("tilt-sine", "takes the sine of the tilt for the tilt",
-         _swung(tilt=lambda t: _cos_sin(math.sin(t)))),
-        ("tilt-tangent", "takes the tangent of the tilt for the tilt",
-         _swung(tilt=lambda t: _cos_sin(math.tan(t)))),
-        ("tilt-cosine-left-out", "leaves the cosine of the tilt out",
-         _swung(tilt=lambda t: (1.0, math.sin(t)))),
-        ("tilt-in-degrees", "takes the tilt of the swing for degrees",
-         _swung(tilt=lambda t: _cos_sin(math.radians(t))), "swing.tilt is in radians"),
-        ("tilt-to-degrees", "turns the tilt into degrees before its sine",
-         _swung(tilt=lambda t: _cos_sin(math.degrees(t))), "swing.tilt is in radians")),
-    *_wrong("contact.normal_speed", "Ṽ = V - V_b",
-        ("bat-at-rest", "takes the ball's own velocity, as if the bat were at rest",
-         _closing(lambda v: v.before)),
-        ("velocities-added", "adds the bat's velocity to the ball's",
-         _closing(lambda v: plus(v.before, 1.0, v["contact.bat_velocity"]))),
-        ("whole-speed", "takes the size of Ṽ, not its part along n",
-         lambda v: (-math.hypot(*v.relative),), "Ṽ·n"),
-        *((name, f"takes {words}", _closing(
-            lambda v, before=before: plus(before(v), -1.0, v["contact.bat_velocity"])), _AT_CONTACT)  # type: ignore[misc]
-          for name, words, before in _BEFORE)),
-    Formula("impact.restitution", "plain-restitution", PLAIN, EFFECTIVE, lambda v: (v.e,)),
-    *(Formula("impact.restitution", name, sentence, remedy,
-              lambda v, s=switches: (v.collision(**s).restitution,))
-      for name, (sentence, remedy, switches) in _MISREAD.items()),
-    *_wrong("impact.restitution", EFFECTIVE,
-        ("bat-mass-ratio", "takes the bat's whole mass for M_eff",
-         _restitution(lambda v, e, r: _printed(e, v.m / v.M))),
-        ("bat-inertia-of-ball-radius", "takes the ball's radius for the bat's in its moment of "
-         "inertia", lambda v: _OF_RADIUS.restitution(v, _of_ball_radius(v)),
-         _I),
-        ("other-pivot", "measures r̃ from the bat's end A, at y = -L/2", _restitution(
-            lambda v, e, r: _printed(e, r * ((v.scene.bat.length - v.lever) / v.lever) ** 2)),
-         PIVOT),
-        ("ratio-once", "leaves m/M_eff out behind e(1 + m/M_eff)",
-         _restitution(lambda v, e, r: e * (1 + r))),
-        ("ratio-without-one", "leaves the 1 out: e m/M_eff + m/M_eff",
-         _restitution(lambda v, e, r: e * r + r)),
-        ("ratio-inverted", "takes M_eff/m for m/M_eff",
-         _restitution(lambda v, e, r: _printed(e, 1 / r))),
-        ("ratio-subtracted", "subtracts m/M_eff", _restitution(lambda v, e, r: e * (1 + r) - r)),
-        ("bat-speed-ratio", "gives the collision efficiency (e - m/M_eff)/(1 + m/M_eff)",
-         _restitution(lambda v, e, r: (e - r) / (1 + r)))),
-    *_wrong("impact.impulse", _J,
-        ("reduced-mass", "takes μ from M_eff", _push(lambda v: v.bare), MU),
-        ("bat-inertia-of-ball-radius", "takes the ball's radius for the bat's in its moment of "
-         "inertia", lambda v: _OF_RADIUS.impulse(v, _of_ball_radius(v)), _I),
-        ("impulse-per-mass", "divides the impulse by the ball's mass",
-         lambda v: (_push()(v)[0] / v.m,), "impact.impulse is in N s"),
-        ("ball-mass-for-mu", "takes the ball's mass for μ", _push(lambda v: v.m)),
-        ("bat-mass-for-mu", "takes the bat's mass for μ", _push(lambda v: v.M)),
-        ("sum-of-masses", "takes m + M for μ", _push(lambda v: v.m + v.M)),
-        ("mean-of-masses", "takes (m + M)/2 for μ", _push(lambda v: (v.m + v.M) / 2)),
-        ("harmonic-mean", "takes 2mM/(m + M) for μ",
-         _push(lambda v: 2 * v.m * v.M / (v.m + v.M))),
-        ("impulse-of-ball-speed", "takes the ball's own velocity along n, as if the bat were at "
-         "rest", lambda v: (-v.mu * (1 + v.restitution) * dot(v.before, v["contact.normal"]),)),
-        ("plain-e-in-impulse", "uses 1 + e where 1 + ẽ belongs", _push(e=lambda v: v.e)),
-        ("one-minus-e", "uses 1 - ẽ where 1 + ẽ belongs", _push(e=lambda v: -v.restitution)),
-        ("whole-impulse", "gives the size of the whole impulse, the friction's part included",
-         _whole_impulse, "impact.impulse is its part along n"),
-        ("no-one-plus", "uses ẽ where 1 + ẽ belongs", _push(e=lambda v: v.restitution - 1)),
-        ("inelastic", "leaves the restitution out: the impulse is -μ Ṽ·n", _push(e=lambda v: 0.0))),
-    *_wrong("impact.velocity", _V,
-        ("impulse-over-bat-mass", "divides the impulse by the bat's mass",
-         _after(lambda v: 1 / v.M)),
-        ("impulse-not-divided", "adds the impulse without dividing it by the ball's mass",
-         _after(lambda v: 1.0)),
-        ("impulse-sign", "subtracts the impulse", _after(lambda v: -1 / v.m)),
-        ("impulse-alone", "forgets the velocity before the impact", _after(lambda v: 1 / v.m, 0.0)),
-        ("impulse-over-reduced-mass", "divides the impulse by μ", _after(lambda v: 1 / v.mu)),
-        ("relative-velocity", "starts from Ṽ instead of V",
-         lambda v: plus(v.relative, 1 / v.m, v.kick)),
-        *((f"velocity-{axis}-kept", f"leaves v_{axis} as it was before the impact",
-           lambda v, i=i: _with_component(v["impact.velocity:follows"], i, v.before[i]))
-          for i, axis in enumerate("xyz")),
-        ("velocity-along-normal", "keeps the velocity along the normal only",
-         lambda v: tuple(n * dot(v["impact.velocity:follows"], v["contact.normal"])
-                         for n in v["contact.normal"])),
-        ("velocity-reversed", "turns the whole velocity round, -ẽ times it",
-         lambda v: tuple(-v.restitution * b for b in v.before)),
-        ("impulse-along-relative-velocity", "lets the impulse act along the whole relative "
-         "velocity, not along the normal",
-         lambda v: plus(v.before, -v.mu / v.m * (1 + v.restitution), v.relative)),
-        ("relative-velocity-reversed", "turns the whole relative velocity round, -ẽ times it",
-         lambda v: plus(v["contact.bat_velocity"], -v.restitution, v.relative)),
-        ("velocity-mirrored", "mirrors the velocity at the bat's surface, V - (1 + ẽ)(Ṽ·n) n",
-         lambda v: plus(v.before, -(1 + v.restitution) * v.number("contact.normal_speed"),
-                        v["contact.normal"])),
-        ("bat-velocity-added", "adds the bat's velocity to the ball's",
-         lambda v: plus(v["impact.velocity:follows"], 1.0, v["contact.bat_velocity"])),
-        *((f"{name}-after", f"starts from {words}",
-           lambda v, before=before: plus(before(v), 1 / v.m, v.kick), _AT_CONTACT)
-          for name, words, before in _BEFORE),
-        ("friction-left-out", "leaves the friction's part of the impulse out",
-         _after(lambda v: 1 / v.m), "V' = V + P/m with the whole impulse P")),
-    *_wrong("impact.energy_change", _DE,
-        ("energy-with-e", "uses e where ẽ belongs", _energy(loss=lambda v: 1 - v.e**2)),
-        ("energy-e-not-squared", "uses 1 - ẽ where 1 - ẽ² belongs",
-         _energy(loss=lambda v: 1 - v.restitution)),
-        ("energy-one-minus-e-squared", "uses (1 - ẽ)² where 1 - ẽ² belongs",
-         _energy(loss=lambda v: (1 - v.restitution) ** 2)),
-        ("energy-with-effective-mass", "takes μ from M_eff", _energy(lambda v: v.bare)),
-        ("energy-of-ball", "counts the ball's energy only", lambda v: (0.5 * v.m * (
-            sum(x * x for x in v["impact.velocity"]) - sum(x * x for x in v.before)),)),
-        ("energy-of-whole-speed", "takes the size of Ṽ, not its part along n", lambda v: (
-            -0.5 * v.mu * (1 - v.restitution**2) * dot(v.relative, v.relative),)),
-        ("energy-with-ball-mass", "takes the ball's mass for μ", _energy(lambda v: v.m)),
-        ("energy-not-halved", "leaves the ½ out: P·(g + K P)", _energy_not_halved,
-         "ΔE = P·(g + K P/2), with the whole impulse P"),
-        ("energy-without-friction", "counts what the normal impulse does, and not what friction "
-         "does", _energy(), "ΔE = P·(g + K P/2), with the whole impulse P")),
-    *_wrong("impact.spin", _SPUN,
-        ("spin-kept", "keeps the spin that the ball came with", lambda v: v["contact.spin"]),
-        ("spin-about-normal-lost", "leaves out the spin about the normal",
-         lambda v: plus(v["impact.spin:follows"], -dot(v["impact.spin:follows"],
-                                                       v["contact.normal"]), v["contact.normal"]),
-         "friction does not act on the spin about the normal: it stays as it was"),
-        ("spin-change-sign", "changes the spin the other way", lambda v: plus(
-            v["contact.spin"], -1.0, plus(v["impact.spin:follows"], -1.0, v["contact.spin"]))),
-        ("spin-after-of-release", "adds to the spin of the release, not to that at the contact",
-         lambda v: plus(v["impact.spin:follows"], -1.0,
-                        plus(v["contact.spin"], -1.0, v.scene.pitch.spin)),
-         "spin falls by e along spin_decay_length, on the way to the bat too"),
-        ("spin-before-forgotten", "forgets the spin that the ball came with",
-         _less("impact.spin", lambda v: v["contact.spin"]))),
-    *_wrong("landing.spin", "spin falls by e along spin_decay_length of path through the air",
-        ("spin-of-launch", "gives the spin of the launch for that at landing",
-         lambda v: tuple(v.scene.launch.spin) if v.scene.kind == "flight" else v["impact.spin"])),
-    *_wrong("landing.time", "landing.time = contact.time + landing.hang_time",
-        ("time-since-contact", "counts landing.time from the contact",
-         lambda v: v["landing.hang_time"],
-         "landing.time is since the start of the scene; landing.hang_time since the contact"),
-        ("time-since-plate", "counts the flight from the plate, not from the contact",
-         lambda v: (v.number("plate.time") + v.number("landing.hang_time"),)),
-        ("contact-counted-twice", "adds the contact's time twice",
-         lambda v: (2 * v.number("contact.time") + v.number("landing.hang_time"),))),
-    *_wrong("landing.hang_time", "landing.hang_time is since contact or launch",
-        ("hang-time-since-start", "counts landing.hang_time from the start of the scene",
-         lambda v: v["landing.time"])),
-    *_wrong("landing.position", "the batted ball flies from contact.position",
-        ("batted-from-plate", "lets the batted ball fly from where the pitch crosses the plate",
-         lambda v: plus(v["landing.position:follows"], 1.0, plus(
-             v["plate.position"], -1.0, v["contact.position"]))),
-        ("position-from-start", "counts landing.position from where the flight begins",
-         _less("landing.position", lambda v: v.start), "landing.position is in the axes of the "
-         "scene")),
-    *_wrong("landing.path", "landing.path is ∫ U dt along the flight",
-        ("path-straight", "measures the path on a straight line from where the flight begins",
-         lambda v: (math.dist(v["landing.position"], v.start),)),
-        ("path-by-landing-speed", "takes the speed at the landing for that of all the flight",
-         lambda v: (v.number("landing.hang_time") * math.hypot(*v["landing.velocity"]),))),
-    *_wrong("landing.velocity", "landing.velocity is a vector",
-        ("speed-for-vertical", "gives the speed for the vertical velocity",
-         lambda v: (*(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
-        ("velocity-through-air", "gives the velocity through the air",
-         _less("landing.velocity", lambda v: v.scene.air.wind),
-         "landing.velocity is over the ground"),
-        ("velocity-of-launch", "gives the velocity of the launch",
-         lambda v: tuple(v.scene.launch.velocity), "landing.velocity is where the ball lands")),
-    *_wrong("landing.distance", _D,
-        ("distance-from-start", "measures the distance from the launch, or from where the ball was "
-         "met, and not from the plate",
-         lambda v: (math.dist(v["landing.position"][:2], v.start[:2]),)),
-        ("distance-in-space", "measures the distance in space, height too", _distance(math.hypot)),
-        ("distance-of-x-and-z", "takes z for y in the distance",
-         _distance(lambda x, y, z: math.hypot(x, z))),
-        ("distance-along-x", "takes x for the distance", _distance(lambda x, y, z: x)),
-        ("distance-abs-x", "takes |x| for the distance", _distance(lambda x, y, z: abs(x))),
-        ("distance-squared", "forgets the root of x² + y²",
-         _distance(lambda x, y, z: x**2 + y**2)),
-        ("distance-summed", "adds |x| and |y|", _distance(lambda x, y, z: abs(x) + abs(y)))),
-)  # fmt: skip
+    *(one for row in _FORMULAS for one in _substituted(*row)),
+    *_restitutions(),
+    *(
+        Formula(quantity, f"{quantity}: {words}", f"gives for {quantity} {words}", remedy, value)
+        for quantity, remedy, others in _OTHERS
+        for words, value in others
+    ),
+)
+
+
+# --- formulas with any number ---------------------------------------------------------------------
+
+
+def _round(v: View) -> float:
+    """Return c of the bat's moment of inertia M(… + c r_b²)."""
+    return 0.0 if v.scene.reading.inertia == "thin_rod" else 0.25
+
+
+def _in_inertia(name: str, square: Value, usual: Value, words: str) -> Numbered:
+    """Return that a square in the bat's moment of inertia has another number than the usual one."""
+
+    def inertia(v: View, number: float) -> float:
+        own = moment_of_inertia(v.scene.bat, v.scene.reading, DOUBLES)
+        return float(own + (number - usual(v)) * v.M * square(v))
+
+    def restitution(v: View, number: float) -> Numbers:
+        printed = v.scene.reading.bat_ball_restitution == "as_printed"
+        ratio = v.ratio * inertia(v, usual(v)) / inertia(v, number)
+        return (_printed(v.e, 1, ratio) if printed else v.e,)
+
+    def number(v: View, said: Numbers) -> float:
+        other = inertia(v, usual(v)) * (v.ratio * (1 + v.e) / (said[0] - v.e) - 1)
+        return float(usual(v) + other / (v.M * square(v)))
+
+    return Numbered("impact.restitution", name, f"has {{}} {words} in its moment of inertia, "
+                    "M(L²/3 + r_b²/4)", "I = M(L²/3 + r_b²/4) about the end B",
+                    restitution, number)  # fmt: skip
 
 
 NUMBERED: tuple[Numbered, ...] = (
     Numbered("contact.position", "contact-off-centre", "gives as the contact a point off the "
              "ball's centre, nearer to the bat by {} times the ball's radius",
              "contact.position is where the ball's centre is",
-             lambda v, radii: plus(v["contact.position:follows"], -radii * v.scene.ball.radius,
-                                   v["contact.normal"]),
-             lambda v, said: dot(plus(v["contact.position:follows"], -1.0, said),
-                                 v["contact.normal"]) / v.scene.ball.radius),
+             lambda v, radii: plus(
+                 v["contact.position:follows"], -radii * v.scene.ball.radius, v.normal),
+             lambda v, said: dot(
+                 plus(v["contact.position:follows"], -1.0, said), v.normal) / v.scene.ball.radius),
     Numbered("contact.normal", "normal-by-number", "divides the normal by {} m, not by its length",
-             "n is a unit vector", lambda v, length: tuple(x / length for x in v.axis),
+             "n is a unit vector", lambda v, length: _times(1 / length, v.axis),
              lambda v, said: math.hypot(*v.axis) / math.hypot(*said)),
     Numbered("contact.normal", "normal-along-bat", "gives the normal a part along the bat: "
              "(x, {} y, z - z_b) stands for (x, 0, z - z_b)",
@@ -541,16 +429,14 @@ NUMBERED: tuple[Numbered, ...] = (
              lambda v, said: said[1] * math.hypot(*v.axis)
              / (v.position[1] * math.hypot(said[0], said[2]))),
     Numbered("contact.bat_velocity", "pivot-elsewhere", "lets the bat turn about a point {} times "
-             "its length from the middle", PIVOT,
-             lambda v, share: _swung(lambda w: share * w.scene.bat.length - w.position[1])(v),
+             "its length from the middle", "the pivot B is at y = +L/2: r̃ = L/2 - y",
+             lambda v, share: tuple(
+                 v.scene.swing.angular_speed * (share * v.scene.bat.length - v.position[1]) * x
+                 for x in (math.cos(_tilt(v)), 0.0, math.sin(_tilt(v)))),
              lambda v, said: (math.copysign(math.hypot(*said), said[0])
                               / v.scene.swing.angular_speed + v.position[1]) / v.scene.bat.length),
-    *(one for name, words, part in (
-          ("bat-inertia", "r_b² for the bat's radius", _OF_RADIUS),
-          ("bat-inertia-of-length", "L² for the bat's length", _OF_LENGTH))
-      for sentence in [f"has {{}} {words} in its moment of inertia, M(L²/3 + r_b²/4)"]
-      for one in (
-          Numbered("impact.restitution", name, sentence, _I, part.restitution,
-                   lambda v, said, part=part: part.number(v, (said[0] - v.e) / (1 + v.e))),  # type: ignore[misc]
-          Numbered("impact.impulse", name, sentence, _I, part.impulse, part.pushed))),
+    _in_inertia("bat-inertia", lambda v: v.scene.bat.radius**2, _round,
+                "r_b² for the bat's radius"),
+    _in_inertia("bat-inertia-of-length", lambda v: v.scene.bat.length**2, lambda v: 1 / 3,
+                "L² for the bat's length"),
 )  # fmt: skip

@@ -9,9 +9,9 @@ from typing import Any
 
 from longball.engines.chain import MODEL, solve
 from longball.judge.any_law import ANY_LAW
+from longball.judge.contact_mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
 from longball.judge.explanations import evenly, told_together
 from longball.judge.findings import Finding, found, many
-from longball.judge.mistakes import FENCE, OUTCOMES, TIME_LIMIT_IGNORED
 from longball.judge.quantities import OPTIONAL, superfluous, told_by, untrue
 from longball.judge.rules import CHANCE, rule
 from longball.judge.stages import COLLISION, NONE, Change, Trial, Trials, stage_of
