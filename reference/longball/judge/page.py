@@ -5,30 +5,21 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jinja2 import Environment, Template
+from jinja2 import Environment
 
 from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.extras import naming_extras
+from longball.judge import text
 from longball.judge.answers import printable, quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import values_of
-from longball.judge.text import (
-    ERRORS,
-    LONGEST_NAME,
-    counts,
-    describe,
-    error_cells,
-    flagged,
-    silence,
-)
 from longball.judge.verdict import Comparison, Measured
 from longball.model.arrays import Array
 from longball.model.scene import ImpactScene
@@ -44,41 +35,13 @@ WIDTH, DPI = 5.2, 150  # of pictures, inches: their letters can be read on a nar
 WHOLE = 1.0  # where one is drawn that is as large as its quantity, or larger
 
 
-@cache
-def _template() -> Template:
-    text = (Path(__file__).parent / "page.html.j2").read_text(encoding="utf-8")
-    return Environment(autoescape=True, trim_blocks=True).from_string(text)
-
-
 def page(evaluation: Evaluation) -> str:
     """Return an evaluation as HTML that needs no other file."""
-    v = evaluation.verdict
-    failures = [(flagged(f.id, f.flags), [*map(describe, f.faults)], str(f.scene))
-                for f in v.failures[:SHOWN]]  # fmt: skip
-    complaints = [f"issue: {quoted(str(c), 500)}" for c in v.complaints[:SHOWN]]
-    html: str = _template().render(
-        v=v,
-        name=quoted(v.candidate, LONGEST_NAME),
-        command=quoted(v.candidate, 2_000),
-        head=list(counts(v)) if v.cases else [],
-        stages=[
-            (r.wrong, (r.stage, r.wrong or "-", r.checked, f"{r.worst:.1e}" if r.wrong else "",
-                       r.example or ""))
-            for r in (v.diagnosis.stages if v.diagnosis else ())
-        ],
-        pictures=list(_pictures(evaluation)),
-        sampled=[
-            (not f.right, ("right" if f.right else "WRONG", f.sentence, ", ".join(f.named)))
-            for f in (v.sampling.found if v.sampling else ())
-        ],
-        error_head=ERRORS,
-        errors=[(row.failed, error_cells(row)) for row in v.rows],
-        outcomes=[
-            (c.expected != c.obtained, (c.expected, c.obtained, c.cases)) for c in v.outcomes
-        ],
-        failures=failures,
-        rest=[*silence(v, SHOWN), *complaints],
-        errors_end=printable(v.standard_error) if v.complaints else "",
+    source = (Path(__file__).parent / "page.html.j2").read_text(encoding="utf-8")
+    template = Environment(autoescape=True, trim_blocks=True).from_string(source)
+    html: str = template.render(
+        v=evaluation.verdict, pictures=list(_pictures(evaluation)), shown=SHOWN,
+        text=text, quoted=quoted, printable=printable,
     )  # fmt: skip
     return html
 
