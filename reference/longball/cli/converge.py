@@ -61,12 +61,6 @@ def converge(
     truth: Annotated[
         bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
     ] = True,
-    phases: Annotated[
-        int,
-        typer.Option(
-            min=2, help="Phases of the step to average over where an error jumps with them."
-        ),
-    ] = 8,
     table: AsCsv = False,
     timeout: Annotated[float, typer.Option(min=0.001, help="s to wait for each answer.")] = 60.0,
     as_json: Json = False,
@@ -88,7 +82,7 @@ def converge(
     asked = read_scenes(scenes) if scenes else golden_scenes(golden)
     proofs = [case.expected for case in proven(asked)] if truth else None
     with progress_bar("runs", 1) as advance, refusing():
-        sweep = sweep_of(command, steps, knob, expected, phases=phases, progress=advance)
+        sweep = sweep_of(command, steps, knob, expected, progress=advance)
         assert sweep
         report, issues = sweep.run(command, asked, proofs, Limits(timeout), table)
     for issue in issues[:20]:

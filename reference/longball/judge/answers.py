@@ -177,28 +177,26 @@ class Collector:
         told: dict[str, object] = {}
         unreadable = set()
         for block in BLOCKS:
-            held = data.get(block)
-            if held is not None and not isinstance(held, dict):
+            held = {} if data.get(block) is None else data[block]
+            if not isinstance(held, dict):
                 fault("not a number", f"{block} is no JSON object")
                 unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
                 continue
-            for key, given in (held or {}).items():
+            for key, given in held.items():
                 name = f"{block}.{key}"
-                if name not in QUANTITIES:
-                    if key not in MODELS[block].model_fields:
-                        self._report_key(number, name, QUANTITIES)
-                    elif given is not None:
-                        told[name] = _whole(given) if isinstance(given, Decimal) else given
+                size = QUANTITIES[name].size if name in QUANTITIES else 0
+                if not size and key not in MODELS[block].model_fields:
+                    self._report_key(number, name, QUANTITIES)
+                elif given is None:
                     continue
-                if given is None:
-                    continue
-                value = _value(given, QUANTITIES[name].size)
-                if value is not None:
+                elif not size:
+                    told[name] = _whole(given) if isinstance(given, Decimal) else given
+                elif (value := _value(given, size)) is not None:
                     values[name] = value
-                    continue
-                unreadable.add(name)
-                needed = "a finite number" if QUANTITIES[name].size == 1 else "three finite numbers"
-                fault("not a number", f"{name} is {quoted(given)}; {needed} must stand there")
+                else:
+                    unreadable.add(name)
+                    needed = "a finite number" if size == 1 else "three finite numbers"
+                    fault("not a number", f"{name} is {quoted(given)}; {needed} must stand there")
         path = None
         if (points := data.get("path")) is not None:
             try:

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import IO, cast
 
 from longball.judge.answers import CHUNK, Collector, quoted, split_lines
 from longball.judge.fresh import as_csv
@@ -101,11 +101,10 @@ class _Session:
         self.status: int | None = None
         self.stopped = False
         self.mark = uuid.uuid4().hex
-        pipes: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
-        environment = os.environ | {MARK: self.mark}
         self.process = subprocess.Popen(
-            command, **pipes, bufsize=0, start_new_session=True, env=environment
-        )
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            bufsize=0, start_new_session=True, env=os.environ | {MARK: self.mark},
+        )  # fmt: skip
         self.started = self.latest = time.monotonic()
         streams = self.process.stdin, self.process.stdout, self.process.stderr
         self.stdin, self.stdout, self.stderr = (cast(IO[bytes], stream) for stream in streams)

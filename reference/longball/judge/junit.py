@@ -31,9 +31,9 @@ def junit(evaluation: Evaluation) -> str:
 
 
 def _suite(root: ElementTree.Element, name: str, cases: Sequence[ElementTree.Element]) -> None:
-    counts = {"tests": len(cases), "failures": 0, "errors": 0, "skipped": 0}
-    counts["failures"] = sum(case.find("failure") is not None for case in cases)
-    counts["skipped"] = sum(case.find("skipped") is not None for case in cases)
+    failed, skipped = (sum(case.find(kind) is not None for case in cases)
+                       for kind in ("failure", "skipped"))  # fmt: skip
+    counts = {"tests": len(cases), "failures": failed, "errors": 0, "skipped": skipped}
     said = {kind: str(count) for kind, count in counts.items()}
     suite = ElementTree.SubElement(root, "testsuite", {"name": name} | said)
     suite.extend(cases)

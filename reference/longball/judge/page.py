@@ -25,7 +25,6 @@ from longball.model.arrays import Array
 from longball.model.scene import ImpactScene
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -98,25 +97,21 @@ def draw_errors(figure: Figure, measured: Sequence[tuple[Comparison, Measured]])
     none = f"(none: at {NOTHING:g}; larger than it: at 1)"
     left.set_xlabel(f"error, relative to the quantity\n{none}")
     figure.legend(loc="outside upper left", ncols=2, frameon=False, fontsize="small")
-    _draw_attainable(right, [_relative(m.attainable, m) for _, m in measured if m.attainable > 0])
+    if known := [_relative(m.attainable, m) for _, m in measured if m.attainable > 0]:
+        ends = np.array([min(known) / 2, max(known) * 2])
+        right.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
+        right.legend(fontsize="small", frameon=False, loc="center right")
+    right.set_xscale("log")
+    right.set_yscale("log")
+    right.tick_params(axis="x", which="minor", labelbottom=False)  # on a short axis they overlap
+    difficulty = "difficulty: error that double precision\ncannot avoid, relative to the quantity"
+    right.set_xlabel(difficulty)
+    right.set_ylabel("error, relative to the quantity")
 
 
 def _relative(error: float, measured: Measured) -> float:
     """Return an error relative to its quantity, as far as a logarithmic axis shows it."""
     return min(max(error / measured.size, NOTHING), WHOLE)
-
-
-def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.tick_params(axis="x", which="minor", labelbottom=False)  # on a short axis they overlap
-    if attainable:
-        ends = np.array([min(attainable) / 2, max(attainable) * 2])
-        axes.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
-        axes.legend(fontsize="small", frameon=False, loc="center right")
-    difficulty = "difficulty: error that double precision\ncannot avoid, relative to the quantity"
-    axes.set_xlabel(difficulty)
-    axes.set_ylabel("error, relative to the quantity")
 
 
 def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:

@@ -11,9 +11,9 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -148,13 +148,10 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
         raise BadSamples(str(error)) from None
     if held is None:
         return None
-    value = math.nan
-    if isinstance(held, int | float) and not isinstance(held, bool):
-        with suppress(OverflowError):  # an integer too large for a double
-            value = float(held)
-    if not math.isfinite(value):
+    known = isinstance(held, int | float) and not isinstance(held, bool)
+    if not (known and abs(held) <= sys.float_info.max):  # NaN is not; some integers are too large
         raise BadSamples(f"{path} is {quoted(held)}; a finite number must stand there")
-    return value
+    return float(held)
 
 
 def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") -> Sampling:

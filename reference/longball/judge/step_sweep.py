@@ -114,9 +114,8 @@ class StepSweep:
     ) -> tuple[ConvergenceReport, list[str]]:
         """Run a command with every step; see `converge` of `longball.convergence` and `run`.
 
-        Beside how it converges, what is wrong with its conduct is returned, with the time steps.
-        The limit of time in all is that of all runs together; none is begun after one that had to
-        be stopped.
+        Also returned is what is wrong with its conduct. The limit of time in all is that of all
+        runs together; none is begun after one that had to be stopped.
         """
         issues: list[str] = []
         limits = limits or Limits()
@@ -135,8 +134,10 @@ class StepSweep:
             by_id = {scene.id: scene for scene in scenes}
             return [_sample(answer, by_id[i]) for i, answer in ran.collected.answers.items()]
 
-        options: dict[str, Any] = {"phases": self.phases, "progress": self.progress}
-        return converge(answers, scenes, self.steps, truth, self.expected, **options), issues
+        return converge(
+            answers, scenes, self.steps, truth, self.expected,
+            phases=self.phases, progress=self.progress,
+        ), issues  # fmt: skip
 
 
 def sweep_of(
@@ -185,8 +186,7 @@ def _sample(answer: Answer, scene: Scene) -> Sample:
         from longball.judge.paths import landed
 
         answer, _ = landed(scene, answer)
-    values: dict[str, Sequence[Any]] = dict(answer.values)
-    for name, value in answer.values.items():
-        if len(value) > 1:
-            values |= {f"{name}[{i}]": [x] for i, x in enumerate(value)}
+    parts = {f"{name}[{i}]": (x,) for name, value in answer.values.items() if len(value) > 1
+             for i, x in enumerate(value)}  # fmt: skip
+    values: dict[str, Sequence[Any]] = {**answer.values, **parts}
     return Sample(answer.id, answer.outcome, values, error=answer.error)
