@@ -67,8 +67,8 @@ class Judge:
         `table` whether scenes and results are CSV.
         """
         start = time.monotonic()
-        whole = filled(command, "dt", repr(self.dt)) if self.dt else command
-        whole = sweep.filled(whole, min(sweep.steps)) if sweep else whole
+        stepped = filled(command, "dt", repr(self.dt)) if self.dt else command
+        whole = sweep.filled(stepped, min(sweep.steps)) if sweep else stepped
         ran = run(whole, [case.scene for case in self.cases], limits, progress, table)
         collected, report = ran.collected, None
         well = not any(issue.kind == "process" for issue in collected.issues)
@@ -76,7 +76,8 @@ class Judge:
             families = {case.family for case in self.cases}
             some = sample(self.cases, FAMILIES if families > set(FAMILIES) else ())
             scenes, truth = [case.scene for case in some], [case.expected for case in some]
-            report, issues = sweep.run(command, scenes, truth, limits, table)
+            varied = command if sweep.knob == "dt" else stepped
+            report, issues = sweep.run(varied, scenes, truth, limits, table)
             for issue in issues:
                 collected.report("process", issue)
         elif sweep:
