@@ -21,7 +21,7 @@ from longball.judge.cases import Converged, Exact, solved
 from longball.judge.evaluation import Judge
 from longball.judge.fresh import as_csv, proven, random_scenes, usual_constants
 from longball.judge.paths import landed
-from longball.judge.step_sweep import StepSweep, parse_knob
+from longball.judge.step_sweep import parse_knob, sweep_of
 from longball.judge.verdict import Submission, compare
 from longball.model.scene import Launch, Scene, parse_scene
 from tests.judge.material import flights, pitches
@@ -283,9 +283,10 @@ def test_a_knob_has_a_name_and_values(text: str, name: str, words: list[str]):
 
 
 def test_a_knob_that_rises_is_a_number_of_steps():
-    sweep = StepSweep.of_knob("n=10,20,40,80,160")
+    command = ["x", "--n={n}"]
+    sweep = sweep_of(command, knob="n=10,20,40,80,160")
     assert sweep.steps == pytest.approx([0.1, 0.05, 0.025, 0.0125, 0.00625])
-    assert sweep.filled(["x", "--n={n}"]) == ["x", "--n=160"]
+    assert sweep.filled(command, min(sweep.steps)) == ["x", "--n=160"]
     for wrong in ("n=3,1,2", "n", "n=0,1", "2=1,2", "n=a,b"):
         with pytest.raises(ValueError, match="from coarse to fine"):
             parse_knob(wrong)

@@ -108,7 +108,7 @@ def test_the_profile_decides(few: list[Known]):
 )
 def test_a_profile_that_is_none(arguments: tuple, why: str):
     with pytest.raises(ValueError, match=why):
-        profile(*arguments).engine()
+        profile(*arguments).scheme()
 
 
 def missed(answer: dict) -> dict:

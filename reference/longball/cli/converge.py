@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from longball import engines
 from longball.cli.common import (
     AsCsv,
     Expected,
@@ -27,10 +26,7 @@ from longball.cli.common import (
     wrong_call,
 )
 from longball.cli.solve import scenes_from
-from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
-
-DIGITS = 20  # of the truth: more than any double shows
 
 
 def converge(
@@ -56,12 +52,6 @@ def converge(
     truth: Annotated[
         bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
     ] = True,
-    phases: Annotated[
-        int,
-        typer.Option(
-            min=2, help="Phases of the step to average over where an error jumps with them."
-        ),
-    ] = 8,
     table: AsCsv = False,
     timeout: Timeout = 60.0,
     as_json: Json = False,
@@ -73,23 +63,19 @@ def converge(
     # The judge brings compiled code with it, and --help does not need it.
     from longball.convergence.figure import save_convergence
     from longball.judge.candidate import Limits
-    from longball.judge.step_sweep import PLACE, STEPS, StepSweep, parse_steps, takes_step
+    from longball.judge.fresh import proven
+    from longball.judge.step_sweep import sweep_of, takes
 
-    if not (knob or takes_step(command)):
-        wrong_call(f"the COMMAND must contain {PLACE}, where its time step goes")
+    if not (knob or takes(command, "dt")):
+        wrong_call("the COMMAND must contain {dt}, where its time step goes")
     if scenes and golden:
         wrong_call("either --scenes or --golden, not both")
     asked = read_scenes(scenes) if scenes else golden_scenes(golden)
-    proven = None
-    if truth:
-        proven = [solve(scene, engines.create("enclosure", digits=DIGITS)) for scene in asked]
+    proofs = [case.expected for case in proven(asked)] if truth else None
     with progress_bar("runs", 1) as advance, refusing():
-        sweep = (
-            StepSweep.of_knob(knob, expected, progress=advance)
-            if knob
-            else StepSweep(parse_steps(steps or STEPS), expected, phases, advance)
-        )
-        report, issues = sweep.run(command, asked, proven, Limits(timeout), table)
+        sweep = sweep_of(command, steps, knob, expected, progress=advance)
+        assert sweep
+        report, issues = sweep.run(command, asked, proofs, Limits(timeout), table)
     for issue in issues[:20]:
         tell(str(issue))
     if csv:

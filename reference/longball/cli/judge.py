@@ -29,7 +29,6 @@ from longball.cli.common import (
 
 if TYPE_CHECKING:
     from longball.judge.cases import Case
-    from longball.judge.step_sweep import StepSweep
 
 
 def judge(
@@ -150,53 +149,50 @@ def judge(
     # The judge brings compiled code with it, and --help does not need it.
     from longball.judge import junit as xml
     from longball.judge import page
+    from longball.judge.answers import Collector
     from longball.judge.candidate import Limits
     from longball.judge.cases import Paper
     from longball.judge.cases import profile as profile_of
     from longball.judge.evaluation import Judge
     from longball.judge.sampling import judge_samples, read_samples
-    from longball.judge.text import render
+    from longball.judge.step_sweep import sweep_of
+    from longball.judge.verdict import Submission
 
     with refusing():
         drawn = judge_samples(read_samples(samples), samples.name) if samples else None
         sweep = sweep_of(command or [], steps, knob, expected)
-        family = sweep.steps if sweep and not knob else None
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
-        if family and dt is None:
-            dt = rule.dt if isinstance(rule, Paper) else min(family)
+        stepped = sweep if sweep and not knob else None
+        if stepped and dt is None:
+            dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps)
         cases, truth = (
             cases_of(golden, scenes, random, seed, kind) if command or results else ([], "")
         )
-        judge = Judge(cases, rule, truth=truth, partial=partial, dt=dt)
+        judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
             columns = dict(split_assignment("--column", text) for text in column or ())
             found = judge.evaluate_file(results, columns, drawn)
         elif command:
-            if sweep and not knob:
-                values = f"{max(sweep.steps):g} to {min(sweep.steps):g}"
+            if stepped:
+                values = f"{max(stepped.steps):g} to {min(stepped.steps):g}"
                 note(
-                    f"after this run come at least {sweep.fewest} shorter ones, with {sweep.knob} "
+                    f"after this run come at least {2 * len(stepped.steps)} shorter ones, with dt "
                     f"= {values}; --steps FROM:TO:COUNT makes them fewer"
                 )
             # One bar for both: the scenes answered, then the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
-                found = judge.evaluate_command(
-                    command,
-                    Limits(timeout, total_timeout),
-                    advance,
-                    replace(sweep, progress=advance) if sweep else None,
-                    drawn,
-                    table,
-                )
+                sweep = replace(sweep, progress=advance) if sweep else None
+                limits = Limits(timeout, total_timeout)
+                found = judge.evaluate_command(command, limits, advance, sweep, drawn, table)
         else:
             assert drawn
-            found = judge.evaluate_samples(drawn)
+            found = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
     if junit:
         junit.write_text(xml.junit(found), encoding="utf-8")
     if html:
         html.write_text(page.page(found), encoding="utf-8")
     with failing_unless(found.verdict.passed):
-        print(found.verdict.line() if as_json else render(found.verdict).rstrip())
+        print(found.verdict.line() if as_json else str(found.verdict).rstrip())
 
 
 def cases_of(
@@ -231,22 +227,3 @@ def cases_of(
     for name in dict.fromkeys(golden):
         found += proven(usual_constants(), USUAL) if name == USUAL else load(name)
     return found, f"golden data, {', '.join(golden)}"
-
-
-def sweep_of(
-    command: Sequence[str], steps: str | None, knob: str | None, expected: float | None
-) -> StepSweep | None:
-    """Return what is to be put for {dt} or {NAME}; None if the command has no place for either."""
-    from longball.judge.step_sweep import PLACE, STEPS, StepSweep, parse_steps, takes_step
-
-    if knob:
-        sweep = StepSweep.of_knob(knob, expected)
-        if not any("{" + sweep.knob + "}" in word for word in command):
-            wrong_call(f"--knob {knob} needs {{{sweep.knob}}} in the COMMAND")
-        return sweep
-    if takes_step(command):
-        return StepSweep(parse_steps(steps or STEPS), expected)
-    for option, given in (("--steps", steps), ("--expected", expected)):
-        if given is not None:
-            wrong_call(f"{option} needs {PLACE} in the COMMAND, where its time step goes")
-    return None

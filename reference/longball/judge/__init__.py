@@ -2,6 +2,13 @@
 
 In another project's tests: `cases` and `assert_case`. In a notebook: `judge`. From the command
 line: ``longball judge``.
+
+>>> import pytest
+>>> from longball.judge import assert_case, cases
+>>>
+>>> @pytest.mark.parametrize("case", cases("at-bat"))
+>>> def test_at_bat(case):
+...     assert_case(case, my_simulator(case.scene))
 """
 
 from __future__ import annotations
@@ -10,12 +17,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from longball.judge.answers import Collector, line_of
+from longball.judge.cases import Case, Profile
+from longball.judge.cases import profile as profile_of
 from longball.judge.serve import serve
-from longball.judge.testing import assert_case
+from longball.judge.text import describe, flagged
+from longball.judge.verdict import Verdict, compare
 
 if TYPE_CHECKING:
-    from longball.judge.cases import Case, Profile
-    from longball.judge.verdict import Verdict
     from longball.model.scene import Scene
 
 __all__ = ["assert_case", "cases", "judge", "serve"]
@@ -64,11 +73,10 @@ def judge(
     ValueError
         If there is no such family or profile.
     """
-    from longball.judge.cases import as_profile
-    from longball.judge.evaluation import Judge
+    from longball.judge.evaluation import Judge  # brings all that is known of mistakes
 
     truth = "golden data" if golden is None else f"golden data, {golden}"
-    held = Judge(cases(golden, folder), as_profile(profile), truth, partial=partial, dt=dt)
+    held = Judge(cases(golden, folder), profile_of(profile), truth, partial=partial, dt=dt)
     if callable(candidate):
         return held.evaluate_function(candidate).verdict
     if isinstance(candidate, str) or not isinstance(candidate, Sequence) or not candidate:
@@ -87,3 +95,48 @@ def cases(family: str | None = None, folder: Path | None = None) -> Sequence[Cas
     from longball import golden
 
     return golden.load(family) if folder is None else golden.load(family, folder)
+
+
+def assert_case(
+    case: Case, obtained: Any, profile: Profile | str | None = None, partial: bool = False
+) -> None:
+    """Assert that a result is right, to the case's own tolerance.
+
+    Parameters
+    ----------
+    case
+        From `cases`.
+    obtained
+        The result: a mapping with the keys of one, or what `longball.solve` returns. The id may be
+        left out.
+    profile
+        The accuracy required, as in `longball.judge.judge`.
+    partial
+        Whether quantities may be left out that the implementation does not compute; not all.
+
+    Raises
+    ------
+    AssertionError
+        With a line for each quantity that is wrong: expected with its radius, obtained, the
+        error and what is allowed; and the scene.
+    """
+    __tracebackhide__ = True  # pytest shows the caller's line
+    rule = profile_of(profile)
+    (truth,) = rule.truths([case])
+    collector = Collector([case.id])
+    collector.take_line(1, line_of(case.id, obtained))
+    faults = [issue.sentence.removeprefix(f"{case.id}: ") for issue in collector.issues]
+    answer = collector.answers.get(case.id)
+    comparison = compare(truth, answer, rule)
+    if comparison.judged:
+        if answer is not None and answer.error is not None:
+            faults.append(f"no answer: {answer.error}")
+        faults += map(describe, comparison.faults)
+        if not partial:
+            faults += [f"{name}: is missing" for name in comparison.lacking]
+        elif not comparison.measured and "outcome" in comparison.missing:
+            faults.append("nothing that could be judged")
+    if faults:
+        lines = "\n".join(f"  {fault}" for fault in dict.fromkeys(faults))
+        name = flagged(case.id, case.flags)
+        raise AssertionError(f"{name}\n{lines}\n  scene: {case.scene.line()}")

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import csv
 import difflib
-import io
 import json
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
+from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO, Literal, cast, get_args
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from pydantic import Field
@@ -30,6 +30,7 @@ from longball.model.csv_files import not_utf8, other_separators
 from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
 
+CHUNK = 1 << 16  # bytes read or written at a time
 LONGEST_LINE = 1 << 24  # bytes: a path of 100,000 points with velocities takes fourteen million
 MOST_POINTS = 100_000
 
@@ -77,28 +78,16 @@ class Answer:
 class Collector:
     """Sorts lines into answers and issues.
 
-    Parameters
-    ----------
-    asked
-        The ids of the scenes.
-    table
-        Whether the lines are CSV, the first one its header.
-
-    Attributes
-    ----------
-    answers
-        By id: the first answer to each scene.
-    issues
-        In order; at most `KEPT` of a kind.
+    `asked` are the ids of the scenes. The lines of a `table` are CSV, the first one its header.
     """
 
     def __init__(self, asked: Collection[str], table: bool = False) -> None:
         self.asked = frozenset(asked)
-        self.answers: dict[str, Answer] = {}
-        self.issues: list[Issue] = []
+        self.answers: dict[str, Answer] = {}  # by id: the first answer to each scene
+        self.issues: list[Issue] = []  # in order; at most `KEPT` of a kind
         self._count: Counter[Kind] = Counter()
         self._table = table
-        self._header: list[str] | None = None
+        self._header: Sequence[str] | None = None
         self._unknown: set[str] = set()
 
     @property
@@ -117,51 +106,43 @@ class Collector:
         if self._count[kind] <= KEPT:
             self.issues.append(Issue(kind=kind, sentence=sentence, line=line))
 
-    def take_line(self, number: int, line: bytes) -> bool:
-        """Take a line; tell whether it answers a scene that had no answer."""
-        if not line.strip():
+    def take_line(self, number: int, line: bytes | None) -> bool:
+        """Take a line, None if it is too long; tell whether it answers a scene that had no answer.
+
+        It is numbered from 1.
+        """
+        if line is None:
+            self.report("rubbish", f"longer than {LONGEST_LINE} bytes", number)
+        if not (line and line.strip()):
             return False
-        kinds = ("parse_float", "parse_int", "parse_constant")
-        numbers: dict[str, Any] = dict.fromkeys(kinds, _decimal)
         try:
             text = line.decode("utf-8-sig")
-            if self._table:
-                return self._take_row(number, text)
-            data = json.loads(text, **numbers)
+            if not self._table:
+                return self._take(number, json.loads(text, **_NUMBERS))
+            cells = _cells(text)
+            if self._header is not None:
+                return self._take(number, _nested(zip(self._header, cells, strict=False)))
+            self.begin_table(cells)
+            return False
         except UnicodeDecodeError as error:
             why = not_utf8(error)
         except json.JSONDecodeError as error:
             why = f"not JSON from character {error.pos + 1} on: {quoted(text[error.pos :])}"
-        except ValueError:
-            why = f"not a row of CSV: {quoted(line.decode())}"
+        except (csv.Error, ValueError):
+            why = f"not a row of CSV: {quoted(text)}"
         except RecursionError:
             why = "not a result: brackets nested too deeply"
-        else:
-            return self.take(number, data)
         self.report("rubbish", why, number)
         return False
 
-    def _take_row(self, number: int, text: str) -> bool:
-        try:
-            (cells,) = csv.reader([text.strip()], strict=True)
-        except (csv.Error, ValueError):
-            self.report("rubbish", f"not a row of CSV: {quoted(text)}", number)
-            return False
-        if self._header is None:
-            self._header = [cell.strip() for cell in cells]
-            self.report_columns(self._header)
-            return False
-        return self.take(number, _nested(zip(self._header, cells, strict=False)))
-
-    def report_columns(self, header: Sequence[str]) -> None:
-        """Note the columns of a table that no result has."""
-        known = csv_columns()
+    def begin_table(self, header: Sequence[str]) -> None:
+        """Take what the columns of a table hold; note those that no result has."""
+        self._header = header
         for name in header:
-            if name not in known:
-                self._report_key(1, name, known, told="the column {} is not used: it")
+            if name not in COLUMNS:
+                self._report_key(1, name, COLUMNS, told="the column {} is not used: it")
 
-    def take(self, number: int, data: Any) -> bool:
-        """Take what a line held; tell whether it answers a scene that had no answer."""
+    def _take(self, number: int, data: Any) -> bool:
         scene_id = data.get("id") if isinstance(data, dict) else None
         named = quoted(scene_id)
         if not isinstance(data, dict):
@@ -196,28 +177,26 @@ class Collector:
         told: dict[str, object] = {}
         unreadable = set()
         for block in BLOCKS:
-            held = data.get(block)
-            if held is not None and not isinstance(held, dict):
+            held = {} if data.get(block) is None else data[block]
+            if not isinstance(held, dict):
                 fault("not a number", f"{block} is no JSON object")
                 unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
                 continue
-            for key, given in (held or {}).items():
+            for key, given in held.items():
                 name = f"{block}.{key}"
-                if name not in QUANTITIES:
-                    if key not in MODELS[block].model_fields:
-                        self._report_key(number, name, QUANTITIES)
-                    elif given is not None:
-                        told[name] = _whole(given) if isinstance(given, Decimal) else given
+                size = QUANTITIES[name].size if name in QUANTITIES else 0
+                if not size and key not in MODELS[block].model_fields:
+                    self._report_key(number, name, QUANTITIES)
+                elif given is None:
                     continue
-                if given is None:
-                    continue
-                value = _value(given, QUANTITIES[name].size)
-                if value is not None:
+                elif not size:
+                    told[name] = _whole(given) if isinstance(given, Decimal) else given
+                elif (value := _value(given, size)) is not None:
                     values[name] = value
-                    continue
-                unreadable.add(name)
-                needed = "a finite number" if QUANTITIES[name].size == 1 else "three finite numbers"
-                fault("not a number", f"{name} is {quoted(given)}; {needed} must stand there")
+                else:
+                    unreadable.add(name)
+                    needed = "a finite number" if size == 1 else "three finite numbers"
+                    fault("not a number", f"{name} is {quoted(given)}; {needed} must stand there")
         path = None
         if (points := data.get("path")) is not None:
             try:
@@ -238,6 +217,16 @@ class Collector:
 
 
 _TOP = {*Result.model_fields, "path"}
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:  # an exponent with more digits than any number needs, or no number
+        return Decimal("NaN")
+
+
+_NUMBERS: dict[str, Any] = dict.fromkeys(("parse_float", "parse_int", "parse_constant"), _decimal)
 
 
 def _nearest(name: str, known: Iterable[str]) -> str:
@@ -312,19 +301,40 @@ def _points(given: Any) -> Array:
     return points
 
 
-def _decimal(text: str) -> Decimal:
-    try:
-        return Decimal(text)
-    except InvalidOperation:  # an exponent with more digits than any number needs, or no number
-        return Decimal("NaN")
-
-
 def _ordinary(x: Decimal) -> bool:
     """Tell whether a number is finite, and no larger than errors that a double can hold."""
     return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
 
 
-# --- results in a file ----------------------------------------------------------------------------
+# --- lines, and results in a file -----------------------------------------------------------------
+
+
+def split_lines(
+    chunks: Iterable[bytes], longest: int = LONGEST_LINE
+) -> Iterator[tuple[int, bytes | None]]:
+    """Yield lines and their numbers, from 1; None for one that is too long.
+
+    No more is held than a line that is not.
+    """
+    number, held, overflowed = 1, bytearray(), False
+    for chunk in chunks:
+        for i, text in enumerate(chunk.split(b"\n")):
+            if i:  # a line ends before it
+                yield number, None if overflowed else bytes(held)
+                number, held, overflowed = number + 1, bytearray(), False
+            overflowed |= len(held) + len(text) > longest
+            if overflowed:
+                held.clear()
+            else:
+                held += text
+    if held or overflowed:
+        yield number, None if overflowed else bytes(held)
+
+
+def lines_of(path: Path, longest: int = LONGEST_LINE) -> Iterator[tuple[int, bytes | None]]:
+    """Yield the lines of a file; see `split_lines`."""
+    with open(path, "rb") as file:
+        yield from split_lines(iter(partial(file.read, CHUNK), b""), longest)
 
 
 class BadTable(ValueError):
@@ -336,34 +346,21 @@ def read_results(
 ) -> Collector:
     """Read a file of results: JSON Lines, or CSV if its name ends in .csv.
 
-    `asked` are ids of scenes; `columns` tells which quantity a column of CSV holds, see
-    `csv_columns`, where its name does not say so. A `BadTable` has no id column, or not those.
+    `asked` are ids of scenes; `columns` tells which of `COLUMNS` a column of CSV is, where its name
+    does not say so. A `BadTable` has no id column, or not those.
     """
-    collector = Collector(asked)
-    with open(path, "rb") as file:
-        if path.suffix.lower() == ".csv":
-            _read_csv(file, collector, columns or {})
-        else:
-            if path.suffix.lower() == ".parquet":
-                raise BadTable(f"{path}: results are read from .jsonl or .csv, not from .parquet")
-            if columns:
-                raise BadTable("columns are named for a CSV file only; this is read as JSON Lines")
-            for number, line in enumerate(_lines(file, collector), 1):
-                collector.take_line(number, line)
+    kind, lines = path.suffix.lower(), lines_of(path)
+    collector = Collector(asked, table=kind == ".csv")
+    if kind == ".csv":
+        _, line = next(lines, (1, b""))
+        collector.begin_table(_columns(line or b"", columns or {}))
+    elif kind == ".parquet":
+        raise BadTable(f"{path}: results are read from .jsonl or .csv, not from .parquet")
+    elif columns:
+        raise BadTable("columns are named for a CSV file only; this is read as JSON Lines")
+    for number, line in lines:
+        collector.take_line(number, line)
     return collector
-
-
-def _lines(file: BinaryIO, collector: Collector) -> Iterator[bytes]:
-    """Yield the lines of a file; one that is too long is empty."""
-    number = 0
-    while line := file.readline(LONGEST_LINE + 1):
-        number += 1
-        if len(line) > LONGEST_LINE:
-            collector.report("rubbish", f"longer than {LONGEST_LINE} bytes", number)
-            while line and not line.endswith(b"\n"):
-                line = file.readline(LONGEST_LINE)
-            line = b"\n"
-        yield line
 
 
 # What is told and not measured.
@@ -373,56 +370,47 @@ FACTS = [
     for key in model.model_fields
     if f"{block}.{key}" not in QUANTITIES
 ]
-
 _TEXTS = ("id", "outcome", "error")
+COLUMNS = (*_TEXTS, *(name for spec in QUANTITIES.values() for name in spec.names), *FACTS)
 
 
-def csv_columns() -> dict[str, tuple[str, int | None]]:
-    """Return the names that a column can have: of each the quantity, and which component."""
-    columns: dict[str, tuple[str, int | None]] = {key: (key, None) for key in _TEXTS}
-    for quantity in QUANTITIES.values():
-        for component, name in enumerate(quantity.names):
-            columns[name] = (quantity.name, component if quantity.size > 1 else None)
-    return columns | {name: (name, None) for name in FACTS}
-
-
-def _read_csv(file: BinaryIO, collector: Collector, columns: Mapping[str, str]) -> None:
-    text = io.StringIO(b"".join(_lines(file, collector)).decode("utf-8-sig", errors="replace"))
-    rows = csv.reader(text, strict=True, skipinitialspace=True)
-    known = csv_columns()
+def _columns(line: bytes, columns: Mapping[str, str]) -> list[str]:
+    """Return what the columns under a header hold."""
     try:
-        header = [name.strip() for name in next(rows, [])]
-        for column, name in columns.items():
-            if column not in header:
-                raise BadTable(f"there is no column {column}; the columns are {', '.join(header)}")
-            if name not in known:
-                raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(known)}")
-        names = [columns.get(column, column) for column in header]
-        collector.report_columns(names)
-        if len(set(names)) < len(names):
-            raise BadTable("two columns hold the same")
-        if "id" not in names:
-            raise BadTable(
-                "there is no id column; name the one that holds it by --column COLUMN=id; the "
-                f"columns are {', '.join(header)}{other_separators(header)}"
-            )
-        for row in rows:
-            if row:
-                collector.take(rows.line_num, _nested(zip(names, row, strict=False)))
+        header = _cells(line.decode("utf-8-sig", errors="replace"))
     except csv.Error as error:
-        collector.report("rubbish", f"not CSV: {error}", rows.line_num)
+        raise BadTable(f"its head is not CSV: {error}") from None
+    there = f"the columns are {', '.join(header)}"
+    for column, name in columns.items():
+        if column not in header:
+            raise BadTable(f"there is no column {column}; {there}")
+        if name not in COLUMNS:
+            raise BadTable(f"a column cannot hold {name}; it can hold {', '.join(COLUMNS)}")
+    names = [columns.get(column, column) for column in header]
+    if len(set(names)) < len(names):
+        raise BadTable("two columns hold the same")
+    if "id" not in names:
+        raise BadTable(
+            "there is no id column; name the one that holds it by --column COLUMN=id; "
+            f"{there}{other_separators(header)}"
+        )
+    return names
+
+
+def _cells(text: str) -> list[str]:
+    """Return the cells of a row of CSV."""
+    rows = csv.reader([text.strip()], strict=True, skipinitialspace=True)
+    return [cell.strip() for cell in next(rows, [])]
 
 
 def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
     """Return a row as a result is written in JSON; an empty cell is a quantity left out."""
-    known, values = csv_columns(), dict[str, object]()
-    for name, text in cells:
-        cell = text.strip()
-        if not cell or name not in known:
+    values: dict[str, object] = {}
+    for name, cell in cells:
+        if not cell or name not in COLUMNS:
             continue
-        quantity, component = known[name]
-        if component is not None:
-            values = dict.fromkeys(QUANTITIES[quantity].names) | values
+        if "[" in name:  # its vector has components that may be left out
+            values = dict.fromkeys(QUANTITIES[name.partition("[")[0]].names) | values
         values[name] = cell if name in _TEXTS else (_fact if name in FACTS else _decimal)(cell)
     return nested(values)
 
@@ -432,3 +420,23 @@ def _fact(cell: str) -> object:
     if cell.lower() in ("true", "false"):
         return cell.lower() == "true"
     return _decimal(cell) if cell.lstrip("-").isdigit() else cell
+
+
+# --- results that are no lines yet ----------------------------------------------------------------
+
+
+def line_of(scene_id: str, obtained: Any) -> bytes:
+    """Return a result under an id as JSON, as another implementation's line would come."""
+    obtained = getattr(obtained, "result", obtained)  # of a `longball.Solution`
+    if isinstance(obtained, Result):
+        obtained = json.loads(obtained.line())
+    if not isinstance(obtained, Mapping):
+        raise TypeError(f"a result is a mapping; not an object of type {type(obtained).__name__}")
+    return json.dumps({**obtained, "id": scene_id}, default=plain).encode()
+
+
+def plain(value: Any) -> Any:
+    """Return NumPy's arrays and numbers as Python's."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is not a number, a list of them, or a mapping")

@@ -18,13 +18,12 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, NamedTuple, cast
+from typing import IO, cast
 
-from longball.judge.answers import LONGEST_LINE, Collector, quoted
+from longball.judge.answers import CHUNK, Collector, quoted, split_lines
 from longball.judge.fresh import as_csv
 from longball.model.scene import Scene, ids_of
 
-CHUNK = 1 << 16  # bytes read or written at a time
 MOST_FAULTS = 10_000  # lines of output that are no answers
 
 
@@ -96,17 +95,16 @@ class _Session:
         self.unsent = as_csv(scenes) if table else lines
         self.sending = next(self.unsent, b"")
         self.input_closed = False
-        self.splitter = Splitter()
+        self.read = b""  # of its output, and not yet looked at
         self.received = 0
         self.errors = b""
         self.status: int | None = None
         self.stopped = False
         self.mark = uuid.uuid4().hex
-        pipes: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
-        environment = os.environ | {MARK: self.mark}
         self.process = subprocess.Popen(
-            command, **pipes, bufsize=0, start_new_session=True, env=environment
-        )
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            bufsize=0, start_new_session=True, env=os.environ | {MARK: self.mark},
+        )  # fmt: skip
         self.started = self.latest = time.monotonic()
         streams = self.process.stdin, self.process.stdout, self.process.stderr
         self.stdin, self.stdout, self.stderr = (cast(IO[bytes], stream) for stream in streams)
@@ -121,6 +119,14 @@ class _Session:
 
     def exchange(self) -> None:
         """Exchange scenes and answers until the output ends or a limit is reached."""
+        for number, line in split_lines(self._output()):
+            if self.collected.take_line(number, line):
+                self.latest = time.monotonic()
+                self.progress(len(self.collected.answers))
+            elif self.collected.faults > MOST_FAULTS and not self.stopped:
+                self._stop(f"it wrote more than {MOST_FAULTS} lines that are no answers")
+
+    def _output(self) -> Iterator[bytes]:
         limits = self.limits
         while not self.stopped and not self.stdout.closed:
             now = time.monotonic()
@@ -130,13 +136,13 @@ class _Session:
                 self._stop(f"it took more than {limits.total_seconds:g} s in all")
             elif patience > 0:
                 self._wait(min(left, patience))
+                yield self.read
+                self.read = b""
             elif self._missing():
                 self._stop(f"no answer came for {limits.scene_seconds:g} s")
             else:
                 patient = f"{limits.scene_seconds:g} s after its last answer"
                 self._stop(f"it did not end within {patient}")
-        for line in self.splitter.rest():
-            self._take(line)
 
     def finish(self) -> None:
         """Wait for the candidate to end, and say how it did."""
@@ -192,16 +198,13 @@ class _Session:
         self._close(self.stdin)
 
     def _read(self) -> None:
-        data = os.read(self.stdout.fileno(), CHUNK)
-        if not data:
+        self.read = os.read(self.stdout.fileno(), CHUNK)
+        self.received += len(self.read)
+        if not self.read:
             self._close(self.stdout)
-            return
-        self.received += len(data)
-        if self.received > self.limits.output_bytes:
+        elif self.received > self.limits.output_bytes:
+            self.read = b""
             self._stop(f"it wrote more than {self.limits.output_bytes} bytes")
-            return
-        for line in self.splitter.split(data):
-            self._take(line)
 
     def _read_errors(self) -> bool:
         try:
@@ -219,15 +222,6 @@ class _Session:
                 self.selector.unregister(pipe)
             pipe.close()
 
-    def _take(self, line: Line) -> None:
-        if line.text is None:
-            self.collected.report("rubbish", f"longer than {LONGEST_LINE} bytes", line.number)
-        elif self.collected.take_line(line.number, line.text):
-            self.latest = time.monotonic()
-            self.progress(len(self.collected.answers))
-        elif self.collected.faults > MOST_FAULTS and not self.stopped:
-            self._stop(f"it wrote more than {MOST_FAULTS} lines that are no answers")
-
     def _missing(self) -> int:
         return len(self.collected.asked) - len(self.collected.answers)
 
@@ -242,48 +236,6 @@ class _Session:
     def _stop(self, why: str) -> None:
         self.stopped = True
         self._report(f"{why}, and was stopped")
-
-
-class Line(NamedTuple):
-    """A line of output and its number, from 1; `text` is None if it is too long to keep."""
-
-    number: int
-    text: bytes | None
-
-
-class Splitter:
-    """Cuts a stream into lines and holds no more than one that is not too long."""
-
-    def __init__(self) -> None:
-        self._held = bytearray()
-        self._overflowed = False
-        self._number = 0
-
-    def split(self, data: bytes) -> Iterator[Line]:
-        """Take more of the stream; yield the lines that it completes."""
-        *complete, rest = data.split(b"\n")
-        for text in complete:
-            self._hold(text)
-            yield self._line()
-        self._hold(rest)
-
-    def rest(self) -> Iterator[Line]:
-        """Yield the last line, if it has no end."""
-        if self._held or self._overflowed:
-            yield self._line()
-
-    def _hold(self, text: bytes) -> None:
-        self._overflowed |= len(self._held) + len(text) > LONGEST_LINE
-        if self._overflowed:
-            self._held.clear()
-        else:
-            self._held += text
-
-    def _line(self) -> Line:
-        self._number += 1
-        line = Line(self._number, None if self._overflowed else bytes(self._held))
-        self._overflowed, self._held = False, bytearray()
-        return line
 
 
 # --- processes that have left their group ---------------------------------------------------------

@@ -1,22 +1,21 @@
 """What a candidate is held against: cases with their truth, and how near it must come.
 
-The golden cases satisfy the protocol `Case`; `Known` makes a case of any scene and result.
+A `Case` is a golden one, or one that `Known` makes of any scene and result.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Protocol
 
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.fence import stop_at
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
+from longball.golden.case import Case as GoldenCase
 from longball.judge.quantities import QUANTITIES, Value, length, radius_of, values_of
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
@@ -25,38 +24,6 @@ from longball.model.quantities import number
 from longball.model.result import Result
 from longball.model.scene import FlightScene, Scene, landing_height
 
-
-class Case(Protocol):
-    """A scene with its truth."""
-
-    @property
-    def id(self) -> str:
-        """The scene's id."""
-
-    @property
-    def family(self) -> str:
-        """What it is reported under."""
-
-    @property
-    def flags(self) -> Sequence[str]:
-        """What is special about it."""
-
-    @property
-    def scene(self) -> Scene:
-        """What is asked."""
-
-    @property
-    def expected(self) -> Result:
-        """The truth; its `error` says why there is none."""
-
-    def attainable(self, quantity: str) -> float:
-        """Return the error that double precision cannot avoid, in the quantity's unit.
-
-        `quantity` is a number's name: ``landing.distance``, ``landing.position[0]``. Infinite if
-        the last bits of an input decide the outcome.
-        """
-
-
 # Of a value whose sensitivity is not known: a thousand half ulps. A landing distance amplifies
 # an error of the bat's height a thousand times, and hardly any at-bat amplifies more.
 UNKNOWN_SENSITIVITY = 1e3 * 2.0**-53
@@ -64,7 +31,7 @@ UNKNOWN_SENSITIVITY = 1e3 * 2.0**-53
 
 @dataclass(frozen=True)
 class Known:
-    """A `Case` of a result that is taken for true, and a sensitivity of `UNKNOWN_SENSITIVITY`."""
+    """The case of a result that is taken for true, and a sensitivity of `UNKNOWN_SENSITIVITY`."""
 
     scene: Scene
     expected: Result
@@ -79,6 +46,9 @@ class Known:
     def attainable(self, quantity: str) -> float:
         """Return the error that double precision may need, in the quantity's unit."""
         return UNKNOWN_SENSITIVITY * max(1.0, abs(float(number(self.expected, quantity))))
+
+
+Case = GoldenCase | Known
 
 
 def solved(
@@ -113,16 +83,11 @@ def decidable(case: Case) -> bool:
     )
 
 
-def touches_within_errors(case: Case) -> bool:
-    """Tell whether doubles leave open if a flight touches the ground where it turns.
-
-    Half an ulp of each number of the launch moves a flight by 2⁻⁵³ of its height and of the way
-    flown so far, or a few times that; an engine may add `SLACK` times as much and pass. Where the
-    height turns from falling to rising nearer to the ground than this, it may be hit or not.
-    """
-    scene = case.scene
-    if not isinstance(scene, FlightScene):
-        return False
+def _touches_within_errors(scene: FlightScene) -> bool:
+    """Tell whether doubles leave open if a flight touches the ground where it turns."""
+    # Half an ulp of each number of the launch moves a flight by 2⁻⁵³ of its height and of the way
+    # flown so far, or a few times that; an engine may add `SLACK` times as much and pass. Where the
+    # height turns from falling to rising nearer to the ground than this, it may be hit or not.
     frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
     frame = replace(frame, spin=scene.launch.spin)
     law, floor = law_of(scene, frame, DOUBLES), landing_height(scene)
@@ -143,49 +108,14 @@ def touches_within_errors(case: Case) -> bool:
     return False
 
 
-def passes_corner_within_errors(case: Case) -> bool:
-    """Tell whether doubles leave open on which side of a corner of the fence a flight passes.
-
-    That is a corner where the fence ends or has two heights; the way there is taken to be straight.
-    The place is rounded to 2⁻⁵³ of that way; an engine may add `SLACK` times as much and pass.
-    """
-    scene = case.scene
-    if not isinstance(scene, FlightScene):
-        return False
+def _passes_corner_within_errors(scene: FlightScene) -> bool:
+    """Tell whether doubles leave open on which side of a corner of the fence a flight passes."""
+    # A corner is where the fence ends or has two heights; the way there is taken to be straight.
+    # The place is rounded to 2⁻⁵³ of that way; an engine may add `SLACK` times as much and pass.
     frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
     error = SLACK * 2.0**-53
     found = stop_at(scene.fence, frame, start.s, 1, error, DOUBLES)
     return found.place.to_break <= error * abs(found.s)
-
-
-class Profile(ABC):
-    """A named rule of how near a candidate must come to pass."""
-
-    name: str
-    error = 0.0  # in the quantity's SI unit, what passes in any case
-
-    @abstractmethod
-    def __str__(self) -> str: ...
-
-    def told_of(self, cases: Sequence[Case]) -> str:
-        """Return the rule in words, as it is for these cases."""
-        return str(self)
-
-    def truths(self, cases: Sequence[Case]) -> Sequence[Case]:
-        """Return the cases with what counts as true under this profile."""
-        return cases
-
-    @abstractmethod
-    def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
-        """Return the largest error that passes, in the quantity's unit."""
-
-    @abstractmethod
-    def allowed(self, size: float) -> float:
-        """Return what passes for a value of that size whose sensitivity is not known."""
-
-    def engine(self) -> Engine[float] | None:
-        """Return who computes what counts as true, if that is not the golden data."""
-        return None
 
 
 # Two digits less than attainable. The attainable error is that of inputs off by half an ulp; what
@@ -194,37 +124,65 @@ class Profile(ABC):
 # in most and 88 at the worst, save for a ball that almost comes to rest, where it does lose digits.
 SLACK = 100.0
 
+# Between what the rounding of a hundred steps can do, amplified by bat and ball a thousand times
+# (1e-11 of a value), and the smallest difference of two readings of the scheme (1e-5 of it).
+SAME_SCHEME = 1e-9
 
-@dataclass(frozen=True)
-class Exact(Profile):
-    """As good as double precision can be: within `SLACK` attainable errors."""
 
-    name = "exact"
+class Profile:
+    """A named rule of how near a candidate must come to pass: here, as near as doubles can."""
 
-    def __str__(self) -> str:
+    error = 0.0  # in the quantity's SI unit, what passes in any case
+
+    def rule(self, cases: Sequence[Case]) -> str:
+        """Return the rule in words, as it is for these cases."""
+        if cases and all(isinstance(case, Known) for case in cases):
+            return (
+                f"exact: within {self.allowed(0.0):.0e} of a quantity, since nothing is known of "
+                "how rounding shows in these scenes"
+            )
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"
 
-    def told_of(self, cases: Sequence[Case]) -> str:
-        """Return the rule in words; see `Profile.told_of`."""
-        if self.error or not all(isinstance(case, Known) for case in cases) or not cases:
-            return str(self)
-        return (
-            f"exact: within {self.allowed(0.0):.0e} of a quantity, since nothing is known of how "
-            "rounding shows in these scenes"
-        )
+    def scheme(self) -> Verlet | None:
+        """Return who computes what counts as true, if that is not the golden data."""
+        return None
+
+    def truths(self, cases: Sequence[Case]) -> Sequence[Case]:
+        """Return the cases with what counts as true under this profile."""
+        if (scheme := self.scheme()) is None:
+            return cases
+        return [Known(c.scene, solve(c.scene, scheme), c.family, c.flags) for c in cases]
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
-        """Return the largest error that passes; see `Profile.tolerance`."""
+        """Return the largest error that passes, in the quantity's unit."""
         proven = length(radius_of(case.expected, quantity))
         return max(self.error, SLACK * attainable(case, quantity) + proven)
 
     def allowed(self, size: float) -> float:
-        """Return what passes for a value of that size; see `Profile.allowed`."""
+        """Return what passes for a value of that size whose sensitivity is not known."""
         return max(self.error, SLACK * UNKNOWN_SENSITIVITY * max(1.0, size))
+
+    def may_be_refused(self, case: Case) -> bool:
+        """Tell whether errors that pass leave open what happens: nobody need answer then."""
+        scene, flags = case.scene, case.flags
+        if FRAGILE in flags:
+            return True
+        if isinstance(scene, FlightScene):
+            if TANGENTIAL in flags and _touches_within_errors(scene):
+                return True
+            if VERTEX in flags and _passes_corner_within_errors(scene):
+                return True
+        values = values_of(case.expected)
+        near = (name for name in ("contact.margin", "fence.clearance") if name in values)
+        return any(length(values[n]) <= self.tolerance(case, n, values[n]) for n in near)
+
+
+class Exact(Profile):
+    """As good as double precision can be: within `SLACK` attainable errors."""
 
 
 @dataclass(frozen=True)
-class Converged(Exact):
+class Converged(Profile):
     """An error below a number, or within what `Exact` allows where that is more.
 
     Attributes
@@ -234,19 +192,14 @@ class Converged(Exact):
     """
 
     error: float = 1e-6
-    name = "converged"
 
     def __post_init__(self) -> None:
         if not 0 < self.error < math.inf:
             raise ValueError(f"a tolerance of {self.error} is not a positive number")
 
-    def __str__(self) -> str:
+    def rule(self, cases: Sequence[Case]) -> str:
+        """Return the rule in words."""
         return f"converged: within {self.error:g} (m, s, m/s, J), or what double precision can do"
-
-
-# Between what the rounding of a hundred steps can do, amplified by bat and ball a thousand times
-# (1e-11 of a value), and the smallest difference of two readings of the scheme (1e-5 of it).
-SAME_SCHEME = 1e-9
 
 
 @dataclass(frozen=True)
@@ -262,23 +215,18 @@ class Paper(Profile):
     """
 
     dt: float = 0.05
-    name = "paper"
 
-    def __str__(self) -> str:
+    def rule(self, cases: Sequence[Case]) -> str:
+        """Return the rule in words."""
         return (
             f"paper: the answers of the printed scheme at Δt = {self.dt:g} s, "
             f"as longball's own Verlet engine gives them (not the truth), within "
             f"{SAME_SCHEME:g} of each value"
         )
 
-    def engine(self) -> Engine[float]:
+    def scheme(self) -> Verlet:
         """Return the paper's scheme."""
         return Verlet(dt=self.dt)
-
-    def truths(self, cases: Sequence[Case]) -> Sequence[Case]:
-        """Return the cases as the scheme answers them."""
-        engine = self.engine()
-        return [Known(c.scene, solve(c.scene, engine), c.family, tuple(c.flags)) for c in cases]
 
     def tolerance(self, case: Case, quantity: str, expected: Value) -> float:
         """Return the largest error that passes; see `Profile.tolerance`."""
@@ -289,18 +237,20 @@ class Paper(Profile):
         return SAME_SCHEME * max(1.0, size)
 
 
-def as_profile(given: Profile | str | None) -> Profile:
-    """Return a profile, or the one of a name; `Exact` if there is none."""
-    return profile(given) if isinstance(given, str) else given or Exact()
+def profile(
+    given: Profile | str | None, tolerance: float | None = None, dt: float | None = None
+) -> Profile:
+    """Return a profile by name, `Exact` if none is given.
 
-
-def profile(name: str, tolerance: float | None = None, dt: float | None = None) -> Profile:
-    """Return a profile by name; a ValueError if there is none, or it takes no such number."""
-    if tolerance is not None and name != "converged":
-        raise ValueError(f"profile {name} takes no tolerance; only converged does")
-    if dt is not None and name != "paper":
-        raise ValueError(f"profile {name} takes no time step; only paper does")
+    A ValueError if there is none of that name, or it takes no such number.
+    """
+    if not isinstance(given, str):
+        return given or Exact()
+    if tolerance is not None and given != "converged":
+        raise ValueError(f"profile {given} takes no tolerance; only converged does")
+    if dt is not None and given != "paper":
+        raise ValueError(f"profile {given} takes no time step; only paper does")
     kinds: dict[str, type[Profile]] = {"exact": Exact, "converged": Converged, "paper": Paper}
-    if name not in kinds:
-        raise ValueError(f"there is no profile {name!r}; the profiles are {', '.join(kinds)}")
-    return kinds[name](*(x for x in (tolerance, dt) if x is not None))
+    if given not in kinds:
+        raise ValueError(f"there is no profile {given!r}; the profiles are {', '.join(kinds)}")
+    return kinds[given](*(x for x in (tolerance, dt) if x is not None))

@@ -5,25 +5,26 @@ from __future__ import annotations
 import shlex
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from longball.convergence import ConvergenceReport
 from longball.engines.ivp import Ivp
-from longball.engines.verlet import Verlet
-from longball.judge.answers import Answer, Collector, read_results
+from longball.judge.answers import Answer, Collector, line_of, read_results
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile, decidable, solved
 from longball.judge.diagnosis import diagnose
+from longball.judge.findings import Diagnosis
 from longball.judge.paths import as_written
-from longball.judge.quantities import Value, difference, length, values_of
+from longball.judge.quantities import difference, length, values_of
 from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
-from longball.judge.step_sweep import FAMILIES, StepSweep, order_of, sample, with_step
-from longball.judge.testing import line_of
-from longball.judge.verdict import Comparison, Submission, Verdict, compare, failure, verdict
+from longball.judge.step_sweep import FAMILIES, StepSweep, filled, order_of, sample
+from longball.judge.verdict import Comparison, Submission, Verdict, compare, verdict
 from longball.model.scene import Scene
+
+# Runs a candidate again: from scenes to answers by id.
+Ask = Callable[[Sequence[Scene]], Mapping[str, Answer]]
 
 AGAIN = 12  # scenes that are run twice
 
@@ -34,10 +35,6 @@ class Evaluation:
 
     verdict: Verdict  # what is reported
     comparisons: Sequence[Comparison]  # every case with its answer, for pictures and for JUnit
-
-    def telling(self, **more: Any) -> Evaluation:
-        """Return the same with more in its verdict."""
-        return replace(self, verdict=self.verdict.model_copy(update=more))
 
 
 @dataclass(frozen=True)
@@ -70,34 +67,29 @@ class Judge:
         `table` whether scenes and results are CSV.
         """
         start = time.monotonic()
-        filled = sweep.filled(command) if sweep else command
-        filled = with_step(filled, self.dt) if self.dt else filled
-        ran = run(filled, [case.scene for case in self.cases], limits, progress, table)
-        well = not any(issue.kind == "process" for issue in ran.collected.issues)
-        report, conduct, smallest = None, list[str](), None
+        stepped = filled(command, "dt", repr(self.dt)) if self.dt else command
+        whole = sweep.filled(stepped, min(sweep.steps)) if sweep else stepped
+        ran = run(whole, [case.scene for case in self.cases], limits, progress, table)
+        collected, report = ran.collected, None
+        well = not any(issue.kind == "process" for issue in collected.issues)
         if sweep and well:
-            report = self._converge(command, sweep, ran.collected, limits, table)
+            families = {case.family for case in self.cases}
+            some = sample(self.cases, FAMILIES if families > set(FAMILIES) else ())
+            scenes, truth = [case.scene for case in some], [case.expected for case in some]
+            varied = command if sweep.knob == "dt" else stepped
+            report, issues = sweep.run(varied, scenes, truth, limits, table)
+            for issue in issues:
+                collected.report("process", issue)
         elif sweep:
-            ran.collected.report("process", "for that, its convergence was not looked at")
+            collected.report("process", "for that, its convergence was not looked at")
 
-        def asked(scenes: Sequence[Scene]) -> Mapping[str, Answer]:
-            return run(filled, scenes, limits, table=table).collected.answers
+        def ask(scenes: Sequence[Scene]) -> Mapping[str, Answer]:
+            return run(whole, scenes, limits, table=table).collected.answers
 
-        if well and self.diagnose:
-            conduct = self._again(asked, ran.collected.answers)
-        submission = Submission(shlex.join(filled), ran.collected, ran.errors, report, sampling)
-        found = self.evaluate(submission, conduct)
-        if well and self.diagnose and not conduct and self.profile.engine() is None:
-            smallest = self._smallest(asked, found.verdict)
-        if smallest and (known := found.verdict.diagnosis):
-            found = found.telling(diagnosis=known.model_copy(update={"smallest": smallest}))
-        return found.telling(seconds=time.monotonic() - start)
+        submission = Submission(shlex.join(whole), collected, ran.errors, report, sampling)
+        return self.evaluate(submission, ask if well else None, start)
 
-    def _again(
-        self,
-        asked: Callable[[Sequence[Scene]], Mapping[str, Answer]],
-        answers: Mapping[str, Answer],
-    ) -> list[str]:
+    def _again(self, ask: Ask, answers: Mapping[str, Answer]) -> list[str]:
         """Run some scenes again, backwards; say whether the answers are the same."""
         # They may differ by what passes, as sums by several threads do.
         known = [case for case in self.cases if case.id in answers and decidable(case)]
@@ -112,10 +104,10 @@ class Judge:
         def differing(a: Mapping[str, Answer], b: Mapping[str, Answer]) -> list[str]:
             return [c.id for c in chosen if self._differ(c, a.get(c.id), b.get(c.id))]
 
-        backwards = asked([case.scene for case in chosen])
+        backwards = ask([case.scene for case in chosen])
         if not (differ := differing(answers, backwards)):
             return []
-        if random := differing(backwards, asked([case.scene for case in chosen])):
+        if random := differing(backwards, ask([case.scene for case in chosen])):
             return ["it is not deterministic: the same scenes in the same order give other "
                     f"numbers, {random[0]} for one"]  # fmt: skip
         return [f"its answer depends on the scenes before it: {len(differ)} of {len(chosen)} "
@@ -129,27 +121,22 @@ class Judge:
         if a.outcome != b.outcome or set(a.values) != set(b.values):
             return True
         expected = values_of(case.expected)
-
-        def passes(name: str, value: Value) -> float:
+        for name, value in a.values.items():
             if name in expected:
-                return self.profile.tolerance(case, name, expected[name])
-            return self.profile.allowed(length(value))
+                passes = self.profile.tolerance(case, name, expected[name])
+            else:
+                passes = self.profile.allowed(length(value))
+            if not difference(value, b.values[name]) <= passes:
+                return True
+        return False
 
-        return any(not difference(x, b.values[n]) <= passes(n, x) for n, x in a.values.items())
-
-    def _smallest(
-        self, asked: Callable[[Sequence[Scene]], Mapping[str, Answer]], found: Verdict
-    ) -> dict[str, Any] | None:
+    def _smallest(self, ask: Ask, failing: Sequence[Any]) -> dict[str, Any]:
         """Return the smallest scene that the candidate fails still."""
-        wrong = {failure.id for failure in found.failures}
-        failing = [case.scene for case in self.cases if case.id in wrong]
-        if not failing:
-            return None
         order = ("flight", "impact", "pitch", "at-bat")
         start = min(failing, key=lambda s: (order.index(s.kind), len(str(s.model_dump()))))
 
         def fails(scenes: Sequence[Any]) -> list[bool]:
-            answers = asked(scenes)
+            answers = ask(scenes)
             return [
                 case.id in answers and not compare(case, answers[case.id], self.profile).passed
                 for case in solved(scenes, Ivp())
@@ -157,18 +144,6 @@ class Judge:
 
         smallest = shrunk(start, fails).model_dump(mode="json", exclude_defaults=True)
         return {**smallest, "kind": start.kind}
-
-    def _converge(
-        self, command: Sequence[str], sweep: StepSweep, collected: Collector,
-        limits: Limits | None, table: bool,
-    ) -> ConvergenceReport:  # fmt: skip
-        families = {case.family for case in self.cases}
-        cases = sample(self.cases, FAMILIES if families > set(FAMILIES) else ())
-        scenes, truth = [case.scene for case in cases], [case.expected for case in cases]
-        report, issues = sweep.run(command, scenes, truth, limits, table)
-        for issue in issues:
-            collected.report("process", issue)
-        return report
 
     def evaluate_function(self, solve: Callable[[Scene], Any]) -> Evaluation:
         """Judge a function from a scene to its result; see `longball.judge.judge`."""
@@ -181,8 +156,7 @@ class Judge:
                 line = line_of(case.id, {"error": f"{type(error).__name__}: {error}"})
             collected.take_line(number, line)
         name = getattr(solve, "__name__", type(solve).__name__)
-        found = self.evaluate(Submission(name, collected))
-        return found.telling(seconds=time.monotonic() - start)
+        return self.evaluate(Submission(name, collected), start=start)
 
     def evaluate_file(
         self, path: Path, columns: Mapping[str, str] | None = None, sampling: Sampling | None = None
@@ -191,36 +165,44 @@ class Judge:
         collected = read_results(path, [case.id for case in self.cases], columns)
         return self.evaluate(Submission(path.name, collected, sampling=sampling))
 
-    def evaluate_samples(self, sampling: Sampling) -> Evaluation:
-        """Judge nothing but how at-bats were drawn; this needs no cases."""
-        return self.evaluate(Submission(sampling.source, Collector([]), sampling=sampling))
-
-    def evaluate(self, submission: Submission, conduct: Sequence[str] = ()) -> Evaluation:
-        """Judge what a candidate has answered; `conduct` is what a second run has told."""
+    def evaluate(
+        self, submission: Submission, ask: Ask | None = None, start: float | None = None
+    ) -> Evaluation:
+        """Judge what a candidate has answered; `ask` runs it again, and it was begun at `start`."""
         answers = submission.collected.answers
         truths = self.profile.truths(self.cases)
+        conduct = self._again(ask, answers) if ask and self.diagnose else []
         comparisons = [compare(case, answers.get(case.id), self.profile) for case in truths]
+        wrong = [c for c in comparisons if not c.passed]
         diagnosis = None
-        engine = self.profile.engine()
-        wrong = any(not c.passed for c in comparisons)
         if self.diagnose and (conduct or wrong):
-            whole = {c.id: as_written(c.scene, a) for c in self.cases if (a := answers.get(c.id))}
-            scheme = engine if isinstance(engine, Verlet) else None
-            failed = [c.case.id for c in comparisons if c.judged and not c.passed]
-            report = submission.convergence if self.dt else None
-            order = order_of(report) if report else None
-            known = scheme, not conduct, failed, self.profile.error, order
-            diagnosis = diagnose(truths, whole, self.dt, *known)
-            diagnosis = diagnosis.model_copy(update={"conduct": list(conduct)})
-            if not diagnosis.findings:
-                wrong_in = {f.what for c in comparisons if not c.passed for f in failure(c).faults}
-                if wrong_in:
-                    sentence = f"no cause is known; what is wrong is {', '.join(sorted(wrong_in))}"
-                    diagnosis = diagnosis.model_copy(update={"sentence": sentence})
-        truth = engine.description if engine else self.truth
-        rule = self.profile.told_of(self.cases)
-        said = verdict(comparisons, submission, rule, truth, self.partial, diagnosis)
+            diagnosis = self._diagnosed(truths, wrong, submission, conduct)
+        scheme = self.profile.scheme()
+        if diagnosis and ask and not conduct and scheme is None:
+            smallest = self._smallest(ask, [c.case.scene for c in wrong])
+            diagnosis = diagnosis.model_copy(update={"smallest": smallest})
+        truth = scheme.description if scheme else self.truth
+        rule = self.profile.rule(self.cases)
+        seconds = None if start is None else time.monotonic() - start
+        said = verdict(comparisons, submission, rule, truth, self.partial, diagnosis, seconds)
         return Evaluation(said, comparisons)
+
+    def _diagnosed(
+        self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
+        conduct: list[str],
+    ) -> Diagnosis:  # fmt: skip
+        answers = submission.collected.answers
+        written = {c.id: as_written(c.scene, a) for c in self.cases if (a := answers.get(c.id))}
+        report = submission.convergence if self.dt else None
+        diagnosis = diagnose(
+            truths, written, self.dt, self.profile.scheme(), not conduct,
+            [c.case.id for c in wrong], self.profile.error, order_of(report) if report else None,
+        )  # fmt: skip
+        more: dict[str, Any] = {"conduct": conduct}
+        if wrong and not diagnosis.findings:
+            what = ", ".join(sorted({fault.what for c in wrong for fault in c.faults}))
+            more["sentence"] = f"no cause is known; what is wrong is {what}"
+        return diagnosis.model_copy(update=more)
 
 
 def _is_upright(scene: Any) -> bool:

@@ -6,11 +6,11 @@ They are solved and proven on the spot: a candidate is judged by what nobody has
 from __future__ import annotations
 
 import csv
-import io
 import itertools
 import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -125,7 +125,6 @@ def _drawn(kind: str, rng: np.random.Generator) -> dict[str, Any]:
 
 def as_csv(scenes: Iterable[Scene]) -> Iterator[bytes]:
     """Yield scenes as lines of CSV, the header first; a cell is empty where there is no number."""
-    scenes = list(scenes)
     rows = [
         {"id": s.id or "", "kind": s.kind}
         | {name: repr(float(value)) for name, value in numbers(s)}
@@ -133,12 +132,7 @@ def as_csv(scenes: Iterable[Scene]) -> Iterator[bytes]:
         for s in scenes
     ]
     names = list(dict.fromkeys(name for row in rows for name in row))
-    yield _row(names)
-    for row in rows:
-        yield _row([row.get(name, "") for name in names])
-
-
-def _row(cells: Sequence[str]) -> bytes:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(cells)
-    return text.getvalue().encode()
+    for row in [dict(zip(names, names, strict=True)), *rows]:
+        text = StringIO()
+        csv.DictWriter(text, names, lineterminator="\n").writerow(row)
+        yield text.getvalue().encode()

@@ -8,19 +8,18 @@ from xml.etree import ElementTree
 from longball.judge.answers import printable
 from longball.judge.evaluation import Evaluation
 from longball.judge.text import describe
-from longball.judge.verdict import Comparison, Failure
+from longball.judge.verdict import Comparison
 
 
 def junit(evaluation: Evaluation) -> str:
     """Return an evaluation as XML: a suite for each family, and one for the candidate's conduct."""
     verdict = evaluation.verdict
-    failures = {failure.id: failure for failure in verdict.failures}
     families: dict[str, list[Comparison]] = {}
     for comparison in evaluation.comparisons:
         families.setdefault(comparison.case.family, []).append(comparison)
     root = ElementTree.Element("testsuites", name=f"longball judge: {printable(verdict.candidate)}")
     for family, comparisons in families.items():
-        _suite(root, family, [_case(comparison, failures) for comparison in comparisons])
+        _suite(root, family, [*map(_case, comparisons)])
     conduct = ElementTree.Element("testcase", classname="conduct", name="verdict")
     if verdict.reasons:
         reasons = printable("; ".join(verdict.reasons))
@@ -32,19 +31,19 @@ def junit(evaluation: Evaluation) -> str:
 
 
 def _suite(root: ElementTree.Element, name: str, cases: Sequence[ElementTree.Element]) -> None:
-    counts = {"tests": len(cases), "failures": 0, "errors": 0, "skipped": 0}
-    counts["failures"] = sum(case.find("failure") is not None for case in cases)
-    counts["skipped"] = sum(case.find("skipped") is not None for case in cases)
+    failed, skipped = (sum(case.find(kind) is not None for case in cases)
+                       for kind in ("failure", "skipped"))  # fmt: skip
+    counts = {"tests": len(cases), "failures": failed, "errors": 0, "skipped": skipped}
     said = {kind: str(count) for kind, count in counts.items()}
     suite = ElementTree.SubElement(root, "testsuite", {"name": name} | said)
     suite.extend(cases)
 
 
-def _case(comparison: Comparison, failures: dict[str, Failure]) -> ElementTree.Element:
+def _case(comparison: Comparison) -> ElementTree.Element:
     case = comparison.case
     element = ElementTree.Element("testcase", classname=case.family, name=printable(case.id))
-    if failure := failures.get(case.id):
-        sentences = [describe(fault) for fault in failure.faults]
+    if comparison.faults:
+        sentences = [describe(fault) for fault in comparison.faults]
         child = ElementTree.SubElement(element, "failure", message=printable(sentences[0]))
         child.text = printable("\n".join([*sentences, f"scene: {case.scene.line()}"]))
     elif not comparison.judged:

@@ -5,36 +5,26 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jinja2 import Environment, Template
+from jinja2 import Environment
 
 from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve_with_path
 from longball.engines.ivp import Ivp
 from longball.extras import naming_extras
+from longball.judge import text
 from longball.judge.answers import printable, quoted
 from longball.judge.evaluation import Evaluation
 from longball.judge.quantities import values_of
-from longball.judge.text import (
-    ERRORS,
-    LONGEST_NAME,
-    counts,
-    describe,
-    error_cells,
-    flagged,
-    silence,
-)
 from longball.judge.verdict import Comparison, Measured
 from longball.model.arrays import Array
 from longball.model.scene import ImpactScene
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -44,41 +34,13 @@ WIDTH, DPI = 5.2, 150  # of pictures, inches: their letters can be read on a nar
 WHOLE = 1.0  # where one is drawn that is as large as its quantity, or larger
 
 
-@cache
-def _template() -> Template:
-    text = (Path(__file__).parent / "page.html.j2").read_text(encoding="utf-8")
-    return Environment(autoescape=True, trim_blocks=True).from_string(text)
-
-
 def page(evaluation: Evaluation) -> str:
     """Return an evaluation as HTML that needs no other file."""
-    v = evaluation.verdict
-    failures = [(flagged(f.id, f.flags), [*map(describe, f.faults)], str(f.scene))
-                for f in v.failures[:SHOWN]]  # fmt: skip
-    complaints = [f"issue: {quoted(str(c), 500)}" for c in v.complaints[:SHOWN]]
-    html: str = _template().render(
-        v=v,
-        name=quoted(v.candidate, LONGEST_NAME),
-        command=quoted(v.candidate, 2_000),
-        head=list(counts(v)) if v.cases else [],
-        stages=[
-            (r.wrong, (r.stage, r.wrong or "-", r.checked, f"{r.worst:.1e}" if r.wrong else "",
-                       r.example or ""))
-            for r in (v.diagnosis.stages if v.diagnosis else ())
-        ],
-        pictures=list(_pictures(evaluation)),
-        sampled=[
-            (not f.right, ("right" if f.right else "WRONG", f.sentence, ", ".join(f.named)))
-            for f in (v.sampling.found if v.sampling else ())
-        ],
-        error_head=ERRORS,
-        errors=[(row.failed, error_cells(row)) for row in v.rows],
-        outcomes=[
-            (c.expected != c.obtained, (c.expected, c.obtained, c.cases)) for c in v.outcomes
-        ],
-        failures=failures,
-        rest=[*silence(v, SHOWN), *complaints],
-        errors_end=printable(v.standard_error) if v.complaints else "",
+    source = (Path(__file__).parent / "page.html.j2").read_text(encoding="utf-8")
+    template = Environment(autoescape=True, trim_blocks=True).from_string(source)
+    html: str = template.render(
+        v=evaluation.verdict, pictures=list(_pictures(evaluation)), shown=SHOWN,
+        text=text, quoted=quoted, printable=printable,
     )  # fmt: skip
     return html
 
@@ -135,25 +97,21 @@ def draw_errors(figure: Figure, measured: Sequence[tuple[Comparison, Measured]])
     none = f"(none: at {NOTHING:g}; larger than it: at 1)"
     left.set_xlabel(f"error, relative to the quantity\n{none}")
     figure.legend(loc="outside upper left", ncols=2, frameon=False, fontsize="small")
-    _draw_attainable(right, [_relative(m.attainable, m) for _, m in measured if m.attainable > 0])
+    if known := [_relative(m.attainable, m) for _, m in measured if m.attainable > 0]:
+        ends = np.array([min(known) / 2, max(known) * 2])
+        right.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
+        right.legend(fontsize="small", frameon=False, loc="center right")
+    right.set_xscale("log")
+    right.set_yscale("log")
+    right.tick_params(axis="x", which="minor", labelbottom=False)  # on a short axis they overlap
+    difficulty = "difficulty: error that double precision\ncannot avoid, relative to the quantity"
+    right.set_xlabel(difficulty)
+    right.set_ylabel("error, relative to the quantity")
 
 
 def _relative(error: float, measured: Measured) -> float:
     """Return an error relative to its quantity, as far as a logarithmic axis shows it."""
     return min(max(error / measured.size, NOTHING), WHOLE)
-
-
-def _draw_attainable(axes: Axes, attainable: Sequence[float]) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.tick_params(axis="x", which="minor", labelbottom=False)  # on a short axis they overlap
-    if attainable:
-        ends = np.array([min(attainable) / 2, max(attainable) * 2])
-        axes.plot(ends, ends, "k-", linewidth=0.8, label="as good as doubles can be")
-        axes.legend(fontsize="small", frameon=False, loc="center right")
-    difficulty = "difficulty: error that double precision\ncannot avoid, relative to the quantity"
-    axes.set_xlabel(difficulty)
-    axes.set_ylabel("error, relative to the quantity")
 
 
 def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:

@@ -58,44 +58,57 @@ def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
 
 
 def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
-    """Return an answer with what its points say of the landing or the plate, where it does not."""
-    # Also how far interpolation may be off, by quantity, in its unit.
+    """Return an answer with what its points say of the landing or the plate, where it does not.
+
+    Also how far interpolation may be off, by quantity, in its unit.
+    """
     path = answer.path
     assert path is not None
     if isinstance(scene, ImpactScene):
         return answer, {}
-    block = "plate" if scene.kind == "pitch" else "landing"
-    ground = _crossing(path[:, 3] - landing_height(scene))
-    crossing = ground if block == "landing" else _crossing(path[:, 1])
+
+    def ended(outcome: Outcome, **values: Any) -> Answer:
+        """Return the answer with an outcome and values, unless it has them."""
+        return replace(answer, outcome=answer.outcome or outcome, **values)
+
+    floor, pitched = landing_height(scene), scene.kind == "pitch"
+    block = "plate" if pitched else "landing"
+    ground = _crossing(path[:, 3] - floor)
+    crossing = _crossing(path[:, 1]) if pitched else ground
     begin = 0.0
-    if block == "landing" and "contact.time" in answer.values:
+    if not pitched and "contact.time" in answer.values:
         begin = float(answer.values["contact.time"][0])
     limit = begin + scene.time_limit
-    if block == "plate" and ground is not None and (crossing is None or ground < crossing):
-        return _ended(answer, "grounded"), {}
+    if pitched and ground is not None and (crossing is None or ground < crossing):
+        return ended("grounded"), {}
     if crossing is None:
         # A step on, but for the rounding of times.
         in_the_air = 2 * path[-1, 0] - path[-2, 0] > limit * (1 - 1e-9)
-        return (_ended(answer, "airborne") if in_the_air else answer), {}
+        return (ended("airborne") if in_the_air else answer), {}
     # Places and velocities may make one polynomial; both are tried where that can be seen.
     together = [False] if path.shape[1] == 4 or len(path) >= POINTS[0] else []
     together += [True] if path.shape[1] > 4 else []
-    ways = [[_met(path, crossing, n, one, block, scene) for n in POINTS] for one in together]
+    axis, level = (0, 0.0) if pitched else (2, floor)
+    ways = [[_met(path, crossing, n, one, axis, level) for n in POINTS] for one in together]
     known = [(fine, coarse) for fine, coarse in ways if fine and coarse]
     if not known:
         return answer, {}
-    place = f"{block}.position"
-    fine, coarse = min(known, key=lambda way: float(np.linalg.norm(way[0][place] - way[1][place])))
-    if fine[f"{block}.time"][0] > limit:
-        return _ended(answer, "airborne"), {}
-    if block == "plate" and fine["plate.position"][2] <= landing_height(scene):  # in the same step
-        return _ended(answer, "grounded"), {}
-    for found in (fine, coarse) if block == "landing" else ():
-        found["landing.hang_time"] = found["landing.time"] - begin
-    slack = {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
-    values = {name: _value(x) for name, x in fine.items()} | dict(answer.values)
+    fine, coarse = min(known, key=lambda way: _off(*way)["position"])
+    if fine["time"][0] > limit:
+        return ended("airborne"), {}
+    if pitched and fine["position"][2] <= floor:  # in the same step
+        return ended("grounded"), {}
+    for met in (fine, coarse) if not pitched else ():
+        met["distance"] = np.array([math.hypot(*met["position"][:2])])
+        met["hang_time"] = met["time"] - begin
+    values = {f"{block}.{name}": _value(x) for name, x in fine.items()} | dict(answer.values)
     outcomes: dict[str, Outcome] = {"flight": "landed", "pitch": "crossed", "at-bat": "batted"}
-    return _ended(replace(answer, values=values), outcomes[scene.kind]), slack
+    slack = {f"{block}.{name}": off for name, off in _off(fine, coarse).items()}
+    return ended(outcomes[scene.kind], values=values), slack
+
+
+def _off(fine: Met, coarse: Met) -> dict[str, float]:
+    return {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
 
 
 MANY = 10  # decimals of places that are doubles: more than of places in nanometres
@@ -120,11 +133,6 @@ def as_written(scene: Any, answer: Answer) -> Answer:
     return replace(whole, values=values)
 
 
-def _ended(answer: Answer, outcome: Outcome) -> Answer:
-    """Return an answer with an outcome without a landing or a plate, unless it has one."""
-    return replace(answer, outcome=answer.outcome or outcome)
-
-
 def _crossing(heights: Array) -> int | None:
     """Return the number of the point behind the crossing; of the last, if it is a step away."""
     fallen = np.flatnonzero((heights[1:] <= 0) & (heights[:-1] > 0))
@@ -134,9 +142,9 @@ def _crossing(heights: Array) -> int | None:
 
 
 def _met(
-    path: Array, crossing: int, order: int, together: bool, block: str, scene: Any
+    path: Array, crossing: int, order: int, together: bool, axis: int, level: float
 ) -> Met | None:
-    """Return when and where a polynomial through `order` numbers next to a crossing is met."""
+    """Return when and where a polynomial through `order` numbers by a crossing is at a level."""
     count = order // 2 if together else order
     low = max(0, min(crossing - count // 2, len(path) - count))
     near = path[low : low + count]
@@ -149,26 +157,19 @@ def _met(
         curve = KroghInterpolator(times, places)
     apart = speeds.size and not together
     velocity_at = KroghInterpolator(times, speeds) if apart else curve.derivative
-    axis = 0 if block == "plate" else 2
-    level = 0.0 if block == "plate" else landing_height(scene)
-    before, after = path[crossing - 1, 0] - start, path[crossing, 0] - start
-    step = after - before
+    before, after = path[crossing - 1 : crossing + 1, 0] - start
 
     def height(t: float) -> float:
         return float(curve(t)[axis]) - level
 
     if height(after) > 0:  # the path ends above the ground: at most one step goes on
-        before, after = after, after + step
+        before, after = after, after + (after - before)
     if not height(before) >= 0 >= height(after):
         return None
     time = brentq(height, before, after, xtol=1e-15)
-    position, velocity = curve(time), velocity_at(time)
+    position = curve(time)
     position[axis] = level
-    time_at = np.array([start + time])
-    found = {"time": time_at, "position": position, "velocity": velocity}
-    if block == "landing":
-        found["distance"] = np.array([math.hypot(position[0], position[1])])
-    return {f"{block}.{name}": x for name, x in found.items()}
+    return {"time": np.array([start + time]), "position": position, "velocity": velocity_at(time)}
 
 
 def _value(numbers: Array) -> Value:

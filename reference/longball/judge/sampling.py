@@ -11,19 +11,20 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.home_run import AtBats, Mixture, paper_at_bats
-from longball.judge.answers import quoted
+from longball.judge.answers import lines_of, quoted
 from longball.model.arrays import Array
 from longball.model.quantities import at
 from longball.model.readings import SamplingReading
@@ -71,16 +72,10 @@ class Drawn(Frozen):
         return self.fits and not self.named
 
 
-class _Wrong(Frozen):
-    @property
-    def right(self) -> bool:
-        """Whether it is as it should be, which it is not."""
-        return False
-
-
-class Constant(_Wrong):
+class Constant(Frozen):
     """A number of the at-bats that the paper prints, and that is another one here."""
 
+    right: ClassVar[bool] = False
     quantity: str
     paper: float
     given: list[float] = Field(description="the values met, a few of them")
@@ -88,9 +83,10 @@ class Constant(_Wrong):
     sentence: str
 
 
-class Dependence(_Wrong):
+class Dependence(Frozen):
     """Random numbers that hang together, or come again."""
 
+    right: ClassVar[bool] = False
     quantity: str = Field(description="one, or two that hang together")
     named: list[str]
     statistic: float = Field(
@@ -128,21 +124,20 @@ def read_samples(path: Path) -> Iterator[dict[str, Any]]:
     They are not held against the contract: what makes a scene impossible, such as a speed below
     zero, is what shows how it was drawn. A line that is no JSON object raises `BadSamples`.
     """
-    with open(path, "rb") as file:
-        for number, line in enumerate(iter(lambda: file.readline(LONGEST_SCENE + 1), b""), 1):
-            if len(line) > LONGEST_SCENE:
-                raise BadSamples(f"{path}: line {number}: longer than {LONGEST_SCENE} bytes")
-            if not line.strip():
-                continue
-            try:
-                scene = json.loads(line.decode("utf-8-sig"))
-            except (ValueError, RecursionError) as error:
-                raise BadSamples(
-                    f"{path}: line {number}: not JSON: {quoted(line.decode(errors='replace'))}"
-                ) from error
-            if not isinstance(scene, dict) or scene.get("kind", "at-bat") != "at-bat":
-                raise BadSamples(f"{path}: line {number}: not an at-bat: {quoted(scene)}")
-            yield scene
+    for number, line in lines_of(path, LONGEST_SCENE):
+        where = f"{path}: line {number}"
+        if line is None:
+            raise BadSamples(f"{where}: longer than {LONGEST_SCENE} bytes")
+        if not line.strip():
+            continue
+        try:
+            scene = json.loads(line.decode("utf-8-sig"))
+        except (ValueError, RecursionError) as error:
+            said = quoted(line.decode(errors="replace"))
+            raise BadSamples(f"{where}: not JSON: {said}") from error
+        if not isinstance(scene, dict) or scene.get("kind", "at-bat") != "at-bat":
+            raise BadSamples(f"{where}: not an at-bat: {quoted(scene)}")
+        yield scene
 
 
 def _number(scene: Mapping[str, Any], path: str) -> float | None:
@@ -153,13 +148,10 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
         raise BadSamples(str(error)) from None
     if held is None:
         return None
-    number = math.nan
-    if isinstance(held, int | float) and not isinstance(held, bool):
-        with suppress(OverflowError):  # an integer too large for a double
-            number = float(held)
-    if not math.isfinite(number):
+    known = isinstance(held, int | float) and not isinstance(held, bool)
+    if not (known and abs(held) <= sys.float_info.max):  # NaN is not; some integers are too large
         raise BadSamples(f"{path} is {quoted(held)}; a finite number must stand there")
-    return number
+    return float(held)
 
 
 def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") -> Sampling:
@@ -169,25 +161,21 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
     there more than once, such as for several restitutions, counts once; what the scenes leave out
     is not judged. `BadSamples` are too few, or hold something else than numbers.
     """
-    draws: dict[tuple[float | None, ...], int] = {}
-    paper = json.loads(AtBatScene(id="paper").line())
-    printed = {name: x for name in _PRINTED if (x := _number(paper, name)) is not None}
-    constants: dict[str, dict[float, None]] = {name: {} for name in printed}
-    for number, scene in enumerate(scenes, 1):
+    draws: Counter[tuple[float | None, ...]] = Counter()
+    met: dict[str, dict[float, None]] = {name: {} for name in _PRINTED}
+    for count, scene in enumerate(scenes, 1):
         try:
-            draw = tuple(_number(scene, name) for name in DRAWN)
-            draws[draw] = draws.get(draw, 0) + 1
-            for name, met in constants.items():
+            draws[tuple(_number(scene, name) for name in DRAWN)] += 1
+            for name, values in met.items():
                 value = _number(scene, name)
-                if value is not None and len(met) < 3:
-                    met[value] = None
+                if value is not None and len(values) < 3:
+                    values[value] = None
         except BadSamples as error:
-            raise BadSamples(f"{source}: at-bat {number}: {error}") from None
-    columns = dict(zip(DRAWN, zip(*draws, strict=True), strict=True)) if draws else {}
-    known = {name: [x for x in column if x is not None] for name, column in columns.items()}
-    given = {name: np.array(column) for name, column in known.items()}
-    most = max(map(len, given.values()), default=0)
-    total = sum(draws.values())
+            raise BadSamples(f"{source}: at-bat {count}: {error}") from None
+    columns = {name: [draw[i] for draw in draws] for i, name in enumerate(DRAWN)}
+    given = {name: np.array([x for x in column if x is not None], float)
+             for name, column in columns.items()}  # fmt: skip
+    most, total = max(map(len, given.values())), draws.total()
     repeats = 0 < most < FEWEST <= total and total > MANY_TIMES * len(draws)
     if most < FEWEST and not repeats:
         raise BadSamples(
@@ -199,18 +187,19 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
         statistic=total / max(len(draws), 1),
         sentence=f"at-bats: the stream repeats itself: {len(draws)} different ones in {total}",
     )
-    others = (_constant(name, value, list(constants[name])) for name, value in printed.items())
+    whole = {name: values for name, values in given.items() if len(values) == len(draws)}
+    others = (_constant(name, list(values)) for name, values in met.items())
     return Sampling(
         source=source,
         at_bats=len(draws),
         drawn=[_judge(name, values) for name, values in given.items() if len(values) >= FEWEST],
         constants=[found for found in others if found is not None],
-        dependences=[repeating] if repeats else list(_dependences(columns)),
+        dependences=[repeating] if repeats else list(_dependences(whole)),
         sees=min(1.0, CRITICAL / math.sqrt(max(most, 1))),
     )
 
 
-def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Dependence]:
+def _dependences(columns: Mapping[str, Array]) -> Iterator[Dependence]:
     """Yield pairs of quantities that hang together, and quantities that hang on their last draw.
 
     By ranks, so that one random number behind both shows, however it is turned into them; and by
@@ -218,11 +207,7 @@ def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Depe
     """
     from scipy.stats import rankdata
 
-    ranks = {
-        name: rankdata(np.array(values, float))
-        for name, values in columns.items()
-        if all(value is not None for value in values) and len(values) >= FEWEST
-    }
+    ranks = {name: rankdata(values) for name, values in columns.items()}
     pairs = [(a, b, ranks[a], ranks[b]) for a, b in itertools.combinations(ranks, 2)]
     pairs += [(a, f"the {a} before it", r[1:], r[:-1]) for a, r in ranks.items()]
     for a, b, x, y in pairs:
@@ -238,106 +223,84 @@ def _dependences(columns: Mapping[str, Sequence[float | None]]) -> Iterator[Depe
             )
 
 
-def _judge(quantity: str, values: Array) -> Drawn:
-    if quantity == "swing.tilt":
-        largest = {"": _paper().largest_tilt, "tilt-in-degrees": 10.0}
-        sizes = {name: _kolmogorov(values / top, "uniform") for name, top in largest.items()}
-        name = "" if sizes[""] < CRITICAL else min(sizes, key=lambda n: sizes[n])
-        return _drawn(quantity, (name,) if name else (), sizes[name])
-    ways = {"pitch.speed": _speeds, "swing.height_offset": _offsets, "pitch.aim[0]": _aims}
-    guesses = ways[quantity](values)
-    best = max(guesses, key=lambda guess: guess.log_likelihood(values) - guess.doubt)
-    note = ""
-    if best.fitted:
-        width = best.scale * SamplingReading().cell_width
-        note = f", with cells {width:.3g} m wide: ask for the reading cell_width"
-    return _drawn(quantity, best.named, _kolmogorov(values, best.distribution), note)
-
-
 # --- ways of drawing ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class _Guess:
+class _Way:
     """A way to draw a quantity."""
 
     named: tuple[str, ...]  # the mistakes in it
-    mixture: Mixture  # what is drawn from
+    distribution: Any  # of SciPy: what is drawn from
     scale: float = 1.0  # times so much
     positive: bool = False  # whether what is not positive is thrown away
-    fitted: bool = False  # whether the scale was fitted to the values
-
-    @property
-    def doubt(self) -> float:
-        """How much likelier than what the paper means it has to be, as a logarithm."""
-        return LIKELIER * (bool(self.named) + 2 * self.fitted)
+    fitted: str = ""  # what is said of the scale, if it was fitted to the values
 
     @property
     def lost(self) -> float:
         """The share that is thrown away."""
-        return float(self.mixture.distribution.cdf(0.0)) if self.positive else 0.0
+        return float(self.distribution.cdf(0.0)) if self.positive else 0.0
 
-    def distribution(self, values: Array) -> Array:
+    def cdf(self, values: Array) -> Array:
         """Return the distribution function."""
-        below = self.mixture.distribution.cdf(values / self.scale)
+        below = self.distribution.cdf(values / self.scale)
         kept: Array = np.clip((below - self.lost) / (1 - self.lost), 0.0, 1.0)
         return kept
 
-    def log_likelihood(self, values: Array) -> float:
-        """Return the logarithm of the likelihood of values."""
+    def likelihood(self, values: Array) -> float:
+        """Return the logarithm of the likelihood of values, less what a mistake has to exceed."""
         x = values / self.scale
         if self.positive and (x <= 0).any():
             return -math.inf
-        terms = self.mixture.distribution.logpdf(x) - math.log(self.scale * (1 - self.lost))
-        return float(terms.sum())
+        terms = self.distribution.logpdf(x) - math.log(self.scale * (1 - self.lost))
+        return float(terms.sum()) - LIKELIER * (bool(self.named) + 2 * bool(self.fitted))
+
+
+def _ways(quantity: str, values: Array) -> Iterator[_Way]:
+    """Yield the ways in which a quantity may have been drawn, the right one first."""
+    match quantity:
+        case "pitch.speed":
+            for table, spread, unit in itertools.product(
+                ("columns_swapped", "as_printed"), ("standard_deviation", "as_printed"), (1.0, 3.6)
+            ):
+                made = {"table-columns": table, "missing-2": spread, "speed-in-km/h": unit}
+                named = tuple(name for name, how in made.items() if how in ("as_printed", 3.6))
+                speed = _paper(speed_table=table, speed_spread=spread).speed.distribution
+                yield _Way(named, speed, unit)
+                if table == "as_printed":  # half of which are below zero, and no pitches
+                    yield _Way(named, speed, unit, positive=True)
+        case "pitch.aim[0]":
+            aim, cell = _paper().aim, SamplingReading().cell_width
+            yield _Way((), aim.distribution)
+            yield _Way(("cells-for-metres",), aim.distribution, 1 / cell)
+            middle = Mixture(aim.weight, (2.0, 4.0), (0.77, 0.77)).distribution
+            yield _Way(("cells-from-the-edge",), middle)
+            yield _Way(("cells-from-the-edge",), middle, cell)
+            other = Mixture(1 - aim.weight, aim.means, aim.deviations)
+            yield _Way(("left-for-right",), other.distribution)
+            # The paper does not say how wide a cell is: any width will do, the one that fits best.
+            (left, right), deviation = aim.means, aim.deviations[0]
+            expected = aim.weight * left**2 + (1 - aim.weight) * right**2 + deviation**2
+            scale = math.sqrt(float(np.mean(values**2)) / expected)
+            if scale > 0:
+                width = f", with cells {scale * cell:.3g} m wide: ask for the reading cell_width"
+                yield _Way((), aim.distribution, scale, fitted=width)
+        case "swing.height_offset":
+            right = _paper().offset_deviation
+            wrong = {"radius-or-diameter": 2 * right, "missing-2": right * math.sqrt(0.5)}
+            for name, deviation in {"": right, **wrong}.items():
+                mixture = Mixture(1.0, (0.0, 0.0), (deviation, deviation))
+                yield _Way((name,) if name else (), mixture.distribution)
+        case _:  # swing.tilt, which is never a radian
+            from scipy.stats import uniform
+
+            degrees = values.max() > 1.0
+            named = ("tilt-in-degrees",) if degrees else ()
+            yield _Way(named, uniform(), 10.0 if degrees else _paper().largest_tilt)
 
 
 def _paper(**switches: object) -> AtBats:
     return paper_at_bats(SamplingReading.model_validate(switches))
-
-
-def _speeds(values: Array) -> Iterator[_Guess]:
-    for table, spread, unit in itertools.product(
-        ("columns_swapped", "as_printed"), ("standard_deviation", "as_printed"), (1.0, 3.6)
-    ):
-        made = {"table-columns": table, "missing-2": spread, "speed-in-km/h": unit}
-        named = tuple(name for name, how in made.items() if how in ("as_printed", 3.6))
-        mixture = _paper(speed_table=table, speed_spread=spread).speed
-        yield _Guess(named, mixture, unit)
-        if table == "as_printed":  # half of which are below zero, and no pitches
-            yield _Guess(named, mixture, unit, positive=True)
-
-
-def _aims(values: Array) -> Iterator[_Guess]:
-    aim = _paper().aim
-    yield _Guess((), aim)
-    cell = SamplingReading().cell_width
-    yield _Guess(("cells-for-metres",), aim, 1 / cell)
-    middle = Mixture(aim.weight, (2.0, 4.0), (0.77, 0.77))
-    yield _Guess(("cells-from-the-edge",), middle, 1.0)
-    yield _Guess(("cells-from-the-edge",), middle, cell)
-    yield _Guess(("left-for-right",), Mixture(1 - aim.weight, aim.means, aim.deviations))
-    # The paper does not say how wide a cell is: any width will do, the one that fits best.
-    (left, right), deviation = aim.means, aim.deviations[0]
-    expected = aim.weight * left**2 + (1 - aim.weight) * right**2 + deviation**2
-    scale = math.sqrt(float(np.mean(values**2)) / expected)
-    if scale > 0:
-        yield _Guess((), aim, scale, fitted=True)
-
-
-def _offsets(values: Array) -> Iterator[_Guess]:
-    right = _paper().offset_deviation
-    wrong = {"radius-or-diameter": 2 * right, "missing-2": right * math.sqrt(0.5)}
-    for name, deviation in {"": right, **wrong}.items():
-        mixture = Mixture(1.0, (0.0, 0.0), (deviation, deviation))
-        yield _Guess((name,) if name else (), mixture)
-
-
-def _kolmogorov(values: Array, distribution: str | Callable[[Array], Array]) -> float:
-    """Return Kolmogorov's √n D of values."""
-    from scipy.stats import kstest  # which takes a second to load
-
-    return math.sqrt(len(values)) * float(kstest(values, distribution, method="asymp").statistic)
 
 
 _SENTENCES = {
@@ -352,14 +315,20 @@ _SENTENCES = {
 }
 
 
-def _drawn(quantity: str, named: tuple[str, ...], statistic: float, note: str = "") -> Drawn:
-    fits = statistic < CRITICAL
-    if fits:
-        said = "; ".join(_SENTENCES[n] for n in named) or f"drawn as the paper means it{note}"
+def _judge(quantity: str, values: Array) -> Drawn:
+    from scipy.stats import kstest  # which takes a second to load
+
+    way = max(_ways(quantity, values), key=lambda way: way.likelihood(values))
+    statistic = math.sqrt(len(values)) * kstest(values, way.cdf, method="asymp").statistic
+    if fits := bool(statistic < CRITICAL):
+        known = "; ".join(_SENTENCES[name] for name in way.named)
+        said = known or f"drawn as the paper means it{way.fitted}"
     else:
-        named, said = (), "drawn from none of the known distributions"
-    sentence, names = f"{quantity}: {said}", list(named)
-    return Drawn(quantity=quantity, named=names, fits=fits, statistic=statistic, sentence=sentence)
+        said = "drawn from none of the known distributions"
+    return Drawn(
+        quantity=quantity, named=[*way.named] if fits else [], fits=fits,
+        statistic=float(statistic), sentence=f"{quantity}: {said}",
+    )  # fmt: skip
 
 
 # --- what is not random ---------------------------------------------------------------------------
@@ -380,7 +349,8 @@ _SLIPS = {
 }
 
 
-def _constant(quantity: str, paper: float, met: Sequence[float]) -> Constant | None:
+def _constant(quantity: str, met: Sequence[float]) -> Constant | None:
+    paper = float(at(AtBatScene(), quantity))
     same = partial(math.isclose, rel_tol=1e-9)
     others = [value for value in met if not same(value, paper)]
     if not others:

@@ -16,7 +16,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TextIO
 
-from longball.judge.testing import plain
+from longball.judge.answers import plain
 from longball.model.quantities import numbers
 from longball.model.scene import InvalidScene, parse_scene
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from longball.convergence import ConvergenceReport, Sample, converge
@@ -17,20 +17,19 @@ from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import Scene
 
-PLACE = "{dt}"  # in a command, where its time step goes
 SAMPLE = 12  # cases of each family: enough for a typical error
 FAMILIES = ("flight-both", "at-bat")  # of the golden data, where no other is asked for
 STEPS = "0.01:0.0001:9"  # s, evenly spaced in their logarithm
 
 
-def takes_step(command: Sequence[str]) -> bool:
-    """Tell whether a command has a place for a time step."""
-    return any(PLACE in word for word in command)
+def takes(command: Sequence[str], name: str) -> bool:
+    """Tell whether a command has a place for what is varied."""
+    return any(f"{{{name}}}" in word for word in command)
 
 
-def with_step(command: Sequence[str], step: float) -> list[str]:
-    """Return a command with a time step in its place."""
-    return [word.replace(PLACE, repr(step)) for word in command]
+def filled(command: Sequence[str], name: str, word: str) -> list[str]:
+    """Return a command with a word in the place for what is varied."""
+    return [part.replace(f"{{{name}}}", word) for part in command]
 
 
 def parse_steps(text: str) -> list[float]:
@@ -97,35 +96,13 @@ class StepSweep:
     phases: int = PHASES
     # Called with the runs done, and how many there are.
     progress: Callable[[int, int], None] = lambda done, of: None
-    # What else is varied than {dt}, and how its values are written; see `of_knob`.
-    knob: str = "dt"
-    words: Sequence[str] = ()
+    knob: str = "dt"  # what is varied
+    # What stands for a step in the command, if that is not the number itself.
+    words: Mapping[float, str] = field(default_factory=dict)
 
-    @classmethod
-    def of_knob(cls, text: str, expected: float | None = None, **options: Any) -> StepSweep:
-        """Return a sweep over the values of NAME=VALUES; see `parse_knob`.
-
-        Where the values rise, as a number of steps does, order is counted in their inverse.
-        """
-        name, words = parse_knob(text)
-        sizes = [float(word) for word in words]
-        steps = [1 / size for size in sizes] if sizes[0] < sizes[-1] else sizes
-        return cls(steps, expected, phases=1, knob=name, words=words, **options)
-
-    @property
-    def fewest(self) -> int:
-        """How many runs there are, if no quantity jumps with the phase of the step."""
-        return len(self.steps) * min(2, self.phases)
-
-    def filled(self, command: Sequence[str]) -> list[str]:
-        """Return a command with the finest value of a knob in its place; as it is with {dt}."""
-        return self._with(command, min(self.steps)) if self.words else list(command)
-
-    def _with(self, command: Sequence[str], step: float) -> list[str]:
-        if not self.words:
-            return with_step(command, step)
-        word = dict(zip(self.steps, self.words, strict=True))[step]
-        return [part.replace("{" + self.knob + "}", word) for part in command]
+    def filled(self, command: Sequence[str], step: float) -> list[str]:
+        """Return a command with a step in its place."""
+        return filled(command, self.knob, self.words.get(step, repr(step)))
 
     def run(
         self,
@@ -137,9 +114,8 @@ class StepSweep:
     ) -> tuple[ConvergenceReport, list[str]]:
         """Run a command with every step; see `converge` of `longball.convergence` and `run`.
 
-        Beside how it converges, what is wrong with its conduct is returned, with the time steps.
-        The limit of time in all is that of all runs together; none is begun after one that had to
-        be stopped.
+        Also returned is what is wrong with its conduct. The limit of time in all is that of all
+        runs together; none is begun after one that had to be stopped.
         """
         issues: list[str] = []
         limits = limits or Limits()
@@ -151,15 +127,45 @@ class StepSweep:
             if stopped:
                 return []
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
-            ran = run(self._with(command, step), scenes, left, table=table)
+            ran = run(self.filled(command, step), scenes, left, table=table)
             stopped = ran.status is None
             told = (issue for issue in ran.collected.issues if issue.kind != "unknown key")
             issues.extend(f"{self.knob} = {step:g}: {issue}" for issue in told)
             by_id = {scene.id: scene for scene in scenes}
             return [_sample(answer, by_id[i]) for i, answer in ran.collected.answers.items()]
 
-        options: dict[str, Any] = {"phases": self.phases, "progress": self.progress}
-        return converge(answers, scenes, self.steps, truth, self.expected, **options), issues
+        return converge(
+            answers, scenes, self.steps, truth, self.expected,
+            phases=self.phases, progress=self.progress,
+        ), issues  # fmt: skip
+
+
+def sweep_of(
+    command: Sequence[str],
+    steps: str | None = None,
+    knob: str | None = None,
+    expected: float | None = None,
+    **options: Any,
+) -> StepSweep | None:
+    """Return the sweep of options of the command line; see `parse_steps` and `parse_knob`.
+
+    Where the values of a knob rise, as a number of steps does, order is counted in their inverse.
+    None if the command has no place for a step. A ValueError names the option that is wrong.
+    """
+    if knob:
+        name, words = parse_knob(knob)
+        if not takes(command, name):
+            raise ValueError(f"--knob {knob} needs {{{name}}} in the COMMAND")
+        sizes = [float(word) for word in words]
+        sizes = [1 / size for size in sizes] if sizes[0] < sizes[-1] else sizes
+        varied = {"knob": name, "words": dict(zip(sizes, words, strict=True))}
+        return StepSweep(sizes, expected, **options | varied | {"phases": 1})
+    if takes(command, "dt"):
+        return StepSweep(parse_steps(steps or STEPS), expected, **options)
+    for option, given in (("--steps", steps), ("--expected", expected)):
+        if given is not None:
+            raise ValueError(f"{option} needs {{dt}} in the COMMAND, where its time step goes")
+    return None
 
 
 WHOLE = 0.1  # how near to a whole number an order is that is told as one
@@ -180,8 +186,7 @@ def _sample(answer: Answer, scene: Scene) -> Sample:
         from longball.judge.paths import landed
 
         answer, _ = landed(scene, answer)
-    values: dict[str, Sequence[Any]] = dict(answer.values)
-    for name, value in answer.values.items():
-        if len(value) > 1:
-            values |= {f"{name}[{i}]": [x] for i, x in enumerate(value)}
+    parts = {f"{name}[{i}]": (x,) for name, value in answer.values.items() if len(value) > 1
+             for i, x in enumerate(value)}  # fmt: skip
+    values: dict[str, Sequence[Any]] = {**answer.values, **parts}
     return Sample(answer.id, answer.outcome, values, error=answer.error)

@@ -11,8 +11,8 @@ import json
 import math
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from decimal import Decimal
 from statistics import median
@@ -24,18 +24,7 @@ from longball import __version__
 from longball.convergence import ConvergenceReport
 from longball.convergence.report import Frozen
 from longball.judge.answers import Answer, Collector, Issue
-from longball.judge.cases import (
-    FRAGILE,
-    TANGENTIAL,
-    VERTEX,
-    Case,
-    Exact,
-    Profile,
-    attainable,
-    decidable,
-    passes_corner_within_errors,
-    touches_within_errors,
-)
+from longball.judge.cases import FRAGILE, Case, Exact, Profile, attainable, decidable
 from longball.judge.findings import Diagnosis, many
 from longball.judge.quantities import (
     OPTIONAL,
@@ -52,8 +41,6 @@ from longball.judge.quantities import (
 )
 from longball.judge.sampling import Sampling
 from longball.model.schema import FOLDER, published, text
-
-_ALL = QUANTITIES | PATH
 
 
 @dataclass(frozen=True)
@@ -75,38 +62,6 @@ class Measured:
         """Whether the error is within the tolerance."""
         return self.error <= self.tolerance
 
-    @property
-    def excess(self) -> float:
-        """The error in units of the tolerance."""
-        if self.error == 0.0:
-            return 0.0
-        return self.error / self.tolerance if self.tolerance else math.inf
-
-    @property
-    def ulps(self) -> float | None:
-        """The error in units in the last place of the expected double; None if that is zero."""
-        # JSON knows no infinity.
-        return min(self.error / math.ulp(self.size), sys.float_info.max) if self.size else None
-
-    @property
-    def digits(self) -> float | None:
-        """Digits right; None for an expected zero."""
-        return _digits(self.error, self.size)
-
-    @property
-    def digits_attainable(self) -> float | None:
-        """Digits that double precision can get right; None for an expected zero."""
-        return _digits(self.attainable, self.size)
-
-
-_MOST_DIGITS = 17.0  # a double holds no more than this
-
-
-def _digits(error: float, size: float) -> float | None:
-    if not (size and error):
-        return _MOST_DIGITS if size else None
-    return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))
-
 
 @dataclass(frozen=True)
 class Comparison:
@@ -118,15 +73,10 @@ class Comparison:
     # precision does not have. A fragile case is judged if its outcome was hit; one whose outcome
     # hangs on errors that pass, if it was not refused.
     judged: bool
-    outcome_wrong: bool = False  # whether another outcome was given
     measured: tuple[Measured, ...] = ()  # every quantity that both sides have
     # Quantities of the truth, or ``outcome``, that were left out; what need not be told, too.
     missing: tuple[str, ...] = ()
-    unreadable: tuple[str, ...] = ()  # quantities given that are no numbers
-    # Blocks and quantities given that a scene with this outcome does not have.
-    superfluous: tuple[str, ...] = ()
-    # What is told besides numbers, and is not so: its name, what is right, what was told.
-    untrue: tuple[tuple[str, object, object], ...] = ()
+    faults: tuple[Fault, ...] = ()  # what is wrong; what is missing is not wrong
 
     @property
     def refused(self) -> bool:
@@ -135,9 +85,8 @@ class Comparison:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is wrong; what is missing is not wrong."""
-        told = self.outcome_wrong or self.unreadable or self.superfluous or self.untrue
-        return not told and all(m.passed for m in self.measured)
+        """Whether nothing is wrong."""
+        return not self.faults
 
     @property
     def empty(self) -> bool:
@@ -160,7 +109,7 @@ class Comparison:
 def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
     """Hold an answer against a case, one that the profile's `truths` returned."""
     judged = decidable(case)
-    if answer is not None and answer.error is not None and _may_be_refused(case, profile):
+    if answer is not None and answer.error is not None and profile.may_be_refused(case):
         judged = False
     if answer is None or answer.error is not None or not judged:
         return Comparison(case, answer, judged)
@@ -171,14 +120,15 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
 
         points = worst_points(case.scene, answer.path)
         answer, slack = landed(case.scene, answer)
+    truth = case.expected
     # Beside another outcome it is no wonder that a quantity is not there.
-    wrong = answer.outcome not in (None, case.expected.outcome)
+    wrong = answer.outcome not in (None, truth.outcome)
     if wrong and FRAGILE in case.flags:
         return Comparison(case, answer, judged=False)
-    expected, given = values_of(case.expected), answer.values
+    expected, given = values_of(truth), answer.values
     measured = [
         Measured(
-            name, true, radius_of(case.expected, name), given[name], difference(given[name], true),
+            name, true, radius_of(truth, name), given[name], difference(given[name], true),
             profile.tolerance(case, name, true) + slack.get(name, 0.0), attainable(case, name),
             length(true),
         )
@@ -193,30 +143,34 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
             Measured(name, true, (Decimal(0),) * 3, point, difference(point, true), allowed,
                      Exact().allowed(size), size)
         )  # fmt: skip
-    unreadable = tuple(sorted(answer.unreadable))
-    found = Comparison(case, answer, True, wrong, tuple(measured), unreadable=unreadable)
-    if wrong:
-        return found
     missing = [] if answer.outcome else ["outcome"]
-    missing += [n for n in expected if n not in given and n not in unreadable]
-    missing += [n for n in told_by(case.expected) if n not in answer.told]
-    return replace(
-        found,
-        missing=tuple(missing),
-        superfluous=tuple(superfluous(case.expected.outcome, expected, given)),
-        untrue=tuple(untrue(case.expected, answer.told)),
+    missing += [n for n in expected if n not in given and n not in answer.unreadable]
+    missing += [n for n in told_by(truth) if n not in answer.told]
+    faults = [_fault("outcome", [truth.outcome], [answer.outcome])] if wrong else []
+    faults += [_fault(n, expected.get(n, ()), ["not a number"]) for n in sorted(answer.unreadable)]
+    if not wrong:
+        faults += [_fault(n, [true], [told]) for n, true, told in untrue(truth, answer.told)]
+        none = [f"nothing: a {truth.outcome} scene has none"]
+        odd = superfluous(truth.outcome, expected, given)
+        faults += [_fault(name, none, ["numbers"]) for name in odd]
+    failed = [
+        _fault(m.quantity, m.expected, m.obtained, m.radius, m.error, m.tolerance)
+        for m in measured
+        if not m.passed
+    ]
+    faults += sorted(failed, key=lambda fault: -fault.excess)
+    return Comparison(
+        case, answer, True, tuple(measured), () if wrong else tuple(missing), tuple(faults)
     )
 
 
-def _may_be_refused(case: Case, profile: Profile) -> bool:
-    """Tell whether errors that pass leave open what happens: nobody need answer then."""
-    if FRAGILE in case.flags or (TANGENTIAL in case.flags and touches_within_errors(case)):
-        return True
-    if VERTEX in case.flags and passes_corner_within_errors(case):
-        return True
-    near = ("contact.margin", "fence.clearance")
-    known = {name: x for name, x in values_of(case.expected).items() if name in near}
-    return any(length(x) <= profile.tolerance(case, name, x) for name, x in known.items())
+def _fault(
+    what: str, expected: Iterable[object], obtained: Iterable[object],
+    radius: Iterable[object] = (), error: float | None = None, tolerance: float | None = None,
+) -> Fault:  # fmt: skip
+    numbers = {"expected": expected, "radius": radius, "obtained": obtained}
+    texts = {name: [str(x) for x in held] for name, held in numbers.items()}
+    return Fault(what=what, **texts, error=error, tolerance=tolerance)
 
 
 # --- the verdict, as JSON has it ------------------------------------------------------------------
@@ -254,6 +208,11 @@ class Fault(Frozen):
     error: float | None = Field(description="null where what was given is no number")
     tolerance: float | None
 
+    @property
+    def excess(self) -> float:
+        """The error in units of its tolerance; infinite without one."""
+        return math.inf if self.error is None or not self.tolerance else self.error / self.tolerance
+
 
 class Failure(Frozen):
     """A case that failed."""
@@ -266,11 +225,8 @@ class Failure(Frozen):
 
     @property
     def excess(self) -> float:
-        """The largest error in units of its tolerance; infinite without one."""
-        return max(
-            math.inf if f.error is None or not f.tolerance else f.error / f.tolerance
-            for f in self.faults
-        )
+        """That of its worst fault."""
+        return max(fault.excess for fault in self.faults)
 
 
 class Confusion(Frozen):
@@ -383,13 +339,14 @@ def verdict(
     truth: str,
     partial: bool = False,
     diagnosis: Diagnosis | None = None,
+    seconds: float | None = None,
 ) -> Verdict:
     """Return the verdict on a candidate, whose answers were held against `truth` by a `profile`.
 
     If `partial`, scenes and quantities may be left out.
     """
     judged = [c for c in comparisons if c.judged and c.answer and not (c.refused or c.empty)]
-    failures = sorted((failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
+    failures = sorted((_failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
     errors = [(c.case.id, c.answer.error) for c in comparisons if c.judged and c.answer]
     refused = [Unsolved(id=name, reason=error) for name, error in errors if error is not None]
     collected = submission.collected
@@ -418,7 +375,7 @@ def verdict(
         status = "PARTIAL" if status == "PASSED" else status
     return Verdict(
         status=status, passed=not reasons, reasons=reasons, candidate=submission.candidate,
-        profile=profile, truth=truth, would_pass_at=_would_pass_at(judged) if failures else None,
+        profile=profile, truth=truth, would_pass_at=_would_pass_at(judged),
         cases=len(comparisons), complete=complete, judged=len(judged),
         right=len(judged) - len(failures), rows=list(_rows(judged)), outcomes=_confusions(judged),
         contacts_missed=[c.case.id for c in judged if _met(c) == (True, False)],
@@ -428,17 +385,17 @@ def verdict(
         undecidable=[c.case.id for c in comparisons if not c.judged],
         complaints=sorted(collected.issues, key=lambda issue: issue.kind != "process"),
         complaints_left_out=dict(collected.left_out), standard_error=submission.standard_error,
-        seconds=None,  # nobody knows before the last run
-        diagnosis=diagnosis, convergence=convergence, sampling=sampling,
+        seconds=seconds, diagnosis=diagnosis, convergence=convergence, sampling=sampling,
     )  # fmt: skip
 
 
 def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     """Return the least error that would have to be allowed, rounded up to two digits."""
-    if any(c.outcome_wrong or c.unreadable or c.superfluous or c.untrue for c in judged):
+    errors = [fault.error for c in judged for fault in c.faults]
+    known = [error for error in errors if error is not None]
+    if len(known) < len(errors) or not known:
         return None
-    worst = max(m.error for c in judged for m in c.measured if not m.passed)
-    place = 10.0 ** (math.floor(math.log10(worst)) - 1)
+    place = 10.0 ** (math.floor(math.log10(worst := max(known))) - 1)
     return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
@@ -470,61 +427,47 @@ def _confusions(judged: Iterable[Comparison]) -> list[Confusion]:
     return [Confusion(expected=a, obtained=b, cases=n) for (a, b), n in sorted(pairs.items())]
 
 
-def _rows(judged: Iterable[Comparison]) -> Iterable[Row]:
+def _rows(judged: Iterable[Comparison]) -> Iterator[Row]:
     groups: dict[tuple[str, str], list[tuple[Comparison, Measured]]] = defaultdict(list)
     for comparison in judged:
         for measured in comparison.measured:
             groups[comparison.case.family, measured.quantity].append((comparison, measured))
     for family in dict.fromkeys(family for family, _ in groups):
-        for name, quantity in _ALL.items():
+        for name, quantity in (QUANTITIES | PATH).items():
             if group := groups.get((family, name)):
                 yield _row(family, name, quantity.unit, group)
 
 
 def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measured]]) -> Row:
     measured = [m for _, m in group]
-    worst = max(group, key=lambda pair: pair[1].error)
-    ulps = [m.ulps for m in measured if m.ulps is not None]
-    both = [(m.digits, m.digits_attainable) for m in measured]
-    lost = [(b - a, a, b) for a, b in both if a is not None and b is not None]
+    worst, most = max(group, key=lambda pair: pair[1].error)
+    # JSON knows no infinity.
+    ulps = [min(m.error / math.ulp(m.size), sys.float_info.max) for m in measured if m.size]
+    digits = [(_digits(m.error, m.size), _digits(m.attainable, m.size)) for m in measured if m.size]
+    lost = [(attainable - right, right, attainable) for right, attainable in digits]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))
     return Row(
         family=family, quantity=name, unit=unit, cases=len(group),
-        failed=sum(not m.passed for m in measured), worst_error=worst[1].error,
+        failed=sum(not m.passed for m in measured), worst_error=most.error,
         median_error=median(m.error for m in measured), worst_ulps=max(ulps, default=None),
         median_ulps=median(ulps) if ulps else None, digits_right=digits_right,
-        digits_attainable=digits_attainable, worst_case=worst[0].case.id,
+        digits_attainable=digits_attainable, worst_case=worst.case.id,
     )  # fmt: skip
 
 
-def failure(comparison: Comparison) -> Failure:
-    """Return what is wrong in a comparison; nothing may be."""
-    case, answer = comparison.case, comparison.answer
-    expected = values_of(case.expected)
-    outcome = case.expected.outcome
-    none = [f"nothing: a {outcome} scene has none"]
-    faults = []
-    if comparison.outcome_wrong:
-        faults.append(_fault("outcome", [outcome], [answer.outcome if answer else None]))
-    faults += [_fault(n, expected.get(n, ()), ["not a number"]) for n in comparison.unreadable]
-    faults += [_fault(name, [true], [told]) for name, true, told in comparison.untrue]
-    faults += [_fault(name, none, ["numbers"]) for name in comparison.superfluous]
-    faults += [
-        _fault(m.quantity, m.expected, m.obtained, m.radius, m.error, m.tolerance)
-        for m in sorted(comparison.measured, key=lambda m: -m.excess)
-        if not m.passed
-    ]
+_MOST_DIGITS = 17.0  # a double holds no more than this
+
+
+def _digits(error: float, size: float) -> float:
+    if not error:
+        return _MOST_DIGITS
+    return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))
+
+
+def _failure(comparison: Comparison) -> Failure:
+    case, faults = comparison.case, list(comparison.faults)
     scene: dict[str, Any] = json.loads(case.scene.line())
     return Failure(id=case.id, family=case.family, flags=[*case.flags], scene=scene, faults=faults)
-
-
-def _fault(
-    what: str, expected: Iterable[object], obtained: Iterable[object],
-    radius: Iterable[object] = (), error: float | None = None, tolerance: float | None = None,
-) -> Fault:  # fmt: skip
-    numbers = {"expected": expected, "radius": radius, "obtained": obtained}
-    texts = {name: [str(x) for x in held] for name, held in numbers.items()}
-    return Fault(what=what, **texts, error=error, tolerance=tolerance)
 
 
 if __name__ == "__main__":
