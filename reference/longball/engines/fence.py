@@ -22,27 +22,13 @@ from longball.model.numbers import N, Numbers, absolute
 
 @dataclass(frozen=True)
 class Place(Generic[N]):
-    """A place of a fence.
+    """A place of a fence."""
 
-    Attributes
-    ----------
-    height
-        Of the fence's top there, m.
-    segment
-        Number of the chord.
-    margin
-        m, along the chord to the next vertex; None on a circle.
-    to_break
-        m, to the next vertex at which the fence ends or has two heights.
-    slope
-        Of the height along the chord.
-    """
-
-    height: N
-    segment: Any
-    margin: N | None
-    to_break: N
-    slope: N
+    height: N  # of the fence's top there, m
+    segment: Any  # number of the chord
+    margin: N | None  # m, along the chord to the next vertex; None on a circle
+    to_break: N  # m, to the next vertex at which the fence ends or has two heights
+    slope: N  # of the height along the chord
 
 
 @dataclass(frozen=True)
@@ -103,12 +89,7 @@ def stop_at(
 ) -> Stop[N]:
     """Return where a ball that flies from s ahead (sense 1) or back (-1) first leaves the field.
 
-    Far away if it does not.
-
-    Parameters
-    ----------
-    error
-        Of directions, relative.
+    Far away if it does not. The `error` is that of directions, relative.
     """
     zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
     nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
@@ -191,22 +172,12 @@ def first_crossing(
     fence: Any,
     frame: Frame[N],
     pieces: Iterator[Piece[N]],
-    end: N,
-    late: N,
-    error: N,
+    end: N,  # s since the launch
+    late: N,  # error of the end, s
+    error: N,  # of a state, relative to its size
     numbers: Numbers[N],
 ) -> Crossing[N] | None:
-    """Return where a flight in space first leaves the field; None if it does not before an end.
-
-    Parameters
-    ----------
-    end
-        s since the launch.
-    late
-        Error of the end, s.
-    error
-        Of a state, relative to its size.
-    """
+    """Return where a flight in space first leaves the field; None if it does not before an end."""
     lines: list[tuple[Chord[N] | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
@@ -296,11 +267,7 @@ def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple
     """Yield when a value falls through zero on a piece, every time, and turns within its error.
 
     Where a flight ends the piece is such a turn, within the error `at_end`; None if it goes on.
-
-    Yields
-    ------
-    tuple of number and bool
-        s since the piece begins; whether it is a turn that may not reach zero.
+    Each comes with whether it is a turn that may not reach zero.
     """
     start = end * 0
     if at_end is None and curve.positive(start, end) and curve(start) > 2 * error:

@@ -121,10 +121,7 @@ class Ivp(PathEngine[float]):
     ) -> Iterator[PolynomialPiece]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 
-        Raises
-        ------
-        OutOfRange, TooLong
-            If solve_ivp gives up, or the flight takes too many steps.
+        Raises `OutOfRange` or `TooLong` if solve_ivp gives up, or the flight takes too many steps.
         """
         solver, expand = self._solver(law, begin, start, limit), Expander(law)
         taken = 0

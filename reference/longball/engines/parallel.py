@@ -61,10 +61,7 @@ def in_parallel(
 def checked(workers: object) -> int:
     """Return a number of workers: positive, or -1 for one per core.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is none.
+    Raises `TypeError` or `ValueError` if it is none.
     """
     number: int = of_type(int, "workers", workers)
     if number < 1 and number != -1:

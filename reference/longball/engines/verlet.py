@@ -64,21 +64,12 @@ _QUIET = np.errstate(all="ignore")
 
 
 class Treatment(NamedTuple):
-    """How the force at the end of a step is had, which depends on the velocity there.
+    """How the force at the end of a step is had, which depends on the velocity there."""
 
-    Attributes
-    ----------
-    ahead
-        It is evaluated at v + ahead · a Δt.
-    iterates
-        Whether it is then evaluated at the v' that it leads to, until v' no longer changes.
-    carries
-        Whether the next step begins with it, instead of with the force at v'.
-    """
-
-    ahead: float
+    ahead: float  # it is evaluated at v + ahead · a Δt
+    # Whether it is then evaluated at the v' that it leads to, until v' no longer changes
     iterates: bool
-    carries: bool
+    carries: bool  # whether the next step begins with it, instead of with the force at v'
 
 
 # One force evaluation a step if carried, two if not, about eight if iterated. With forces that
@@ -102,24 +93,14 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class SteppedTouch(Touch[float]):
-    """How a pitch meets the bat in steps.
+    """How a pitch meets the bat in steps."""
 
-    Attributes
-    ----------
-    step
-        Number of the step before the first one in the bat.
-    before, inside
-        The states at that step and at the next one.
-    ahead
-        Δt', s.
-    leaving
-        Whether `state` is where the ball would leave the bat, instead of where it enters.
-    """
-
-    step: int
+    step: int  # number of the step before the first one in the bat
+    # before, inside: the states at that step and at the next one
     before: State[float]
     inside: State[float]
-    ahead: float
+    ahead: float  # Δt', s
+    # Whether `state` is where the ball would leave the bat, instead of where it enters
     leaving: bool = False  # in place of the property
 
     @property
@@ -172,10 +153,8 @@ class Verlet(Stepped[float]):
 
         An event is looked for at the steps only.
 
-        Raises
-        ------
-        TooLong
-            If the flight takes too many steps: at once where a trial with long steps shows it.
+        Raises `TooLong` if the flight takes too many steps: at once where a trial with long steps
+        shows it.
         """
         if limit > (reach := _MARGIN * _MOST_WORK * self.dt):
             trial = replace(self, dt=reach / _TRIAL_STEPS)
@@ -320,10 +299,7 @@ class Verlet(Stepped[float]):
         Each has a row for each component of the state. It comes with the number of the step in its
         first column, the last one of the array before.
 
-        Raises
-        ------
-        TooLong
-            If the flight takes too many steps.
+        Raises `TooLong` if the flight takes too many steps.
         """
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS

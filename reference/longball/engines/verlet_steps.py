@@ -29,38 +29,21 @@ ROUNDS = 100
 
 
 def step(
+    # position, velocity: m, m/s
     position: Any,
     velocity: Any,
-    force: Any,
-    push: Any,
-    dt: float,
+    force: Any,  # m/s², of the law: what the step begins with
+    push: Any,  # m/s², constant over the step
+    dt: float,  # s
+    # ahead, iterates, carries: see `longball.engines.verlet.Treatment`
     ahead: float,
     iterates: bool,
     carries: bool,
-    parameters: Any,
+    parameters: Any,  # of the law
 ) -> Any:
-    """Take one step.
+    """Return position, velocity and force after a step: the force that the next one begins with.
 
-    Parameters
-    ----------
-    position, velocity
-        m, m/s.
-    force
-        m/s², of the law: what the step begins with.
-    push
-        m/s², constant over the step.
-    dt
-        s.
-    ahead, iterates, carries
-        See `longball.engines.verlet.Treatment`.
-    parameters
-        Of the law.
-
-    Returns
-    -------
-    position, velocity, force
-        At the end; the force is what the next step begins with. NaN where an implicit step does
-        not settle.
+    NaN where an implicit step does not settle.
     """
     felt = plus(force, 1.0, push)
     half = plus(velocity, 0.5 * dt, felt)

@@ -546,9 +546,7 @@ class _Step(_Expansion):
         It is not needed where all but one of the squares vanish, as on a vertical flight, for then
         the root is ± an analytic function; nor where the series ends.
 
-        Returns
-        -------
-        The lanes where only one square does not vanish, and the length.
+        Returns the lanes where only one square does not vanish, and the length.
         """
         start = [self.zeroth[name] for name in velocities]
         square = self.number(0.0)
@@ -718,16 +716,12 @@ def written(program: Program) -> Any:
 
 @dataclass(frozen=True)
 class Kernel:
-    """The compiled steps of a program.
-
-    Attributes
-    ----------
-    step, rest
-        Addresses of the functions ``step(x, functions, order, stride, count, truncation)`` and
-        ``expand_from_rest(x, order, stride)``; the stride is the number of rows of a block.
-    """
+    """The compiled steps of a program."""
 
     layout: Layout
+    # step, rest: addresses of the functions ``step(x, functions, order, stride, count,
+    # truncation)`` and ``expand_from_rest(x, order, stride)``; the stride is the number of rows of
+    # a block
     step: int
     rest: int
     engine: Any  # owns the code

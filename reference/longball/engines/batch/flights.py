@@ -208,64 +208,44 @@ _NONE = -1  # flies in a lane
 
 
 class _Setup(NamedTuple):
-    """What all flights share: sizes, code, and memory.
+    """What all flights share: sizes, code, and memory."""
 
-    Attributes
-    ----------
-    half, variables, parameters, functions
-        Numbers of positions, variables, parameters; and of the waypoint and the events.
-    order, degree
-        Of the velocity's polynomials, and of the position's.
-    block, width
-        Doubles between two components of the state in `x`, and in `work`.
-    expand_from_rest
-        Address of code.
-    truncation
-        Of the series, relative to the speed.
-    x, strengths, step
-        The expansion of all lanes, its block of parameters, and that of the step.
-    lost
-        What rounding has taken from each position, a part of `step`; behind it what it takes next.
-    rest, rest_strengths, rest_block
-        The same for one flight at rest.
-    linear
-        Linear functions of the flights in the lanes: waypoint and events, with absolute errors.
-    kept
-        The block of the step, while a lane of it is made anew.
-    work
-        Polynomials of the state of one flight in its step, and of the bat's distance after them.
-    p, slope, bend
-        Of an event.
-    state
-        Of a flight at some time.
-    """
-
+    # half, variables, parameters, functions: numbers of positions, variables, parameters; and of
+    # the waypoint and the events
     half: int
     variables: int
     parameters: int
     functions: int
+    # order, degree: of the velocity's polynomials, and of the position's
     order: int
     degree: int
+    # block, width: doubles between two components of the state in `x`, and in `work`
     block: int
     width: int
-    expand_from_rest: int
-    truncation: float
+    expand_from_rest: int  # address of code
+    truncation: float  # of the series, relative to the speed
+    # x, strengths, step: the expansion of all lanes, its block of parameters, and that of the step
     x: Any
     strengths: Any
     step: Any
+    # What rounding has taken from each position, a part of `step`; behind it what it takes next
     lost: Any
+    # rest, rest_strengths, rest_block: the same for one flight at rest
     rest: Any
     rest_strengths: Any
     rest_block: int
+    # Linear functions of the flights in the lanes: waypoint and events, with absolute errors
     linear: Any
-    kept: Any
+    kept: Any  # the block of the step, while a lane of it is made anew
+    # Polynomials of the state of one flight in its step, and of the bat's distance after them
     work: Any
+    # p, slope, bend: of an event
     p: Any
     slope: Any
     bend: Any
     across: Any
     above: Any
-    state: Any
+    state: Any  # of a flight at some time
 
 
 _SCRATCH = 6  # rows of a workspace after those of the state

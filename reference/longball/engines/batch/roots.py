@@ -77,6 +77,7 @@ def downward(slope: Array, degree: int, end: float) -> float:
 
 @inner
 def first_zero(
+    # p, slope: coefficients of p, of degree `degree`, and of p'
     p: Array,
     slope: Array,
     degree: int,
@@ -84,18 +85,11 @@ def first_zero(
     level: float,
     begin: float,
     end: float,
-    bend: float,
+    bend: float,  # an upper bound on ``-sign p''`` up to the end
 ) -> float:
     """Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
 
     NaN if the walk takes too long, as it does to a triple root.
-
-    Parameters
-    ----------
-    p, slope
-        Coefficients of p, of degree `degree`, and of p'.
-    bend
-        An upper bound on ``-sign p''`` up to the end.
     """
     t: float = begin
     height, rate = p[0], slope[0]
