@@ -305,7 +305,7 @@ class Verlet(Stepped[float]):
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
         branches = _branches(law, start, DOUBLES)
         form = law.on(branches) if law.bends else law
-        force = _acceleration(form)(*_halves(last.tolist()), _parameters(form))
+        force = _acceleration(form, start)
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
             if done > _MOST_WORK:
@@ -321,7 +321,7 @@ class Verlet(Stepped[float]):
                 states = states[:, : 2 + int(np.argmax(passed))]
                 branches = _branches(law, states[:, -1], DOUBLES)
                 form = law.on(branches)
-                force = _acceleration(form)(*_halves(states[:, -1].tolist()), _parameters(form))
+                force = _acceleration(form, states[:, -1].tolist())
             yield done, states
             last, done, length = (
                 states[:, -1],
@@ -591,24 +591,23 @@ def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., 
     def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
-        acceleration = _acceleration(law)(*_halves(law.state_of(launch)), _parameters(law))
+        acceleration = _acceleration(law, law.state_of(launch))
         state = PlaneState if len(acceleration) == 2 else SpaceState
         return frame.velocity(state(*(0.0 for _ in acceleration), *acceleration))
 
     return air
 
 
-def _acceleration(law: Law[float]) -> Callable[..., Components]:
-    """Return the function from position, velocity and parameters to the acceleration."""
-    accelerate: Callable[..., Components] = steps_of(law.program).count().accelerate
-
-    def function(position: Components, velocity: Components, parameters: Components) -> Components:
-        try:
-            return accelerate(position, velocity, parameters)
-        except BEYOND:
-            return (math.nan,) * len(velocity)
-
-    return function
+def _acceleration(law: Law[float], state: Sequence[float]) -> Components:
+    """Return the acceleration in a state; NaN beyond the range of doubles."""
+    position, velocity = _halves(list(map(float, state)))
+    try:
+        found: Components = (
+            steps_of(law.program).count().accelerate(position, velocity, _parameters(law))
+        )
+    except BEYOND:
+        return (math.nan,) * len(velocity)
+    return found
 
 
 def _parameters(law: Law[float]) -> Components:

@@ -481,7 +481,12 @@ def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
         s.rest[i * s.rest_block] = s.x[i * s.block + slot.lane]
     for k in range(s.parameters):
         s.rest_strengths[k] = s.strengths[k * WIDTH + slot.lane]
-    if call(s.expand_from_rest, (s.rest, s.order, s.rest_block)) == 0:
+    if (
+        call(
+            s.expand_from_rest, (s.rest, s.linear, s.order, s.rest_block, s.functions, s.truncation)
+        )
+        == 0
+    ):
         return length  # the air moves
     # There V = a t + …, with the acceleration a.
     square = 0.0
