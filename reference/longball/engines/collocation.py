@@ -182,17 +182,6 @@ class Dynamics:
 
     The unknowns of a step are the rates of the `free` variables: all but those whose rate is just
     a free variable, as the velocity is that of the position. These are integrals.
-
-    Attributes
-    ----------
-    free
-        Indices of the free variables among those of a state.
-    integrals
-        From the index of any other variable to that of its rate.
-    partials
-        The pairs (i, k) of a free variable and one that its rate depends on.
-    used
-        The variables that the rates of the free ones depend on.
     """
 
     def __init__(self, law: Law[Mpf], numbers: Numbers[Mpf]) -> None:
@@ -202,11 +191,13 @@ class Dynamics:
             names.index(rate.args[0]) if rate.kind == "variable" else None
             for rate in program.outputs
         ]
+        # From the index of such a variable to that of its rate
         self.integrals = {
             i: rate for i, rate in enumerate(rate_of) if rate is not None and rate_of[rate] is None
         }
         self.free = [i for i in range(len(names)) if i not in self.integrals]
         pairs = [(i, k) for i in range(len(names)) for k in range(len(names))]
+        # Of a free variable, and one that its rate depends on
         self.partials = [
             pair
             for pair, partial in zip(pairs, program.jacobian().outputs, strict=True)

@@ -17,7 +17,7 @@ from typing import Any, Generic
 from longball.engines.event import Curve, Event, Piece
 from longball.model.frame import Frame
 from longball.model.law import State
-from longball.model.numbers import N, Numbers, absolute
+from longball.model.numbers import N, Numbers, Vector, absolute
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,14 @@ class Chord(Generic[N]):
     open_a: bool
     open_b: bool
 
+    def length(self, numbers: Numbers[N]) -> N:
+        """Return the length, m."""
+        x, y = self.b[0] - self.a[0], self.b[1] - self.a[1]
+        return numbers.sqrt(x * x + y * y)
+
     def place(self, share: N, to_end: N, to_break: N, numbers: Numbers[N]) -> Place[N]:
         """Return the place at a share of the way from a to b; `to_end` is the other share."""
-        x, y, rise = (b - a for a, b in zip(self.a, self.b, strict=True))
-        length = numbers.sqrt(x * x + y * y)
+        length, rise = self.length(numbers), self.b[2] - self.a[2]
         shorter = numbers.where(to_end < share, to_end, share)
         height = self.a[2] + share * rise
         return Place(height, self.segment, shorter * length, to_break, rise / length)
@@ -234,33 +238,35 @@ def _on_piece(
 
     On the last piece the ball is `moved`, m, in the time by which its end may be off.
     """
-    zero, far = numbers.exact(0.0), numbers.exact(_FAR)
-    x, y, _ = frame.position(piece.at(zero))
-    size = 1 + absolute(x) + absolute(y)
-    if chord is None:
-        around = Place(zero, 0, None, far, zero)
-        off = 2 * error * size * size
-        at_end = None if moved is None else off + 2 * moved * size
-        for t, doubtful in falls(piece.curve(value), until, off, at_end):
-            yield Crossing(piece.begin + t, piece.at(t), around, doubtful)
-        return
-    (ax, ay, _), (bx, by, _) = chord.a, chord.b
-    length = numbers.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-    off = error * size * length
-    at_end = None if moved is None else off + moved * length
+    zero = numbers.exact(0.0)
+    size = _size(frame.position(piece.at(zero)))
+    slope = 2 * size if chord is None else chord.length(numbers)
+    off = error * size * slope
+    at_end = None if moved is None else off + moved * slope
+    around = Place(zero, 0, None, numbers.exact(_FAR), zero)
     for t, doubtful in falls(piece.curve(value), until, off, at_end):
         state = piece.at(t)
-        x, y, _ = frame.position(state)
-        ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
-        slack = error * (1 + absolute(x) + absolute(y))
-        if ahead < -slack or ahead > length + slack:
-            continue
-        to_a = absolute(ahead) if chord.open_a else far
-        to_b = absolute(length - ahead) if chord.open_b else far
-        to_break = to_b if to_b < to_a else to_a
-        share, to_end = ahead / length, (length - ahead) / length
-        place = chord.place(share, to_end, to_break, numbers)
-        yield Crossing(piece.begin + t, state, place, doubtful)
+        place = around if chord is None else _passed(chord, frame.position(state), error, numbers)
+        if place is not None:
+            yield Crossing(piece.begin + t, state, place, doubtful)
+
+
+def _size(position: Sequence[N]) -> N:
+    return 1 + absolute(position[0]) + absolute(position[1])
+
+
+def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N]) -> Place[N] | None:
+    """Return the place of a chord that a position on its line is at; None beyond its ends."""
+    (ax, ay, _), (bx, by, _), (x, y, _) = chord.a, chord.b, position
+    length, far = chord.length(numbers), numbers.exact(_FAR)
+    ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+    slack = error * _size(position)
+    if ahead < -slack or ahead > length + slack:
+        return None
+    to_a = absolute(ahead) if chord.open_a else far
+    to_b = absolute(length - ahead) if chord.open_b else far
+    to_break = to_b if to_b < to_a else to_a
+    return chord.place(ahead / length, (length - ahead) / length, to_break, numbers)
 
 
 def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:

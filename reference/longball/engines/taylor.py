@@ -129,45 +129,23 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
 
 class Series(DenseOutput):  # type: ignore[misc]
-    """The dense output of a step: its own polynomial.
-
-    Attributes
-    ----------
-    coefficients
-        Shape (n, order + 2): of the powers of ``t - t_old``, for each component of the state.
-    """
+    """The dense output of a step: its own polynomial."""
 
     def __init__(self, t_old: float, t: float, coefficients: Array) -> None:
         super().__init__(t_old, t)
+        # Shape (n, order + 2): of the powers of ``t - t_old``, for each component of the state
         self.coefficients = coefficients
 
-    def __call__(self, t: float | Array) -> Array:
-        """Return the state at a time, or at several: shape (n,) or (n, times)."""
-        if not isinstance(t, float):
-            found: Array = super().__call__(t)
-            return found
-        return values_at(self.coefficients, t - self.t_old)
-
     def _call_impl(self, t: Array) -> Array:
-        if t.ndim == 0:
-            return self(float(t))
-        return np.reshape([self(each) for each in t.tolist()], (-1, len(self.coefficients))).T
+        states = [values_at(self.coefficients, h) for h in (t - self.t_old).ravel().tolist()]
+        return np.reshape(states, (*t.shape, -1)).T
 
 
 # --- a step ---------------------------------------------------------------------------------------
 
 
 class Expander:
-    """From states to the series of a law.
-
-    Parameters
-    ----------
-    law
-    order
-        Of the series.
-    rtol
-        Of their last terms; it sets how far they reach.
-    """
+    """From states to series of a law; `rtol`, that of their last terms, sets how far they reach."""
 
     def __init__(self, law: Law[float], order: int = ORDER, rtol: float = TRUNCATION) -> None:
         self._printed = _printed(law.program)

@@ -33,7 +33,7 @@ What the paper leaves open about those two steps:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -314,7 +314,8 @@ class Verlet(Stepped[float]):
             states[:, 0] = last
             march = steps_of(form.program).count(states.shape[1]).march
             with suppress(*BEYOND):
-                force = march(states, force, self.dt, *treatment, _parameters(form))
+                begin = _halves(last.tolist())
+                force = march(states, *begin, force, self.dt, *treatment, _parameters(form))
             passed = _left(law, branches, states[:, 1:])
             if np.any(passed):
                 # The next step begins in another form of the law.
@@ -533,9 +534,6 @@ def print_law(program: Program) -> str:
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)
 
-    def entries(rows: Iterable[int]) -> str:
-        return "".join(f"float(states[{i}, k]), " for i in rows)
-
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
     path = [2 * both] * (len(positions) - both)
@@ -552,9 +550,6 @@ def print_law(program: Program) -> str:
             f"return ({each('position[{i}] + dt * velocity[{i}]')}{further})",
         ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
-        "read(states, k)": [
-            f"return ({entries([*dimensions, *path])}), ({entries(both + i for i in dimensions)})"
-        ],
         "write(states, k, position, velocity)": [
             f"states[{i + shift}, k] = {name}[{i}]"
             for name, shift in (("position", 0), ("velocity", both))

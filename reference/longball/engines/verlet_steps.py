@@ -14,12 +14,11 @@ from typing import Any
 
 # Printed: the acceleration at a position and velocity, given the parameters; a + factor b; where a
 # position is after dt at a velocity, the path through the air being one too; the largest size of a
-# component; position and velocity from a column of an array, and back.
+# component; what writes position and velocity into a column of an array.
 accelerate: Callable[..., Any]
 plus: Callable[..., Any]
 moved: Callable[..., Any]
 largest: Callable[..., Any]
-read: Callable[..., Any]
 write: Callable[..., None]
 
 # An implicit step has settled when v' changes by no more than its rounding, and has failed when it
@@ -67,13 +66,20 @@ def step(
 
 
 def march(
-    states: Any, force: Any, dt: float, ahead: float, iterates: bool, carries: bool, parameters: Any
+    states: Any,
+    position: Any,
+    velocity: Any,
+    force: Any,
+    dt: float,
+    ahead: float,
+    iterates: bool,
+    carries: bool,
+    parameters: Any,
 ) -> Any:
-    """Fill an array with the states after one step, two, …, from its first column on.
+    """Fill an array with the states after one step, two, …, from its second column on.
 
     Returns the force that the next step begins with.
     """
-    position, velocity = read(states, 0)
     nothing = plus(velocity, -1.0, velocity)
     for k in range(1, states.shape[1]):
         position, velocity, force = step(

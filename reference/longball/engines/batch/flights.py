@@ -62,23 +62,6 @@ _FLYING, _AT_WAYPOINT, _AT_REST = -1, -2, -3
 def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     """Return the type of the records of where flights start and what can end them.
 
-    The fields are
-
-    ``time``, ``time_limit``
-        s.
-    the program's variables and parameters
-        By their names: state and strengths; 0 for a force that does not act.
-    ``error``
-        Of a state at the end of a flight, relative to its size.
-    ``reach``, ``margin_error``, ``across``, ``above``
-        The bat: the distance from its axis at which it is touched, m, 0 for no bat; the error of
-        the margin, m; the two components of the distance.
-    ``waypoint``, ``ahead``
-        A step ends where this function falls through zero, and the state there is noted. The event
-        of that number lies beyond; NaN if none does.
-    ``events``
-        The functions that end a flight where they fall through zero.
-
     Functions are linear: an array of the coefficients of the variables, the constant, and the size
     that the error is relative to.
     """
@@ -86,44 +69,40 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     return np.dtype(
         [
             *((name, np.float64) for name in _FLIGHT),
+            # State and strengths; 0 for a force that does not act.
             *((name, np.float64) for name in (*program.variables, *program.parameters)),
+            # The components of the distance from the bat's axis; and a function at whose fall
+            # through zero a step ends, and the state is noted.
             *((name, np.float64, (size,)) for name in ("across", "above", "waypoint")),
-            ("events", np.float64, (events, size)),
+            ("events", np.float64, (events, size)),  # they end a flight where they fall
         ]
     )
 
 
-_FLIGHT = ("time", "time_limit", "error", "reach", "margin_error", "ahead")
+_FLIGHT = (
+    "time", "time_limit",  # s
+    "error",  # of a state at the end of a flight, relative to its size
+    "reach",  # m, the distance from the bat's axis at which it is touched; 0 for no bat
+    "margin_error",  # m
+    "ahead",  # number of the event that lies beyond the waypoint; NaN if none does
+)  # fmt: skip
 _TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _AHEAD, _STATE = range(7)
 # Functions, in the order of the records.
 _ACROSS, _ABOVE, _WAYPOINT, _FIRST_EVENT = range(4)
 
 
 def arrival_dtype(program: Program) -> np.dtype[Any]:
-    """Return the type of the records of how flights end.
-
-    The fields are
-
-    ``stop``
-        The number of the event, `TIME_LIMIT`, `TOUCH`, or why there is no answer.
-    ``event``, ``rival``, ``doubt``
-        What is undecided: about one event, or which of two is first; and the value that lies within
-        its error.
-    ``steps``
-        How many were taken.
-    ``time`` and the program's variables
-        When, s, and in what state it ends.
-    ``mark_time``, ``mark_`` and the variables
-        When and in what state it passed the waypoint or, at a bat, first touched it; the time is
-        NaN if it did not.
-    ``margin``
-        Of the bat, m.
-    """
+    """Return the type of the records of how flights end."""
     names = ("time", *program.variables)
     return np.dtype(
         [
+            # The number of the event, `TIME_LIMIT`, `TOUCH`, or why there is no answer; how many
+            # steps were taken; the one or two events about which something is undecided.
             *((name, np.int64) for name in ("stop", "steps", "event", "rival")),
+            # Of the bat, m; the value that lies within its error.
             *((name, np.float64) for name in ("margin", "doubt")),
+            # When, s, and in what state it ends, and it passed the waypoint or, at a bat, first
+            # touched it; that time is NaN if it did not.
             *((f"{prefix}{name}", np.float64) for prefix in ("", "mark_") for name in names),
         ]
     )

@@ -78,17 +78,7 @@ def _linear(node: Node) -> tuple[Node, Sequence[tuple[Node, Node]]] | None:
 
 
 class System:
-    """The equations of a flight, with the values of their parameters.
-
-    Attributes
-    ----------
-    structure
-        Of the law's program.
-    static
-        Values of the nodes that depend on parameters alone.
-    rows, roots
-        The nodes of which there are series, and the sizes of vectors among them.
-    """
+    """The equations of a flight, with the values of their parameters."""
 
     def __init__(self, law: Law[arb], balls: Balls) -> None:
         self.structure = structure(law.program)
@@ -99,6 +89,7 @@ class System:
         self._functions = balls.functions
         self._jacobian = self.structure.jacobian.bind(law.strengths, balls.functions)
         self._recurrence = recurrence(core)
+        # The nodes of which there are series, and the sizes of vectors among them
         self.rows = self._recurrence.rows
         self.roots = self._recurrence.roots
 
