@@ -14,12 +14,9 @@ from longball.model.numbers import N, Numbers, Vector
 
 
 class Path(Generic[N]):
-    """A flight from its launch, as far as one looks.
+    """A flight from its launch, as far as one looks: its pieces are taken when they are needed.
 
-    Parameters
-    ----------
-    pieces
-        In order of time, each beginning where the one before ends. They are taken when needed.
+    They come in order of time, each beginning where the one before ends.
     """
 
     def __init__(self, pieces: Iterable[Piece[N]]) -> None:

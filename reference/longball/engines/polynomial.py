@@ -48,18 +48,12 @@ def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
 
 
 class Polynomial(Arithmetic):
-    """A polynomial in doubles, for the formulas of events: + - * with another or with a number.
-
-    Attributes
-    ----------
-    coefficients
-        Of t^0, t^1, …
-    """
+    """A polynomial in doubles, for the formulas of events: + - * with another or with a number."""
 
     __slots__ = ("coefficients",)
 
     def __init__(self, coefficients: Array) -> None:
-        self.coefficients = coefficients
+        self.coefficients = coefficients  # of t^0, t^1, …
 
     def __add__(self, other: Polynomial | float) -> Polynomial:
         if not isinstance(other, Polynomial):

@@ -122,25 +122,16 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
 
 
 def fly_all(
-    kernel: Kernel, flights: Records, order: int, truncation: float, steps: Array | None = None
+    kernel: Kernel,
+    flights: Records,  # of `flight_dtype`, of any shape
+    order: int,  # of the series
+    truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
+    steps: Array | None = None,
 ) -> Records:
-    """Fly every flight to its end.
+    """Fly every flight to its end; return records of `arrival_dtype`, of the same shape.
 
-    Parameters
-    ----------
-    kernel
-        Of the law.
-    flights : records of `flight_dtype`, of any shape
-    order
-        Of the series.
-    truncation
-        Size of the last terms of the velocity in a step, relative to the speed.
-    steps : array of shape (steps, 1 + variables)
-        Filled with time, s, and state at the beginning of each step of the one flight.
-
-    Returns
-    -------
-    records of `arrival_dtype`, of the same shape
+    `steps`, of shape (steps, 1 + variables), is filled with time, s, and state at the beginning of
+    each step of the one flight.
     """
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
