@@ -139,7 +139,8 @@ def test_the_printed_steps_are_the_plain_ones_bit_for_bit(treatment, named):
         run = steps_of(there.program).count(work)
         states = np.empty((4, 51))
         states[:, 0] = START
-        run.march(states, air(START[:2], START[2:]), dt, *way, tuple(named.values()))
+        ends = START[:2], START[2:]
+        run.march(states, *ends, air(*ends), dt, *way, tuple(named.values()))
         marches.append(states)
     position, velocity, nothing = START[:2], START[2:], (0.0, 0.0)
     force = air(position, velocity)

@@ -59,10 +59,7 @@ _KINDS: tuple[tuple[Any, Any, str], ...] = (
 def of_type(kind: Any, option: str, value: Any) -> Any:
     """Return the value of an option; numbers, which may be NumPy's, as Python's.
 
-    Raises
-    ------
-    TypeError
-        If it is of another kind: `bool`, `int`, `float`, or one of them or None.
+    Raises `TypeError` if it is of another kind: `bool`, `int`, `float`, or one of them or None.
     """
     kinds = get_args(kind) or (kind,)  # float | None
     for wanted, sort, what in _KINDS:
@@ -77,10 +74,7 @@ def of_type(kind: Any, option: str, value: Any) -> Any:
 def whole_number(option: str, value: Any, least: int) -> int:
     """Return the value of an option that is a whole number, and not too small.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not.
+    Raises `TypeError` or `ValueError` if it is not.
     """
     number: int = of_type(int, option, value)
     if number < least:

@@ -55,20 +55,11 @@ def certified(scene: Scene, engine: Engine[Any] | ManyAtOnce) -> Result:
 
 
 def certify(scene: Scene, result: Result) -> Result:
-    """Return a result with a proven error for each of its numbers.
+    """Return the result of a scene, by any engine, with a proven error for each of its numbers.
 
-    Parameters
-    ----------
-    scene
-        What was solved.
-    result
-        By any engine. One with an error is returned as it is.
-
-    Returns
-    -------
-    Result
-        Its outcome is proven, and its numbers are `longball.model.result.Certified`. If that cannot
-        be had, the result as it is, with the reason as its `certificate`.
+    The outcome is proven, too, and the numbers are `longball.model.result.Certified`. If that
+    cannot be had, the result is as it was, with the reason as its `certificate`; one with an error
+    is returned as it is.
     """
     if result.error is not None:
         return result

@@ -67,21 +67,12 @@ class FixedMatrix:
 
 @dataclass(frozen=True)
 class Rule:
-    """The n Gauss-Legendre nodes on [-1, 1], and what is linear in the values there.
+    """The n Gauss-Legendre nodes on [-1, 1], and what is linear in the values there."""
 
-    Attributes
-    ----------
-    nodes
-        In rising order.
-    coefficients
-        From values at the nodes to Legendre coefficients of degree 0 to n - 1.
-    integrals
-        From values at the nodes to integrals from -1 to each node.
-    """
-
-    nodes: tuple[Mpf, ...]
+    nodes: tuple[Mpf, ...]  # in rising order
+    # From values at the nodes to Legendre coefficients of degree 0 to n - 1
     coefficients: FixedMatrix
-    integrals: FixedMatrix
+    integrals: FixedMatrix  # from values at the nodes to integrals from -1 to each node
     coefficients_in_doubles: Array
     integrals_in_doubles: Array
 
@@ -145,31 +136,18 @@ def _antiderivative(series: list[Mpf], half: Mpf, at_start: Mpf) -> list[Mpf]:
 
 @dataclass(frozen=True)
 class Segment:
-    """A step of a flight: the state as Legendre series of x, from -1 to 1.
+    """A step of a flight: the state as Legendre series of x, from -1 to 1."""
 
-    Attributes
-    ----------
-    begin
-        When the segment begins, s since the launch.
-    half
-        s; the time since it begins is ``half (1 + x)``.
-    start, end
-        The states at its ends, exactly those of the neighbouring segments.
-    series
-        The Legendre coefficients of each component of the state.
-    at_nodes, rates_at_nodes
-        The states at the nodes of the rule, and their rates of change.
-    dynamics, rule, context
-        What it was made with.
-    """
-
-    begin: Mpf
-    half: Mpf
+    begin: Mpf  # when the segment begins, s since the launch
+    half: Mpf  # s; the time since it begins is ``half (1 + x)``
+    # start, end: the states at its ends, exactly those of the neighbouring segments
     start: State[Mpf]
     end: State[Mpf]
-    series: tuple[list[Mpf], ...]
+    series: tuple[list[Mpf], ...]  # the Legendre coefficients of each component of the state
+    # at_nodes, rates_at_nodes: the states at the nodes of the rule, and their rates of change
     at_nodes: list[State[Mpf]]
     rates_at_nodes: list[State[Mpf]]
+    # dynamics, rule, context: what it was made with
     dynamics: Dynamics
     rule: Rule
     context: MPContext
@@ -204,17 +182,6 @@ class Dynamics:
 
     The unknowns of a step are the rates of the `free` variables: all but those whose rate is just
     a free variable, as the velocity is that of the position. These are integrals.
-
-    Attributes
-    ----------
-    free
-        Indices of the free variables among those of a state.
-    integrals
-        From the index of any other variable to that of its rate.
-    partials
-        The pairs (i, k) of a free variable and one that its rate depends on.
-    used
-        The variables that the rates of the free ones depend on.
     """
 
     def __init__(self, law: Law[Mpf], numbers: Numbers[Mpf]) -> None:
@@ -224,11 +191,13 @@ class Dynamics:
             names.index(rate.args[0]) if rate.kind == "variable" else None
             for rate in program.outputs
         ]
+        # From the index of such a variable to that of its rate
         self.integrals = {
             i: rate for i, rate in enumerate(rate_of) if rate is not None and rate_of[rate] is None
         }
         self.free = [i for i in range(len(names)) if i not in self.integrals]
         pairs = [(i, k) for i in range(len(names)) for k in range(len(names))]
+        # Of a free variable, and one that its rate depends on
         self.partials = [
             pair
             for pair, partial in zip(pairs, program.jacobian().outputs, strict=True)
@@ -255,30 +224,19 @@ class Dynamics:
 
 @dataclass(frozen=True)
 class Collocation:
-    """Steps of Gauss-Legendre collocation.
+    """Steps of Gauss-Legendre collocation."""
 
-    Attributes
-    ----------
-    rule
-        The nodes.
-    numbers, context
-        The arithmetic.
-    tolerance
-        What a step may leave out of the velocity, relative to the fastest speed of the flight.
-    """
-
-    rule: Rule
+    rule: Rule  # the nodes
+    # numbers, context: the arithmetic
     numbers: Numbers[Mpf]
     context: MPContext
+    # What a step may leave out of the velocity, relative to the fastest speed of the flight
     tolerance: Mpf
 
     def segments(self, law: Law[Mpf], begin: Mpf, start: State[Mpf], end: Mpf) -> Iterator[Segment]:
         """Fly from a time and state to the time `end`, a segment at a time.
 
-        Raises
-        ------
-        OutOfRange
-            If no step is short enough.
+        Raises `OutOfRange` if no step is short enough.
         """
         dynamics = Dynamics(law, self.numbers)
         state, fastest = start, self._speed(dynamics, start)

@@ -78,24 +78,17 @@ def compile_at_once() -> None:
 
 
 class Code:
-    """Functions that run as they are at first, and compiled from when that is worth its time.
+    """Functions that run as they are at first, and compiled from when that is worth its time."""
 
-    Parameters
-    ----------
-    source
-        Of a module. Its functions call each other, and nothing else that would have to be compiled.
-    enough
-        Units of work, as `count` has them, that take as long as compiling.
-
-    Attributes
-    ----------
-    now : module
-        With the functions as they run now, and `taken`, which makes an array what they take: a list
-        of numbers, or the array itself where they are compiled.
-    """
-
-    def __init__(self, source: str, enough: int) -> None:
+    def __init__(
+        self,
+        # Of a module: its functions call each other, and nothing else to be compiled
+        source: str,
+        enough: int,  # units of work, as `count` has them, that take as long as compiling
+    ) -> None:
         self._source, self._left = source, float(enough)
+        # A module of the functions as they run now, and `taken`, which makes an array what they
+        # take: a list of numbers, or the array itself where they are compiled.
         self.now = _as_it_is(source)
 
     def count(self, work: int = 1) -> ModuleType:

@@ -17,21 +17,11 @@ from longball.model.scene import InvalidScene
 
 @dataclass(frozen=True)
 class BatSection(Generic[N]):
-    """The bat seen along its axis, past which a pitch flies: a circle to be touched.
+    """The bat seen along its axis, past which a pitch flies: a circle to be touched."""
 
-    Attributes
-    ----------
-    frame
-        Of the pitch.
-    height
-        Of the bat's axis, m.
-    reach
-        R + r_b, m: the distance of the ball's centre from the axis when the two touch.
-    """
-
-    frame: Frame[N]
-    height: N
-    reach: N
+    frame: Frame[N]  # of the pitch
+    height: N  # of the bat's axis, m
+    reach: N  # R + r_b, m: the distance of the ball's centre from the axis when the two touch
 
     def distance(self, state: State[N], numbers: Numbers[N]) -> N:
         """Return the distance of the ball's centre from the bat's axis, m."""

@@ -37,25 +37,14 @@ class OutOfRange(CannotSolve):
 
 @dataclass(frozen=True)
 class Touch(Generic[N]):
-    """How a pitch meets the bat.
+    """How a pitch meets the bat."""
 
-    Attributes
-    ----------
-    margin
-        m; `reach` minus the closest distance of the undisturbed pitch.
-    touched
-        None if the margin is too small for the engine to tell.
-    time, state
-        First touching: s since release, and the state there; None if there is none.
-    doubt
-        What cannot be told, and why, if `touched` is None.
-    """
-
-    margin: N
-    touched: bool | None
+    margin: N  # m; `reach` minus the closest distance of the undisturbed pitch
+    touched: bool | None  # None if the margin is too small for the engine to tell
+    # time, state: first touching: s since release, and the state there; None if there is none
     time: N | None = None
     state: State[N] | None = None
-    doubt: str = ""
+    doubt: str = ""  # what cannot be told, and why, if `touched` is None
 
     @property
     def detected(self) -> State[N] | None:
@@ -70,27 +59,16 @@ class Touch(Generic[N]):
 
 @dataclass(frozen=True)
 class Launch(Generic[N]):
-    """A ball set free: where (m), how fast (m/s), and when (s since the start of the scene).
-
-    Attributes
-    ----------
-    spin
-        rad/s; None if the scene says nothing of it.
-    delay
-        s, from the contact to the time at which the ball is free.
-    landed
-        Whether the ball has come down before it was free; then this is the landing.
-    error
-        Of the velocity, m/s; None if it is exact, or carries its own.
-    """
+    """A ball set free: where (m), how fast (m/s), and when (s since the start of the scene)."""
 
     position: Vector[N]
     velocity: Vector[N]
     time: N
-    delay: N
+    delay: N  # s, from the contact to the time at which the ball is free
+    # Whether the ball has come down before it was free; then this is the landing
     landed: bool = False
-    spin: Vector[N] | None = None
-    error: N | None = None
+    spin: Vector[N] | None = None  # rad/s; None if the scene says nothing of it
+    error: N | None = None  # of the velocity, m/s; None if it is exact, or carries its own
 
 
 class Engine(Protocol[N]):
@@ -114,9 +92,7 @@ class Engine(Protocol[N]):
     def fly(self, law: Law[N], start: State[N], events: Events[N], limit: N) -> Flight[N]:
         """Fly until the first of several events, or to the time limit, s since the launch.
 
-        Raises
-        ------
-        CannotSolve, Undecided
+        Raises `CannotSolve` or `Undecided`.
         """
 
     def touch(
@@ -138,27 +114,13 @@ class Stepped(Generic[N], ABC):
     @abstractmethod
     def rebound(
         self,
-        frame: Frame[N],
-        touch: Any,
-        delta_v: Vector[N],
-        law_in: Callable[[Frame[N]], Law[N]],
-        ground: Event[N],
+        frame: Frame[N],  # of the pitch
+        touch: Any,  # from `Engine.touch`, with a state
+        delta_v: Vector[N],  # m/s, the change of velocity that the whole impulse makes
+        law_in: Callable[[Frame[N]], Law[N]],  # from the frame of a flight to the law there
+        ground: Event[N],  # of the batted flight
     ) -> Launch[N]:
-        """Return the ball as the bat sets it free.
-
-        Parameters
-        ----------
-        frame
-            Of the pitch.
-        touch
-            From `Engine.touch`, with a state.
-        delta_v
-            m/s, the change of velocity that the whole impulse makes.
-        law_in
-            From the frame of a flight to the law there.
-        ground
-            Of the batted flight.
-        """
+        """Return the ball as the bat sets it free."""
 
 
 class ManyAtOnce(ABC):

@@ -18,31 +18,16 @@ from longball.model.numbers import N, Numbers, Undecided, absolute
 
 
 class Event(NamedTuple, Generic[N]):
-    """Something that a flight can reach.
+    """Something that a flight can reach."""
 
-    Attributes
-    ----------
-    name
-        Under which a flight reports it.
-    question
-        What is reached, as a clause: "the ball touches the ground".
-    value
-        From the components of a state to what falls through zero there. It is built of + - * only,
-        and so takes numbers and polynomials alike.
-    place
-        Puts a state that is within rounding of the event onto it.
-    size
-        What the error of the value is relative to, in its unit.
-    slope
-        By how much the value changes at most if a coordinate does, by 1 m.
-    """
-
-    name: str
-    question: str
+    name: str  # under which a flight reports it
+    question: str  # what is reached, as a clause: "the ball touches the ground"
+    # From the components of a state to what falls through zero there. It is built of + - * only,
+    # and so takes numbers and polynomials alike
     value: Callable[[Any], Any]
-    place: Callable[[Any], Any]
-    size: N
-    slope: N | float = 1.0
+    place: Callable[[Any], Any]  # puts a state that is within rounding of the event onto it
+    size: N  # what the error of the value is relative to, in its unit
+    slope: N | float = 1.0  # by how much the value changes at most if a coordinate does, by 1 m
 
 
 Events = Sequence[Event[N]]
@@ -152,34 +137,21 @@ class Piece(Protocol[N]):
 
 def first_fall(
     curve: Curve[N],
-    end: N,
-    error: N,
+    end: N,  # until when, s since the piece begins
+    error: N,  # how far the value may be off
+    # What happens there, as a clause; None if a touch within the error is as good as none
     question: str | None,
     numbers: Numbers[N],
+    # Whether the piece begins with the launch, whose value is exact. It may lie on the surface:
+    # then it is an arrival, at 0, only if the value does not rise from there
     launch: bool = False,
+    # Whether such a piece lies on the surface where its value is zero within a radius
     on_surface: bool = False,
 ) -> N | None:
     """Return when a value first falls through zero on a piece; None if it does not.
 
-    Parameters
-    ----------
-    end
-        Until when, s since the piece begins.
-    error
-        How far the value may be off.
-    question
-        What happens there, as a clause; None if a touch within the error is as good as none.
-    launch
-        Whether the piece begins with the launch, whose value is exact. It may lie on the surface:
-        then it is an arrival, at 0, only if the value does not rise from there.
-    on_surface
-        Whether such a piece lies on the surface where its value is zero within a radius.
-
-    Raises
-    ------
-    Undecided
-        If a turning point of the value lies within its error of zero; if a radius leaves open
-        whether the piece begins above the surface, or whether the value rises from there.
+    Raises `Undecided` if a turning point of the value lies within its error of zero; if a radius
+    leaves open whether the piece begins above the surface, or whether the value rises from there.
     """
     start = numbers.exact(0.0)
     first = curve(start)
@@ -218,21 +190,16 @@ class Met(NamedTuple, Generic[N]):
 
 
 def first_met(
-    pieces: Iterable[Piece[N]], events: Events[N], limit: N, error: float, numbers: Numbers[N]
+    pieces: Iterable[Piece[N]],
+    events: Events[N],
+    limit: N,  # s since the launch
+    error: float,  # of a state, relative to its size; 0 for numbers that carry their own
+    numbers: Numbers[N],
 ) -> Met[N] | None:
     """Return the first of several events on a flight; None if none is met in time.
 
-    Parameters
-    ----------
-    limit
-        s since the launch.
-    error
-        Of a state, relative to its size; 0 for numbers that carry their own.
-
-    Raises
-    ------
-    Undecided
-        If the error leaves open whether an event is met, whether in time, or which of two is first.
+    Raises `Undecided` if the error leaves open whether an event is met, whether in time, or which
+    of two is first.
     """
     errors = {event.name: error * event.size for event in events}
     seen: list[tuple[Piece[N], N]] = []

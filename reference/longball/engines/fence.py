@@ -17,32 +17,18 @@ from typing import Any, Generic
 from longball.engines.event import Curve, Event, Piece
 from longball.model.frame import Frame
 from longball.model.law import State
-from longball.model.numbers import N, Numbers, absolute
+from longball.model.numbers import N, Numbers, Vector, absolute
 
 
 @dataclass(frozen=True)
 class Place(Generic[N]):
-    """A place of a fence.
+    """A place of a fence."""
 
-    Attributes
-    ----------
-    height
-        Of the fence's top there, m.
-    segment
-        Number of the chord.
-    margin
-        m, along the chord to the next vertex; None on a circle.
-    to_break
-        m, to the next vertex at which the fence ends or has two heights.
-    slope
-        Of the height along the chord.
-    """
-
-    height: N
-    segment: Any
-    margin: N | None
-    to_break: N
-    slope: N
+    height: N  # of the fence's top there, m
+    segment: Any  # number of the chord
+    margin: N | None  # m, along the chord to the next vertex; None on a circle
+    to_break: N  # m, to the next vertex at which the fence ends or has two heights
+    slope: N  # of the height along the chord
 
 
 @dataclass(frozen=True)
@@ -58,10 +44,14 @@ class Chord(Generic[N]):
     open_a: bool
     open_b: bool
 
+    def length(self, numbers: Numbers[N]) -> N:
+        """Return the length, m."""
+        x, y = self.b[0] - self.a[0], self.b[1] - self.a[1]
+        return numbers.sqrt(x * x + y * y)
+
     def place(self, share: N, to_end: N, to_break: N, numbers: Numbers[N]) -> Place[N]:
         """Return the place at a share of the way from a to b; `to_end` is the other share."""
-        x, y, rise = (b - a for a, b in zip(self.a, self.b, strict=True))
-        length = numbers.sqrt(x * x + y * y)
+        length, rise = self.length(numbers), self.b[2] - self.a[2]
         shorter = numbers.where(to_end < share, to_end, share)
         height = self.a[2] + share * rise
         return Place(height, self.segment, shorter * length, to_break, rise / length)
@@ -103,12 +93,7 @@ def stop_at(
 ) -> Stop[N]:
     """Return where a ball that flies from s ahead (sense 1) or back (-1) first leaves the field.
 
-    Far away if it does not.
-
-    Parameters
-    ----------
-    error
-        Of directions, relative.
+    Far away if it does not. The `error` is that of directions, relative.
     """
     zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
     nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
@@ -191,22 +176,12 @@ def first_crossing(
     fence: Any,
     frame: Frame[N],
     pieces: Iterator[Piece[N]],
-    end: N,
-    late: N,
-    error: N,
+    end: N,  # s since the launch
+    late: N,  # error of the end, s
+    error: N,  # of a state, relative to its size
     numbers: Numbers[N],
 ) -> Crossing[N] | None:
-    """Return where a flight in space first leaves the field; None if it does not before an end.
-
-    Parameters
-    ----------
-    end
-        s since the launch.
-    late
-        Error of the end, s.
-    error
-        Of a state, relative to its size.
-    """
+    """Return where a flight in space first leaves the field; None if it does not before an end."""
     lines: list[tuple[Chord[N] | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
@@ -263,44 +238,42 @@ def _on_piece(
 
     On the last piece the ball is `moved`, m, in the time by which its end may be off.
     """
-    zero, far = numbers.exact(0.0), numbers.exact(_FAR)
-    x, y, _ = frame.position(piece.at(zero))
-    size = 1 + absolute(x) + absolute(y)
-    if chord is None:
-        around = Place(zero, 0, None, far, zero)
-        off = 2 * error * size * size
-        at_end = None if moved is None else off + 2 * moved * size
-        for t, doubtful in falls(piece.curve(value), until, off, at_end):
-            yield Crossing(piece.begin + t, piece.at(t), around, doubtful)
-        return
-    (ax, ay, _), (bx, by, _) = chord.a, chord.b
-    length = numbers.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-    off = error * size * length
-    at_end = None if moved is None else off + moved * length
+    zero = numbers.exact(0.0)
+    size = _size(frame.position(piece.at(zero)))
+    slope = 2 * size if chord is None else chord.length(numbers)
+    off = error * size * slope
+    at_end = None if moved is None else off + moved * slope
+    around = Place(zero, 0, None, numbers.exact(_FAR), zero)
     for t, doubtful in falls(piece.curve(value), until, off, at_end):
         state = piece.at(t)
-        x, y, _ = frame.position(state)
-        ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
-        slack = error * (1 + absolute(x) + absolute(y))
-        if ahead < -slack or ahead > length + slack:
-            continue
-        to_a = absolute(ahead) if chord.open_a else far
-        to_b = absolute(length - ahead) if chord.open_b else far
-        to_break = to_b if to_b < to_a else to_a
-        share, to_end = ahead / length, (length - ahead) / length
-        place = chord.place(share, to_end, to_break, numbers)
-        yield Crossing(piece.begin + t, state, place, doubtful)
+        place = around if chord is None else _passed(chord, frame.position(state), error, numbers)
+        if place is not None:
+            yield Crossing(piece.begin + t, state, place, doubtful)
+
+
+def _size(position: Sequence[N]) -> N:
+    return 1 + absolute(position[0]) + absolute(position[1])
+
+
+def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N]) -> Place[N] | None:
+    """Return the place of a chord that a position on its line is at; None beyond its ends."""
+    (ax, ay, _), (bx, by, _), (x, y, _) = chord.a, chord.b, position
+    length, far = chord.length(numbers), numbers.exact(_FAR)
+    ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+    slack = error * _size(position)
+    if ahead < -slack or ahead > length + slack:
+        return None
+    to_a = absolute(ahead) if chord.open_a else far
+    to_b = absolute(length - ahead) if chord.open_b else far
+    to_break = to_b if to_b < to_a else to_a
+    return chord.place(ahead / length, (length - ahead) / length, to_break, numbers)
 
 
 def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
     """Yield when a value falls through zero on a piece, every time, and turns within its error.
 
     Where a flight ends the piece is such a turn, within the error `at_end`; None if it goes on.
-
-    Yields
-    ------
-    tuple of number and bool
-        s since the piece begins; whether it is a turn that may not reach zero.
+    Each comes with whether it is a turn that may not reach zero.
     """
     start = end * 0
     if at_end is None and curve.positive(start, end) and curve(start) > 2 * error:

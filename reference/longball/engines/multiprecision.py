@@ -129,10 +129,7 @@ class Multiprecision(PathEngine[Mpf]):
 
         A flight that comes near V = 0 is followed by steps as short as it takes.
 
-        Raises
-        ------
-        TooLong
-            If the flight takes too many steps.
+        Raises `TooLong` if the flight takes too many steps.
         """
         segments = _collocation(self.digits).segments(law, begin, start, limit)
         for number, segment in enumerate(segments):

@@ -17,27 +17,14 @@ T = TypeVar("T")
 def in_parallel(
     function: Callable[..., T],
     calls: Iterable[tuple[Any, ...]],
+    # How many calls run at once; -1 for one per core, and never more than there are cores or calls
     workers: int,
-    threads: bool = False,
+    threads: bool = False,  # whether workers are threads, and not processes
 ) -> Iterator[T]:
     """Return what a function gives for each tuple of arguments, in order.
 
-    Parameters
-    ----------
-    function, calls
-        What is called, and with what.
-    workers
-        How many calls run at once; -1 for one per core, and never more than there are cores or
-        calls. Without joblib (extra ``fast``) that is one.
-    threads
-        Whether workers are threads, and not processes.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the number of workers is none.
-    MissingExtra
-        If several workers are asked for, and joblib is not installed.
+    Raises `TypeError` or `ValueError` if the number of workers is none; `MissingExtra` if several
+    are asked for, and joblib (extra ``fast``) is not installed.
     """
     workers = checked(workers)
     try:
@@ -61,10 +48,7 @@ def in_parallel(
 def checked(workers: object) -> int:
     """Return a number of workers: positive, or -1 for one per core.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is none.
+    Raises `TypeError` or `ValueError` if it is none.
     """
     number: int = of_type(int, "workers", workers)
     if number < 1 and number != -1:

@@ -14,12 +14,9 @@ from longball.model.numbers import N, Numbers, Vector
 
 
 class Path(Generic[N]):
-    """A flight from its launch, as far as one looks.
+    """A flight from its launch, as far as one looks: its pieces are taken when they are needed.
 
-    Parameters
-    ----------
-    pieces
-        In order of time, each beginning where the one before ends. They are taken when needed.
+    They come in order of time, each beginning where the one before ends.
     """
 
     def __init__(self, pieces: Iterable[Piece[N]]) -> None:
@@ -40,10 +37,7 @@ class Path(Generic[N]):
     def at(self, time: N) -> State[N]:
         """Return the state at a time, s since the launch.
 
-        Raises
-        ------
-        ValueError
-            If the flight does not last so long, or the time is before the launch.
+        Raises `ValueError` if the flight does not last so long, or the time is before the launch.
         """
         passed = bisect_left(self._known, True, key=lambda p: not time > p.begin + p.length)
         for piece in self.pieces(passed):
@@ -182,10 +176,7 @@ class Trajectory(Generic[N]):
     def at(self, time: N) -> tuple[Vector[N], Vector[N]]:
         """Return position, m, and velocity, m/s, at a time, s since the start of the scene.
 
-        Raises
-        ------
-        ValueError
-            If the trajectory has no such time.
+        Raises `ValueError` if the trajectory has no such time.
         """
         begun = [leg for leg in self.legs if not time < leg.begin]
         if not begun:

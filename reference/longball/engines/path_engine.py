@@ -40,15 +40,8 @@ class PathEngine(Engine[N], ABC):
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight under a law that is smooth all the way, up to a time.
 
-        Parameters
-        ----------
-        start
-            The state at `begin`, s since the launch.
-        limit
-            Until when, s since the launch.
-        events
-            Where the flight is likely to end: an engine that integrates ahead may stop there and
-            go on when it is asked for more.
+        It starts at `begin` and may go on to `limit`, s since the launch; it is likely to end with
+        the `events`, which an engine that integrates ahead may stop at until it is asked for more.
         """
 
     def path(self, law: Law[N], start: State[N], limit: N, events: Events[N] = ()) -> Path[N]:
@@ -60,12 +53,8 @@ class PathEngine(Engine[N], ABC):
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight; where the law changes its form, one ends.
 
-        Raises
-        ------
-        Undecided
-            If a flight only touches such a place, within its error.
-        TooLong
-            If it has more pieces than can be searched for such places within seconds.
+        Raises `Undecided` if a flight only touches such a place, within its error; `TooLong` if it
+        has more pieces than can be searched for such places within seconds.
         """
         begin = self.numbers.exact(0.0)
         if not law.bends:
@@ -333,10 +322,7 @@ def branches_at(
 
     The wind's first, on which airspeeds depend; forms that are `known` stay.
 
-    Raises
-    ------
-    Undecided
-        If a state is on a level, and does not move beyond it or back.
+    Raises `Undecided` if a state is on a level, and does not move beyond it or back.
     """
     branches = [known.get(which, 0) for which in range(len(law.bends))]
     for which, bend in sorted(enumerate(law.bends), key=lambda numbered: not numbered[1].blows):
@@ -374,20 +360,14 @@ def _apex(wind: Any) -> Event[Any]:
 
 @dataclass(frozen=True)
 class View(Generic[N]):
-    """A piece of a pitch, or a part of it, in which the bat is looked for.
-
-    Attributes
-    ----------
-    since, until
-        The part, s since the piece begins; `since` may be negative.
-    error
-        Of the distance to a bat that is put at the height of the pitch at the plate, m, besides
-        what `longball.engines.contact.margin_error` counts.
-    """
+    """A piece of a pitch, or a part of it, in which the bat is looked for."""
 
     piece: Piece[N]
+    # since, until: the part, s since the piece begins; `since` may be negative
     since: N
     until: N
+    # Of the distance to a bat that is put at the height of the pitch at the plate, m, besides what
+    # `longball.engines.contact.margin_error` counts
     error: N
 
 

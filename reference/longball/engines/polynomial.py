@@ -48,18 +48,12 @@ def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
 
 
 class Polynomial(Arithmetic):
-    """A polynomial in doubles, for the formulas of events: + - * with another or with a number.
-
-    Attributes
-    ----------
-    coefficients
-        Of t^0, t^1, …
-    """
+    """A polynomial in doubles, for the formulas of events: + - * with another or with a number."""
 
     __slots__ = ("coefficients",)
 
     def __init__(self, coefficients: Array) -> None:
-        self.coefficients = coefficients
+        self.coefficients = coefficients  # of t^0, t^1, …
 
     def __add__(self, other: Polynomial | float) -> Polynomial:
         if not isinstance(other, Polynomial):
@@ -81,28 +75,16 @@ class Polynomial(Arithmetic):
 
 
 class PolynomialCurve(NamedTuple):
-    """The value of an event along a piece; see `longball.engines.event.Curve`.
-
-    Attributes
-    ----------
-    piece
-    value
-        Of a state.
-    unit
-        s, a power of 2 about as long as the piece.
-    run
-        The functions of `longball.engines.coefficients`.
-    coefficients
-        Of the value, as a polynomial in the time on the piece, in that unit: so they do not
-        overflow where the value does not. Where a distance is small at the end of a long piece they
-        cancel, and so a single value is that of a state; unless it is far smaller than the
-        value at the origin is, whose rounding it would have.
-    """
+    """The value of an event along a piece; see `longball.engines.event.Curve`."""
 
     piece: PolynomialPiece
-    value: Callable[[Any], Any]
-    unit: float
-    run: ModuleType
+    value: Callable[[Any], Any]  # of a state
+    unit: float  # s, a power of 2 about as long as the piece
+    run: ModuleType  # the functions of `longball.engines.coefficients`
+    # Of the value, as a polynomial in the time on the piece, in that unit: so they do not overflow
+    # where the value does not. Where a distance is small at the end of a long piece they cancel,
+    # and so a single value is that of a state; unless it is far smaller than the value at the
+    # origin is, whose rounding it would have
     coefficients: Any
 
     def __call__(self, t: float) -> float:
@@ -151,21 +133,13 @@ class PolynomialCurve(NamedTuple):
 
 
 class PolynomialPiece(NamedTuple):
-    """A piece of a flight on which the state is polynomial; see `longball.engines.event.Piece`.
+    """A piece of a flight on which the state is polynomial; see `longball.engines.event.Piece`."""
 
-    Attributes
-    ----------
-    begin, length
-        s.
-    state
-        The class of the state.
-    coefficients
-        Shape (components of the state, order + 1): of the powers of the time since `begin`.
-    """
-
+    # begin, length: s
     begin: float
     length: float
-    state: Callable[..., Any]
+    state: Callable[..., Any]  # the class of the state
+    # Shape (components of the state, order + 1): of the powers of the time since `begin`
     coefficients: Array
 
     def at(self, t: float) -> State[float]:

@@ -103,7 +103,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
     def _step_impl(self) -> tuple[bool, str | None]:
         waited = 0.0
         for _ in range(_MOST_SHORT_STEPS):
-            self._x, length = self._expand(self.y)
+            self.series, length = self._expand(self.y)
             if not length > 0:
                 return False, "the rates are beyond the range of double precision"
             length = min(length, self._max_step)
@@ -121,53 +121,31 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
     def _at_end(self, h: float) -> Array:
         """Return the state at the end of a step; its rounding is made up for at the next."""
-        end, self._low = advanced(self._x, h, self._low)
+        end, self._low = advanced(self.series, h, self._low)
         return end
 
     def _dense_output_impl(self) -> Callable[[float], Array]:
-        return Series(self.t_old, self.t, self._x)
+        return Series(self.t_old, self.t, self.series)
 
 
 class Series(DenseOutput):  # type: ignore[misc]
-    """The dense output of a step: its own polynomial.
-
-    Attributes
-    ----------
-    coefficients
-        Shape (n, order + 2): of the powers of ``t - t_old``, for each component of the state.
-    """
+    """The dense output of a step: its own polynomial."""
 
     def __init__(self, t_old: float, t: float, coefficients: Array) -> None:
         super().__init__(t_old, t)
+        # Shape (n, order + 2): of the powers of ``t - t_old``, for each component of the state
         self.coefficients = coefficients
 
-    def __call__(self, t: float | Array) -> Array:
-        """Return the state at a time, or at several: shape (n,) or (n, times)."""
-        if not isinstance(t, float):
-            found: Array = super().__call__(t)
-            return found
-        return values_at(self.coefficients, t - self.t_old)
-
     def _call_impl(self, t: Array) -> Array:
-        if t.ndim == 0:
-            return self(float(t))
-        return np.reshape([self(each) for each in t.tolist()], (-1, len(self.coefficients))).T
+        states = [values_at(self.coefficients, h) for h in (t - self.t_old).ravel().tolist()]
+        return np.reshape(states, (*t.shape, -1)).T
 
 
 # --- a step ---------------------------------------------------------------------------------------
 
 
 class Expander:
-    """From states to the series of a law.
-
-    Parameters
-    ----------
-    law
-    order
-        Of the series.
-    rtol
-        Of their last terms; it sets how far they reach.
-    """
+    """From states to series of a law; `rtol`, that of their last terms, sets how far they reach."""
 
     def __init__(self, law: Law[float], order: int = ORDER, rtol: float = TRUNCATION) -> None:
         self._printed = _printed(law.program)

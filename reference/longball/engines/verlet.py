@@ -33,7 +33,7 @@ What the paper leaves open about those two steps:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -64,21 +64,12 @@ _QUIET = np.errstate(all="ignore")
 
 
 class Treatment(NamedTuple):
-    """How the force at the end of a step is had, which depends on the velocity there.
+    """How the force at the end of a step is had, which depends on the velocity there."""
 
-    Attributes
-    ----------
-    ahead
-        It is evaluated at v + ahead · a Δt.
-    iterates
-        Whether it is then evaluated at the v' that it leads to, until v' no longer changes.
-    carries
-        Whether the next step begins with it, instead of with the force at v'.
-    """
-
-    ahead: float
+    ahead: float  # it is evaluated at v + ahead · a Δt
+    # Whether it is then evaluated at the v' that it leads to, until v' no longer changes
     iterates: bool
-    carries: bool
+    carries: bool  # whether the next step begins with it, instead of with the force at v'
 
 
 # One force evaluation a step if carried, two if not, about eight if iterated. With forces that
@@ -102,24 +93,14 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class SteppedTouch(Touch[float]):
-    """How a pitch meets the bat in steps.
+    """How a pitch meets the bat in steps."""
 
-    Attributes
-    ----------
-    step
-        Number of the step before the first one in the bat.
-    before, inside
-        The states at that step and at the next one.
-    ahead
-        Δt', s.
-    leaving
-        Whether `state` is where the ball would leave the bat, instead of where it enters.
-    """
-
-    step: int
+    step: int  # number of the step before the first one in the bat
+    # before, inside: the states at that step and at the next one
     before: State[float]
     inside: State[float]
-    ahead: float
+    ahead: float  # Δt', s
+    # Whether `state` is where the ball would leave the bat, instead of where it enters
     leaving: bool = False  # in place of the property
 
     @property
@@ -172,10 +153,8 @@ class Verlet(Stepped[float]):
 
         An event is looked for at the steps only.
 
-        Raises
-        ------
-        TooLong
-            If the flight takes too many steps: at once where a trial with long steps shows it.
+        Raises `TooLong` if the flight takes too many steps: at once where a trial with long steps
+        shows it.
         """
         if limit > (reach := _MARGIN * _MOST_WORK * self.dt):
             trial = replace(self, dt=reach / _TRIAL_STEPS)
@@ -320,16 +299,13 @@ class Verlet(Stepped[float]):
         Each has a row for each component of the state. It comes with the number of the step in its
         first column, the last one of the array before.
 
-        Raises
-        ------
-        TooLong
-            If the flight takes too many steps.
+        Raises `TooLong` if the flight takes too many steps.
         """
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
         branches = _branches(law, start, DOUBLES)
         form = law.on(branches) if law.bends else law
-        force = _acceleration(form)(*_halves(last.tolist()), _parameters(form))
+        force = _acceleration(form, start)
         steps = math.ceil(min(limit / self.dt, 2.0**53))
         while done < steps:
             if done > _MOST_WORK:
@@ -338,14 +314,15 @@ class Verlet(Stepped[float]):
             states[:, 0] = last
             march = steps_of(form.program).count(states.shape[1]).march
             with suppress(*BEYOND):
-                force = march(states, force, self.dt, *treatment, _parameters(form))
+                begin = _halves(last.tolist())
+                force = march(states, *begin, force, self.dt, *treatment, _parameters(form))
             passed = _left(law, branches, states[:, 1:])
             if np.any(passed):
                 # The next step begins in another form of the law.
                 states = states[:, : 2 + int(np.argmax(passed))]
                 branches = _branches(law, states[:, -1], DOUBLES)
                 form = law.on(branches)
-                force = _acceleration(form)(*_halves(states[:, -1].tolist()), _parameters(form))
+                force = _acceleration(form, states[:, -1].tolist())
             yield done, states
             last, done, length = (
                 states[:, -1],
@@ -557,9 +534,6 @@ def print_law(program: Program) -> str:
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)
 
-    def entries(rows: Iterable[int]) -> str:
-        return "".join(f"float(states[{i}, k]), " for i in rows)
-
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
     path = [2 * both] * (len(positions) - both)
@@ -576,9 +550,6 @@ def print_law(program: Program) -> str:
             f"return ({each('position[{i}] + dt * velocity[{i}]')}{further})",
         ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
-        "read(states, k)": [
-            f"return ({entries([*dimensions, *path])}), ({entries(both + i for i in dimensions)})"
-        ],
         "write(states, k, position, velocity)": [
             f"states[{i + shift}, k] = {name}[{i}]"
             for name, shift in (("position", 0), ("velocity", both))
@@ -615,24 +586,23 @@ def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., 
     def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
-        acceleration = _acceleration(law)(*_halves(law.state_of(launch)), _parameters(law))
+        acceleration = _acceleration(law, law.state_of(launch))
         state = PlaneState if len(acceleration) == 2 else SpaceState
         return frame.velocity(state(*(0.0 for _ in acceleration), *acceleration))
 
     return air
 
 
-def _acceleration(law: Law[float]) -> Callable[..., Components]:
-    """Return the function from position, velocity and parameters to the acceleration."""
-    accelerate: Callable[..., Components] = steps_of(law.program).count().accelerate
-
-    def function(position: Components, velocity: Components, parameters: Components) -> Components:
-        try:
-            return accelerate(position, velocity, parameters)
-        except BEYOND:
-            return (math.nan,) * len(velocity)
-
-    return function
+def _acceleration(law: Law[float], state: Sequence[float]) -> Components:
+    """Return the acceleration in a state; NaN beyond the range of doubles."""
+    position, velocity = _halves(list(map(float, state)))
+    try:
+        found: Components = (
+            steps_of(law.program).count().accelerate(position, velocity, _parameters(law))
+        )
+    except BEYOND:
+        return (math.nan,) * len(velocity)
+    return found
 
 
 def _parameters(law: Law[float]) -> Components:

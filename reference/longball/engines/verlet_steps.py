@@ -14,12 +14,11 @@ from typing import Any
 
 # Printed: the acceleration at a position and velocity, given the parameters; a + factor b; where a
 # position is after dt at a velocity, the path through the air being one too; the largest size of a
-# component; position and velocity from a column of an array, and back.
+# component; what writes position and velocity into a column of an array.
 accelerate: Callable[..., Any]
 plus: Callable[..., Any]
 moved: Callable[..., Any]
 largest: Callable[..., Any]
-read: Callable[..., Any]
 write: Callable[..., None]
 
 # An implicit step has settled when v' changes by no more than its rounding, and has failed when it
@@ -29,38 +28,21 @@ ROUNDS = 100
 
 
 def step(
+    # position, velocity: m, m/s
     position: Any,
     velocity: Any,
-    force: Any,
-    push: Any,
-    dt: float,
+    force: Any,  # m/s², of the law: what the step begins with
+    push: Any,  # m/s², constant over the step
+    dt: float,  # s
+    # ahead, iterates, carries: see `longball.engines.verlet.Treatment`
     ahead: float,
     iterates: bool,
     carries: bool,
-    parameters: Any,
+    parameters: Any,  # of the law
 ) -> Any:
-    """Take one step.
+    """Return position, velocity and force after a step: the force that the next one begins with.
 
-    Parameters
-    ----------
-    position, velocity
-        m, m/s.
-    force
-        m/s², of the law: what the step begins with.
-    push
-        m/s², constant over the step.
-    dt
-        s.
-    ahead, iterates, carries
-        See `longball.engines.verlet.Treatment`.
-    parameters
-        Of the law.
-
-    Returns
-    -------
-    position, velocity, force
-        At the end; the force is what the next step begins with. NaN where an implicit step does
-        not settle.
+    NaN where an implicit step does not settle.
     """
     felt = plus(force, 1.0, push)
     half = plus(velocity, 0.5 * dt, felt)
@@ -84,13 +66,20 @@ def step(
 
 
 def march(
-    states: Any, force: Any, dt: float, ahead: float, iterates: bool, carries: bool, parameters: Any
+    states: Any,
+    position: Any,
+    velocity: Any,
+    force: Any,
+    dt: float,
+    ahead: float,
+    iterates: bool,
+    carries: bool,
+    parameters: Any,
 ) -> Any:
-    """Fill an array with the states after one step, two, …, from its first column on.
+    """Fill an array with the states after one step, two, …, from its second column on.
 
     Returns the force that the next step begins with.
     """
-    position, velocity = read(states, 0)
     nothing = plus(velocity, -1.0, velocity)
     for k in range(1, states.shape[1]):
         position, velocity, force = step(

@@ -168,9 +168,6 @@ class BatchFlyer(Protocol):
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of starts by a law's program; return records of arrivals, in order."""
 
-    def search_all(self, starts: Records, program: Program) -> Records:
-        """Do the same for flights past a bat."""
-
 
 @dataclass(frozen=True)
 class Flights(Flight[Any]):
@@ -204,8 +201,7 @@ class Columns:
     def fly(self, law: Law[Any], start: State[Any], events: Any, limit: Any) -> Flights:
         """Fly to a stop; see `longball.engines.engine.Engine.fly`."""
         launch = Start(0.0, start)
-        flown = records.records_of(law, launch, events, limit, self.flight_error)
-        ends = self.flyer.fly_all(flown, records.general(law).program)
+        _, ends = records.flown(self.flyer, law, launch, events, limit)
         # Those are solved alone.
         ends["stop"][...] = np.where(
             records.starts_at_corner(law, start), flights.OUT_OF_RANGE, ends["stop"]
@@ -226,10 +222,7 @@ class Columns:
         start = merged(clear, select(pitch.approach, clear), select(pitch.launch, ~clear))
         error = margin_error(bat, pitch.state.z, self.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
-        flown = records.records_of(
-            law, start, over, limit, self.flight_error, records.Bat(bat, error)
-        )
-        ends = self.flyer.search_all(flown, records.general(law).program)
+        _, ends = records.flown(self.flyer, law, start, over, limit, records.Bat(bat, error))
         touched = ends["stop"] == flights.TOUCH
         missed = np.isin(
             records.stops(ends, over), [records.STOPS[name] for name in ("past", "ground", "time")]

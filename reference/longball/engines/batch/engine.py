@@ -27,7 +27,7 @@ from longball.engines.event import Event, Events, Piece, past
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
-from longball.engines.series import recurrence
+from longball.engines.taylor import Expander
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Undecided, doubt
 from longball.model.scene import Scene
@@ -110,8 +110,7 @@ class Batch(ManyAtOnce):
         if not records.flies_in_lanes(law) or records.starts_at_corner(law, start):
             return SCALAR.fly(law, start, events, limit)
         launch = Start(0.0, start)
-        flight = records.records_of(law, launch, events, limit, self.flight_error)
-        end = self.fly_all(flight, records.general(law).program)
+        flight, end = records.flown(self, law, launch, events, limit)
         _require_answer(end, flight, events)
         names = {number: name for name, number in records.STOPS.items()}
         return OneFlight(
@@ -136,10 +135,7 @@ class Batch(ManyAtOnce):
         start = pitch.approach if records.approach_is_clear(bat, pitch.state.z) else pitch.launch
         error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
         ends = [past(bat.frame, bat.reach, DOUBLES), *events]
-        flight = records.records_of(
-            law, start, ends, limit, self.flight_error, records.Bat(bat, error)
-        )
-        end = self.search_all(flight, records.general(law).program)
+        flight, end = records.flown(self, law, start, ends, limit, records.Bat(bat, error))
         margin = end["margin"].item()
         match end["stop"].item():
             case flights.TOUCH:
@@ -156,43 +152,25 @@ class Batch(ManyAtOnce):
         return solve_as_data(scenes, self, threads)
 
     def fly_all(self, starts: Records, program: Program) -> Records:
-        """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
-        return flights.fly_all(kernel(program), starts, self.order, self.truncation)
+        """Fly records of `flights.flight_dtype`; return their arrivals, in order.
 
-    def search_all(self, starts: Records, program: Program) -> Records:
-        """Do the same for flights past a bat.
-
-        They take a hundredth of a second, which steps of a lower order span.
+        Flights past a bat take a hundredth of a second, which steps of a lower order span.
         """
-        order = max(8, 2 * self.order // 5)
+        near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
+        order = max(8, 2 * self.order // 5) if near_bat else self.order
         return flights.fly_all(kernel(program), starts, order, self.truncation)
 
     def _pieces(self, flight: Records, law: Law[float]) -> Iterator[Piece[float]]:
         """Yield the steps of a flight, expanded anew."""
-        program = law.program
-        arrival, way = flights.trail(kernel(program), flight, self.order, self.truncation)
-        series = recurrence(program)
-        rest = len(program.variables) // 2
+        arrival, way = flights.trail(kernel(law.program), flight, self.order, self.truncation)
+        expand = Expander(law, self.order)
         ends = [*way[1:, 0].tolist(), arrival["time"].item()]
         if ends[-1] == way[0, 0]:  # it ends where it begins
             begin, *state = way[0].tolist()
             yield Rest(begin, 0.0, law.state(*state))
-        strengths = [flight[name].item() for name in program.parameters]
         for (begin, *state), end in zip(way.tolist(), ends, strict=True):
-            if begin == end:  # a step too short to be seen in the time
-                continue
-            rows = [[0.0] * (self.order + 2) for _ in series.rows]
-            for row, x in zip(rows, state, strict=False):
-                row[0] = x
-            at_rest = not any(state[rest:])
-            if not at_rest or any(law.rates(DOUBLES)(*state)):
-                expand = series.function(DOUBLES.functions, at_rest)
-                expand(rows, self.order, *strengths)
-            coefficients = np.array(rows[: len(program.variables)])
-            overflown = ~np.isfinite(coefficients).all(axis=0)
-            if overflown.any():  # close to rest; the step is so short that they do not matter
-                coefficients[:, overflown.argmax() :] = 0.0
-            yield PolynomialPiece(begin, end - begin, law.state, coefficients)
+            if begin < end:  # not too short a step to be seen in the time
+                yield PolynomialPiece(begin, end - begin, law.state, expand(np.array(state))[0])
 
 
 def _plain(start: Start) -> Start:

@@ -97,15 +97,13 @@ _DOUBLE = ir.DoubleType()
 class _Writer:
     """Writes a function whose values are a double in each of some lanes.
 
-    Its arguments are pointers to arrays of lanes, then integers, then doubles.
+    Its arguments are two pointers to arrays of lanes, three integers and a double.
     """
 
-    def __init__(
-        self, module: Any, name: str, lanes: int, pointers: int, integers: int, doubles: int
-    ) -> None:
+    def __init__(self, module: Any, name: str, lanes: int) -> None:
         self.lanes = lanes
-        self.type = ir.VectorType(_DOUBLE, lanes) if lanes > 1 else _DOUBLE
-        arguments = [self.type.as_pointer()] * pointers + [_INDEX] * integers + [_DOUBLE] * doubles
+        self.type = ir.VectorType(_DOUBLE, lanes)
+        arguments = [self.type.as_pointer()] * 2 + [_INDEX] * 3 + [_DOUBLE]
         self.function = ir.Function(module, ir.FunctionType(_INDEX, arguments), name)
         self.arguments = self.function.args
         self.builder = build = ir.IRBuilder(self.function.append_basic_block())
@@ -114,15 +112,12 @@ class _Writer:
 
     def number(self, value: float) -> Value:
         """Return a number, the same in every lane."""
-        one = ir.Constant(_DOUBLE, value)
-        return ir.Constant(self.type, [one] * self.lanes) if self.lanes > 1 else one
+        return ir.Constant(self.type, [ir.Constant(_DOUBLE, value)] * self.lanes)
 
     def spread(self, scalar: Value) -> Value:
         """Return a double or an integer in every lane."""
         if scalar.type == _INDEX:
             scalar = self.builder.sitofp(scalar, _DOUBLE)
-        if self.lanes == 1:
-            return scalar
         nothing = ir.Constant(self.type, ir.Undefined)
         first = self.builder.insert_element(nothing, scalar, ir.Constant(ir.IntType(32), 0))
         every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
@@ -142,9 +137,8 @@ class _Writer:
 
     def call(self, name: str, *arguments: Value) -> Value:
         """Call a function of LLVM: fma, sqrt, exp, log, fabs."""
-        suffix = f"v{self.lanes}f64" if self.lanes > 1 else "f64"
         shape = ir.FunctionType(self.type, [self.type] * len(arguments))
-        full = f"llvm.{name}.{suffix}"
+        full = f"llvm.{name}.v{self.lanes}f64"
         known = self.function.module.globals
         function = known[full] if full in known else ir.Function(self.function.module, shape, full)
         return self.builder.call(function, arguments)
@@ -193,25 +187,17 @@ class _Writer:
 class _Expansion(_Writer):
     """Writes the expansion of a program, as `longball.engines.series` prints it for numbers.
 
-    The first argument is the array of the expansion, the first integer the order.
+    The first argument is the array of the expansion, the first integers are the order and the
+    number of rows of a block.
     """
 
-    def __init__(
-        self,
-        module: Any,
-        name: str,
-        program: Program,
-        lanes: int,
-        at_rest: bool,
-        shape: tuple[int, int, int],
-    ) -> None:
-        super().__init__(module, name, lanes, *shape)
+    def __init__(self, module: Any, name: str, program: Program, lanes: int, at_rest: bool) -> None:
+        super().__init__(module, name, lanes)
         self.program = program
         self.recurrence = recurrence(program)
         self.layout = Layout(program)
         self.from_rest = self.recurrence.roots if at_rest else ()
-        self.array = self.arguments[0]
-        self.order, self.stride = self.arguments[shape[0] : shape[0] + 2]
+        self.array, _, self.order, self.stride, *_ = self.arguments
         self.dynamic = [n for n in program.nodes if not n.static and n.kind != "variable"]
         self.blocks = {
             node: self.builder.mul(self.index(i), self.stride)
@@ -511,7 +497,7 @@ class _Step(_Expansion):
     """
 
     def __init__(self, module: Any, program: Program) -> None:
-        super().__init__(module, "step", program, WIDTH, at_rest=False, shape=(2, 3, 1))
+        super().__init__(module, "step", program, WIDTH, at_rest=False)
         self.expand()
         self.variables = [name for name, _ in self.outputs]
         self.positions = [name for name, rate in self.outputs if rate.kind == "variable"]
@@ -546,9 +532,7 @@ class _Step(_Expansion):
         It is not needed where all but one of the squares vanish, as on a vertical flight, for then
         the root is ± an analytic function; nor where the series ends.
 
-        Returns
-        -------
-        The lanes where only one square does not vanish, and the length.
+        Returns the lanes where only one square does not vanish, and the length.
         """
         start = [self.zeroth[name] for name in velocities]
         square = self.number(0.0)
@@ -694,15 +678,15 @@ class _Step(_Expansion):
 
 def _write_rest(module: Any, program: Program) -> None:
     """Write the expansion of one flight from rest; it returns 0 if the flight is not at rest."""
-    writer = _Expansion(module, "expand_from_rest", program, 1, at_rest=True, shape=(1, 2, 0))
+    writer = _Expansion(module, "expand_from_rest", program, 1, at_rest=True)
     build = writer.builder
     writer.expand()
-    rests = ir.Constant(ir.IntType(1), 1)
+    rests = ir.Constant(ir.VectorType(ir.IntType(1), 1), [1])
     for root in writer.recurrence.roots:
         for part in squares(root.args[0]):
             still = build.fcmp_ordered("==", writer.zeroth[part], writer.number(0.0))
             rests = build.and_(rests, still)
-    build.ret(build.zext(rests, _INDEX))
+    build.ret(build.zext(build.extract_element(rests, writer.index(0)), _INDEX))
 
 
 # --- machine code ---------------------------------------------------------------------------------
@@ -718,16 +702,11 @@ def written(program: Program) -> Any:
 
 @dataclass(frozen=True)
 class Kernel:
-    """The compiled steps of a program.
-
-    Attributes
-    ----------
-    step, rest
-        Addresses of the functions ``step(x, functions, order, stride, count, truncation)`` and
-        ``expand_from_rest(x, order, stride)``; the stride is the number of rows of a block.
-    """
+    """The compiled steps of a program."""
 
     layout: Layout
+    # step, rest: addresses of functions of (x, functions, order, stride, count, truncation), of
+    # which the stride is the number of rows of a block
     step: int
     rest: int
     engine: Any  # owns the code

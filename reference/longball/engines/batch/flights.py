@@ -62,23 +62,6 @@ _FLYING, _AT_WAYPOINT, _AT_REST = -1, -2, -3
 def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     """Return the type of the records of where flights start and what can end them.
 
-    The fields are
-
-    ``time``, ``time_limit``
-        s.
-    the program's variables and parameters
-        By their names: state and strengths; 0 for a force that does not act.
-    ``error``
-        Of a state at the end of a flight, relative to its size.
-    ``reach``, ``margin_error``, ``across``, ``above``
-        The bat: the distance from its axis at which it is touched, m, 0 for no bat; the error of
-        the margin, m; the two components of the distance.
-    ``waypoint``, ``ahead``
-        A step ends where this function falls through zero, and the state there is noted. The event
-        of that number lies beyond; NaN if none does.
-    ``events``
-        The functions that end a flight where they fall through zero.
-
     Functions are linear: an array of the coefficients of the variables, the constant, and the size
     that the error is relative to.
     """
@@ -86,44 +69,40 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
     return np.dtype(
         [
             *((name, np.float64) for name in _FLIGHT),
+            # State and strengths; 0 for a force that does not act.
             *((name, np.float64) for name in (*program.variables, *program.parameters)),
+            # The components of the distance from the bat's axis; and a function at whose fall
+            # through zero a step ends, and the state is noted.
             *((name, np.float64, (size,)) for name in ("across", "above", "waypoint")),
-            ("events", np.float64, (events, size)),
+            ("events", np.float64, (events, size)),  # they end a flight where they fall
         ]
     )
 
 
-_FLIGHT = ("time", "time_limit", "error", "reach", "margin_error", "ahead")
+_FLIGHT = (
+    "time", "time_limit",  # s
+    "error",  # of a state at the end of a flight, relative to its size
+    "reach",  # m, the distance from the bat's axis at which it is touched; 0 for no bat
+    "margin_error",  # m
+    "ahead",  # number of the event that lies beyond the waypoint; NaN if none does
+)  # fmt: skip
 _TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _AHEAD, _STATE = range(7)
 # Functions, in the order of the records.
 _ACROSS, _ABOVE, _WAYPOINT, _FIRST_EVENT = range(4)
 
 
 def arrival_dtype(program: Program) -> np.dtype[Any]:
-    """Return the type of the records of how flights end.
-
-    The fields are
-
-    ``stop``
-        The number of the event, `TIME_LIMIT`, `TOUCH`, or why there is no answer.
-    ``event``, ``rival``, ``doubt``
-        What is undecided: about one event, or which of two is first; and the value that lies within
-        its error.
-    ``steps``
-        How many were taken.
-    ``time`` and the program's variables
-        When, s, and in what state it ends.
-    ``mark_time``, ``mark_`` and the variables
-        When and in what state it passed the waypoint or, at a bat, first touched it; the time is
-        NaN if it did not.
-    ``margin``
-        Of the bat, m.
-    """
+    """Return the type of the records of how flights end."""
     names = ("time", *program.variables)
     return np.dtype(
         [
+            # The number of the event, `TIME_LIMIT`, `TOUCH`, or why there is no answer; how many
+            # steps were taken; the one or two events about which something is undecided.
             *((name, np.int64) for name in ("stop", "steps", "event", "rival")),
+            # Of the bat, m; the value that lies within its error.
             *((name, np.float64) for name in ("margin", "doubt")),
+            # When, s, and in what state it ends, and it passed the waypoint or, at a bat, first
+            # touched it; that time is NaN if it did not.
             *((f"{prefix}{name}", np.float64) for prefix in ("", "mark_") for name in names),
         ]
     )
@@ -143,25 +122,16 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
 
 
 def fly_all(
-    kernel: Kernel, flights: Records, order: int, truncation: float, steps: Array | None = None
+    kernel: Kernel,
+    flights: Records,  # of `flight_dtype`, of any shape
+    order: int,  # of the series
+    truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
+    steps: Array | None = None,
 ) -> Records:
-    """Fly every flight to its end.
+    """Fly every flight to its end; return records of `arrival_dtype`, of the same shape.
 
-    Parameters
-    ----------
-    kernel
-        Of the law.
-    flights : records of `flight_dtype`, of any shape
-    order
-        Of the series.
-    truncation
-        Size of the last terms of the velocity in a step, relative to the speed.
-    steps : array of shape (steps, 1 + variables)
-        Filled with time, s, and state at the beginning of each step of the one flight.
-
-    Returns
-    -------
-    records of `arrival_dtype`, of the same shape
+    `steps`, of shape (steps, 1 + variables), is filled with time, s, and state at the beginning of
+    each step of the one flight.
     """
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
@@ -208,64 +178,44 @@ _NONE = -1  # flies in a lane
 
 
 class _Setup(NamedTuple):
-    """What all flights share: sizes, code, and memory.
+    """What all flights share: sizes, code, and memory."""
 
-    Attributes
-    ----------
-    half, variables, parameters, functions
-        Numbers of positions, variables, parameters; and of the waypoint and the events.
-    order, degree
-        Of the velocity's polynomials, and of the position's.
-    block, width
-        Doubles between two components of the state in `x`, and in `work`.
-    expand_from_rest
-        Address of code.
-    truncation
-        Of the series, relative to the speed.
-    x, strengths, step
-        The expansion of all lanes, its block of parameters, and that of the step.
-    lost
-        What rounding has taken from each position, a part of `step`; behind it what it takes next.
-    rest, rest_strengths, rest_block
-        The same for one flight at rest.
-    linear
-        Linear functions of the flights in the lanes: waypoint and events, with absolute errors.
-    kept
-        The block of the step, while a lane of it is made anew.
-    work
-        Polynomials of the state of one flight in its step, and of the bat's distance after them.
-    p, slope, bend
-        Of an event.
-    state
-        Of a flight at some time.
-    """
-
+    # half, variables, parameters, functions: numbers of positions, variables, parameters; and of
+    # the waypoint and the events
     half: int
     variables: int
     parameters: int
     functions: int
+    # order, degree: of the velocity's polynomials, and of the position's
     order: int
     degree: int
+    # block, width: doubles between two components of the state in `x`, and in `work`
     block: int
     width: int
-    expand_from_rest: int
-    truncation: float
+    expand_from_rest: int  # address of code
+    truncation: float  # of the series, relative to the speed
+    # x, strengths, step: the expansion of all lanes, its block of parameters, and that of the step
     x: Any
     strengths: Any
     step: Any
+    # What rounding has taken from each position, a part of `step`; behind it what it takes next
     lost: Any
+    # rest, rest_strengths, rest_block: the same for one flight at rest
     rest: Any
     rest_strengths: Any
     rest_block: int
+    # Linear functions of the flights in the lanes: waypoint and events, with absolute errors
     linear: Any
-    kept: Any
+    kept: Any  # the block of the step, while a lane of it is made anew
+    # Polynomials of the state of one flight in its step, and of the bat's distance after them
     work: Any
+    # p, slope, bend: of an event
     p: Any
     slope: Any
     bend: Any
     across: Any
     above: Any
-    state: Any
+    state: Any  # of a flight at some time
 
 
 _SCRATCH = 6  # rows of a workspace after those of the state
@@ -501,7 +451,12 @@ def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
         s.rest[i * s.rest_block] = s.x[i * s.block + slot.lane]
     for k in range(s.parameters):
         s.rest_strengths[k] = s.strengths[k * WIDTH + slot.lane]
-    if call(s.expand_from_rest, (s.rest, s.order, s.rest_block)) == 0:
+    if (
+        call(
+            s.expand_from_rest, (s.rest, s.linear, s.order, s.rest_block, s.functions, s.truncation)
+        )
+        == 0
+    ):
         return length  # the air moves
     # There V = a t + …, with the acceleration a.
     square = 0.0

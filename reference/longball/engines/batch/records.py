@@ -172,6 +172,14 @@ def records_of(
     return flight
 
 
+def flown(
+    flyer: Any, law: Law[Any], start: Start, events: Events[Any], limit: Any, bat: Bat | None = None
+) -> tuple[Records, Records]:
+    """Return flights that start from states, and their arrivals; see `records_of`."""
+    starts = records_of(law, start, events, limit, flyer.flight_error, bat)
+    return starts, flyer.fly_all(starts, general(law).program)
+
+
 def _linear(law: Law[Any], value: Any) -> _Linear:
     state = law.state(*(_Linear({name: 1.0}) for name in law.program.variables))
     found: _Linear = value(state)

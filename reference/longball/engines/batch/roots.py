@@ -20,41 +20,32 @@ _NOTHING = 1e-17  # of a time: a tenth of its rounding
 
 
 @inner
-def value(p: Array, degree: int, t: float) -> float:
-    """Return p(t)."""
-    total: float = p[degree]
-    for k in range(degree - 1, -1, -1):
-        total = fma(total, t, p[k])
-    return total
+def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]:
+    """Return p(t) and q(t), such as a slope with a zero behind it as `differentiate` writes it.
 
-
-@inner
-def _height_and_rate(p: Array, slope: Array, degree: int, t: float) -> tuple[float, float]:
-    """Return p(t) and p'(t): even and odd powers apart, which halves the wait for each sum."""
+    Even and odd powers apart, which halves the wait for each sum.
+    """
     square = t * t
-    even, odd, even_rate, odd_rate = 0.0, 0.0, 0.0, 0.0
+    odd, odd_too = 0.0, 0.0
     k = degree
-    if degree % 2 == 0:
-        even = p[k]
+    if degree % 2 == 1:
+        odd, odd_too = p[k], q[k]
         k -= 1
-    else:
-        odd, even, even_rate = p[k], p[k - 1], slope[k - 1]
-        k -= 2
+    even, even_too = p[k], q[k]
+    k -= 1
     while k > 0:
         odd, even = fma(odd, square, p[k]), fma(even, square, p[k - 1])
-        odd_rate, even_rate = (
-            fma(odd_rate, square, slope[k]),
-            fma(even_rate, square, slope[k - 1]),
-        )
+        odd_too, even_too = fma(odd_too, square, q[k]), fma(even_too, square, q[k - 1])
         k -= 2
-    return fma(odd, t, even), fma(odd_rate, t, even_rate)
+    return fma(odd, t, even), fma(odd_too, t, even_too)
 
 
 @inner
 def differentiate(p: Array, degree: int, derivative: Array) -> None:
-    """Write the coefficients of p' into `derivative`."""
+    """Write the coefficients of p', and a zero, into `derivative`."""
     for k in range(degree):
         derivative[k] = (k + 1) * p[k + 1]
+    derivative[degree] = 0.0
 
 
 @inner
@@ -77,6 +68,7 @@ def downward(slope: Array, degree: int, end: float) -> float:
 
 @inner
 def first_zero(
+    # p, slope: coefficients of p, of degree `degree`, and of p'
     p: Array,
     slope: Array,
     degree: int,
@@ -84,24 +76,17 @@ def first_zero(
     level: float,
     begin: float,
     end: float,
-    bend: float,
+    bend: float,  # an upper bound on ``-sign p''`` up to the end
 ) -> float:
     """Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
 
     NaN if the walk takes too long, as it does to a triple root.
-
-    Parameters
-    ----------
-    p, slope
-        Coefficients of p, of degree `degree`, and of p'.
-    bend
-        An upper bound on ``-sign p''`` up to the end.
     """
     t: float = begin
     height, rate = p[0], slope[0]
     for walk in range(_LONGEST_WALK):
         if walk > 0 or begin > 0.0:
-            height, rate = _height_and_rate(p, slope, degree, t)
+            height, rate = two_values(p, slope, degree, t)
         height, rate = sign * height - level, sign * rate
         if height <= 0.0:
             if rate <= 0.0:
@@ -131,24 +116,6 @@ _STEEP = 1e12
 
 
 @inner
-def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]:
-    """Return p(t) and q(t): even and odd powers apart, which halves the wait for each sum."""
-    square = t * t
-    odd, odd_too = 0.0, 0.0
-    k = degree
-    if degree % 2 == 1:
-        odd, odd_too = p[k], q[k]
-        k -= 1
-    even, even_too = p[k], q[k]
-    k -= 1
-    while k > 0:
-        odd, even = fma(odd, square, p[k]), fma(even, square, p[k - 1])
-        odd_too, even_too = fma(odd_too, square, q[k]), fma(even_too, square, q[k - 1])
-        k -= 2
-    return fma(odd, t, even), fma(odd_too, t, even_too)
-
-
-@inner
 def first_fall(
     p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float
 ) -> tuple[float, float]:
@@ -162,7 +129,7 @@ def first_fall(
     near = first_zero(p, slope, degree, 1.0, error, 0.0, end, sag)
     if error == 0.0 or near == NEVER or math.isnan(near):
         return near, math.nan
-    height, rate = _height_and_rate(p, slope, degree, near)
+    height, rate = two_values(p, slope, degree, near)
     bend = sag + slope[1] + abs(slope[1])  # as `curvature`
     if rate < 0.0 and height <= 2.0 * error and rate * rate > _STEEP * bend * error:
         # Even the strongest bend turns p only far below -error; a step of Newton's method from here
@@ -187,7 +154,7 @@ def _fall_by_pieces(
         if math.isnan(turn):
             return turn, math.nan
         if not rising:
-            least = value(p, degree, min(turn, end))
+            least, _ = two_values(p, slope, degree, min(turn, end))
             if turn != NEVER and abs(least) <= error:
                 return turn, least
             if least <= 0.0:

@@ -25,16 +25,10 @@ class Cases(ABC, Generic[N]):
     """Scenes that have come equally far: one, or a column of them.
 
     A condition is a bool for one scene, and an array of them for columns.
-
-    Attributes
-    ----------
-    scene
-        Has the blocks of a scene as attributes, with a number or a column of numbers each.
-    engine, model
-        Who computes, with which parts.
     """
 
-    scene: Any
+    scene: Any  # has the blocks of a scene as attributes, with a number or a column of numbers each
+    # engine, model: who computes, with which parts
     engine: Engine[N]
     model: Model
 
@@ -47,10 +41,7 @@ class Cases(ABC, Generic[N]):
     def decide(self, x: N, error: N, question: str) -> tuple[Any, Any]:
         """Return the conditions that ``x > 0``, and that it is not; neither where in doubt.
 
-        Raises
-        ------
-        Undecided
-            For one scene, in doubt.
+        Raises `Undecided` for one scene, in doubt.
         """
 
     @abstractmethod

@@ -53,50 +53,29 @@ def solve_impacts(cases: Cases[N]) -> None:
 
 @dataclass(frozen=True)
 class Ball(Generic[N]):
-    """A ball that touches the bat.
+    """A ball that touches the bat."""
 
-    Attributes
-    ----------
-    position, velocity, spin
-        m, m/s and rad/s; None: the scene has no spin.
-    aside
-        Where it was along the bat, m, when that was looked at; None: as in `position`.
-    leaving
-        Whether it is where it would leave the bat.
-    """
-
+    # position, velocity, spin: m, m/s and rad/s; None: the scene has no spin
     position: Vector[N]
     velocity: Vector[N]
     spin: Vector[N] | None = None
+    # Where it was along the bat, m, when that was looked at; None: as in `position`
     aside: N | None = None
-    leaving: bool = False
+    leaving: bool = False  # whether it is where it would leave the bat
 
 
 @dataclass(frozen=True)
 class ContactState(Generic[N]):
-    """Ball and bat at the touching, before the impulse.
+    """Ball and bat at the touching, before the impulse."""
 
-    Attributes
-    ----------
-    position, velocity, spin
-        Of the ball, m, m/s and rad/s; no spin if the scene has none.
-    normal
-        Unit vector from the bat's axis to the ball.
-    bat_velocity
-        Of the bat on its axis, m/s.
-    lever_arm
-        r̃, m.
-    normal_speed
-        Ṽ·n, m/s.
-    """
-
+    # position, velocity, spin: of the ball, m, m/s and rad/s; no spin if the scene has none
     position: Vector[N]
     velocity: Vector[N]
     spin: Vector[N] | None
-    normal: Vector[N]
-    bat_velocity: Vector[N]
-    lever_arm: N
-    normal_speed: N
+    normal: Vector[N]  # unit vector from the bat's axis to the ball
+    bat_velocity: Vector[N]  # of the bat on its axis, m/s
+    lever_arm: N  # r̃, m
+    normal_speed: N  # Ṽ·n, m/s
 
 
 def meet(
@@ -104,14 +83,9 @@ def meet(
 ) -> tuple[Any, ...]:
     """Look at balls and bats that touch; return those that approach each other.
 
-    Parameters
-    ----------
-    offset
-        The way from the bat's axis to the ball's centre, m: in x, and up.
-    inherited
-        Relative error of position and velocity before any rounding here.
-    carried
-        Other values of theirs, returned behind the `ContactState`.
+    The `offset` is the way from the bat's axis to the ball's centre, m: in x, and up; `inherited`
+    the relative error of position and velocity before any rounding here. Other values of theirs are
+    `carried`, and returned behind the `ContactState`.
     """
     numbers, bat = cases.numbers, cases.scene.bat
     half = numbers.exact(bat.length) / 2

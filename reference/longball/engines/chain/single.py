@@ -192,10 +192,8 @@ def solve_with_restitutions(
 def quantities_of(scene: Scene, engine: Engine[N]) -> dict[str, Any]:
     """Return what a result holds by its names, the outcome too, in the engine's own numbers.
 
-    Raises
-    ------
-    ArithmeticError, ValueError
-        If there is no result: `CannotSolve`, `InvalidScene`, `Undecided`, or what `_follow` words.
+    Raises `ArithmeticError` or `ValueError` if there is no result: `CannotSolve`, `InvalidScene`,
+    `Undecided`, or what `_follow` words.
     """
     case = OneCase(scene, engine, MODEL)
     with engine.numbers.arithmetic():
@@ -206,9 +204,7 @@ def quantities_of(scene: Scene, engine: Engine[N]) -> dict[str, Any]:
 def approach_of(scene: AtBatScene, engine: Engine[N]) -> Approach[N] | None:
     """Return how pitch and bat of a scene meet; None if the pitch does not reach the plate.
 
-    Raises
-    ------
-    CannotSolve, InvalidScene, Undecided
+    Raises `CannotSolve` or `InvalidScene` or `Undecided`.
     """
     with engine.numbers.arithmetic():
         return approach_bat(OneCase(scene, engine, MODEL))[1]

@@ -53,10 +53,7 @@ class Curve:
     def zero(self, a: arb, b: arb) -> arb:
         """Enclose the zeros of members, which all fall from a to b; a, if none starts above zero.
 
-        Raises
-        ------
-        Undecided
-            If a member may have fallen to zero before, but need not.
+        Raises `Undecided` if a member may have fallen to zero before, but need not.
         """
         there = self.value(a)
         if there <= 0:
@@ -146,19 +143,13 @@ def _newton(value: arb_poly, slope: arb_poly, a: arb, b: arb) -> arb:
 
 @dataclass(frozen=True)
 class EnclosedPiece:
-    """A piece of a flight.
+    """A piece of a flight."""
 
-    Attributes
-    ----------
-    begin, length
-        s; `begin` since the launch.
-    families
-        The components of the state as families of polynomials in the time since `begin`. They hold
-        for as much longer than `length` as `begin` is uncertain.
-    """
-
+    # begin, length: s; `begin` since the launch
     begin: arb
     length: arb
+    # The components of the state as families of polynomials in the time since `begin`. They hold
+    # for as much longer than `length` as `begin` is uncertain
     families: State[Any]
 
     def at(self, t: arb) -> State[arb]:

@@ -19,21 +19,15 @@ TRANSCENDENTAL = ("sqrt", "quotient", "exp", "log")
 
 
 class Defect:
-    """What polynomials miss a program's equations ``x' = f(x)`` by.
-
-    Parameters
-    ----------
-    program
-        Its outputs are the rates of its variables.
-    static
-        Values of the static nodes.
-    approximations
-        Polynomials with exact coefficients, for the variables and the nodes that are neither sums
-        nor products. However they were found: whatever they are, the bounds hold.
-    """
+    """What polynomials miss a program's equations ``x' = f(x)`` by."""
 
     def __init__(
-        self, program: Program, static: Mapping[Node, arb], approximations: Mapping[Node, arb_poly]
+        self,
+        program: Program,  # its outputs are the rates of its variables
+        static: Mapping[Node, arb],  # values of the static nodes
+        # Polynomials with exact coefficients, for the variables and the nodes that are neither sums
+        # nor products. However they were found: whatever they are, the bounds hold
+        approximations: Mapping[Node, arb_poly],
     ) -> None:
         self._static = static
         self._nodes = dynamic(program)

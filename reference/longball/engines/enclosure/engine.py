@@ -137,12 +137,8 @@ def _is_uncertain(system: System, bits: int) -> bool:
 def proven(system: System, core: Start, left: arb, bits: int, has_floor: bool = False) -> Motion:
     """Take a step that keeps its error to a few roundings.
 
-    Parameters
-    ----------
-    left
-        How much of the flight is left, s; the step is shorter, or at least as long.
-    has_floor
-        Whether parameters are so uncertain that no step, however short, is that good.
+    It is shorter than what is `left` of the flight, s, or at least as long. It `has_floor` if
+    parameters are so uncertain that no step, however short, is that good.
     """
     structure = system.structure
     order = _order(bits)
@@ -171,21 +167,11 @@ def _length(
     motion: Sequence[arb_poly],
     defect: Defect,
     weights: Sequence[float],
-    first: arb,
-    tolerance: arb,
-    floor: arb,
+    first: arb,  # the time to try first
+    tolerance: arb,  # what the defect may do, relative to the state
+    floor: arb,  # how large the defect may be besides
 ) -> tuple[arb, arb]:
-    """Return a time, s, in which the defect does little, and the norm of the defect till then.
-
-    Parameters
-    ----------
-    first
-        The time to try first.
-    tolerance
-        What the defect may do, relative to the state.
-    floor
-        How large the defect may be besides.
-    """
+    """Return a time, s, in which the defect does little, and the norm of the defect till then."""
     size = lemmas.norm([p[0] for p in motion], weights)
     change = lemmas.norm([p[1] for p in motion], weights)
 

@@ -22,29 +22,18 @@ _TIME_SCALE = 8.0
 
 @dataclass(frozen=True)
 class Structure:
-    """How the variables of a program depend on each other.
+    """How the variables of a program depend on each other."""
 
-    Attributes
-    ----------
-    core
-        The program of those variables that rates depend on, and of those whose rates are not
-        linear.
-    weights
-        In the norm of the core.
-    quadratures
-        The linear rates of the other variables: a constant, and coefficients of core variables.
-    resting
-        Indices in the core of what is zero at rest: the parts of the roots ``√(x x + y y + …)``, if
-        they are variables. Empty: the law is smooth where the ball is at rest.
-    guarded
-        Nodes of the core that must not come to zero on a step: roots, denominators and arguments
-        of logarithms.
-    """
-
+    # The program of those variables that rates depend on, and of those whose rates are not linear
     core: Program
-    weights: tuple[float, ...]
+    weights: tuple[float, ...]  # in the norm of the core
+    # The linear rates of the other variables: a constant, and coefficients of core variables
     quadratures: Mapping[str, tuple[Node, Sequence[tuple[Node, Node]]]]
+    # Indices in the core of what is zero at rest: the parts of the roots ``√(x x + y y + …)``, if
+    # they are variables. Empty: the law is smooth where the ball is at rest
     resting: tuple[int, ...]
+    # Nodes of the core that must not come to zero on a step: roots, denominators and arguments of
+    # logarithms
     guarded: tuple[Node, ...]
     jacobian: Program
 
@@ -89,17 +78,7 @@ def _linear(node: Node) -> tuple[Node, Sequence[tuple[Node, Node]]] | None:
 
 
 class System:
-    """The equations of a flight, with the values of their parameters.
-
-    Attributes
-    ----------
-    structure
-        Of the law's program.
-    static
-        Values of the nodes that depend on parameters alone.
-    rows, roots
-        The nodes of which there are series, and the sizes of vectors among them.
-    """
+    """The equations of a flight, with the values of their parameters."""
 
     def __init__(self, law: Law[arb], balls: Balls) -> None:
         self.structure = structure(law.program)
@@ -110,6 +89,7 @@ class System:
         self._functions = balls.functions
         self._jacobian = self.structure.jacobian.bind(law.strengths, balls.functions)
         self._recurrence = recurrence(core)
+        # The nodes of which there are series, and the sizes of vectors among them
         self.rows = self._recurrence.rows
         self.roots = self._recurrence.roots
 
