@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from flint import arb
 
+from longball.engines import event as events
 from longball.engines.engine import OutOfRange, TooLong
 from longball.engines.event import Event, first_met
-from longball.engines.ivp import METHODS, Ivp
+from longball.engines.ivp import METHODS, Ivp, _ends
 from longball.model import exact
 from longball.model.frame import Frame
 from longball.model.law import (
@@ -547,6 +548,20 @@ def test_the_work_of_a_flight_is_bounded(start, air, stop, most):
     arrival = fly(start, air, ground(), limit=10.0)
     assert arrival.stop == stop
     assert len(list(arrival.path.pieces())) < most
+
+
+def test_an_integration_ends_with_the_step_that_meets_an_event(monkeypatch):
+    """The terminal event is the least of their values, from 0 to 1; after many steps it is 0."""
+    monkeypatch.setattr("longball.engines.ivp._MANY_STEPS", 6)
+    start = PlaneState(0.0, 5.0, 3.0, 0.0)
+    high, low = (events.ground(height, start, DOUBLES) for height in (2.0, 0.0))
+    ends = _ends([high, low], law_with({"gravity": 9.8}))
+    assert (ends.terminal, ends.direction) == (True, -1)
+    heights = (5.0, 2.5, 2.0, 1.0, -1.0, 5.0)
+    found = [ends(float(t), np.array([0.0, z, 3.0, 0.0])) for t, z in enumerate(heights)]
+    assert found == [1.0, 0.5, 0.0, 0.0, 0.0, 1.0]
+    later = [ends(t, np.array([0.0, 5.0, 3.0, 0.0])) for t in (7.0, 6.5, 6.0, 8.0)]
+    assert later == [0.0, 0.0, 0.0, 0.0]
 
 
 def test_a_flight_without_end_is_given_up():

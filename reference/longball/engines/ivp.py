@@ -1,18 +1,17 @@
-"""The reference engine: the steps of `scipy.integrate.solve_ivp`.
+"""The reference engine: `scipy.integrate.solve_ivp` with terminal events.
 
 solve_ivp looks for a change of an event's sign between its steps, so that a ball that dips and
 comes back within a step is not seen, and finds the event on its interpolant, whose order may be
-lower than that of its steps. So only the steps are SciPy's here. They are handed on as Taylor
-polynomials, as far as somebody asks, in which `longball.engines.event` searches for the first
-event, and misses none.
+lower than that of its steps. Here its terminal events only end the integration in time. What they
+ended is handed on as Taylor polynomials, step by step, in which `longball.engines.event` searches
+for the first event, and misses none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -35,10 +34,8 @@ METHODS = ("Taylor", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 # A baseball's flight takes a dozen steps of Taylor's method and a hundred of others. Strong lift
 # can loop a ball a thousand times a second: the limit is some seconds of work.
 _MOST_STEPS = 20_000
-# After so many, each time, the ball may have settled to its final speed.
+# After so many the ball may have settled to its final speed.
 _MANY_STEPS = 2_000
-# A trial step may overflow; the step control then takes a shorter one or gives up.
-_QUIET = np.errstate(all="ignore")
 
 _BEYOND = "the forces are beyond the range of double precision"
 
@@ -123,43 +120,46 @@ class Ivp(PathEngine[float]):
 
         Raises `OutOfRange` or `TooLong` if solve_ivp gives up, or the flight takes too many steps.
         """
-        solver, expand = self._solver(law, begin, start, limit), Expander(law)
+        time, state = begin, np.array(start, dtype=float)
         taken = 0
-        for number in count():
-            time, state = solver.t, solver.y
-            if not time < limit:
-                return
-            if number and number % _MANY_STEPS == 0 and _has_settled(law, state):
+        while time < limit:
+            if taken > 0 and _has_settled(law, state):
                 yield _uniform(law, time, state, limit)
                 return
-            with np.errstate(all="ignore"):
-                message = solver.step()
-            if solver.status == "failed":
-                raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {message}")
-            if isinstance(solver, Taylor):
-                length = _length(time, solver.t)
-                pieces = iter([PolynomialPiece(time, length, law.state, solver.series)])
-            else:
-                pieces = _expanded(law, expand, time, state, solver.t)
+            solution, pieces = self._integrate(law, time, state, limit, events)
             for piece in pieces:
-                taken += 1
+                taken, time = taken + 1, piece.begin + piece.length
                 if taken > _MOST_STEPS:
                     raise TooLong(
                         f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
                     )
                 yield piece
+            if solution.status < 0:
+                raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {solution.message}")
+            time, state = float(solution.t[-1]), solution.y[:, -1]
+            events = ()  # whoever asks for more did not stop there
 
-    def _solver(self, law: Law[float], begin: float, start: State[float], limit: float) -> Any:
-        """Return what solve_ivp steps with."""
-        state = np.array(start, dtype=float)
+    def _integrate(
+        self, law: Law[float], time: float, state: Array, limit: float, events: Events[float]
+    ) -> tuple[Any, Iterable[PolynomialPiece]]:
+        """Return what solve_ivp returns, and the polynomials of its steps."""
+        span, ends = (time, limit), _ends(events, law)
         if self.method == "Taylor":
-            return Taylor(None, begin, state, limit, law=law)
+            pieces: list[PolynomialPiece] = []
+            options = {"law": law, "ends": ends, "pieces": pieces}
+            solution = scipy.integrate.solve_ivp(
+                None, span, state, method=_TaylorFlight, events=ends, **options
+            )
+            return solution, pieces
         rates = right_hand_side(law)
-        if not np.isfinite(rates(begin, state)).all():
+        if not np.isfinite(rates(time, state)).all():
             raise OutOfRange(_BEYOND)
+        # A trial step may overflow; the step control then takes a shorter one or gives up.
         with np.errstate(all="ignore"):
-            method = getattr(scipy.integrate, self.method)
-            return method(rates, begin, state, limit, **self.tolerances)
+            solution = scipy.integrate.solve_ivp(
+                rates, span, state, method=self.method, events=ends, **self.tolerances
+            )
+        return solution, _expanded(law, solution.t.tolist(), solution.y.T)
 
     def views(
         self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
@@ -210,18 +210,85 @@ class Ivp(PathEngine[float]):
 _NEAR = 4.0
 
 
+class _TaylorFlight(Taylor):
+    """Taylor's method that goes on to an event, and hands on its series.
+
+    solve_ivp looks at an event for longer than a series takes: it is shown the last one alone.
+    """
+
+    def __init__(
+        self,
+        *given: Any,
+        law: Law[float],
+        ends: Callable[[float, Array], float],
+        pieces: list[PolynomialPiece],
+        **options: Any,
+    ) -> None:
+        super().__init__(*given, law=law, **options)
+        self._state, self._ends, self._pieces = law.state, ends, pieces
+
+    def step(self) -> str | None:
+        """Take steps until the event's value is zero, with the account that `OdeSolver` keeps."""
+        while self.status == "running":
+            begin = self.t
+            moved, message = self._step_impl()
+            if not moved:
+                self.status = "failed"
+                return message
+            self.t_old = begin
+            length = _length(begin, self.t)
+            self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
+            if self.t == self.t_bound:
+                self.status = "finished"
+            elif not self._ends(self.t, self.y) > 0:
+                break
+        return None
+
+    def _dense_output_impl(self) -> Callable[[float], Array]:
+        """Return the ends of the last series: an event whose value is zero there is not sought."""
+        return {self.t_old: self._x[:, 0], self.t: self.y}.__getitem__
+
+
 def _expanded(
-    law: Law[float], expand: Expander, time: float, state: Array, end: float
+    law: Law[float], times: Sequence[float], states: Iterable[Array]
 ) -> Iterator[PolynomialPiece]:
-    """Yield the series of a step; several where it is longer than they reach."""
-    while time < end:
-        series, reach = expand(state)
-        if not reach > 0:
-            raise OutOfRange(_BEYOND)
-        until = min(time + reach, end)
-        piece = PolynomialPiece(time, _length(time, until), law.state, series)
-        yield piece
-        time, state = until, np.array(piece.at(piece.length))
+    """Yield the series from accepted states; again where a step is longer than they reach."""
+    expand, make = Expander(law), law.state
+    for time, state, end in zip(times, states, times[1:], strict=False):
+        while time < end:
+            series, reach = expand(state)
+            if not reach > 0:
+                raise OutOfRange(_BEYOND)
+            until = min(time + reach, end)
+            piece = PolynomialPiece(time, _length(time, until), make, series)
+            yield piece
+            time, state = until, np.array(piece.at(piece.length))
+
+
+def _ends(events: Events[float], law: Law[float]) -> Callable[[float, Array], float]:
+    """Return the terminal event that ends an integration with the step that meets an event.
+
+    Its value stays at zero from there, and so solve_ivp finds it at the end of that step. An
+    integration also ends after many steps.
+    """
+    make, steps, last = law.state, 0, math.inf
+    values = [event.value for event in events]
+
+    def left(time: float, y: Array) -> float:
+        nonlocal steps, last
+        steps += 1
+        if steps > _MANY_STEPS:
+            last = min(last, time)
+        least = 1.0 if time < last else 0.0
+        state = make(*y.tolist())
+        for value in values:
+            if not (height := value(state)) >= least:
+                least = max(height, 0.0)
+        return least
+
+    left.terminal = True  # type: ignore[attr-defined]
+    left.direction = -1  # type: ignore[attr-defined]
+    return left
 
 
 def _length(begin: float, end: float) -> float:

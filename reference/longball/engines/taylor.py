@@ -103,7 +103,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
     def _step_impl(self) -> tuple[bool, str | None]:
         waited = 0.0
         for _ in range(_MOST_SHORT_STEPS):
-            self.series, length = self._expand(self.y)
+            self._x, length = self._expand(self.y)
             if not length > 0:
                 return False, "the rates are beyond the range of double precision"
             length = min(length, self._max_step)
@@ -121,11 +121,11 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
     def _at_end(self, h: float) -> Array:
         """Return the state at the end of a step; its rounding is made up for at the next."""
-        end, self._low = advanced(self.series, h, self._low)
+        end, self._low = advanced(self._x, h, self._low)
         return end
 
     def _dense_output_impl(self) -> Callable[[float], Array]:
-        return Series(self.t_old, self.t, self.series)
+        return Series(self.t_old, self.t, self._x)
 
 
 class Series(DenseOutput):  # type: ignore[misc]
