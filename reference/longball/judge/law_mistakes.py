@@ -239,14 +239,15 @@ _FORCES = {
 def _of_forces() -> Iterator[Mistake]:
     """Yield what may be wrong with any of the forces."""
     for kind, remedy in _FORCES.items():
-        which = _KINDS[kind]
-        yield Mistake(f"no-{kind}", f"flies without {kind}", remedy,
+        which, slug = _KINDS[kind], kind.partition(" ")[0].lower()
+        article = "the " * (" " in kind)
+        yield Mistake(f"no-{slug}", f"flies without {article}{kind}", remedy,
                       changed_terms(of_kind(which, lambda form: None)))  # fmt: skip
         turned = of_kind(which, lambda form: multiplied(form, lambda m, p: -1.0))
         sentence = f"turns the {kind} the wrong way round: the sign"
-        yield Mistake(f"{kind}-sign", sentence, remedy, changed_terms(turned))
+        yield Mistake(f"{slug}-sign", sentence, remedy, changed_terms(turned))
         for name, words, factors in _AXES if kind != "gravity" else ():
-            yield Mistake(f"{kind}-{name}", words.format(kind), remedy, _by_axis(which, factors))
+            yield Mistake(f"{slug}-{name}", words.format(kind), remedy, _by_axis(which, factors))
     for kind in ("drag", "lift"):
         place, remedy = f"air.{kind}_coefficient", f"the {kind} is ½ C ρ A V², all the way"
         for name, words, factor in _FACTORS:
