@@ -55,7 +55,7 @@ from longball.model.scene import (
 )
 
 # What only compiled functions can call, for Python to call.
-first_fall, two_values, curvature, downward, first_zero, differentiate = (
+first_fall, two_values, curvature, downward, first_zero, differentiate, root_value = (
     numba.njit(function.py_func, error_model="numpy")  # type: ignore[attr-defined]
     for function in (
         roots.first_fall,
@@ -64,6 +64,7 @@ first_fall, two_values, curvature, downward, first_zero, differentiate = (
         roots.downward,
         roots.first_zero,
         roots.differentiate,
+        roots.value,
     )
 )
 
@@ -513,6 +514,7 @@ def test_sums_of_whole_coefficients_are_exact(degree: int) -> None:
     slope = slope_of(p)
     assert slope.tolist() == [*series.deriv().coef.tolist(), 0.0]
     for t in (0.0, 0.5, 2.0):
+        assert root_value(p, degree, t) == series(t)
         assert two_values(p, slope, degree, t) == (series(t), series.deriv()(t))
         bends = [k * abs(slope[k]) * t ** (k - 1) for k in range(1, degree)]
         assert curvature(slope, degree - 1, t) == sum(bends)

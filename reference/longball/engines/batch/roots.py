@@ -20,6 +20,15 @@ _NOTHING = 1e-17  # of a time: a tenth of its rounding
 
 
 @inner
+def value(p: Array, degree: int, t: float) -> float:
+    """Return p(t)."""
+    total: float = p[degree]
+    for k in range(degree - 1, -1, -1):
+        total = fma(total, t, p[k])
+    return total
+
+
+@inner
 def two_values(p: Array, q: Array, degree: int, t: float) -> tuple[float, float]:
     """Return p(t) and q(t), such as a slope with a zero behind it as `differentiate` writes it.
 
@@ -154,7 +163,7 @@ def _fall_by_pieces(
         if math.isnan(turn):
             return turn, math.nan
         if not rising:
-            least, _ = two_values(p, slope, degree, min(turn, end))
+            least = value(p, degree, min(turn, end))
             if turn != NEVER and abs(least) <= error:
                 return turn, least
             if least <= 0.0:
