@@ -113,9 +113,10 @@ BATTED: tuple[Mistake, ...] = (
             _batted(lambda s, launch: {"position": (0.0, 0.0, launch.position[2])})),
     Mistake("batted-from-bat-axis", "lets the batted ball fly from the bat's axis", _FREE,
             _batted(_bat_axis)),
-    *(Mistake(f"batted-from-{height:g}", f"lets the batted ball fly from the height of {height:g} "
-              "m", _FREE, _batted(lambda s, launch, height=height: {  # type: ignore[misc]
-                  "position": (*launch.position[:2], height)})) for height in (0.0, 1.0)),
+    *(Mistake(f"batted-from-{axis}=0", f"lets the batted ball fly from {axis} = 0", _FREE,
+              _batted(lambda s, launch, i=i: {"position": (  # type: ignore[misc]
+                  *launch.position[:i], 0.0, *launch.position[i + 1 :])}))
+      for i, axis in enumerate("xyz")),
     Mistake("batted-upwards", "lets a ball that is batted down fly upwards",
             "the batted ball flies with impact.velocity", _batted(lambda s, launch: {
                 "velocity": (*launch.velocity[:2], abs(launch.velocity[2]))})),

@@ -161,8 +161,8 @@ class Fit:
 
     parameter: str
     # "fixed": the value whatever the scene says; "where": the value in scenes that say the usual
-    # one; "factor": times the scene's; "offset": added; "default": the value where the scene leaves
-    # it out.
+    # one; "nonzero": in those that do not say 0; "factor": times the scene's; "offset": added;
+    # "default": the value where the scene leaves it out.
     form: str
     # Half the range of nine tenths of the scenes.
     value: float
@@ -183,6 +183,7 @@ class Fit:
                 or (own == 0.0 and self.form == "factor")
                 or (self.form == "default" and not _leaves_out(scene, self.parameter))
                 or (self.form == "where" and own != self.usual)
+                or (self.form == "nonzero" and own == 0.0)
                 or (self.laws is not None and law_of(scene, self.parameter) not in self.laws)
             ):
                 return scene
@@ -251,6 +252,8 @@ class Fit:
                 return f"{acts} = {number}{meant}, {whatever}"
             case "where":
                 return f"{acts} = {number}{meant} where the scene says {usual}"
+            case "nonzero":
+                return f"{acts} = {number}{meant}, whatever the scene says besides 0"
             case "default":
                 return f"{acts} = {number}, and not {usual}, where the scene leaves it out"
             case "factor":
@@ -578,8 +581,8 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
         if sought.stage not in stages and not whole_chain:
             continue
         (forms,) = fits([name], sought)
-        same = (f for f in forms if f.form == "fixed" and not f.varies)
-        alike = [replace(f, form="where") for f in same if f.roundness < ODD / 100]
+        alike = [replace(f, form="nonzero" if f.varies else "where")
+                 for f in forms if f.form == "fixed" and f.roundness < ODD / 100]  # fmt: skip
         for fit in (*forms, *alike):
             left = sought.screened(fit.change)
             if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
@@ -589,7 +592,7 @@ def fitted(sought: Sought) -> Iterator[Explanation]:
                 there = sought.left(usual.change)
                 if there is not None and there < left + SNAP:
                     fit, left = usual, there
-            rank = 2 + fit.roundness + (BEHIND if fit.form == "where" else 0)
+            rank = 2 + fit.roundness + (BEHIND if fit.form in ("where", "nonzero") else 0)
             found = Explanation(fit.name, fit.sentence, fit.remedy, left, rank, fit.change)
             yield sought.split(found)
 
