@@ -59,7 +59,7 @@ def earth(**change: Callable[[float], float]) -> Callable[[Any], Any]:
     [
         ("earth.latitude*-1", earth(latitude=lambda angle: -angle)),
         (
-            "earth.latitude*0.0174533 and earth.azimuth*0.0174533",
+            "earth-in-degrees",
             earth(latitude=math.radians, azimuth=math.radians),
         ),
     ],
@@ -138,7 +138,7 @@ def test_two_mistakes_in_the_restitution():
         results.append(right.model_copy(update={"impact": impact}))
     findings = diagnose(cases, collected(cases, results).answers).findings
     (first,) = [f for f in findings if f.stage == "restitution"]
-    assert first.names == ["lever-of-size and ball.mass=0.145"]
+    assert first.names == ["incoming.position:(x, |y|, z) and ball.mass=0.145"]
 
 
 def test_a_slightly_other_density_in_each_scene():

@@ -81,7 +81,7 @@ def test_a_landing_counted_from_the_launch():
         given["landing"]["position"] = place.tolist()
 
     assert named(solved(flights(), Ivp()), from_launch, "flight").names == [
-        "landing.position: the way from where the flight begins"
+        "landing.position: the way from the launch"
     ]
 
 
@@ -284,10 +284,10 @@ def test_an_aim_at_the_front_of_the_plate():
     assert findings(solved(thrown_aside(), Ivp()), farther)[0].names == ["aim-at-front"]
 
 
-@pytest.mark.parametrize("turn", [90, -90, 180])
-def test_an_azimuth_from_another_direction(turn):
+@pytest.mark.parametrize(("name", "turn"), [("east", 90), ("west", -90), ("south", 180)])
+def test_an_azimuth_from_another_direction(name, turn):
     other = earth(azimuth=lambda angle: angle + math.radians(turn))
-    assert explained(gold("flight-real", 2), other) == [f"earth.azimuth+{math.radians(turn):.6g}"]
+    assert explained(gold("flight-real", 2), other) == [f"azimuth-from-{name}"]
 
 
 def test_usual_air_for_none():
@@ -337,9 +337,7 @@ def test_a_crisis_whose_numbers_are_taken_for_kilometres_per_hour():
         return with_values(scene, {f"air.drag_coefficient.{key}": getattr(held, key) / 3.6
                                    for key in ("speed", "width")})  # fmt: skip
 
-    assert explained(gold("flight-spin-drag"), slower) == [
-        "air.drag_coefficient.speed*0.277778 and air.drag_coefficient.width*0.277778"
-    ]
+    assert explained(gold("flight-spin-drag"), slower) == ["air.drag_coefficient-in-km/h"]
 
 
 def test_a_mistake_in_one_branch_is_told_with_the_scenes_that_it_spares():

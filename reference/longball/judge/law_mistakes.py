@@ -30,6 +30,7 @@ from longball.model.force import (
     Piecewise,
     Term,
     cross,
+    plus,
     scaled,
     size,
 )
@@ -273,19 +274,24 @@ def _lift(direction: Callable[[Flow, Any], Vector[Any]]) -> Change:
 
 
 def _about(axis: Callable[[Any, Any], Vector[Any]]) -> Change:
-    """Return the change of the lift to one about an axis in space, from the scene and the frame."""
-    names = ("lift_about_axis", "axis_s", "axis_y", "axis_z")
+    """Return the change of the lift to one about an axis in space, from the scene and the frame.
+
+    Where the lift is always up, its axis turns with the ball, and stays.
+    """
 
     def strengths(scene: Any, frame: Any, numbers: Any) -> tuple[Any, ...] | None:
         found = LIFT.strengths(scene, frame, numbers)
-        return found and (*found, *frame.turned(axis(scene, frame)))
+        if not found or scene.reading.lift_direction == "always_up":
+            return None
+        return (*found, *frame.turned(plus(axis(scene, frame), (-frame.sin, frame.cos, 0.0))))
 
     def acceleration(m: Motion, p: Any) -> Vector[Any]:
+        """Return what the lift about the difference of the two axes does."""
         across = cross((p.axis_s, p.axis_y, p.axis_z), m.lift.velocity)
         return scaled(m.density * p.lift_about_axis * m.lift.speed, across)
 
-    new = Force(names, strengths, acceleration)
-    return changed_terms(lambda term: new if term is LIFT else term)
+    names = ("lift_about_axis", "axis_s", "axis_y", "axis_z")
+    return changed_terms(lambda term: term, Force(names, strengths, acceleration))
 
 
 def _axis_of_pitch(scene: Any, frame: Any) -> Vector[Any]:
@@ -333,6 +339,11 @@ def _faster(count: int) -> Change:
     """Return the change of the pitch's speed to one of the first components of the velocity."""
     return scene_change(lambda scene: {"pitch.speed": scene.pitch.speed * math.hypot(
         *scene.pitch.way) / math.hypot(*scene.pitch.way[:count])})  # fmt: skip
+
+
+def _turned(key: str, angle: Callable[[float], float]) -> Change:
+    """Return the change of an angle of the Earth's rotation."""
+    return scene_change(lambda scene: {f"earth.{key}": angle(getattr(scene.earth, key))})
 
 
 # --- the weather ----------------------------------------------------------------------------------
@@ -408,6 +419,9 @@ LAW: tuple[Mistake, ...] = (
                 -p.launch_w, trace.ZERO, p.launch_u)))),
     Mistake("lift-about-minus-y", "lifts about -y, whatever the ball's heading", _HEADING,
             _about(lambda scene, frame: (0.0, -1.0, 0.0))),
+    Mistake("lift-axis-sign", "has the lift's axis the other way round where it is fixed, "
+            "(-sin φ, cos φ, 0)", _HEADING, _about(lambda scene, frame: (
+                -frame.sin, frame.cos, 0.0))),
     Mistake("lift-about-forward-axis", "takes |v_x| for v_x in the heading", _HEADING,
             _about(lambda scene, frame: (frame.sin, -abs(frame.cos), 0.0))),
     Mistake("heading-by-arctangent", "takes the heading for atan(v_y/v_x), which is the opposite "
@@ -435,6 +449,13 @@ LAW: tuple[Mistake, ...] = (
             "the aim is a point: y and z where the plate is", scene_change(lambda scene: {
                 "pitch.aim": tuple(a + b for a, b in zip(
                     scene.pitch.aim, scene.pitch.release[1:], strict=True))})),
+    *(Mistake(f"{key}-from-{name}", f"counts the {key} from the {name}",
+              f"earth.{key} is in radians, {right}", _turned(key, angle))
+      for key, name, right, angle in (
+          ("latitude", "pole", "from the equator", lambda x: math.pi / 2 - x),
+          ("azimuth", "east", "from north to east", lambda x: x + math.pi / 2),
+          ("azimuth", "west", "from north to east", lambda x: x - math.pi / 2),
+          ("azimuth", "south", "from north to east", lambda x: x + math.pi))),
     Mistake("celsius-for-kelvin", "takes the temperature for °C: adds 273.15 once more", _WEATHER,
             _density(lambda s, w: of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
     Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, get_args
@@ -93,7 +93,7 @@ def _of_scene(scene: Any) -> Iterator[tuple[str, list[Mistake]]]:
             case Block():
                 found = _of_block(held)
             case tuple() if name.endswith(".values"):
-                found = [_reversed(name)]
+                found = [_reversed(name), *(_extrapolated(name, where) for where in _OUTSIDE)]
             case (float(), float(), *rest) if len(rest) < 2 and not name.endswith(".at"):
                 found = _of_vector(name, held)
             case float():
@@ -102,6 +102,8 @@ def _of_scene(scene: Any) -> Iterator[tuple[str, list[Mistake]]]:
                 found = []
         optional = held.default is None and name in _OPTIONAL
         yield name, [*found, *([_ignored(name)] if optional else [])]
+    for (block, unit), keys in _alike(known).items():
+        yield block, [_in_unit(block, unit, tuple(keys), *one) for one in _UNITS_FOR.get(unit, ())]
     for a, b in itertools.combinations(_scalars(known), 2):
         block = a.name.rpartition(".")[0]
         if block and block == b.name.partition("[")[0].rpartition(".")[0] and a.unit == b.unit:
@@ -114,6 +116,22 @@ _OPTIONAL = (
     "spin", "air.wind", "air.spin_decay_length", "air.density_scale_height", "earth", "fence",
     "bat.support", "bat.friction", "bat.tangential_restitution",
 )  # fmt: skip
+
+
+# What the numbers of a block may be taken for, and what that makes of them.
+_UNITS_FOR = {
+    "m/s": (("km/h", 1 / 3.6), ("mph", 0.44704), ("ft/s", 0.3048)),
+    "rad": (("degrees", math.pi / 180),),
+}
+
+
+def _alike(known: Iterable[_Held]) -> Mapping[tuple[str, str], list[str]]:
+    """Return the numbers of each block that have the same unit, where there are several."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for held in known:
+        if isinstance(held.value, float) and "." in held.name:
+            found.setdefault((held.name.rpartition(".")[0], held.unit), []).append(held.name)
+    return {key: names for key, names in found.items() if len(names) > 1}
 
 
 def _scalars(known: Iterable[_Held]) -> Iterator[_Held]:
@@ -263,6 +281,37 @@ def _same_wind() -> Mistake:
 @cache
 def _reversed(name: str) -> Mistake:
     return _set(name, lambda held: held[::-1], "-reversed", f"takes {name} in the reverse order")
+
+
+@cache
+def _in_unit(block: str, unit: str, names: tuple[str, ...], other: str, factor: float) -> Mistake:
+    change = scene_change(lambda scene: {name: factor * at(scene, name) for name in names})
+    return _misread(f"{block}-in-{other}", f"takes the numbers of {block} in {unit} for {other}",
+                    block, change)  # fmt: skip
+
+
+_OUTSIDE = {"below": "first line below", "above": "last line above",
+            "outside": "first and last line outside"}  # fmt: skip
+
+
+@cache
+def _extrapolated(name: str, where: str) -> Mistake:
+    block = name.rpartition(".")[0]
+
+    def line(x: float, ends: Sequence[tuple[float, float]]) -> tuple[float, float]:
+        (a, left), (b, right) = ends
+        return x, left + (x - a) * (right - left) / (b - a)
+
+    def change(scene: Any) -> Mapping[str, Any]:
+        table = at(scene, block)
+        nodes = [*zip(table.at, table.values, strict=True)]
+        low = [line(0.0, nodes[:2])] if table.at[0] and where != "above" else []
+        high = [line(100 * table.at[-1], nodes[-2:])] if where != "below" else []
+        places, values = zip(*low, *nodes, *high, strict=True)
+        return {f"{block}.at": places, name: values}
+
+    return _misread(f"{block}-extrapolated-{where}", f"goes on along the {_OUTSIDE[where]} the "
+                    f"table of {block}", block, scene_change(change))  # fmt: skip
 
 
 @cache

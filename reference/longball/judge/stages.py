@@ -286,9 +286,10 @@ def followed(trial: Trial) -> list[Check]:
     # Of an answer that is right in all, each of its quantities follows.
     if trial.right:
         true, given = trial.expected, trial.given
-        stages = [(stage_of(name), name) for name in given]
-        stages += [one for one in ENDS if one[1] in given]
-        return [Check(at, name, true[name], given[name], math.inf, 1.0) for at, name in stages]
+        named = [(stage_of(name), name, name) for name in given]
+        named += [(at, f"{name}: event", name) for at, name in ENDS if name in given]
+        return [Check(at, quantity, true[name], given[name], math.inf, 1.0)
+                for at, quantity, name in named]  # fmt: skip
     checks = follow(trial)
     # What is right to within the errors of flights under any law may be wrong beyond them.
     return checks if any(not c.follows for c in checks) else follow(trial, Change(engine=Ivp()))
