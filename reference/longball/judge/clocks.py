@@ -42,6 +42,7 @@ from longball.judge.steps import ROUND_STEPS, SHORTEST, FixedStep, common_step
 from longball.model.arrays import Array
 from longball.model.scene import landing_height
 
+SAME = 1e-6  # relative: how little ends differ that are always as far off
 FEW_OTHERS = 0.05  # of the ends, how many may be elsewhere for another reason
 
 
@@ -90,15 +91,10 @@ def ends(stage: str, chosen: Seen, trials: Trials, dt: float | None) -> Iterator
                 "lands-at-launch-height", "lands at the height that it was launched from",
                 "the ball lands at ground.height", quantity=event,
             )  # fmt: skip
-    if len(offs) < 2:  # of one scene it is not seen whether it is always so
+    # Those of one scene, or that are always the same, are no steps'.
+    if len(offs) < 2 or np.ptp(offs) <= SAME * np.abs(offs).max():
         return
-    low, high = float(offs.min()), float(offs.max())
-    if high - low <= 1e-6 * max(abs(low), abs(high)):
-        size = told(float(offs.mean()), (high - low) / 2)
-        sentence = f"ends the flight {size} m off {_ENDS[stage][2]}, always"
-        yield Explanation(f"{stage}-offset", sentence, None, 0.0, 1, quantity=event)
-    else:
-        yield from _at_steps(stage, wrong, offs, dt or grid(stage, trials))
+    yield from _at_steps(stage, wrong, offs, dt or grid(stage, trials))
 
 
 def _apart(way: Numbers, along: Numbers) -> float:
@@ -217,6 +213,14 @@ def beside_surface(stage: str, wrong: Seen) -> Iterator[Explanation]:
         speed = abs(trial.given.get(name, (0.0, 0.0, 0.0))[axis])
         offs.append(check.obtained[0] - check.expected[0])
         late.append(-offs[-1] / speed if speed else math.inf)
+    low, high = min(offs), max(offs)
+    if len(offs) > 1 and high - low <= SAME * max(abs(low), abs(high)):
+        size = told(float(np.mean(offs)), (high - low) / 2)
+        yield Explanation(
+            f"{stage}-offset", f"ends the flight {size} m off {where}, always", None, 0.0, 1,
+            quantity=f"{stage}.position: event",
+        )  # fmt: skip
+        return
     known = [*filter(math.isfinite, late)]  # a ball that all but grazes the surface tells nothing
     if len(known) < max(ENOUGH, (1 - FEW_OTHERS) * len(late)):
         return

@@ -39,7 +39,7 @@ from longball.model.arrays import Array
 Image = Callable[[Array], Array]
 
 RELATION = 0.5  # the rank of relations: behind known mistakes that leave as little
-NUMBER = 0.1  # the rank of formulas with a number that fits: behind those without one
+NUMBER = 1.5  # the rank of formulas with a number that fits: behind known mistakes
 
 FEW_DECIMALS = 10
 
