@@ -157,8 +157,8 @@ _MU: Symbol = (lambda v: v.mu, {
     "m + M": lambda v: v.m + v.M,
     "(m + M)/2; the mean of the masses": lambda v: (v.m + v.M) / 2,
     "2mM/(m + M)": lambda v: 2 * v.m * v.M / (v.m + v.M),
-    "μ/m; that is a change of speed": lambda v: v.mu / v.m,
-    "1/√(1/m² + 1/M²)": lambda v: 1 / math.hypot(1 / v.m, 1 / v.M),
+    "μ/m; it is divided by the ball's mass": lambda v: v.mu / v.m,
+    "1/√(1/m² + 1/M²); the masses are squared": lambda v: 1 / math.hypot(1 / v.m, 1 / v.M),
 })  # fmt: skip
 
 # What may be taken for the ball's velocity at the contact.
@@ -172,7 +172,7 @@ _V: Mapping[str, Value] = {
 _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = (
     ("contact.normal", "n = (x, 0, z - z_b)/d", lambda way, length: _times(1 / length, way), {
         "(x, 0, z - z_b)": (lambda v: v.axis, {
-            "(z - z_b, 0, x)": lambda v: v.axis[::-1],
+            "(z - z_b, 0, x); x and z are exchanged": lambda v: v.axis[::-1],
             "(x, 0, z - z'_b); without the offset": lambda v: (
                 v.position[0], 0.0, v.position[2] - v["plate.position"][2]),
             "a horizontal way to the ball": lambda v: (
@@ -192,7 +192,8 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
         speed * both[0], 0.0, speed * both[1]), {
         "ω r̃": (lambda v: v.scene.swing.angular_speed * v.lever, {}),
         "(cos θ, sin θ)": (lambda v: (math.cos(_tilt(v)), math.sin(_tilt(v))), {
-            "(sin θ, cos θ)": lambda v: (math.sin(_tilt(v)), math.cos(_tilt(v))),
+            "(sin θ, cos θ); sine and cosine are exchanged": lambda v: (
+                math.sin(_tilt(v)), math.cos(_tilt(v))),
             "(1, 0); without the tilt": lambda v: (1.0, 0.0),
             "(1, θ)": lambda v: (1.0, _tilt(v)),
             "θ in degrees": lambda v: (math.cos(math.radians(_tilt(v))),

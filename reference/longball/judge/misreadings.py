@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any, get_args
 
@@ -342,7 +342,7 @@ def _exchanged(a: str, b: str) -> Mistake:
 @cache
 def _taken(a: str, b: str) -> Mistake:
     change = _both(a, b, lambda x, y: (y, y))
-    return _misread(f"{b}-for-{a}", f"takes {b} for {a}", a, change)
+    return replace(_misread(f"{b}-for-{a}", f"takes {b} for {a}", a, change), scaled=a)
 
 
 @cache
