@@ -1,22 +1,25 @@
 """Flights under any law, without compiled code for it.
 
 A candidate's mistakes are tried by the hundred, each a law of its own. Taylor's method would print
-and compile each, for a second or so; SciPy's DOP853 takes any law as it is. Its steps are made
-polynomials of degree five by the states at their ends, and their first and second derivatives.
+and compile each, for a second or so; SciPy's DOP853 takes any law as it is. Where an event is
+looked for, its steps are made polynomials of degree five by the states at their ends, and their
+first and second derivatives.
 """
 
 from __future__ import annotations
 
+import math
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Event, Events, Piece
+from longball.engines.event import Curve, Event, Events, Piece
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, reaching
 from longball.engines.path_engine import PathEngine, View
@@ -25,6 +28,9 @@ from longball.model.arrays import Array
 from longball.model.law import PAPER, Law, State
 from longball.model.numbers import DOUBLES, Doubles
 
+# A candidate's mistakes leave most flights as they are: the last ones are kept.
+MOST_PATHS = 2000
+
 
 class Effort(threading.local):
     """What flights of a thread have taken so far: so a verdict hangs on no other one's work."""
@@ -32,11 +38,33 @@ class Effort(threading.local):
     steps = 0.0  # of DOP853, of 0.2 ms or so; of what takes a part of that, the part
 
     def __init__(self) -> None:
-        self.paths: dict[tuple[Any, ...], Path[float]] = {}  # the last `MOST_PATHS` flights
+        self._paths: dict[Hashable, dict[tuple[Any, ...], Path[Any]]] = defaultdict(dict)
+
+    def path(
+        self, law: Law[float], flight: tuple[Any, ...], pieces: Callable[[], Iterable[Any]],
+        kind: Hashable = "any law", most: int = MOST_PATHS,
+    ) -> Path[Any]:  # fmt: skip
+        """Return the path of a flight, which stays known with so many after it of its kind."""
+        # Many changes leave a flight as it was, which is not flown again. Programs are kept for
+        # good, so that a number belongs to one of them.
+        key, known = (id(law.program), *law.strengths.items(), *flight), self._paths[kind]
+
+        def coming() -> Iterator[Any]:
+            try:
+                yield from pieces()
+            except Exception:
+                known.pop(key, None)  # a path that has failed would seem to end there
+                raise
+
+        if key not in known:
+            if len(known) == most:
+                del known[next(iter(known))]
+            known[key] = Path(coming())
+        return known[key]
 
     def forget(self) -> None:
         """Forget the flights: what a search takes hangs on none before it."""
-        self.paths.clear()
+        self._paths.clear()
 
 
 EFFORT = Effort()
@@ -52,7 +80,6 @@ LONGEST = 0.3
 _SHORT = 1e-4  # s: half of what a derivative is a difference over
 # m and m/s: a law that takes a ball so far drives it on without end; events there take seconds.
 FARTHEST = 1e7
-MOST_PATHS = 2000
 MOST_STEPS = 500  # a baseball's flight takes twenty, and one that a wrong law drives on any number
 
 
@@ -78,26 +105,11 @@ class AnyLaw(PathEngine[float]):
     def path(
         self, law: Law[float], start: State[float], limit: float, events: Events[float] = ()
     ) -> Path[float]:
-        """Return a flight; many changes leave the same one as it was, which is not flown again."""
+        """Return a flight."""
         if law.bends:
             return super().path(law, start, limit, events)
-        named = tuple(event.name for event in events)
-        # Programs are kept for good, so that a number belongs to one of them.
-        key = id(law.program), *law.strengths.items(), start, limit, named
-        paths = EFFORT.paths
-
-        def pieces() -> Iterator[Piece[float]]:
-            try:
-                yield from self._pieces(law, start, limit, events)
-            except Exception:
-                paths.pop(key, None)  # a path that has failed would seem to end there
-                raise
-
-        if key not in paths:
-            if len(paths) == MOST_PATHS:
-                del paths[next(iter(paths))]
-            paths[key] = Path(pieces())
-        return paths[key]
+        flight = start, limit, tuple(event.name for event in events)
+        return EFFORT.path(law, flight, lambda: self._pieces(law, start, limit, events))
 
     def steps(
         self,
@@ -106,7 +118,7 @@ class AnyLaw(PathEngine[float]):
         begin: float,
         limit: float,
         events: Sequence[Event[float]],
-    ) -> Iterator[PolynomialPiece]:
+    ) -> Iterator[Piece[float]]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`."""
         if is_papers(law):
             for piece in Ivp().steps(law, start, begin, limit, events):
@@ -128,25 +140,32 @@ class AnyLaw(PathEngine[float]):
 
         if not np.isfinite(rates(begin, state)).all():
             raise OutOfRange("the forces are beyond the range of double precision")
+        searched = bool(events or law.bends)
+        longest = LONGEST if searched else math.inf
         # Forces beyond all measure show in the state.
         with np.errstate(all="ignore"):
             solver = DOP853(
-                rates, begin, state, limit, max_step=LONGEST, rtol=TOLERANCE, atol=TOLERANCE
+                rates, begin, state, limit, max_step=longest, rtol=TOLERANCE, atol=TOLERANCE
             )
-            after = bend(state, solver.f)
+            after = bend(state, solver.f) if searched else state
         EFFORT.steps += A_PART * bool(law.bends)
         for _ in range(MOST_STEPS):
             EFFORT.steps += 1 + A_BEND * len(law.bends)
             time, before, slope, bent = solver.t, solver.y, solver.f, after
             with np.errstate(all="ignore"):
                 message = solver.step()
-                after = bend(solver.y, solver.f)
-                length = reaching(time, solver.t - time, solver.t)
-                between = _between(length, (before, solver.y), (slope, solver.f), (bent, after))
-            lost = not np.isfinite(between).all() or np.abs(solver.y).max() > FARTHEST
-            if message is not None or lost:
+            if message is not None or not np.abs(solver.y).max() <= FARTHEST:
                 raise OutOfRange(f"DOP853 gave up at t = {time:.6g} s")
-            yield PolynomialPiece(time, length, law.state, between)
+            length = reaching(time, solver.t - time, solver.t)
+            if not searched:
+                yield Stride(time, length, law.state(*before), law.state(*solver.y))
+            else:
+                with np.errstate(all="ignore"):
+                    after = bend(solver.y, solver.f)
+                    between = _between(length, (before, solver.y), (slope, solver.f), (bent, after))
+                if not np.isfinite(between).all():
+                    raise OutOfRange(f"DOP853 gave up at t = {time:.6g} s")
+                yield PolynomialPiece(time, length, law.state, between)
             if solver.status == "finished":
                 return
         raise TooLong(f"the flight takes over {MOST_STEPS} steps")
@@ -158,6 +177,25 @@ class AnyLaw(PathEngine[float]):
         yield from (
             Ivp().views(pitch, law, bat) if is_papers(law) else super().views(pitch, law, bat)
         )
+
+
+class Stride(NamedTuple):
+    """A step whose ends alone are known."""
+
+    begin: float
+    length: float
+    before: State[float]
+    after: State[float]
+
+    def at(self, t: float) -> State[float]:
+        """Return the state at the beginning or at the end."""
+        if t not in (0.0, self.length):
+            raise ValueError("a flight in which no event is looked for has no state within a step")
+        return self.before if t == 0.0 else self.after
+
+    def curve(self, value: Callable[[Any], Any]) -> Curve[float]:
+        """No event is looked for."""
+        raise NotImplementedError
 
 
 def _within(rates: Callable[[float, Array], Any]) -> Callable[[float, Array], Any]:

@@ -93,7 +93,7 @@ FINE, FAINT = 1e-7, 1e-10
 LAST = 1e-5  # of the errors, what explanations may leave in few scenes
 MINOR = 1e-3  # of the largest relative error of any stage: below it is not where the trouble begins
 DOUBT_OF_STEPS = 1e-6  # of the errors, what a scheme leaves that is the candidate's own
-MOST_STEPS = 15_000  # steps of all flights together that are followed with a scheme
+MOST_STEPS = 10_000  # steps of all flights together that are followed with a scheme
 STRENGTH = "air.density*"  # what stands for a factor of k = ρ A/(2 m)
 
 # Stages in which a graze makes errors of what comes before it a thousand times as large.

@@ -162,9 +162,9 @@ class Work:
         return follow(trial, change, wanted)
 
 
-PATIENCE = 6_000.0  # flights of a search, which end within ten seconds: the same on every machine
+PATIENCE = 4_000.0  # flights of a search, which end within ten seconds: the same on every machine
 # Steps of DOP853, for laws, and for schemes after them: a law that drives the ball on takes many.
-LAWS_EFFORT, MOST_EFFORT = 30_000, 36_000
+LAWS_EFFORT, MOST_EFFORT = 16_000, 26_000
 LONG_STEP = 5e-3  # s: with such steps a second of flight takes as long as a flight under any law
 
 

@@ -23,7 +23,14 @@ import numpy as np
 from longball.engines.verlet import Verlet
 from longball.judge.changes import Mistake
 from longball.judge.contact_mistakes import BATTED, FENCE, IMPACT, TOUCHING, TWO_STEP_PUSH
-from longball.judge.explanations import JUMPED, NAMED, OWN_ERROR, Explanation, Sought
+from longball.judge.explanations import (
+    IN_A_SCENE,
+    JUMPED,
+    NAMED,
+    OWN_ERROR,
+    Explanation,
+    Sought,
+)
 from longball.judge.law_mistakes import LAW, OWN
 from longball.judge.misreadings import SHORT, misreadings, with_density
 from longball.judge.stages import COLLISION, NONE, Change, Trial, with_values
@@ -352,14 +359,19 @@ def meaning(fit: Fit) -> str:
     return f" ({name})" if name else ""
 
 
-ROUNDS = 8
+ROUNDS = 10
+STAYS = 0.97  # of what the round before has left: what leaves more has come to its end
+FAST = 0.1  # what leaves less of it goes straight to its end
+NEAR = 1e-6  # of a scene's errors: what leaves less has come near its end
 
 # Of a number, and of the scene's own, what a last step may move it by where it has come to its end.
 SETTLED, MOVED = 0.1, 1e-4
 
 FEW_DIGITS = 3  # digits of a number that one or two scenes are enough to believe
-UNSURE = 0.2  # the doubt of a fit beside what it differs from the scene: more explains nothing
-MISSED = 0.3  # a parameter that leaves so much of a scene, whatever its value, does not explain it
+# The doubt of a fit beside what it differs from the scene, and beside itself: more is no fit.
+UNSURE, DOUBTFUL = 0.2, 1e-2
+LOOSELY = 3.0  # times these, what the first scenes may leave in doubt
+MISSED = 0.3  # of a scene, what a parameter may leave that may be the first of two
 MOST_MISSED = 0.2  # of impacts, how many may be missed so: the others' number is held against all
 FIRST = 3  # with so many scenes a number is believed that has many digits
 
@@ -385,28 +397,34 @@ def implied(
     first = size = float(np.linalg.norm(r))
     if not r.size or first == 0.0:
         return None
-    move = 0.0 * value
+    move, slopes = 0.0 * value, None
     for count in range(ROUNDS):
         if count == 3 and size > 0.7 * first:
             break  # it leads nowhere
-        steps = np.diag(1e-6 * np.maximum(np.abs(value), 1e-3))
-        ahead = [off(value + step) for step in steps]
-        if any(a.shape != r.shape for a in ahead):
-            return None
-        slopes = np.array([(a - r) / step.sum() for a, step in zip(ahead, steps, strict=True)])
-        if not slopes.any(axis=1).all():
-            return None
-        move, better = -np.linalg.lstsq(slopes.T, r, rcond=None)[0], False
-        for _ in range(5):
+        if slopes is None:
+            steps = np.diag(1e-6 * np.maximum(np.abs(value), 1e-3))
+            ahead = [off(value + step) for step in steps]
+            if any(a.shape != r.shape for a in ahead):
+                return None
+            slopes = np.array([(a - r) / step.sum() for a, step in zip(ahead, steps, strict=True)])
+            if not slopes.any(axis=1).all():
+                return None
+        move = -np.linalg.lstsq(slopes.T, r, rcond=None)[0]
+        # Near the end only rounding keeps a step from being better.
+        for _ in range(5 if size > NEAR * first else 1):
             trying = off(value + move)
             if trying.shape == r.shape and float(np.linalg.norm(trying)) < size:
-                value, r, better = value + move, trying, True
                 break
             move /= 4
-        if not better:
+        else:
             break
-        old, size = size, float(np.linalg.norm(r))
-        if size > 0.999 * old or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
+        change, old, size = trying - r, size, float(np.linalg.norm(trying))
+        value, r = value + move, trying
+        # Near the end the slopes are those along the last step (Broyden's update).
+        along = np.outer(move, change - move @ slopes) / (move @ move)
+        slopes = slopes + along if size < FAST * old else None
+        stays = size > (STAYS if count > 1 else 0.999) * old  # a step too far may lead back
+        if stays or (abs(move) < 1e-12 * abs(value)).all() or size < 1e-13:
             break
     still = np.maximum(SETTLED * np.abs(value), MOVED * np.abs(np.array(held, float)))
     if (abs(move) > still).any() and size > 1e-13:
@@ -414,8 +432,13 @@ def implied(
     return value, size / first
 
 
-def fits(names: Sequence[str], sought: Sought, own: Change = NONE) -> list[list[Fit]]:
-    """Return for each of some parameters the forms in which they may explain trials together."""
+def fits(
+    names: Sequence[str], sought: Sought, own: Change = NONE, most: float = MISSED
+) -> list[list[Fit]]:
+    """Return for each of some parameters the forms in which they may explain trials together.
+
+    A parameter that leaves more than `most` of a scene, whatever its value, does not explain it.
+    """
     trials, base = sought.trials, sought.base.then(own)
     found: list[tuple[Array, list[float | None]]] = []
     scenes: list[Any] = []
@@ -426,26 +449,41 @@ def fits(names: Sequence[str], sought: Sought, own: Change = NONE) -> list[list[
         one = implied(trial, names, sought, own)
         if one is None:
             continue
-        if one[1] > MISSED:
+        if one[1] > most:
             missed += 1  # a slope across a jump, as from grip to slide, leads nowhere
             if missed > may_miss:
                 return [[] for _ in names]
             continue
         scenes.append(scene := base.scene(trial.scene))
         found.append((one[0], [value_of(scene, name) for name in names]))
+        if len(found) == FIRST and not all(_all_forms(names, found, scenes, LOOSELY)):
+            return [[] for _ in names]  # each scene acts as if it were another number
     if len(found) < max(1, len(trials) // 3):
         return [[] for _ in names]
+    return _all_forms(names, found, scenes)
+
+
+def _all_forms(
+    names: Sequence[str], found: Sequence[tuple[Array, list[float | None]]], scenes: Sequence[Any],
+    loosely: float = 1.0,
+) -> list[list[Fit]]:  # fmt: skip
+    """Return for each parameter the forms in which it explains scenes; see `_forms`."""
     values, theirs = (np.array(rows, float).T for rows in zip(*found, strict=True))
     unsaid = [all(_leaves_out(scene, name) for scene in scenes) for name in names]
     laws = [frozenset(law_of(scene, name) for scene in scenes) for name in names]
     return [
-        [replace(fit, laws=known) for fit in _forms(*one)]
-        for known, *one in zip(laws, names, values, theirs, unsaid, strict=True)
+        [replace(fit, laws=known) for fit in _forms(name, value, own, left_out, loosely)]
+        for known, name, value, own, left_out in zip(
+            laws, names, values, theirs, unsaid, strict=True
+        )
     ]
 
 
-def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
-    """Return the forms in which a parameter explains values; `unsaid`: all scenes leave it out."""
+def _forms(name: str, values: Array, own: Array, unsaid: bool, loosely: float) -> list[Fit]:
+    """Return the forms in which a parameter explains values; `unsaid`: all scenes leave it out.
+
+    The doubt of a number may be so many times as large as it usually may: `loosely`.
+    """
     varies = bool(np.ptp(own) > 1e-9 * np.abs(own).max(initial=0.0))
     some = own != 0  # a factor leaves the others as they are
     stay = some.any() and np.abs(values[~some]).max(initial=0.0) <= 1e-9 * np.abs(own).max()
@@ -470,7 +508,8 @@ def _forms(name: str, values: Array, own: Array, unsaid: bool) -> list[Fit]:
         fine = min(1e-9 * abs(float(middle)), 1e-3 * _difference(form, float(middle), own))
         value = roundest(float(middle), max(doubt, fine), size)
         fit = Fit(name, form, value, doubt, varies, float(own[0]))
-        if doubt > UNSURE * _difference(form, value, own):
+        unsure = min(UNSURE * _difference(form, value, own), DOUBTFUL * max(abs(value), 1e-6))
+        if doubt > loosely * unsure:
             continue  # scene after scene acts as if it were another number
         if len(values) < FIRST and fit.roundness > FEW_DIGITS / 100:
             continue  # nothing tells how much it differs from scene to scene
@@ -572,20 +611,20 @@ def _scaled(library: Iterable[Mistake], sought: Sought) -> Iterator[Explanation]
                 yield joined
 
 
-def fitted(sought: Sought) -> Iterator[Explanation]:
-    """Yield what numbers the candidate acts as if it had."""
+def fitted(sought: Sought, most: float = MISSED) -> Iterator[Explanation]:
+    """Yield what numbers the candidate acts as if it had; `most` as in `fits`."""
     whole_chain = sought.stage == "flight" and any(
         t.scene.kind == "at-bat" and "impact.velocity" not in t.given for t in sought.trials
     )
     for name, stages in PARAMETERS.items():
         if sought.stage not in stages and not whole_chain:
             continue
-        (forms,) = fits([name], sought)
+        (forms,) = fits([name], sought, most=most)
         alike = [replace(f, form="nonzero" if f.varies else "where")
                  for f in forms if f.form == "fixed" and f.roundness < ODD / 100]  # fmt: skip
         for fit in (*forms, *alike):
             left = sought.screened(fit.change)
-            if left is None or fit.doubt > 1e-2 * max(abs(fit.value), 1e-6):
+            if left is None:
                 continue
             # What is left may be another mistake, which has moved the number a little.
             for usual in snapped(fit):
@@ -726,7 +765,7 @@ def one_after_another(sought: Sought, known: Sequence[Explanation]) -> Iterator[
     for _, _, first in ranked[:FIRSTS]:
         assert first.change is not None
         rest = sought.given(first.change)
-        seconds = [*_tried(_library(rest), rest), *fitted(rest)]
+        seconds = [*_tried(_library(rest), rest), *fitted(rest, IN_A_SCENE)]
         best = 1.0
         for second in (e for e in seconds if e.named and e.change and not is_odd(e)):
             assert second.change is not None
@@ -769,7 +808,7 @@ def _joined(sought: Sought, a: Explanation | str, b: Explanation | str) -> Expla
     fitted: list[Fit] = []
     if free:
         joint = [(sought.left(_together(own, some)), some)
-                 for some in itertools.product(*fits(free, sought, own))
+                 for some in itertools.product(*fits(free, sought, own, IN_A_SCENE))
                  if not sought.work.exhausted]  # fmt: skip
         tried = [(left, some) for left, some in joint if left is not None]
         if not tried:

@@ -36,6 +36,7 @@ from longball.judge.cases import SLACK, Case, attainable
 from longball.judge.quantities import difference, length, radius_of, values_of
 from longball.model.bat import inertia_factor, lever_arm
 from longball.model.force import cross
+from longball.model.frame import launch_frame
 from longball.model.impact import energy_change
 from longball.model.numbers import DOUBLES, Undecided, plus
 from longball.model.scene import FlightScene, ImpactScene, Scene, landing_height
@@ -50,6 +51,7 @@ STAGES = (
 )  # fmt: skip
 COLLISION = STAGES[STAGES.index("normal") : STAGES.index("flight")]
 FLYING = STAGES[STAGES.index("flight") :]
+ENDING = FLYING[1:]  # which are not asked for where only the way there is looked at
 
 
 @dataclass(frozen=True)
@@ -318,7 +320,7 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
             at = given["contact.time"][0], given["contact.position"]
             following.flown = following.thrown[0], *at
         else:
-            list(following.checks(frozenset([stage])))
+            list(following.checks(frozenset([stage, "plate", *ENDING])))
     except _NO_STATE:
         return None
     if following.flown is None:
@@ -386,7 +388,7 @@ class _Following:
     def checks(self, only: frozenset[str]) -> Iterable[Check]:
         kind = self.scene.kind
         if kind in ("pitch", "at-bat") and {"pitch", "plate"} & only:
-            yield from self._pitch()
+            yield from self._pitch(only)
         outcome = self.trial.case.expected.outcome
         if kind == "at-bat" and "touching" in only and "contact.margin" in self.trial.expected:
             yield from self._touching()
@@ -481,11 +483,15 @@ class _Following:
 
     # --- the stages -----------------------------------------------------------------------------
 
-    def _pitch(self) -> Iterable[Check]:
-        leg, plate = self.thrown
-        if "plate.time" not in plate:
-            return
+    def _pitch(self, only: frozenset[str]) -> Iterable[Check]:
         time, position = self.given.get("plate.time"), self.given.get("plate.position")
+        case = self._case()
+        if time and position and "plate" not in only and self._lasts(time[0]):
+            leg = self._flown_to(case, 0.0, chain.release(case), time[0])
+        else:
+            leg, plate = self.thrown
+            if "plate.time" not in plate:
+                return
         if time and position:
             place, velocity = _at(leg, time[0])
             self.flown = leg, time[0], position
@@ -495,6 +501,20 @@ class _Following:
         else:
             for name in ("plate.time", "plate.position", "plate.velocity"):
                 yield from self._maybe(name, plate[name])
+
+    def _lasts(self, time: float) -> bool:
+        """Tell whether a flight may last for a time, s."""
+        return bool(0.0 < time <= self.scene.time_limit)
+
+    def _flown_to(
+        self, case: OneCase[float], begin: float, begun: tuple[Any, Any, Any], time: float
+    ) -> Leg[float]:
+        """Return a flight to a time, s; where it ends, which takes as long to find, is not seen."""
+        frame, law, start = begun
+        leg = Leg(begin, frame, chain.fly(case, law, frame, start, limit=time))
+        case.legs.append(leg)
+        self._fly_by(case)
+        return leg
 
     def _touching(self) -> Iterable[Check]:
         met = self.met
@@ -622,8 +642,13 @@ class _Following:
             far = min(scene.time_limit, 2 * max(*since, 1.0))
             scene = scene.model_copy(update={"time_limit": far})
         case = self._case(scene)
-        chain.land(case, launch, "batted")
-        self._fly_by(case)
+        here = only.isdisjoint(ENDING) and position and since
+        if here and self._lasts(since[0]) and max(since) - min(since) < 1e-9:
+            frame, start = launch_frame(launch.position, launch.velocity, DOUBLES, launch.spin)
+            self._flown_to(case, launch.time, (frame, case.law(frame), start), max(since))
+        else:
+            chain.land(case, launch, "batted")
+            self._fly_by(case)
         leg, flown = case.legs[0], None
         if position and since:
             # Of two times that contradict each other the one that the place belongs to counts.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, get_args
 
@@ -51,22 +51,22 @@ def _runge_kutta(
 
     `whose` velocity moves the position: its "own", the step's "old" or "new" one, or their "mean".
     """
-    total = sum(weights)
+    shares = [weight / sum(weights) for weight in weights]
 
     def step(f: Rates, s: Components, h: float, left: Any) -> tuple[Components, Any]:
         rates = f(*s)
         stages = [rates]
         for node, first in zip(nodes, begun, strict=False):
             stages.append(f(*plus(s, node * h, stages[first])))
-        mean = tuple([
-            sum([w * k for w, k in zip(weights, ks, strict=True)]) / total
-            for ks in zip(*stages, strict=True)
-        ])  # fmt: skip
-        new = plus(s, h, mean)
+        new = s
+        for share, rates in zip(shares, stages, strict=True):
+            if share:
+                new = plus(new, share * h, rates)
         if whose == "own":
             return new, None
         n = len(s) // 2
-        velocity = plus(s[n : 2 * n], _AHEAD[whose] * h, mean[n : 2 * n])
+        change = plus(new[n : 2 * n], -1.0, s[n : 2 * n])
+        velocity = plus(s[n : 2 * n], _AHEAD[whose], change)
         return (*plus(s[:n], h, velocity), *new[n:]), None
 
     return step
@@ -223,6 +223,8 @@ LAGGING = ("lagged-verlet", "lagged-verlet-recomputed", "half-step-verlet", "lea
 
 Ends = Literal["line", "step"]
 
+MOST_KEPT = 100  # flights of a scheme with a step, which may have ten thousand states
+
 STEP_EFFORT = 0.12  # of a step of DOP853, what one of RK4 takes here
 
 
@@ -234,7 +236,6 @@ class FixedStep(Verlet):
     # Whether a state between two steps lies on the line between them, or is reached by a shorter
     # step.
     ends: Ends = "line"
-    _last: list[Any] = field(default_factory=list, compare=False, repr=False)
 
     @property
     def description(self) -> str:
@@ -281,21 +282,12 @@ class FixedStep(Verlet):
     def _states(
         self, law: Law[float], start: State[float], limit: float
     ) -> Iterator[tuple[Components, Any]]:
-        """Yield the states at the steps, each with what the step before has left."""
-        # A flight is looked at twice, for its end and for the way there: the last one is kept.
-        if not self._last or self._last[0] is not law or self._last[1] != start:
-            steps = self._stepping(law, start, limit)
-            self._last[:] = [law, start, steps, []]
-        _, _, coming, known = self._last
-        number = 0
-        while True:
-            if number == len(known):
-                new = next(coming, None)
-                if new is None:
-                    return
-                known.append(new)
-            yield known[number]
-            number += 1
+        """Return the states at the steps, each with what the step before has left."""
+        # A flight is looked at for its end and for the way there, and again after each mend.
+        steps: Any = EFFORT.path(law, (start, limit), lambda: self._stepping(law, start, limit),
+                                 (self.scheme, self.dt), MOST_KEPT).pieces()  # fmt: skip
+        states: Iterator[tuple[Components, Any]] = steps
+        return states
 
     def _stepping(
         self, law: Law[float], start: State[float], limit: float
@@ -414,6 +406,7 @@ FINE_STEP, LONGEST = 1e-3, 0.2  # s: of those that are tried; what is shorter fo
 FEW, BEST = 3, 6  # trials of all schemes, and schemes that are tried with the step that fits them
 NEAR = 1.5  # round steps are tried that differ from a fitted one by less than this factor
 ALMOST = 1.1  # a round step may leave so many times what the one leaves that fits best
+ROUNDED = 1e-8  # of the errors, what rounding leaves of the best
 
 ITS_OWN = 1e-5  # of the errors, what the candidate's own scheme leaves; others of its order more
 LIKE = "errs as one who"  # of a scheme that errs so, and is not the candidate's own
@@ -564,7 +557,8 @@ def _fitted(few: Sought, base: Array, way: _Way, dt: float) -> float:
     # People choose round steps; another mistake may have moved the one that fits best.
     lefts = {step: left(step) for step in steps}
     best = min(lefts, key=lambda step: lefts[step])
-    near = [step for step in _round(best, 4) if lefts.get(step, math.inf) <= ALMOST * lefts[best]]
+    least = ALMOST * max(lefts[best], ROUNDED * float(np.abs(base).sum()))
+    near = [step for step in _round(best, 4) if lefts.get(step, math.inf) <= least]
     return near[0] if near else best
 
 

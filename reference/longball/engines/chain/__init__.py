@@ -7,9 +7,18 @@ the ground or the fence (`landing`). Its parts, the forces and the collision, ar
 mistake is the same chain with another part. `single` makes results of scenes, one by one.
 """
 
-from longball.engines.chain.at_bat import CHAINS, Approach, Meeting, finish, meet_bat, reach_plate
+from longball.engines.chain.at_bat import (
+    CHAINS,
+    Approach,
+    Meeting,
+    finish,
+    meet_bat,
+    reach_plate,
+    release,
+)
 from longball.engines.chain.cases import Cases
 from longball.engines.chain.collision import MODEL, Ball, ContactState, Model, collide, meet
+from longball.engines.chain.flying import fly
 from longball.engines.chain.landing import land
 from longball.engines.chain.single import (
     BLOCKS,
@@ -39,11 +48,13 @@ __all__ = [
     "approach_of",
     "collide",
     "finish",
+    "fly",
     "land",
     "meet",
     "meet_bat",
     "quantities_of",
     "reach_plate",
+    "release",
     "solve",
     "solve_each",
     "solve_with_path",

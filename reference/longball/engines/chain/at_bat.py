@@ -15,7 +15,7 @@ from longball.engines.engine import Launch, Stepped, Touch
 from longball.engines.event import Event, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import Law, State
+from longball.model.law import Law, PlaneState, State
 from longball.model.numbers import N, absolute, dot, minus
 
 
@@ -29,10 +29,10 @@ class Pitch(Generic[N]):
     flight: Flight[N]
 
 
-def throw(cases: Cases[N]) -> Pitch[N]:
-    """Throw from the release towards the point aimed at, and fly to the plane x = 0."""
+def release(cases: Cases[N]) -> tuple[Frame[N], Law[N], PlaneState[N]]:
+    """Return frame, law and start of a pitch, from its release towards the point aimed at."""
     numbers, pitch = cases.numbers, cases.scene.pitch
-    x, y, z = release = cases.vector(pitch.release)
+    x, y, z = place = cases.vector(pitch.release)
     if pitch.velocity is None:
         aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
         toward = (-x, aim_y - y, aim_z - z)
@@ -40,8 +40,13 @@ def throw(cases: Cases[N]) -> Pitch[N]:
         velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
     else:
         velocity = cases.vector(pitch.velocity)
-    frame, start = launch_frame(release, velocity, numbers, cases.spin(pitch.spin))
-    law = cases.law(frame)
+    frame, start = launch_frame(place, velocity, numbers, cases.spin(pitch.spin))
+    return frame, cases.law(frame), start
+
+
+def throw(cases: Cases[N]) -> Pitch[N]:
+    """Throw, and fly to the plane x = 0."""
+    frame, law, start = release(cases)
     return Pitch(frame, law, start, fly(cases, law, frame, start, to_ground, to_plate))
 
 
