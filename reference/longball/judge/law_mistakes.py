@@ -253,7 +253,7 @@ def _of_forces() -> Iterator[Mistake]:
         place, remedy = f"air.{kind}_coefficient", f"the {kind} is ½ C ρ A V², all the way"
         for name, words, factor in _FACTORS:
             change = changed_terms(of_kind(_KINDS[kind], partial(multiplied, factor=factor)))
-            scaled_by = place if name.startswith("with") else None
+            scaled_by = place if name == "with-v" else None
             yield Mistake(f"{kind}-{name}", words.format(kind), remedy, change,
                           name == "rising-only", scaled_by)  # fmt: skip
 

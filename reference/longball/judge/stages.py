@@ -51,7 +51,6 @@ STAGES = (
 )  # fmt: skip
 COLLISION = STAGES[STAGES.index("normal") : STAGES.index("flight")]
 FLYING = STAGES[STAGES.index("flight") :]
-ENDING = FLYING[1:]  # which are not asked for where only the way there is looked at
 
 
 @dataclass(frozen=True)
@@ -320,7 +319,7 @@ def placed(trial: Trial, change: Change, stage: str) -> Placed | None:
             at = given["contact.time"][0], given["contact.position"]
             following.flown = following.thrown[0], *at
         else:
-            list(following.checks(frozenset([stage, "plate", *ENDING])))
+            list(following.checks(frozenset([stage, "plate" if stage == "pitch" else "landing"])))
     except _NO_STATE:
         return None
     if following.flown is None:
@@ -642,7 +641,7 @@ class _Following:
             far = min(scene.time_limit, 2 * max(*since, 1.0))
             scene = scene.model_copy(update={"time_limit": far})
         case = self._case(scene)
-        here = only.isdisjoint(ENDING) and position and since
+        here = only.isdisjoint(FLYING[1:]) and position and since
         if here and self._lasts(since[0]) and max(since) - min(since) < 1e-9:
             frame, start = launch_frame(launch.position, launch.velocity, DOUBLES, launch.spin)
             self._flown_to(case, launch.time, (frame, case.law(frame), start), max(since))
