@@ -397,7 +397,12 @@ class _Search:
                 of_plain = self._found(stage, plain, _plain(good), checks, False)
                 causes = [e for e in of_plain if _is_telling(e)]
                 of_most = bool(causes)
-        if not causes:
+        broken, same = 0, causes[:4]
+        if causes and worst >= FINE:  # so little neither breaks a stage nor mends one
+            broken, same = self._least_harm(causes, stage, good)
+        if broken and len(wrong) < fits.FIRST:
+            same = []  # what others contradict is not told by a scene or two
+        if not same:
             more, remedy = CUT_OFF if cut_off else "", None
             if cut_off:
                 self.amplified.add(stage)
@@ -414,10 +419,6 @@ class _Search:
             self.findings.append(told.model_copy(update=added))
             self._leave(stage, wrong)
             return False
-        if worst < FINE:  # so little neither breaks a stage nor mends one
-            broken, same = 0, causes[:4]
-        else:
-            broken, same = self._least_harm(causes, stage, good)
         same = _without_others(same)
         best, alone = same[0], broken > 0 or of_most
         if best is relations.SINGLE and any(best.name in f.names for f in self.findings):
@@ -672,7 +673,7 @@ class _Search:
             ]  # fmt: skip
             ways += [at_surface] if ends else []
             ways += self._of_flights(stage, wrong, sought, together, found) if flies else []
-            if stage == "touching":
+            if stage == "touching" and len(good) < len(wrong):  # steps leave few contacts right
                 ways.append(partial(clocks.contacts_at_steps, wrong))
             if stage == "restitution":
                 ways.append(lambda: fits.one_after_another(sought, found))

@@ -557,6 +557,7 @@ def _library(sought: Sought) -> list[Mistake]:
     struck = stage in ("restitution", "impulse", "velocity after", "spin after", "energy")
     return [
         *misreadings([t.scene for t in sought.trials], stage),
+        *(SHORT if len(sought.trials) >= FIRST else ()),  # of one scene digits explain anything
         *(LAW if stage in ("pitch", "flight", "spin decay") else ()),
         *(BATTED if stage == "flight" else ()),
         *(TOUCHING if stage in ("touching", "normal") else ()),

@@ -10,8 +10,15 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from longball.judge.quantities import QUANTITIES, QuantitySpec
 from longball.judge.stages import Numbers
-from longball.model.bat import CollisionParameters, collision_parameters, moment_of_inertia
+from longball.model.bat import (
+    CollisionParameters,
+    collision_parameters,
+    inertia_factor,
+    moment_of_inertia,
+)
+from longball.model.impact import energy_change
 from longball.model.numbers import DOUBLES, dot, plus
 from longball.model.readings import Reading
 
@@ -38,10 +45,11 @@ class View:
         held = self.values.get("contact.position")
         return held if held is not None else tuple(self.scene.incoming.position)
 
-    @property
-    def start(self) -> Numbers:
-        """Where the ball's flight begins that ends with its landing, m."""
-        return tuple(self.scene.launch.position) if self.scene.kind == "flight" else self.position
+    def begun(self, key: str) -> Numbers:
+        """Return the ball's position, velocity or spin where it is launched, or leaves the bat."""
+        if self.scene.kind == "flight":
+            return tuple(getattr(self.scene.launch, key))
+        return self.position if key == "position" else self[f"impact.{key}"]
 
     @property
     def axis(self) -> Numbers:
@@ -164,6 +172,7 @@ _MU: Symbol = (lambda v: v.mu, {
 # What may be taken for the ball's velocity at the contact.
 _V: Mapping[str, Value] = {
     "the velocity at the plate": lambda v: v["plate.velocity"],
+    "the velocity of the release": lambda v: v.scene.pitch.thrown,
     "the release's speed": lambda v: _times(
         math.hypot(*v.scene.pitch.thrown) / math.hypot(*v.before), v.before),
     "(V_x, V_y, 0)": lambda v: (*v.before[:2], 0.0),
@@ -184,6 +193,7 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
         "r̃": (lambda v: v.lever, {
             "L/2 + y; it then turns about the other end": lambda v: v.scene.bat.length - v.lever,
             "-y; it then turns about the middle": lambda v: -v.position[1],
+            "r̃²": lambda v: v.lever**2,
             "L/2 - |y|": lambda v: v.scene.bat.length / 2 - abs(v.position[1]),
             "L; the lever of the tip": lambda v: v.scene.bat.length,
             "L/2; whatever y is": lambda v: v.scene.bat.length / 2}),
@@ -243,7 +253,7 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
             "x² + y²": lambda v: sum(x * x for x in v["landing.position"][:2]),
             "|x| + |y|": lambda v: sum(map(abs, v["landing.position"][:2])),
             "the way from the launch; or from where the ball was met": lambda v: math.dist(
-                v["landing.position"][:2], v.start[:2])})}),
+                v["landing.position"][:2], v.begun("position")[:2])})}),
 )  # fmt: skip
 
 # ẽ where it is not e itself, as the reading of the paper has it.
@@ -299,13 +309,45 @@ def _whole_impulse(v: View) -> Numbers:
 
 def _energy_of_ball(v: View) -> Numbers:
     after, before = (sum(x * x for x in w) for w in (v["impact.velocity"], v.before))
-    return (0.5 * v.m * (after - before),)
+    turning = 0.0
+    if "impact.spin" in v.values:
+        ball = v.scene.ball
+        square = inertia_factor(ball, DOUBLES) * ball.radius**2  # of the radius of gyration, m²
+        spun, spinning = (sum(x * x for x in v[name]) for name in ("impact.spin", "contact.spin"))
+        turning = square * (spun - spinning)
+    return (0.5 * v.m * (after - before + turning),)
+
+
+# What a quantity may be that is none of the answer's, by its unit.
+_GIVEN: Mapping[str, Mapping[str, Value]] = {
+    "m": {"the place of the launch": lambda v: v.begun("position"),
+          "the place of the release": lambda v: v.scene.pitch.release},
+    "m/s": {"the velocity of the launch": lambda v: v.begun("velocity"),
+            "the velocity of the release": lambda v: v.scene.pitch.thrown,
+            "the velocity before the impact": lambda v: v.before},
+    "rad/s": {"the spin of the launch": lambda v: v.begun("spin"),
+              "the spin before the impact": lambda v: v["contact.spin"]},
+}  # fmt: skip
+
+
+def _for_another(spec: QuantitySpec) -> Iterator[Formula]:
+    """Yield that a quantity is another one of the same kind, of the answer or of the scene."""
+    alike = [q.name for q in QUANTITIES.values() if (q.unit, q.size) == (spec.unit, spec.size)]
+    others: dict[str, Value] = {name: lambda v, name=name: v[name] for name in alike}  # type: ignore[misc]
+    others |= _GIVEN.get(spec.unit, {}) if spec.size == 3 else {}
+    for words, other in others.items():
+
+        def value(v: View, other: Value = other) -> Numbers:
+            return tuple(other(v))
+
+        launch = words.endswith("launch") and not spec.name.startswith(("landing", "fence"))
+        if words != spec.name and not launch:
+            yield Formula(spec.name, f"{spec.name}: {words}", f"gives for {spec.name} {words}",
+                          f"{spec.name} is another quantity", value)  # fmt: skip
 
 
 # Quantities: what they are, what stands there instead, and as what.
 _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
-    ("plate.velocity", "plate.velocity is where the ball crosses x = 0",
-     (("the velocity of the release", lambda v: tuple(v.scene.pitch.thrown)),)),
     ("contact.position", "contact.position is the ball's centre in the axes of the scene",
      (("the height above the bat's axis", _less(
          "contact.position", lambda v: (0.0, 0.0, v.height))),)),
@@ -322,7 +364,8 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
       ("1 for its cosine", lambda v: (
           math.copysign(1.0, v.position[0]), 0.0, _unit(v.axis)[2])))),
     ("impact.impulse", "impact.impulse is its part along n, in N s",
-     (("the size of the whole impulse, the friction's part included", _whole_impulse),)),
+     (("the size of the whole impulse, the friction's part included", _whole_impulse),
+      ("its part along x", lambda v: (v.number("impact.impulse:follows") * v.normal[0],)))),
     ("impact.velocity", "V' = V + P/m with the impulse P, of which J = P·n",
      (*((f"v_{letter} as before the impact", _kept(i)) for i, letter in enumerate("xyz")),
       ("the part along the normal only", _along_normal("impact.velocity")),
@@ -334,38 +377,35 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
       ("V + (J/m) n, without the friction's part", lambda v: plus(
           v.before, v.impulse / v.m, v.normal)))),
     ("impact.energy_change", "the energy is that of ball and bat together",
-     (("the energy of the ball only", _energy_of_ball),)),
+     (("the energy of the ball only", _energy_of_ball),
+      ("that of the normal impulse alone", lambda v: (
+          energy_change(v.mu, v.restitution, v.closing),)))),
     ("impact.spin", "ω' = ω - (R/I) n × P with I = inertia_factor m R²",
-     (("the spin before the impact", lambda v: v["contact.spin"]),
-      ("its change alone, without the spin before", _less(
+     (("its change alone, without the spin before", _less(
           "impact.spin", lambda v: v["contact.spin"])),
       ("a spin without its part about the normal", _less(
           "impact.spin", _along_normal("impact.spin"))),
       ("a change of the other sign", lambda v: plus(
           _times(2.0, v["contact.spin"]), -1.0, v["impact.spin:follows"])))),
-    ("landing.spin", "spin falls by e along spin_decay_length of path through the air",
-     (("the spin of the launch", lambda v: tuple(
-         v.scene.launch.spin) if v.scene.kind == "flight" else v["impact.spin"]),)),
     ("landing.path", "landing.path is ∫ U dt along the flight",
      (("the straight way", lambda v: (
-         math.dist(v["landing.position"], v.start),)),
+         math.dist(v["landing.position"], v.begun("position")),)),
       ("the way at the landing's speed", lambda v: (
           v.number("landing.hang_time") * math.hypot(*v["landing.velocity"]),)))),
     ("landing.time", "landing.time is since the start of the scene: contact.time + hang_time",
-     (("landing.hang_time, counted from the contact,", lambda v: v["landing.hang_time"]),
-      ("the time of the plate + hang_time", lambda v: (
+     (("the time of the plate + hang_time", lambda v: (
           v.number("plate.time") + v.number("landing.hang_time"),)),
       ("2 contact.time + hang_time", lambda v: (
           2 * v.number("contact.time") + v.number("landing.hang_time"),)))),
     ("landing.hang_time", "landing.hang_time is since contact or launch",
-     (("landing.time, counted from the start,", lambda v: v["landing.time"]),
-      ("the time since the plate", lambda v: (
-          v.number("landing.time") - v.number("plate.time"),)))),
+     (("the time since the plate", lambda v: (
+         v.number("landing.time") - v.number("plate.time"),)),)),
     ("landing.position", "the batted ball flies from contact.position, in the axes of the scene",
      (("the place of a flight from where the pitch crosses the plate", lambda v: plus(
          v["landing.position:follows"], 1.0, plus(
              v["plate.position"], -1.0, v["contact.position"]))),
-      ("the way from the launch", _less("landing.position", lambda v: v.start)))),
+      ("the way from the launch", _less(
+         "landing.position", lambda v: v.begun("position"))))),
     ("landing.velocity", "landing.velocity is the vector over the ground where the ball lands",
      (("the speed for v_z", lambda v: (
          *(there := v["landing.velocity:follows"])[:2], -math.hypot(*there))),
@@ -375,6 +415,7 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
 FORMULAS: tuple[Formula, ...] = (
     *(one for row in _FORMULAS for one in _substituted(*row)),
     *_restitutions(),
+    *(one for spec in QUANTITIES.values() for one in _for_another(spec)),
     *(
         Formula(quantity, f"{quantity}: {words}", f"gives for {quantity} {words}", remedy, value)
         for quantity, remedy, others in _OTHERS

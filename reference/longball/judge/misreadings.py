@@ -20,6 +20,7 @@ import numpy as np
 from longball.judge.changes import Mistake, reading_change, scene_change
 from longball.judge.findings import many
 from longball.judge.stages import COLLISION, Change, Numbers, with_values
+from longball.model.air import WindAbove, WindProfile
 from longball.model.atmosphere import density
 from longball.model.block import Block
 from longball.model.numbers import DOUBLES
@@ -52,7 +53,7 @@ def misreadings(scenes: Iterable[Any], stage: str) -> list[Mistake]:
         for name, mistakes in _of_scene(scene):
             if name.partition(".")[0] in _BLOCKS.get(stage, name):
                 found |= dict.fromkeys(mistakes)
-    return [*found, *_other_readings(), *SHORT]
+    return [*found, *_other_readings()]
 
 
 # --- what a scene holds ---------------------------------------------------------------------------
@@ -72,7 +73,7 @@ def _held(block: Block, way: str = "") -> Iterator[_Held]:
     """Yield what stands in a block and in the blocks within it."""
     for key, field in type(block).model_fields.items():
         value, name = getattr(block, key), f"{way}{key}"
-        if value is None or isinstance(value, str | Reading):
+        if value is None or isinstance(value, Reading) or key == "kind":
             continue
         unit = (field.description or "").replace(";", ",").partition(",")[0].partition(" ")[0]
         default = None if field.is_required() else field.get_default(call_default_factory=True)
@@ -82,6 +83,11 @@ def _held(block: Block, way: str = "") -> Iterator[_Held]:
 
 
 _UNITS = ("kg", "m", "m/s", "rad", "rad/s", "Pa", "K", "s", "m/s²", "kg/m³")
+
+
+def alike(scene: Any, unit: str) -> list[str]:
+    """Return the names of a scene's numbers that have a unit."""
+    return [h.name for h in _held(scene) if h.unit == unit and isinstance(h.value, float)]
 
 
 def _of_scene(scene: Any) -> Iterator[tuple[str, list[Mistake]]]:
@@ -98,13 +104,15 @@ def _of_scene(scene: Any) -> Iterator[tuple[str, list[Mistake]]]:
                 found = _of_vector(name, held)
             case float():
                 found = [_unsigned(name), _positive(name)] if held.value < 0 else []
+                if isinstance(held.default, float) and held.value != held.default:
+                    found.append(_usual(name, held.default))
             case _:
                 found = []
         optional = held.default is None and name in _OPTIONAL
         yield name, [*found, *([_ignored(name)] if optional else [])]
     for (block, unit), keys in _alike(known).items():
         yield block, [_in_unit(block, unit, tuple(keys), *one) for one in _UNITS_FOR.get(unit, ())]
-    for a, b in itertools.combinations(_scalars(known), 2):
+    for a, b in itertools.combinations(_points(known), 2):
         block = a.name.rpartition(".")[0]
         if block and block == b.name.partition("[")[0].rpartition(".")[0] and a.unit == b.unit:
             yield a.name, [_exchanged(a.name, b.name), _taken(a.name, b.name),
@@ -134,7 +142,7 @@ def _alike(known: Iterable[_Held]) -> Mapping[tuple[str, str], list[str]]:
     return {key: names for key, names in found.items() if len(names) > 1}
 
 
-def _scalars(known: Iterable[_Held]) -> Iterator[_Held]:
+def _points(known: Iterable[_Held]) -> Iterator[_Held]:
     """Yield the numbers of a scene, those of the throw's two points among them."""
     for held in known:
         if isinstance(held.value, float):
@@ -155,7 +163,8 @@ def _of_block(held: _Held) -> list[Mistake]:
     ):
         found.append(_usual_numbers(held.name, held.value.law))
     if held.name == "air.wind":
-        found.append(_same_wind())
+        found += [_same_wind(form) for form, (kind, _) in _WINDS.items()
+                  if isinstance(held.value, kind)]  # fmt: skip
     return found
 
 
@@ -272,10 +281,17 @@ def _usual_numbers(name: str, law: str) -> Mistake:
                 "whatever the scene says")  # fmt: skip
 
 
+_WINDS: Mapping[str, tuple[Any, str]] = {
+    "": (Block, ""), "-above": (WindAbove, " where the scene has it above a height"),
+    "-profile": (WindProfile, " where it has a profile"),
+}  # fmt: skip
+
+
 @cache
-def _same_wind() -> Mistake:
-    return _set("air.wind", lambda wind: getattr(wind, "velocity", wind), "-everywhere",
-                "has the same wind at all heights")  # fmt: skip
+def _same_wind(form: str) -> Mistake:
+    kind, where = _WINDS[form]
+    return _set("air.wind", lambda wind: wind.velocity if isinstance(wind, kind) else wind,
+                f"-everywhere{form}", f"has the same wind at all heights{where}")  # fmt: skip
 
 
 @cache

@@ -11,6 +11,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
+from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from longball.judge.explanations import Explanation, Seen, off, share_by, size_o
 from longball.judge.findings import Finding, found, many
 from longball.judge.fits import FEW_DIGITS, FIRST, digits_of, factor_meaning, roundest, told_factor
 from longball.judge.formulas import FORMULAS, NUMBERED, View
+from longball.judge.misreadings import alike
 from longball.judge.quantities import QUANTITIES
 from longball.judge.stages import (
     ENOUGH,
@@ -35,6 +38,7 @@ from longball.judge.stages import (
     with_values,
 )
 from longball.model.arrays import Array
+from longball.model.quantities import at
 
 Image = Callable[[Array], Array]
 
@@ -73,6 +77,41 @@ def relations(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]
                 value=_image_value(quantity, image, base), against=against,
                 stage="landing" if quantity == "landing.position" else None,
             )  # fmt: skip
+        if expected.shape[1] == 1:
+            yield from _with_a_number(quantity, chosen, beside)
+
+
+def _with_a_number(quantity: str, chosen: Seen, beside: Seen) -> Iterator[Explanation]:
+    """Yield that a number of the scene is added to a quantity, or taken from it."""
+    some = [(t.scene, c) for t, cs in chosen for c in cs
+            if c.quantity == quantity and not c.follows]  # fmt: skip
+    for name in alike(some[0][0], QUANTITIES[quantity].unit):
+        own = [_number(scene, name) for scene, _ in some]
+        if len(own) < FIRST or not all(own):
+            continue
+        ratios = [(c.obtained[0] - c.expected[0]) / x for x, (_, c) in zip(own, some, strict=True)]
+        times = round(2 * median(ratios)) / 2
+        if not times or max(abs(ratio - times) for ratio in ratios) > CERTAIN:
+            continue
+
+        def value(trial: Trial, check: Check, name: str = name, times: float = times) -> Numbers:
+            return (check.expected[0] + times * _number(trial.scene, name),)
+
+        left, against = _held(chosen, beside, quantity, value)
+        more = f"{'+-'[times < 0]} {f'{abs(times):g} ' * (abs(times) != 1)}{name}"
+        yield Explanation(
+            f"{quantity} {more}", f"{quantity}: obtained = expected {more}", None, left, RELATION,
+            quantity=quantity, against=against,
+        )  # fmt: skip
+
+
+def _number(scene: Any, name: str) -> float:
+    """Return a number of a scene; 0 if it has none of that name."""
+    try:
+        held = at(scene, name)
+    except ValueError:
+        return 0.0
+    return held if isinstance(held, float) else 0.0
 
 
 def _held(

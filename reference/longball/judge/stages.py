@@ -526,10 +526,12 @@ class _Following:
             reach = self.scene.ball.radius + self.change.meeting(self.scene).bat.radius
             gap = math.hypot(position[0], position[2] - self.height) - reach
             yield self._event("touching", "contact.position", 0.0, gap)
-            # In the paper's steps the ball goes to the bat on a line of its own (Appendix B).
-            place = met["contact.position"]
+            # In the paper's steps the ball goes to the bat on a line of its own (Appendix B). Where
+            # the place is right the time is another matter.
+            places = [met["contact.position"]]
             if time and not isinstance(self.change.engine, Verlet):
-                place = _at(self.thrown[0], time[0])[0]
+                places.insert(0, _at(self.thrown[0], time[0])[0])
+            place = min(places, key=lambda place: math.dist(_tuple(place), position))
             yield self._check("contact.position", place)
 
     def _collision(self, only: frozenset[str]) -> Iterable[Check]:
@@ -579,7 +581,7 @@ class _Following:
         if struck.friction_margin is not None:
             yield from self._maybe("impact.friction_margin", struck.friction_margin)
         if struck.spin is not None:
-            self.own["impact.spin"] = self._spun(contact, struck.spin)
+            self.own["impact.spin"] = self._spun(contact, struck)
             self.own["contact.spin"] = contact.spin or (0.0, 0.0, 0.0)
             yield from self._maybe("impact.spin", self.own["impact.spin"])
         energy = struck.energy_change
@@ -597,17 +599,14 @@ class _Following:
         said = self.given.get("impact.energy_change", follows[:1])
         return float(min(follows, key=lambda energy: abs(energy - said[0])))
 
-    def _spun(self, contact: ContactState[float], spin: Numbers) -> Numbers:
+    def _spun(self, contact: ContactState[float], struck: Any) -> Numbers:
         """Return the spin after the impact, from the candidate's own velocity after it."""
         # Whatever the friction is, angular momentum about the point of contact stays.
-        after = self.given.get("impact.velocity")
-        if after is None or contact.spin is None:
-            return spin
         ball = self.scene.ball
-        change = plus(after, -1.0, contact.velocity)
+        after = self.given.get("impact.velocity", struck.velocity)
+        change = _three(plus(after, -1.0, struck.velocity))
         factor = 1 / (inertia_factor(ball, DOUBLES) * ball.radius)
-        turned = cross(contact.normal, _three(change))
-        return plus(contact.spin, -factor, turned)
+        return plus(struck.spin, -factor, cross(contact.normal, change))
 
     def _contact_position(self) -> Numbers:
         impact = isinstance(self.scene, ImpactScene)
