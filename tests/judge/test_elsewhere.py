@@ -211,7 +211,8 @@ def test_a_velocity_that_is_not_that_of_the_contact(name, velocity):
         given.pop("impact", None)
         given.pop("landing", None)
 
-    assert named(in_vacuum(at_bats(40)), other, "normal speed").names == [name]
+    # In vacuum a velocity keeps its level part.
+    assert name in named(in_vacuum(at_bats(40)), other, "normal speed").names
 
 
 def test_a_unit_in_grazes_is_read_as_everywhere_else():

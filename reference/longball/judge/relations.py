@@ -77,7 +77,7 @@ def relations(chosen: Seen, beside: Seen, base: Change) -> Iterator[Explanation]
                 value=_image_value(quantity, image, base), against=against,
                 stage="landing" if quantity == "landing.position" else None,
             )  # fmt: skip
-        if expected.shape[1] == 1:
+        if expected.shape[1] == 1 and QUANTITIES[quantity].unit:
             yield from _with_a_number(quantity, chosen, beside)
 
 
