@@ -74,6 +74,8 @@ TOUCHING: tuple[Mistake, ...] = (
             _REACH, _reaching(lambda s: s.ball.radius)),
     Mistake("touches-at-diameters", "takes diameters for radii where ball and bat touch",
             _REACH, _reaching(lambda s: 2 * (s.ball.radius + s.bat.radius))),
+    Mistake("touches-at-bat-diameter", "takes the bat's diameter where ball and bat touch",
+            _REACH, _reaching(lambda s: s.ball.radius + 2 * s.bat.radius)),
     Mistake("touches-at-ball-diameter", "takes the ball's diameter where ball and bat touch",
             _REACH, _reaching(lambda s: 2 * s.ball.radius + s.bat.radius)),
 )  # fmt: skip

@@ -625,7 +625,9 @@ class _Search:
         assert best.value is not None
         check = next((c for c in checks if c.quantity == best.quantity), None)
         said, wrong = trial.given.get(best.quantity), best.value(trial)
-        if check is None or said is None or wrong is None or len(said) != len(check.expected):
+        if check is None or said is None or wrong is None:
+            return trial
+        if not len(said) == len(wrong) == len(check.expected):
             return trial
         if check.follows and math.dist(said, check.expected) <= math.dist(said, wrong):
             return trial

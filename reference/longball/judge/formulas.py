@@ -186,7 +186,9 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
                 v.position[0], 0.0, v.position[2] - v["plate.position"][2]),
             "a horizontal way to the ball": lambda v: (
                 math.copysign(math.hypot(*v.axis), v.position[0]), 0.0, 0.0)}),
-        "d": (lambda v: math.hypot(*v.axis), {"1": lambda v: 1.0, "R + r_b": _reach})}),
+        "d": (lambda v: math.hypot(*v.axis), {
+            "1": lambda v: 1.0, "R + r_b": _reach, "R": lambda v: v.scene.ball.radius,
+            "r_b": lambda v: v.scene.bat.radius})}),
     ("contact.bat_velocity", "V_b = ω r̃ (cos θ, 0, sin θ) with r̃ = L/2 - y",
      lambda speed, lever, x, z: (speed * lever * x, 0.0, speed * lever * z), {
         "ω": (lambda v: v.scene.swing.angular_speed, {}),
@@ -217,7 +219,9 @@ _FORMULAS: tuple[tuple[str, str, Callable[..., Any], dict[str, Symbol]], ...] = 
             "-V_b; the bat's velocity is added": lambda v: _times(
                 -1.0, v["contact.bat_velocity"])}),
         "n": (lambda v: v.normal, {
-            "the direction of -Ṽ": lambda v: _times(-1.0, _unit(v.relative))})}),
+            "the direction of -Ṽ": lambda v: _times(-1.0, _unit(v.relative)),
+            "(n_x, 0, 0)": lambda v: (v.normal[0], 0.0, 0.0),
+            "(0, 0, n_z)": lambda v: (0.0, 0.0, v.normal[2])})}),
     ("impact.impulse", "J = -μ(1 + ẽ)(Ṽ·n)", lambda mu, e, w: -mu * e * w, {
         "μ": _MU,
         "1 + ẽ": (lambda v: 1 + v.restitution, {
