@@ -78,10 +78,10 @@ def test_a_distance_beyond_the_range_of_doubles_is_no_miss():
     assert verdicts == {"ivp": "right", "batch": "declined", "enclosure": "right"}
 
 
-@pytest.mark.parametrize("part", range(10))
+@pytest.mark.parametrize("part", range(5))
 @pytest.mark.parametrize("family", PAPER)
 def test_engines_agree_with_each_other(family, part, monkeypatch):
-    # Ten thousand scenes; the study has more. What takes many steps or much work is declined.
+    # Five thousand scenes; the study has more. What takes many steps or much work is declined.
     monkeypatch.setattr("longball.engines.ivp._MANY_STEPS", 150)
     monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 300)
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)

@@ -107,7 +107,7 @@ class TestClearance:
 
 
 class TestQuadrature:
-    @pytest.mark.parametrize("name", list(GOLDEN)[::3])
+    @pytest.mark.parametrize("name", list(GOLDEN)[::4])
     @pytest.mark.usefixtures("coarse")
     def test_its_error_covers_the_distance_to_a_finer_rule(self, name):
         case = GOLDEN[name]

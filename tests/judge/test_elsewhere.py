@@ -14,7 +14,7 @@ from longball.engines.ivp import Ivp
 from longball.judge.cases import Case, solved
 from longball.judge.stages import with_values
 from longball.model.aerodynamics import DRAG
-from longball.model.air import Air
+from longball.model.air import Air, WindAbove
 from longball.model.force import Force, scaled
 from longball.model.scene import FlightScene, Launch
 from tests.judge.material import at_bats, flights, impacts, pitches
@@ -436,3 +436,78 @@ def test_outcomes_that_follow_from_one_thing_are_one_line():
     (only,) = (f for f in told(cases, answer) if f.stage == "outcome")
     assert only.sentence.startswith("says missed where batted is right, batted where missed is")
     assert only.sentence.endswith("this follows from the above")
+
+
+# --- one value for another ------------------------------------------------------------------------
+
+
+def plates_time(scene: Any, given: Given) -> None:
+    if "time" in given.get("contact", {}):
+        given["contact"]["time"] = given["plate"]["time"]
+
+
+def launchs_velocity(scene: Any, given: Given) -> None:
+    if "landing" in given:
+        given["landing"]["velocity"] = given["impact"]["velocity"]
+
+
+def with_radius(scene: Any, given: Given) -> None:
+    if "landing" in given:
+        given["landing"]["distance"] += scene.ball.radius
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "stage"),
+    [
+        ("contact.time: plate.time", plates_time, "touching"),
+        ("landing.velocity: impact.velocity", launchs_velocity, "landing velocity"),
+        ("landing.distance + ball.radius", with_radius, "distance"),
+    ],
+)
+def test_another_value_or_one_more(name, change, stage):
+    other = [with_values(s, {"id": f"{s.id}-small", "ball.radius": 0.035}) for s in at_bats(20)]
+    assert name in named(solved([*at_bats(20), *other], Ivp()), change, stage).names
+
+
+def test_a_margin_by_the_true_reach_hides_no_other_one():
+    def at_ball(scene: Any) -> Any:
+        return with_values(scene, {"bat.radius": 0.0})
+
+    def answer(i: int, case: Case) -> dict[str, Any]:
+        right, other = result(case.scene), result(at_ball(case.scene))
+        if {"time", "position"} <= other.get("contact", {}).keys():
+            right["contact"] |= {key: other["contact"][key] for key in ("time", "position")}
+        return {key: x for key, x in right.items() if key in ("id", "outcome", "plate", "contact")}
+
+    met = [s for s in at_bats(40) if "position" in result(at_ball(s)).get("contact", {})]
+    first, *_ = told(solved(met, Ivp()), answer)
+    assert first.names == ["touches-at-ball-radius"]
+
+
+# --- keys that are misread ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("family", "name", "alter"),
+    [
+        ("flight-real", "earth.azimuth=0", earth(azimuth=lambda angle: 0.0)),
+        ("flight-kinks", "air.wind-everywhere-above", lambda scene: with_values(
+            scene, {"air.wind": scene.air.wind.velocity})
+            if isinstance(scene.air.wind, WindAbove) else scene),
+        ("impact-oblique", "bat.support-ignored", lambda scene: scene.model_copy(
+            update={"bat": scene.bat.model_copy(update={"support": None})})),
+    ],
+)  # fmt: skip
+def test_a_key_that_is_ignored(family, name, alter):
+    assert name in explained(gold(family), alter)
+
+
+def test_one_scene_tells_nothing_that_others_contradict():
+    """Many a law would explain a single flight."""
+
+    def turned(scene: Any, given: Given) -> None:
+        if scene.id == flights()[3].id:
+            given["landing"]["position"][1] *= -1
+            given["landing"]["velocity"][1] *= -1
+
+    assert named(solved(flights(), Ivp()), turned, "flight").names == []

@@ -380,6 +380,8 @@ _RELEASED = "pitch.speed is the size of the velocity at the release"
 LAW: tuple[Mistake, ...] = (
     *_of_forces(),
     *_other_speeds(),
+    Mistake("no-lift-of-spin", "flies without the lift of a spin", _FORCES["lift"], changed_terms(
+        of_kind(lambda term: isinstance(term, Lift), lambda form: None))),
     Mistake("drag-per-component", "drags each component by itself, with its own square",
             "the drag is -k V v: every component times the whole speed V",
             _squared(lambda c: _size(c) * c)),
