@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
+from statistics import median
 
 import numpy as np
 
@@ -138,6 +139,16 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     for name, sentence, remedy, off in _CONTACTS:
         if all(abs(off(way, reach, along)) <= 1e-7 * reach for way, reach, along in ways):
             yield Explanation(name, sentence, remedy)
+    apart = [math.hypot(x, z) for (x, _, z), _, _ in ways]
+    shares = [d / reach for d, (_, reach, _) in zip(apart, ways, strict=True)]
+    for unit, values in ((" m", apart), (" (R + r_b)", shares)):
+        middle = median(values or [0.0])
+        if middle and max(abs(x - middle) for x in values) <= 1e-7 * middle:
+            yield Explanation(
+                f"touches-at-{middle:.6g}{unit}", "lets ball and bat touch where the ball's centre "
+                f"is {middle:.6g}{unit} from the bat's axis", "they touch at R + r_b", rank=1,
+            )  # fmt: skip
+            return
 
 
 def contacts_at_steps(wrong: Seen) -> Iterator[Explanation]:

@@ -675,7 +675,8 @@ class _Search:
             ]  # fmt: skip
             ways += [at_surface] if ends else []
             ways += self._of_flights(stage, wrong, sought, together, found) if flies else []
-            if stage == "touching" and len(good) < len(wrong):  # steps leave few contacts right
+            seen = [[c.follows for c in cs if c.stage == stage] for _, cs in checks]
+            if stage == "touching" and 2 * sum(map(all, seen)) < len(seen):  # steps leave few right
                 ways.append(partial(clocks.contacts_at_steps, wrong))
             if stage == "restitution":
                 ways.append(lambda: fits.one_after_another(sought, found))

@@ -738,6 +738,7 @@ def _left_by(
     return left
 
 
+BOTH = 0.1  # of what one of two leaves, what both may: else the other does nothing
 FIRSTS = 6  # changes that are taken for the first of two, one after the other
 HELPS = 0.95  # of the errors, what the first must not leave
 TRIED = 4  # trials that these are chosen by
@@ -772,7 +773,7 @@ def one_after_another(sought: Sought, known: Sequence[Explanation]) -> Iterator[
             assert second.change is not None
             change = first.change.then(second.change)
             left = sought.left(change)
-            if left is not None and second.name != first.name:
+            if left is not None and left < BOTH * first.left and second.name != first.name:
                 best = min(best, left)
                 yield Explanation(
                     f"{first.name} and {second.name}", f"{first.sentence}; and {second.sentence}",
@@ -818,6 +819,8 @@ def _joined(sought: Sought, a: Explanation | str, b: Explanation | str) -> Expla
     own = _together(own, fitted)
     left = sought.left(own)
     if left is None or any(f.roundness >= ODD / 100 for f in fitted):
+        return None
+    if left > BOTH * min((x.left for x in fixed), default=math.inf):
         return None
     if left > ITS_OWN and any(x.sentence.startswith(LIKE) for x in fixed):
         return None  # beside another mistake, any scheme errs like what is left

@@ -373,9 +373,7 @@ def _added(a: str, b: str) -> Mistake:
 @cache
 def _other_readings() -> tuple[Mistake, ...]:
     """Return the mistakes of having one option of a switch always, and of having no readings."""
-    none = Change(lambda scene: scene.model_copy(update={"reading": Reading()}))
-    found = [Mistake("ignores-reading", "ignores the scene's reading block", "take the switches of "
-                     "scene.reading, or leave those scenes out with --golden", none)]  # fmt: skip
+    found = []
     for name, field in Reading.model_fields.items():
         for option in get_args(field.annotation):
             ignored = option == field.default
@@ -384,7 +382,10 @@ def _other_readings() -> tuple[Mistake, ...]:
             found.append(Mistake(f"{name}={option}", sentence, f"take reading.{name} from the "
                                  f"scene; its default is {field.default}",
                                  reading_change(**{name: option})))  # fmt: skip
-    return tuple(found)
+    none = Change(lambda scene: scene.model_copy(update={"reading": Reading()}))
+    whole = Mistake("ignores-reading", "ignores the scene's reading block", "take the switches of "
+                    "scene.reading, or leave those scenes out with --golden", none)  # fmt: skip
+    return *found, whole
 
 
 # --- digits ---------------------------------------------------------------------------------------
