@@ -469,19 +469,24 @@ def test_another_value_or_one_more(name, change, stage):
     assert name in named(solved([*at_bats(20), *other], Ivp()), change, stage).names
 
 
-def test_a_margin_by_the_true_reach_hides_no_other_one():
-    def at_ball(scene: Any) -> Any:
-        return with_values(scene, {"bat.radius": 0.0})
+@pytest.mark.parametrize(
+    ("radius", "name"), [(0.0, "touches-at-ball-radius"), (0.02, "touches-at-0.0566 m")]
+)
+def test_ball_and_bat_touch_at_another_distance(radius: float, name: str):
+    """The margins are by the true one."""
+
+    def nearer(scene: Any) -> Any:
+        return with_values(scene, {"bat.radius": radius})
 
     def answer(i: int, case: Case) -> dict[str, Any]:
-        right, other = result(case.scene), result(at_ball(case.scene))
+        right, other = result(case.scene), result(nearer(case.scene))
         if {"time", "position"} <= other.get("contact", {}).keys():
             right["contact"] |= {key: other["contact"][key] for key in ("time", "position")}
         return {key: x for key, x in right.items() if key in ("id", "outcome", "plate", "contact")}
 
-    met = [s for s in at_bats(40) if "position" in result(at_ball(s)).get("contact", {})]
+    met = [s for s in at_bats(40) if "position" in result(nearer(s)).get("contact", {})]
     first, *_ = told(solved(met, Ivp()), answer)
-    assert first.names == ["touches-at-ball-radius"]
+    assert first.names == [name]
 
 
 # --- keys that are misread ------------------------------------------------------------------------

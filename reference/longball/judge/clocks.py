@@ -123,22 +123,30 @@ _AT = "contact.position: event", "contact.time"
 
 def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
     """Yield where else ball and bat touch, if that is so in every scene with such an error."""
-    told_at = [t for t, cs in wrong if any(not c.follows and c.quantity in _AT for c in cs)]
-    if len(told_at) < ENOUGH:
-        return
-    ways = []
-    for trial in told_at:
-        if "contact.position" not in trial.given:
-            return
-        scene, _, before, height = view_values(trial, base, "contact.normal")
-        x, y, z = trial.given["contact.position"]
-        if not any(before):  # nothing is said of the velocity beyond the bat's ends
-            continue
-        along = tuple(v / math.hypot(*before) for v in before)
-        ways.append(((x, y, z - height), scene.ball.radius + scene.bat.radius, along))
-    for name, sentence, remedy, off in _CONTACTS:
+    ways = _contacts(wrong, base)
+    for name, sentence, remedy, off in _CONTACTS if ways else ():
         if all(abs(off(way, reach, along)) <= 1e-7 * reach for way, reach, along in ways):
             yield Explanation(name, sentence, remedy)
+
+
+def _contacts(wrong: Seen, base: Change) -> list[tuple[Numbers, float, Numbers]]:
+    """Return what `_CONTACTS` take, of contacts that are elsewhere; none of a few of them."""
+    told_at = [t for t, cs in wrong if any(not c.follows and c.quantity in _AT for c in cs)]
+    if len(told_at) < ENOUGH or any("contact.position" not in t.given for t in told_at):
+        return []
+    ways: list[tuple[Numbers, float, Numbers]] = []
+    for trial in told_at:
+        scene, _, before, height = view_values(trial, base, "contact.normal")
+        x, y, z = trial.given["contact.position"]
+        if any(before):  # nothing is said of the velocity beyond the bat's ends
+            along = tuple(v / math.hypot(*before) for v in before)
+            ways.append(((x, y, z - height), scene.ball.radius + scene.bat.radius, along))
+    return ways
+
+
+def reaches(wrong: Seen, base: Change) -> Iterator[Explanation]:
+    """Yield another distance at which ball and bat touch, in m or beside R + r_b."""
+    ways = _contacts(wrong, base)
     apart = [math.hypot(x, z) for (x, _, z), _, _ in ways]
     shares = [d / reach for d, (_, reach, _) in zip(apart, ways, strict=True)]
     for unit, values in ((" m", apart), (" (R + r_b)", shares)):
@@ -146,7 +154,7 @@ def touchings(wrong: Seen, base: Change) -> Iterator[Explanation]:
         if middle and max(abs(x - middle) for x in values) <= 1e-7 * middle:
             yield Explanation(
                 f"touches-at-{middle:.6g}{unit}", "lets ball and bat touch where the ball's centre "
-                f"is {middle:.6g}{unit} from the bat's axis", "they touch at R + r_b", rank=1,
+                f"is {middle:.6g}{unit} from the bat's axis", "they touch at R + r_b",
             )  # fmt: skip
             return
 

@@ -675,9 +675,11 @@ class _Search:
             ]  # fmt: skip
             ways += [at_surface] if ends else []
             ways += self._of_flights(stage, wrong, sought, together, found) if flies else []
-            seen = [[c.follows for c in cs if c.stage == stage] for _, cs in checks]
-            if stage == "touching" and 2 * sum(map(all, seen)) < len(seen):  # steps leave few right
-                ways.append(partial(clocks.contacts_at_steps, wrong))
+            if stage == "touching":
+                ways.append(partial(clocks.reaches, wrong, self.base))
+                seen = [[c.follows for c in cs if c.stage == stage] for _, cs in checks]
+                if 2 * sum(map(all, seen)) < len(seen):  # steps leave few right
+                    ways.append(partial(clocks.contacts_at_steps, wrong))
             if stage == "restitution":
                 ways.append(lambda: fits.one_after_another(sought, found))
         for number, way in enumerate(ways):
