@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -49,6 +50,8 @@ def test_a_step_of_which_the_ends_alone_are_known_has_no_state_within():
     a, b = (1.0, 2.0), (3.0, 4.0)
     stride = Stride(0.5, 0.25, a, b)
     assert (stride.at(0.0), stride.at(0.25)) == (a, b)
+    begin, end = 1.1, 1.3  # which rounds to another length: 1.3 - 1.1 + 1.1 > 1.3
+    assert Stride(begin, math.nextafter(end - begin, 1), a, b).at(end - begin) == b
     with pytest.raises(ValueError, match="no state within a step"):
         stride.at(0.1)
 

@@ -106,6 +106,11 @@ def _spin_at_bat(scene: Any) -> Numbers | None:
     return None if meeting is None else meeting.contact.spin
 
 
+def _unspun(scene: Any, launch: Any) -> dict[str, Any]:
+    lift = scene.air and scene.air.lift_coefficient
+    return {"spin": None if isinstance(lift, float) else launch.spin and (0.0, 0.0, 0.0)}
+
+
 _SPINS = "the batted ball has the spin that the impact gives it"
 
 _FREE = "the batted ball flies from contact.position"
@@ -124,6 +129,8 @@ BATTED: tuple[Mistake, ...] = (
                 "velocity": (*launch.velocity[:2], abs(launch.velocity[2]))})),
     Mistake("batted-without-spin", "lets the batted ball fly without spin", _SPINS,
             _batted(lambda s, launch: {} if launch.spin is None else {"spin": (0.0, 0.0, 0.0)})),
+    Mistake("batted-about-fixed-axis", "lifts the batted ball about a fixed axis where C_L is a "
+            "number, as if it had no spin", _SPINS, _batted(_unspun)),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch", _SPINS,
             _batted(lambda s, launch: {} if launch.spin is None else {"spin": _spin_at_bat(s)})),
 )  # fmt: skip
