@@ -19,7 +19,7 @@ PAPER = [family for family in FAMILIES if family != "extended"]
 def test_engines_agree_with_what_is_proven(family, monkeypatch):
     # What takes the enclosure more than some tenths of a second is not compared here.
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)
-    for number in range(24):
+    for number in range(16):
         scene = random_scene(family, number, SEED)
         for row in examine(scene):
             assert row["verdict"] not in FAULTS, (row, scene.line())
@@ -54,13 +54,12 @@ def test_what_was_wrong_once_is_right(family, number, seed):
     assert verdicts == dict.fromkeys(("ivp", "batch", "enclosure"), "right")
 
 
-# A feather's pitch of a thousand steps; a landing after eight loops of kilometres, that is as exact
+# A landing after eight loops of kilometres, that is as exact
 # as those; a drift of 2 cm in a fall of 6,000 km. They take the enclosure seconds for each input
 # that is moved. With one alone moved less is allowed: the sum over all of them is larger.
 @pytest.mark.parametrize(
     ("family", "number", "moved"),
     [
-        ("wide", 17103, "swing.height_offset"),
         ("extreme", 1688, "launch.position[2]"),
         ("extreme", 24816, "launch.position[2]"),
     ],
@@ -78,10 +77,10 @@ def test_a_distance_beyond_the_range_of_doubles_is_no_miss():
     assert verdicts == {"ivp": "right", "batch": "declined", "enclosure": "right"}
 
 
-@pytest.mark.parametrize("part", range(5))
+@pytest.mark.parametrize("part", range(2))
 @pytest.mark.parametrize("family", PAPER)
 def test_engines_agree_with_each_other(family, part, monkeypatch):
-    # Five thousand scenes; the study has more. What takes many steps or much work is declined.
+    # Two thousand scenes; the study has more. What takes many steps or much work is declined.
     monkeypatch.setattr("longball.engines.ivp._MANY_STEPS", 150)
     monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 300)
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)

@@ -29,7 +29,7 @@ ENGINE = Ivp()
 DIGITS = 20
 
 CHUNKS = 8  # for pytest-xdist to share
-PITCHES, GRAZES = 2_400 // CHUNKS, 1_200 // CHUNKS
+PITCHES, GRAZES = 1_200 // CHUNKS, 800 // CHUNKS
 
 
 def pitch_of_the_paper(rng):

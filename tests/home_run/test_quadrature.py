@@ -177,7 +177,7 @@ class TestQuadrature:
     @pytest.mark.usefixtures("coarsest")
     def test_threads_change_no_bit(self, monkeypatch):
         monkeypatch.setattr("longball.home_run.quadrature._PAIRS", 5)  # so that both have some
-        one, two = (integrals(BASE, PAPER, [0.42], tolerance=1e-3, workers=n) for n in (1, 2))
+        one, two = (integrals(BASE, PAPER, [0.42], tolerance=1e-2, workers=n) for n in (1, 2))
         assert one == two
 
     @pytest.mark.usefixtures("coarse")
@@ -204,7 +204,8 @@ class TestQuadrature:
     def test_what_the_engine_cannot_tell_is_in_the_error(self):
         # Released within the bat's reach of the plate, a ball starts inside the bat or misses it.
         pitch = BASE.pitch.model_copy(update={"release": (0.05, 0.0, 1.8)})
-        (row,) = integrals(BASE.model_copy(update={"pitch": pitch}), PAPER, [0.42])
+        base = BASE.model_copy(update={"pitch": pitch})
+        (row,) = integrals(base, PAPER, [0.42], tolerance=1e-2)
         assert row.error > 0.1
 
 

@@ -285,7 +285,7 @@ def test_an_aim_at_the_front_of_the_plate():
     assert findings(solved(thrown_aside(), Ivp()), farther)[0].names == ["aim-at-front"]
 
 
-@pytest.mark.parametrize(("name", "turn"), [("east", 90), ("west", -90), ("south", 180)])
+@pytest.mark.parametrize(("name", "turn"), [("east", 90), ("south", 180)])
 def test_an_azimuth_from_another_direction(name, turn):
     other = earth(azimuth=lambda angle: angle + math.radians(turn))
     assert explained(gold("flight-real", 2), other) == [f"azimuth-from-{name}"]

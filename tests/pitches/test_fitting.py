@@ -98,14 +98,14 @@ def test_so_does_the_histogram_if_its_bins_are_narrow():
     deviations = {name: [] for name in (*SPEEDS, "p")}
     for seed in range(seeds):
         table = draw(1548, seed, METRES)
-        fitted = fit_pitches(table, METRES, KINDS, bin_width=1.0, replicates=60)
+        fitted = fit_pitches(table, METRES, KINDS, bin_width=1.0, replicates=24)
         found = numbers(fitted, "least_squares")
         for name, each in deviations.items():
             each.append((found[name][0] - PRINTED[name]) / found[name][1])
     for name, each in deviations.items():
         z = np.array(each)
         assert abs(z.mean()) < 3.5 / math.sqrt(seeds), name
-        # One in 2,000 either way for 12 numbers; the errors themselves are known to 9 %.
+        # One in 2,000 either way for 12 numbers; the errors themselves are known to 14 %.
         assert 0.35 < z.std() < 1.9, name
 
 
@@ -181,7 +181,7 @@ def test_equation_2_as_printed_cannot_have_given_the_printed_r_squared():
 
 
 def test_wide_bins_widen_the_histogram_fit_as_sheppard_says():
-    table = draw(1_000_000, 3, CELLS)
+    table = draw(200_000, 3, CELLS)
     for width in (1.0, 5.0):
         fit = fit_pitches(table, CELLS, KINDS, bin_width=width, replicates=2).speed.least_squares
         expected = math.sqrt(4.58**2 + width**2 / 12)
@@ -190,7 +190,7 @@ def test_wide_bins_widen_the_histogram_fit_as_sheppard_says():
 
 
 def test_speeds_in_coarse_steps_give_the_same_spread():
-    table = draw(1_000_000, 5, CELLS)
+    table = draw(200_000, 5, CELLS)
     coarse = table.assign(kmh=5.0 * (table.kmh / 5.0).round())
     columns = CELLS.model_copy(update={"speed_resolution": 5.0})
     fine, rough = (
@@ -256,7 +256,7 @@ def test_the_edge_between_one_and_two_peaks(half, side):
 def test_few_samples_with_one_peak_support_two():
     random = np.random.default_rng(2)
     edge = _OnePeak(2.0, 1.6, 0.6).aim(1)  # the worst case: a second peak is about to come
-    samples = 40
+    samples = 16
     fitted = supported = 0
     for _ in range(samples):
         place = np.where(random.random(1548) < edge.weight, edge.left, edge.right)
@@ -266,7 +266,7 @@ def test_few_samples_with_one_peak_support_two():
         fitted += aim.maximum_likelihood.peaks == 2
         supported += aim.two_peaks_supported
     assert fitted > samples / 4  # the fit alone finds two peaks in every other sample
-    assert supported <= 6  # 40 samples at 5 % have more in 1.4 of 100 cases
+    assert supported <= 3  # 16 samples at 5 % have more in 0.7 of 100 cases
 
 
 def test_a_number_at_the_end_of_its_range_has_no_error():

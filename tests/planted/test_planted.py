@@ -20,9 +20,8 @@ def binary(tmp_path_factory):
 @pytest.mark.parametrize(
     "name",
     [
-        "normal_in_three", "inertia_with_diameter", "contact_on_surface", "bat_mass_fixed",
-        "no_drag_descending", "drag_linear", "rk4_frozen_speed", "gravity_or_default", "rounded_2",
-        "friction_tangential_default", "clock_step_late", "gravity_981+density_1225",
+        "normal_in_three", "contact_on_surface", "no_drag_descending", "rk4_frozen_speed",
+        "gravity_or_default", "friction_tangential_default",
     ],
 )  # fmt: skip
 def test_mistake_is_explained(binary, name):
