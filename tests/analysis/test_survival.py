@@ -54,9 +54,9 @@ def test_what_was_wrong_once_is_right(family, number, seed):
     assert verdicts == dict.fromkeys(("ivp", "batch", "enclosure"), "right")
 
 
-# A landing after eight loops of kilometres, that is as exact
-# as those; a drift of 2 cm in a fall of 6,000 km. They take the enclosure seconds for each input
-# that is moved. With one alone moved less is allowed: the sum over all of them is larger.
+# A landing after eight loops of kilometres, that is as exact as those; a drift of 2 cm in a fall of
+# 6,000 km. They take the enclosure seconds for each input that is moved. With one alone moved less
+# is allowed: the sum over all of them is larger.
 @pytest.mark.parametrize(
     ("family", "number", "moved"),
     [

@@ -131,6 +131,9 @@ BATTED: tuple[Mistake, ...] = (
             _batted(lambda s, launch: {} if launch.spin is None else {"spin": (0.0, 0.0, 0.0)})),
     Mistake("batted-about-fixed-axis", "lifts the batted ball about a fixed axis where C_L is a "
             "number, as if it had no spin", _SPINS, _batted(_unspun)),
+    Mistake("batted-spin-reversed", "turns the batted ball's spin the other way round", _SPINS,
+            _batted(lambda s, launch: {} if launch.spin is None else {
+                "spin": tuple(-x for x in launch.spin)})),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch", _SPINS,
             _batted(lambda s, launch: {} if launch.spin is None else {"spin": _spin_at_bat(s)})),
 )  # fmt: skip
