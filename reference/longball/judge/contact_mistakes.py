@@ -27,6 +27,7 @@ from longball.model.bat import (
     tangential_restitution,
 )
 from longball.model.numbers import DOUBLES, Vector
+from longball.model.quantities import at
 from longball.model.scene import Pitch, parse_scene
 
 # --- where ball and bat meet ----------------------------------------------------------------------
@@ -35,6 +36,11 @@ from longball.model.scene import Pitch, parse_scene
 def _swung_at(height: Callable[[Any], float]) -> Change:
     """Return the change of the height of the bat's axis, m."""
     return scene_change(lambda scene: {"swing.height_offset": height(scene) - _crossing(scene)})
+
+
+def _offset(more: Callable[[Any], float]) -> Change:
+    """Return the change of the height of the bat's axis by so much, m."""
+    return scene_change(lambda s: {"swing.height_offset": s.swing.height_offset + more(s)})
 
 
 @lru_cache(maxsize=4096)
@@ -68,6 +74,9 @@ TOUCHING: tuple[Mistake, ...] = (
             _HEIGHT, _swung_at(lambda s: _AIM + s.swing.height_offset)),
     Mistake("height-of-offset-alone", "puts the bat at swing.height_offset above z = 0",
             _HEIGHT, _swung_at(lambda s: s.swing.height_offset)),
+    *(Mistake(f"bat-{way}-by-{name}", f"puts the bat's axis {name} too {way}", _HEIGHT,
+              _offset(lambda s, name=name, sign=sign: sign * at(s, name)))  # type: ignore[misc]
+      for way, sign in (("high", 1), ("low", -1)) for name in ("ball.radius", "bat.radius")),
     Mistake("touches-at-bat-radius", "lets ball and bat touch at r_b, without the ball's radius",
             _REACH, _reaching(lambda s: s.bat.radius)),
     Mistake("touches-at-ball-radius", "lets ball and bat touch at R, without the bat's radius",
