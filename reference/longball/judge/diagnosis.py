@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from longball.engines.verlet import Verlet
-from longball.judge import clocks, fits, outcomes, relations
+from longball.judge import clocks, fits, misreadings, outcomes, relations
 from longball.judge.answers import Answer
 from longball.judge.cases import FRAGILE, Case, decidable
 from longball.judge.explanations import (
@@ -497,6 +497,8 @@ class _Search:
             if e.left <= max(alike, DOUBT_OF_STEPS if e.step and e.change else doubt)
         ]  # fmt: skip
         ties = self._told_from_ties(ties, stage, wrong)
+        if len(ties) > 1:  # one reading says more than all of them
+            ties = [e for e in ties if e.name != misreadings.ALL_READINGS]
         by_sentence = {e.sentence: e for e in reversed(ties)}
         return sorted(by_sentence.values(), key=lambda e: e.rank)
 

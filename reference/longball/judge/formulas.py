@@ -162,6 +162,8 @@ _MU: Symbol = (lambda v: v.mu, {
     "1/(1/m + 1/M_eff); the reduced mass of M_eff": lambda v: v.bare,
     "m; the ball's mass": lambda v: v.m,
     "M; the bat's mass": lambda v: v.M,
+    "mM/(m + M); the bat's whole mass": lambda v: v.m * v.M / (v.m + v.M),
+    "mM/(M - m)": lambda v: v.m * v.M / (v.M - v.m),
     "m + M": lambda v: v.m + v.M,
     "(m + M)/2; the mean of the masses": lambda v: (v.m + v.M) / 2,
     "2mM/(m + M)": lambda v: 2 * v.m * v.M / (v.m + v.M),
@@ -301,6 +303,16 @@ def _kept(axis: int) -> Value:
                       *after[axis + 1 :])  # fmt: skip
 
 
+def _struck(v: View) -> Numbers:
+    """Return V + (J/m) n."""
+    return plus(v.before, v.impulse / v.m, v.normal)
+
+
+def _across(vector: Numbers, normal: Numbers) -> Numbers:
+    """Return a vector without its part along the normal."""
+    return plus(vector, -dot(vector, normal), normal)
+
+
 def _along_normal(quantity: str) -> Value:
     return lambda v: _times(dot(v[f"{quantity}:follows"], v.normal), v.normal)
 
@@ -383,8 +395,12 @@ _OTHERS: tuple[tuple[str, str, tuple[tuple[str, Value], ...]], ...] = (
           v["contact.bat_velocity"], -v.restitution, v.relative)),
       ("V - (1 + ẽ)(Ṽ·n) n, mirrored at the bat", lambda v: plus(
           v.before, -(1 + v.restitution) * v.closing, v.normal)),
-      ("V + (J/m) n, without the friction's part", lambda v: plus(
-          v.before, v.impulse / v.m, v.normal)))),
+      ("V' with its part along the bat's surface reversed", lambda v: plus(
+          _struck(v), -2.0, _across(v.before, v.normal))),
+      ("V' with the velocity of the bat along its surface", lambda v: plus(
+          plus(_struck(v), -1.0, _across(v.before, v.normal)), 1.0,
+          _across(v["contact.bat_velocity"], v.normal))),
+      ("V + (J/m) n, without the friction's part", _struck))),
     ("impact.energy_change", "the energy is that of ball and bat together",
      (("the energy of the ball only", _energy_of_ball),
       ("that of the normal impulse alone", lambda v: (

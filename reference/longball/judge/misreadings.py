@@ -369,6 +369,8 @@ def _added(a: str, b: str) -> Mistake:
 
 # --- readings -------------------------------------------------------------------------------------
 
+ALL_READINGS = "ignores-reading"
+
 
 @cache
 def _other_readings() -> tuple[Mistake, ...]:
@@ -383,7 +385,7 @@ def _other_readings() -> tuple[Mistake, ...]:
                                  f"scene; its default is {field.default}",
                                  reading_change(**{name: option})))  # fmt: skip
     none = Change(lambda scene: scene.model_copy(update={"reading": Reading()}))
-    whole = Mistake("ignores-reading", "ignores the scene's reading block", "take the switches of "
+    whole = Mistake(ALL_READINGS, "ignores the scene's reading block", "take the switches of "
                     "scene.reading, or leave those scenes out with --golden", none)  # fmt: skip
     return *found, whole
 
@@ -449,5 +451,6 @@ SHORT: tuple[Mistake, ...] = (
           ("half precision", _to_half))),
     *(Mistake(f"rounded:{place}:{n}", f"rounds {place} to {many(n, 'decimal')}", _DOUBLES,
               _read_to(partial(round, ndigits=n), place))
-      for place in ("launch.velocity", "launch.position") for n in range(7)),
+      for place in ("launch.velocity", "launch.position", "pitch.speed", "pitch.aim",
+                    "swing.height_offset", "swing.tilt") for n in range(7)),
 )  # fmt: skip
