@@ -144,7 +144,7 @@ def draw_flight(figure: Figure, comparison: Comparison) -> None:
             continue
         x, y, z = map(float, given)
         for axes, height in ((side, z), (above, y)):
-            axes.plot(x, height, marker, mfc="none", mec="C3", ms=8, ls="none",
+            axes.plot(x, height, marker, mfc="none", mec="C3", ms=8, ls="none", clip_on=False,
                       label=f"candidate, {block}" if axes is side else None)  # fmt: skip
         expected = truth.get(f"{block}.position")
         if expected is not None:
