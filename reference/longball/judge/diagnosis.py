@@ -345,10 +345,12 @@ class _Search:
         if not worst:
             return False
         # Beside large errors small ones are another matter.
-        minor = MINOR * _usual(sizes)
+        minor, before = MINOR * _usual(sizes), self.begun.get(stage, 0.0)
+        small = [size for size in sizes if FINE < size <= minor]
+        if not before and sum(size > minor for size in sizes) < fits.FIRST <= len(small):
+            minor = 0.0  # a scene or two that turn on any error are no measure of the others
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
-        before = self.begun.get(stage, 0.0)
         # Of a number that is found the last digits are not known.
         rest = FINE if before else FAINT if self.begun else 0.0
         failures = sum(size > 0 for size in sizes)

@@ -451,6 +451,7 @@ SHORT: tuple[Mistake, ...] = (
           ("half precision", _to_half))),
     *(Mistake(f"rounded:{place}:{n}", f"rounds {place} to {many(n, 'decimal')}", _DOUBLES,
               _read_to(partial(round, ndigits=n), place))
-      for place in ("launch.velocity", "launch.position", "pitch.speed", "pitch.aim",
-                    "swing.height_offset", "swing.tilt") for n in range(7)),
+      for place, least in (("launch.velocity", 0), ("launch.position", 0), ("pitch.speed", 0),
+                           ("pitch.aim", 0), ("swing.height_offset", 2), ("swing.tilt", 2))
+      for n in range(least, 7)),
 )  # fmt: skip
