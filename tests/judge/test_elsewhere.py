@@ -12,6 +12,7 @@ import pytest
 
 from longball.engines.ivp import Ivp
 from longball.judge.cases import Case, solved
+from longball.judge.formulas import FORMULAS, View
 from longball.judge.stages import with_values
 from longball.model.aerodynamics import DRAG
 from longball.model.air import Air, WindAbove
@@ -285,10 +286,12 @@ def test_an_aim_at_the_front_of_the_plate():
     assert findings(solved(thrown_aside(), Ivp()), farther)[0].names == ["aim-at-front"]
 
 
-@pytest.mark.parametrize(("name", "turn"), [("east", 90), ("south", 180)])
-def test_an_azimuth_from_another_direction(name, turn):
-    other = earth(azimuth=lambda angle: angle + math.radians(turn))
-    assert explained(gold("flight-real", 2), other) == [f"azimuth-from-{name}"]
+@pytest.mark.parametrize(
+    ("name", "sign", "turn"), [("from-east", 1, 90), ("from-south", 1, 180), ("sign", -1, 0)]
+)
+def test_an_azimuth_from_another_direction(name, sign, turn):
+    other = earth(azimuth=lambda angle: sign * angle + math.radians(turn))
+    assert explained(gold("flight-real", 2), other) == [f"azimuth-{name}"]
 
 
 def test_usual_air_for_none():
@@ -469,6 +472,45 @@ def test_another_value_or_one_more(name, change, stage):
     assert name in named(solved([*at_bats(20), *other], Ivp()), change, stage).names
 
 
+def test_a_bat_that_is_a_radius_too_high():
+    def higher(scene: Any) -> Any:
+        return with_values(scene, {
+            "swing.height_offset": scene.swing.height_offset + scene.ball.radius})  # fmt: skip
+
+    other = [with_values(s, {"id": f"{s.id}-small", "ball.radius": 0.03}) for s in at_bats(20)]
+    first = findings(solved([*at_bats(20), *other], Ivp()), higher)[0]
+    assert first.names == ["bat-high-by-ball.radius"]
+
+
+def test_a_quantity_that_is_given_later_is_no_other_one_for_an_earlier():
+    by_name = {formula.name: formula for formula in FORMULAS}
+    given = {"impact.spin": (1.0, 2.0, 3.0), "landing.spin": (4.0, 5.0, 6.0)}
+    follows = {f"{name}:follows": tuple(-x for x in value) for name, value in given.items()}
+    view = View(None, given | follows, (0.0, 0.0, 0.0), 0.0)
+    earlier, later = (by_name[name].value(view) for name in (
+        "impact.spin: landing.spin", "landing.spin: impact.spin"))  # fmt: skip
+    assert (earlier, later) == (follows["landing.spin:follows"], given["impact.spin"])
+
+
+@pytest.mark.parametrize(
+    ("name", "across"),
+    [
+        ("V' with its part along the bat's surface reversed", lambda v, bat: -v),
+        ("V' with the velocity of the bat along its surface", lambda v, bat: bat),
+    ],
+)
+def test_another_velocity_along_the_bats_surface(name, across):
+    def change(scene: Any, given: Given) -> None:
+        if "impact" in given:
+            n, after, bat = (np.array(x) for x in (
+                given["contact"]["normal"], given["impact"]["velocity"],
+                given["contact"]["bat_velocity"]))  # fmt: skip
+            v, bat = (x - (x @ n) * n for x in (after, bat))
+            given["impact"]["velocity"] = [*(after - v + across(v, bat)).tolist()]
+
+    assert named(many_impacts(), change, "velocity after").names == [f"impact.velocity: {name}"]
+
+
 @pytest.mark.parametrize(
     ("radius", "name"), [(0.0, "touches-at-ball-radius"), (0.02, "touches-at-0.0566 m")]
 )
@@ -516,3 +558,28 @@ def test_one_scene_tells_nothing_that_others_contradict():
             given["landing"]["velocity"][1] *= -1
 
     assert named(solved(flights(), Ivp()), turned, "flight").names == []
+
+
+@pytest.mark.parametrize(
+    ("name", "spin"),
+    [
+        ("batted-without-spin", lambda spin: [0.0, 0.0, 0.0]),
+        ("batted-spin-reversed", lambda spin: [-x for x in spin]),
+    ],
+)
+def test_a_batted_ball_with_another_spin(name, spin):
+    def change(scene: Any, given: Given) -> None:
+        if scene.kind == "at-bat" and "landing" in given:
+            impact, contact = given["impact"], given["contact"]
+            launch = Launch(
+                position=tuple(contact["position"]), velocity=tuple(impact["velocity"]),
+                spin=tuple(spin(impact["spin"])),
+            )  # fmt: skip
+            keys = ("air", "ball", "gravity", "reading", "ground", "time_limit")
+            same = {key: getattr(scene, key) for key in keys}
+            landing = result(FlightScene(id=scene.id, launch=launch, **same)).get("landing")
+            given["landing"]["hang_time"] = landing["hang_time"]
+            given["landing"]["time"] = contact["time"] + landing["hang_time"]
+            given["landing"] |= {key: landing[key] for key in ("position", "velocity", "distance")}
+
+    assert name in named(gold("at-bat-real"), change, "flight").names

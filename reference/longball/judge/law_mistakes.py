@@ -458,10 +458,8 @@ LAW: tuple[Mistake, ...] = (
           ("azimuth", "east", "from north to east", lambda x: x + math.pi / 2),
           ("azimuth", "west", "from north to east", lambda x: x - math.pi / 2),
           ("azimuth", "south", "from north to east", lambda x: x + math.pi))),
-    *(Mistake(f"{key}-sign", f"counts the {key} the other way round", f"earth.{key} is in radians, "
-              f"{right}", _turned(key, lambda x: -x))
-      for key, right in (("latitude", "positive in the north"),
-                         ("azimuth", "from north to east"))),
+    Mistake("azimuth-sign", "counts the azimuth from north to west", "earth.azimuth is in radians, "
+            "from north to east", _turned("azimuth", lambda x: -x)),
     Mistake("celsius-for-kelvin", "takes the temperature for °C: adds 273.15 once more", _WEATHER,
             _density(lambda s, w: of_weather(s, temperature=w.temperature + ZERO_CELSIUS))),
     Mistake("celsius-in-gas-law", "divides by the temperature in °C", _WEATHER,
