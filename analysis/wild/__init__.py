@@ -23,7 +23,7 @@ from longball.judge.findings import Diagnosis
 from longball.judge.fresh import proven
 from longball.judge.serve import serve
 from longball.judge.step_sweep import sample
-from longball.judge.verdict import Comparison
+from longball.judge.verdict import Comparison, Measured, right_digits
 from longball.model.arrays import Array
 from longball.model.quantities import replaced
 from longball.model.scene import Scene
@@ -47,6 +47,17 @@ class Tried(NamedTuple):
     def name(self) -> str:
         """Simulator and method."""
         return f"{self.simulator.title}, {self.method.name}"
+
+    @property
+    def places(self) -> list[Measured]:
+        """Where balls land or cross the plate, beside the truth."""
+        compared = self.evaluation.comparisons
+        return [m for c in compared for m in c.measured if m.quantity in PLACES]
+
+    @property
+    def digits(self) -> list[float]:
+        """How many digits of these are right."""
+        return [right_digits(m.error, m.size) for m in self.places if m.size]
 
 
 def run(report: Report, full: bool) -> str:

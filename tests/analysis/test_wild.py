@@ -1,13 +1,16 @@
-"""Simulators in the wild: the adapters of those that are installed, and the law of the air."""
+"""Simulators in the wild: the adapters of those that are installed, the law of the air, the page."""
 
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from scipy.integrate import solve_ivp
 
 from analysis import wild
 from analysis.wild.air import push_of_air
-from analysis.wild.simulators import SIMULATORS
+from analysis.wild.simulators import SIMULATORS, Simulator
+from analysis.writing import Report
 from longball.golden import load
 from longball.judge.cases import Exact
 from longball.judge.evaluation import Judge
@@ -58,6 +61,27 @@ def test_an_adapter_flies_golden_scenes(title, family, knob, error):
     judge = Judge(cases, Exact(), partial=True, diagnose=False)
     found = judge.evaluate_function(wild.candidate(simulator, method, knob))
     assert max(map(wild.place_error, found.comparisons)) < error
+
+
+def test_the_page_tells_of_a_simulator_that_flies_in_a_vacuum(tmp_path, monkeypatch):
+    def fly(state, p, word, step):
+        x, y, z, vx, vy, vz = state
+        points = [
+            [t, x + vx * t, y + vy * t, z + vz * t - p["gravity"] * t * t / 2]
+            for t in (step * i for i in range(2000))
+        ]
+        return points[: 1 + next(i for i, at in enumerate(points) if at[3] < p["ground.height"])]
+
+    simulator = BY_TITLE["freefall"]
+    method = replace(simulator.methods[0], usual=0.01, steps=(0.05, 0.02, 3))
+    monkeypatch.setitem(sys.modules, simulator.module, SimpleNamespace(fly=fly))
+    monkeypatch.setattr(Simulator, "version", property(lambda self: "1.0"))
+    monkeypatch.setattr(wild, "SIMULATORS", [replace(simulator, methods=(method,))])
+    monkeypatch.setattr(wild, "SCENES", 3)
+    page = wild.run(Report(tmp_path), full=False)
+    assert "flies without drag" in page
+    assert "| freefall, leapfrog | 2 |" in page
+    assert (tmp_path / "figures" / "wild_orders.png").exists()
 
 
 def test_a_simulator_that_is_not_installed_has_no_version():

@@ -443,7 +443,11 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     worst, most = max(group, key=lambda pair: pair[1].error)
     # JSON knows no infinity.
     ulps = [min(m.error / math.ulp(m.size), sys.float_info.max) for m in measured if m.size]
-    digits = [(_digits(m.error, m.size), _digits(m.attainable, m.size)) for m in measured if m.size]
+    digits = [
+        (right_digits(m.error, m.size), right_digits(m.attainable, m.size))
+        for m in measured
+        if m.size
+    ]
     lost = [(attainable - right, right, attainable) for right, attainable in digits]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))
     return Row(
@@ -458,7 +462,8 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
 _MOST_DIGITS = 17.0  # a double holds no more than this
 
 
-def _digits(error: float, size: float) -> float:
+def right_digits(error: float, size: float) -> float:
+    """Return how many decimal digits of a number of some size are right with an error."""
     if not error:
         return _MOST_DIGITS
     return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))
