@@ -1,4 +1,4 @@
-"""Simulators in the wild: the adapters of those that are installed, the law of the air, the page."""
+"""Simulators in the wild: adapters of what is installed, the law of the air, the page."""
 
 import sys
 from dataclasses import replace

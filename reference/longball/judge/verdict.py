@@ -443,11 +443,8 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     worst, most = max(group, key=lambda pair: pair[1].error)
     # JSON knows no infinity.
     ulps = [min(m.error / math.ulp(m.size), sys.float_info.max) for m in measured if m.size]
-    digits = [
-        (right_digits(m.error, m.size), right_digits(m.attainable, m.size))
-        for m in measured
-        if m.size
-    ]
+    known = [m for m in measured if m.size]
+    digits = [[right_digits(x, m.size) for x in (m.error, m.attainable)] for m in known]
     lost = [(attainable - right, right, attainable) for right, attainable in digits]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))
     return Row(
