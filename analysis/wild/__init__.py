@@ -51,8 +51,7 @@ class Tried(NamedTuple):
     @property
     def places(self) -> list[Measured]:
         """Where balls land or cross the plate, beside the truth."""
-        compared = self.evaluation.comparisons
-        return [m for c in compared for m in c.measured if m.quantity in PLACES]
+        return [m for c in self.evaluation.comparisons for m in places(c)]
 
     @property
     def digits(self) -> list[float]:
@@ -128,9 +127,14 @@ def candidate(simulator: Simulator, method: Method, knob: float) -> Callable[[Sc
     return answer
 
 
+def places(comparison: Comparison) -> list[Measured]:
+    """Return the place of landing, or at the plate, beside the truth, where there is one."""
+    return [m for m in comparison.measured if m.quantity in PLACES]
+
+
 def place_error(comparison: Comparison) -> float:
     """Return how far off a place of landing, or at the plate, is, m."""
-    return next((m.error for m in comparison.measured if m.quantity in PLACES), math.nan)
+    return next((m.error for m in places(comparison)), math.nan)
 
 
 def adapter_lines(simulator: Simulator) -> int:

@@ -115,9 +115,16 @@ def _spin_at_bat(scene: Any) -> Numbers | None:
     return None if meeting is None else meeting.contact.spin
 
 
-def _unspun(scene: Any, launch: Any) -> dict[str, Any]:
-    lift = scene.air and scene.air.lift_coefficient
-    return {"spin": None if isinstance(lift, float) else launch.spin and (0.0, 0.0, 0.0)}
+def _spinning(spin: Callable[[Any, Any], Any]) -> Change:
+    """Return the change of a batted ball's spin, if it has one: of the scene and that spin."""
+    return _batted(lambda s, launch: {} if launch.spin is None else {"spin": spin(s, launch.spin)})
+
+
+_AT_REST = (0.0, 0.0, 0.0)
+
+
+def _unspun(scene: Any, spin: Any) -> Any:
+    return None if isinstance(scene.air and scene.air.lift_coefficient, float) else _AT_REST
 
 
 _SPINS = "the batted ball has the spin that the impact gives it"
@@ -137,14 +144,13 @@ BATTED: tuple[Mistake, ...] = (
             "the batted ball flies with impact.velocity", _batted(lambda s, launch: {
                 "velocity": (*launch.velocity[:2], abs(launch.velocity[2]))})),
     Mistake("batted-without-spin", "lets the batted ball fly without spin", _SPINS,
-            _batted(lambda s, launch: {} if launch.spin is None else {"spin": (0.0, 0.0, 0.0)})),
+            _spinning(lambda s, spin: _AT_REST)),
     Mistake("batted-about-fixed-axis", "lifts the batted ball about a fixed axis where C_L is a "
-            "number, as if it had no spin", _SPINS, _batted(_unspun)),
+            "number, as if it had no spin", _SPINS, _spinning(_unspun)),
     Mistake("batted-spin-reversed", "turns the batted ball's spin the other way round", _SPINS,
-            _batted(lambda s, launch: {} if launch.spin is None else {
-                "spin": tuple(-x for x in launch.spin)})),
+            _spinning(lambda s, spin: tuple(-x for x in spin))),
     Mistake("spin-of-pitch-kept", "lets the batted ball fly with the spin of the pitch", _SPINS,
-            _batted(lambda s, launch: {} if launch.spin is None else {"spin": _spin_at_bat(s)})),
+            _spinning(lambda s, spin: _spin_at_bat(s))),
 )  # fmt: skip
 
 TIME_LIMIT_IGNORED = Mistake(

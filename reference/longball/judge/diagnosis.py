@@ -345,10 +345,8 @@ class _Search:
         if not worst:
             return False
         # Beside large errors small ones are another matter.
-        minor, before = MINOR * _usual(sizes), self.begun.get(stage, 0.0)
-        small = [size for size in sizes if FINE < size <= minor]
-        if not before and sum(size > minor for size in sizes) < fits.FIRST <= len(small):
-            minor = 0.0  # a scene or two that turn on any error are no measure of the others
+        before = self.begun.get(stage, 0.0)
+        minor = MINOR * _usual(sizes) if before else _minor(sizes)
         wrong = [one for one, size in zip(seen, sizes, strict=True) if size > minor]
         good = [one for one, size in zip(seen, sizes, strict=True) if one[1] and size <= minor]
         # Of a number that is found the last digits are not known.
@@ -925,6 +923,15 @@ def _usual(sizes: Iterable[float]) -> float:
     known = [min(size, 1.0) for size in sizes if size]
     errors = [size for size in known if size > FAINT] or known
     return float(np.quantile(errors, 0.97, method="higher")) if errors else 0.0
+
+
+def _minor(sizes: Sequence[float]) -> float:
+    """Return the relative error that is small beside the others at a stage."""
+    minor = MINOR * _usual(sizes)
+    large = sum(size > minor for size in sizes)
+    small = sum(FINE < size <= minor for size in sizes)
+    # A scene or two that turn on any error are no measure of the others.
+    return 0.0 if large < fits.FIRST <= small else minor
 
 
 def _largest(checks: Seen) -> float:

@@ -348,13 +348,11 @@ _GIVEN: Mapping[str, Mapping[str, Value]] = {
 
 def _for_another(spec: QuantitySpec) -> Iterator[Formula]:
     """Yield that a quantity is another one of the same kind, of the answer or of the scene."""
-    others: dict[str, Value] = {}
-    later = ""
-    for q in QUANTITIES.values():
-        if (q.unit, q.size) == (spec.unit, spec.size):
-            # What a candidate gives later may have been made from this one.
-            others[q.name] = lambda v, key=q.name + later: v[key]  # type: ignore[misc]
-        later = later or ":follows" * (q is spec)
+    alike = [q.name for q in QUANTITIES.values() if (q.unit, q.size) == (spec.unit, spec.size)]
+    # What a candidate gives later may have been made from this one.
+    later = alike[alike.index(spec.name) :]
+    keys = {name: f"{name}:follows" if name in later else name for name in alike}
+    others: dict[str, Value] = {name: lambda v, key=key: v[key] for name, key in keys.items()}  # type: ignore[misc]
     others |= _GIVEN.get(spec.unit, {}) if spec.size == 3 else {}
     for words, other in others.items():
 
