@@ -1,0 +1,733 @@
+"""The chain of a scene as data: inputs, definitions, and a stage for every step of the calculation.
+
+Formulas stand here as expressions, in the order of docs/model.md and with its symbols, so that the
+judge can edit them. `tests/judge/test_chain.py` holds every stage to what the engines compute. A
+stage starts from the candidate's own earlier values: a symbol such as `ẽ` below is the value that
+the candidate reports.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
+
+from longball.judge.edits.expression import (
+    KG,
+    NONE,
+    Dimension,
+    M,
+    Node,
+    S,
+    component,
+    constant,
+    cross,
+    dot,
+    function,
+    named,
+    norm,
+    solve,
+    substitute,
+    switch,
+    symbol,
+    table,
+    unit,
+    vector,
+    where,
+)
+
+SPEED, ACCELERATION, RATE = (1, 0, -1), (1, 0, -2), (0, 0, -1)
+DENSITY, IMPULSE, ENERGY = (-3, 1, 0), (1, 1, -1), (2, 1, -2)
+
+
+class Input(NamedTuple):
+    """A number or a vector of a scene: its symbol, its path of keys, and what null stands for."""
+
+    symbol: Node
+    path: str
+    null: float = math.nan
+
+
+def _input(
+    name: str, path: str, dimension: Dimension = NONE, vector: bool = False, null: float = math.nan
+) -> Input:
+    return Input(symbol(name, dimension, vector), path, null)
+
+
+INPUTS = (
+    _input("m", "ball.mass", KG),
+    _input("R", "ball.radius", M),
+    _input("e", "ball.restitution"),
+    _input("β", "ball.inertia_factor", null=0.4),
+    _input("g", "gravity", ACCELERATION),
+    _input("release", "pitch.release", M, True),
+    _input("V_0", "pitch.speed", SPEED),
+    _input("aim_y", "pitch.aim[0]", M),
+    _input("aim_z", "pitch.aim[1]", M),
+    _input("pitch.velocity", "pitch.velocity", SPEED, True),
+    _input("pitch.spin", "pitch.spin", RATE, True),
+    _input("launch.position", "launch.position", M, True),
+    _input("launch.velocity", "launch.velocity", SPEED, True),
+    _input("launch.spin", "launch.spin", RATE, True),
+    _input("incoming.position", "incoming.position", M, True),
+    _input("incoming.velocity", "incoming.velocity", SPEED, True),
+    _input("incoming.spin", "incoming.spin", RATE, True),
+    _input("incoming.bat_height", "incoming.bat_height", M),
+    _input("M", "bat.mass", KG),
+    _input("L", "bat.length", M),
+    _input("r_b", "bat.radius", M),
+    _input("μ_f", "bat.friction"),
+    _input("e_T", "bat.tangential_restitution", null=0.3),
+    _input("ω_bat", "swing.angular_speed", RATE),
+    _input("θ", "swing.tilt"),
+    _input("σ_b", "swing.height_offset", M),
+    _input("ground", "ground.height", M),
+    _input("ρ_0", "air.density", DENSITY),
+    _input("T", "air.density.temperature"),
+    _input("p", "air.density.pressure"),
+    _input("φ", "air.density.humidity"),
+    _input("h", "air.density.elevation", M),
+    _input("H", "air.density_scale_height", M),
+    _input("C_D", "air.drag_coefficient"),
+    _input("C_L", "air.lift_coefficient"),
+    _input("drag.constant", "air.drag_coefficient.constant"),
+    _input("drag.per_spin", "air.drag_coefficient.per_spin", S),
+    _input("drag.high_speed", "air.drag_coefficient.high_speed"),
+    _input("drag.low_speed", "air.drag_coefficient.low_speed"),
+    _input("drag.speed", "air.drag_coefficient.speed", SPEED),
+    _input("drag.width", "air.drag_coefficient.width", SPEED),
+    _input("drag.value", "air.drag_coefficient.value"),
+    _input("lift.value", "air.lift_coefficient.value"),
+    _input("lift.numerator", "air.lift_coefficient.numerator"),
+    _input("lift.constant", "air.lift_coefficient.constant"),
+    _input("lift.slope", "air.lift_coefficient.slope"),
+    _input("W_0", "air.wind", SPEED, True),
+    _input("wind.velocity", "air.wind.velocity", SPEED, True),
+    _input("above", "air.wind.above", M),
+    _input("wind.height", "air.wind.height", M),
+    _input("z_0", "air.wind.roughness", M),
+    _input("L_ω", "air.spin_decay_length", M),
+    _input("λ", "earth.latitude"),
+    _input("α", "earth.azimuth"),
+    _input("fence.radius", "fence.radius", M),
+)
+I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
+
+# What moves during a flight, and what it starts from.
+MOVING = frozenset(("r", "v", "t", "path"))
+r, v = symbol("r", M, True), symbol("v", SPEED, True)
+t, path = symbol("t", S), symbol("path", M)
+v0, spin0 = symbol("v0", SPEED, True), symbol("ω0", RATE, True)
+
+e_x = named("e_x", vector(1.0, 0.0, 0.0))
+e_y = named("e_y", vector(0.0, 1.0, 0.0))
+e_z = named("e_z", vector(0.0, 0.0, 1.0))
+
+
+def level(a: Node) -> Node:
+    """The horizontal part of a vector."""
+    return vector(component(a, 0), component(a, 1), constant(0.0, a.dimension))
+
+
+# --- the air --------------------------------------------------------------------------------------
+
+celsius = I["T"] - 273.15
+vapour = named(
+    "p_s", 611.16 * function("exp", (18.687 - celsius / 234.5) * celsius / (257.14 + celsius))
+)
+falls = named("e^(-κh)", function("exp", -(1.217e-4 * I["h"] / constant(1.0, M))))
+pressed = switch("reading.pressure", {"sea_level": I["p"] * falls, "station": I["p"]})
+weather = 1.2929 * (273.15 / I["T"]) * ((pressed - 0.3783 * I["φ"] * vapour) / 101325.0)
+thins = switch(
+    "air.density_scale_height",
+    {"none": constant(1.0), "given": function("exp", -(component(r, 2) / I["H"]))},
+)
+ρ = named(
+    "ρ",
+    switch(
+        "air.density",
+        {"number": I["ρ_0"], "weather": weather * constant(1.0, DENSITY)},
+    )
+    * thins,
+)
+area = named("A", math.pi * (I["R"] * I["R"]))
+k = named("k", ρ * area / (2.0 * I["m"]))
+
+_rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
+    "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
+)
+W = named(
+    "W",
+    switch(
+        "air.wind",
+        {
+            "none": constant(0.0, SPEED, True),
+            "uniform": I["W_0"],
+            "above": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
+            "profile": _rise * level(I["wind.velocity"]),
+        },
+    ),
+)
+u = named("u", v - W)
+U = named("U", norm(u))
+u_lift = named("u_L", switch("reading.wind_acts_on", {"both": u, "drag": v}))
+U_lift = norm(u_lift)
+
+spin_left = named(
+    "e^(-s/L_ω)",
+    switch(
+        "air.spin_decay_length",
+        {
+            "none": constant(1.0),
+            "given": function(
+                "exp",
+                -(
+                    switch(
+                        "reading.spin_decay",
+                        {"path": path, "time": t * constant(44.704, SPEED), "nathan": t * U},
+                    )
+                    / I["L_ω"]
+                ),
+            ),
+        },
+    ),
+)
+spin = named("ω", spin_left * spin0)
+c = named("ω × u", cross(spin, u_lift))
+transverse = named("ω_T", norm(cross(spin, u)) / U)
+ω_drag = switch("reading.drag_spin", {"transverse": transverse, "total": norm(spin)})
+_ω_lift = switch("reading.spin_parameter", {"transverse": norm(c) / U_lift, "total": norm(spin)})
+_ω_table = switch("reading.spin_parameter", {"transverse": transverse, "total": norm(spin)})
+S_lift = named("S", I["R"] * _ω_lift / U_lift)
+S_drag = I["R"] * _ω_table / U
+sound = 331.3 * function("sqrt", I["T"] / 273.15) * constant(1.0, SPEED)
+
+
+def _tables(key: str, speed: Node, parameter: Node) -> dict[str, Node]:
+    return {
+        "table of speed": table(speed / constant(1.0, SPEED), key),
+        "table of mach": table(speed / sound, key),
+        "table of spin_parameter": table(parameter, key),
+    }
+
+
+C_D = named(
+    "C_D",
+    switch(
+        "air.drag_coefficient",
+        {
+            "number": I["C_D"],
+            "constant": I["drag.value"],
+            "spin": I["drag.constant"] + I["drag.per_spin"] * ω_drag,
+            "crisis": I["drag.high_speed"]
+            + (I["drag.low_speed"] - I["drag.high_speed"])
+            / (1.0 + function("exp", (U - I["drag.speed"]) / I["drag.width"]))
+            + I["drag.per_spin"] * ω_drag,
+            **_tables("air.drag_coefficient", U, S_drag),
+        },
+    ),
+)
+_bilinear = where(S_lift - 0.1, 0.09 + 0.6 * S_lift, 1.5 * S_lift)
+C_L = named(
+    "C_L",
+    switch(
+        "air.lift_coefficient",
+        {
+            "number": I["C_L"],
+            "constant": I["lift.value"],
+            "rational": I["lift.numerator"]
+            * S_lift
+            / (I["lift.constant"] + I["lift.slope"] * S_lift),
+            "linear": I["lift.slope"] * S_lift,
+            "bilinear": _bilinear,
+            **_tables("air.lift_coefficient", U_lift, S_lift),
+        },
+    ),
+)
+
+# --- the law of motion ----------------------------------------------------------------------------
+
+
+def _heading(velocity: Node) -> Node:
+    flat = level(velocity)
+    return where(norm(flat), unit(flat), e_x)
+
+
+axis = named("ê", cross(_heading(v0), e_z))
+_present = cross(_heading(v), e_z)
+_by_axis = switch("reading.lift_direction", {"fixed_spin_axis": axis, "always_up": _present})
+about = named("ê", _by_axis)
+_per_spin = I["R"] * (
+    C_L / S_lift
+)  # of a total S, C_L/S is smooth where spin and motion are parallel
+
+
+def _law(paper_lift: Node) -> Node:
+    spinning = switch(
+        "reading.spin_parameter",
+        {
+            "transverse": k * C_L * (U_lift * U_lift) * unit(c),
+            "total": k * where(norm(spin), _per_spin, constant(0.0, M)) * c,
+        },
+    )
+    lift = switch("spin", {"none": paper_lift, "given": spinning})
+    turns = switch(
+        "earth",
+        {"none": constant(0.0, ACCELERATION, True), "given": -(2.0 * cross(rotation, v))},
+    )
+    drag = named("drag", -(k * C_D * U * u))
+    return drag + named("lift", lift) + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
+
+
+_cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])
+rotation = named(
+    "Ω",
+    constant(7.292115e-5, RATE)
+    * vector(_cosine * function("cos", I["α"]), _cosine * function("sin", I["α"]), _sine),
+)
+LAW = _law(k * C_L * U_lift * cross(about, u_lift))
+# The same law in another form has other neighbours: "axis -y" is an edit of this one.
+LAW_BY_DIRECTION = _law(k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)))
+
+# --- the collision --------------------------------------------------------------------------------
+
+
+def own(quantity: str, name: str, dimension: Dimension = NONE, vector: bool = False) -> Node:
+    """The symbol of a quantity that the candidate reports."""
+    OWN[quantity] = found = symbol(name, dimension, vector)
+    return found
+
+
+OWN: dict[str, Node] = {}
+plate_time = own("plate.time", "plate.time", S)
+plate = own("plate.position", "plate.position", M, True)
+plate_velocity = own("plate.velocity", "plate.velocity", SPEED, True)
+contact_time = own("contact.time", "contact.time", S)
+place = own("contact.position", "contact.position", M, True)
+V = own("contact.velocity", "V", SPEED, True)  # no candidate reports these two
+spin_at = own("contact.spin", "ω", RATE, True)
+n = own("contact.normal", "n", NONE, True)
+V_b = own("contact.bat_velocity", "V_b", SPEED, True)
+w = own("contact.normal_speed", "Ṽ·n", SPEED)
+own("contact.margin", "margin", M)
+ẽ = own("impact.restitution", "ẽ")
+J = own("impact.impulse", "J", IMPULSE)
+after = own("impact.velocity", "V⁺", SPEED, True)
+spin_after = own("impact.spin", "ω⁺", RATE, True)
+own("impact.friction_margin", "friction_margin")
+own("impact.energy_change", "ΔE", ENERGY)
+hang = own("landing.hang_time", "landing.hang_time", S)
+landing_time = own("landing.time", "landing.time", S)
+landing = own("landing.position", "landing.position", M, True)
+own("landing.velocity", "landing.velocity", SPEED, True)
+own("landing.spin", "landing.spin", RATE, True)
+own("landing.distance", "landing.distance", M)
+fence_time = own("fence.time", "fence.time", S)
+at_fence = own("fence.position", "fence.position", M, True)
+own("fence.velocity", "fence.velocity", SPEED, True)
+own("fence.clearance", "fence.clearance", M)
+own("fence.margin", "fence.margin", M)
+
+bat_height = named(
+    "z_b",
+    switch(
+        "kind",
+        {"impact": I["incoming.bat_height"], "at-bat": component(plate, 2) + I["σ_b"]},
+    ),
+)
+x, y, z = (component(place, i) for i in range(3))
+offset = named("r - axis", vector(x, constant(0.0, M), z - bat_height))
+reach = named("R + r_b", I["R"] + I["r_b"])
+lever = named("r̃", I["L"] / 2.0 - y)
+_third = I["L"] * I["L"] / 3.0
+_twelfth = I["L"] * I["L"] / 12.0
+_quarter = I["r_b"] * I["r_b"] / 4.0
+inertia = named(
+    "I",
+    switch(
+        "reading.inertia",
+        {
+            "solid_cylinder": I["M"] * (_third + _quarter),
+            "thin_rod": I["M"] * _third,
+            "about_centre": I["M"] * (_twelfth + _quarter),
+        },
+    ),
+)
+_free_inertia = named(
+    "J_free",
+    switch(
+        "reading.inertia",
+        {
+            "solid_cylinder": I["M"] * (_twelfth + _quarter),
+            "thin_rod": I["M"] * _twelfth,
+            "about_centre": I["M"] * (_twelfth + _quarter),
+        },
+    ),
+)
+# As printed, I/r̃ is no mass: the constant gives it the unit.
+_printed = inertia / (lever * constant(1.0, M))
+effective = named(
+    "M_eff",
+    switch(
+        "bat.support",
+        {
+            "pivot": switch(
+                "reading.effective_mass",
+                {"inertia_over_r_squared": inertia / (lever * lever), "as_printed": _printed},
+            ),
+            "free": 1.0 / (1.0 / I["M"] + y * y / _free_inertia),
+        },
+    ),
+)
+
+
+def _reduced(a: Node, b: Node) -> Node:
+    return a * b / (a + b)
+
+
+_with_bat = _reduced(I["m"], I["M"])
+_with_effective = _reduced(I["m"], effective)
+μ = named(
+    "μ",
+    switch(
+        "reading.bat_ball_restitution",
+        {
+            "as_printed": switch(
+                "reading.reduced_mass", {"bat_mass": _with_bat, "effective_mass": _with_effective}
+            ),
+            "nathan": _with_effective,
+            "plain": _with_bat,
+        },
+    ),
+)
+ratio = named("m/M_eff", I["m"] / effective)
+Ṽ = named("Ṽ", V - V_b)
+
+# With friction (docs/model.md, "Oblique impact").
+_across = switch("bat.support", {"pivot": inertia, "free": _free_inertia})
+_along = I["M"] * (I["r_b"] * I["r_b"]) / 2.0
+_pivoted = vector(constant(0.0, M), -lever, constant(0.0, M))
+_centred = vector(constant(0.0, M), y, constant(0.0, M))
+arm = named("r", switch("bat.support", {"pivot": _pivoted, "free": _centred}) + I["r_b"] * n)
+ball_inertia = named("I_ball", I["β"] * I["m"] * (I["R"] * I["R"]))
+swinging = named(
+    "ω'",
+    I["ω_bat"] * vector(-function("sin", I["θ"]), constant(0.0), function("cos", I["θ"])),
+)
+slip = named("g", V + cross(spin_at, -(I["R"] * n)) - V_b - cross(swinging, I["r_b"] * n))
+slip_across = named("g_t", slip - dot(slip, n) * n)
+
+
+def _mobility(a: Node) -> Node:
+    """K applied to a vector, but for what stands in place of n·K n."""
+    turned = cross(arm, a)
+    shaken = vector(
+        component(turned, 0) / _across,
+        component(turned, 1) / _along,
+        component(turned, 2) / _across,
+    )
+    moved = a / I["m"] + (I["R"] * I["R"] / ball_inertia) * (a - dot(n, a) * n) + cross(shaken, arm)
+    return moved + switch(
+        "bat.support", {"pivot": a * constant(0.0, (0, -1, 0)), "free": a / I["M"]}
+    )
+
+
+_stiff = 1.0 / μ - dot(n, _mobility(n))
+
+
+def mobility(a: Node) -> Node:
+    """K applied to a vector, with 1/μ in place of n·K n."""
+    return _mobility(a) + _stiff * dot(n, a) * n
+
+
+_columns = mobility(e_x), mobility(e_y), mobility(e_z)
+grip = named(
+    "P (grip)",
+    solve(_columns, -((1.0 + ẽ) * dot(slip, n) * n + (1.0 + I["e_T"]) * slip_across)),
+)
+grip_across = named("P_t", grip - dot(grip, n) * n)
+friction_margin = 1.0 - norm(grip_across) / (I["μ_f"] * dot(grip, n))
+_way = switch(
+    "reading.slide_direction", {"initial": unit(slip_across), "final": -unit(grip_across)}
+)
+_slides = named("n - μ_f t̂", n - I["μ_f"] * _way)
+slide = named("P (slide)", -((1.0 + ẽ) * dot(slip, n) / dot(n, mobility(_slides))) * _slides)
+push = named("P", where(-friction_margin, slide, grip))
+_own_push = J * n + switch(
+    "bat.friction", {"none": constant(0.0, IMPULSE, True), "given": push - dot(push, n) * n}
+)
+_turned = (I["R"] / ball_inertia) * cross(n, I["m"] * (after - V))
+
+# --- fences ---------------------------------------------------------------------------------------
+
+# The chord next to the candidate's own place: its ends and the heights there.
+_a, _b = symbol("chord.a", M, True), symbol("chord.b", M, True)
+_chord = level(_b - _a)
+_beside = level(at_fence - _a)
+_passed = dot(_beside, unit(_chord))
+_top = component(_a, 2) + (component(_b, 2) - component(_a, 2)) * (_passed / norm(_chord))
+fence_top = named("fence's height", switch("fence", {"radius": constant(0.0, M), "polyline": _top}))
+fence_side = switch(
+    "fence",
+    {
+        "radius": norm(level(at_fence)) - I["fence.radius"],
+        "polyline": component(cross(unit(_chord), _beside), 2),
+    },
+)
+_clear = switch("reading.fence_clearance", {"centre": constant(0.0, M), "surface": I["R"]})
+_surface = switch("reading.ground_contact", {"centre": constant(0.0, M), "surface": I["R"]})
+_origin = switch(
+    "reading.distance_origin",
+    {
+        "plate": constant(0.0, M, True),
+        "launch": switch("kind", {"flight": I["launch.position"], "at-bat": place}),
+    },
+)
+
+# --- the stages -----------------------------------------------------------------------------------
+
+Kind = Literal["formula", "flight", "event"]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A step of the calculation.
+
+    Attributes
+    ----------
+    name
+        As verdicts call it.
+    quantities
+        What it gives. A flight gives position, velocity and spin at its end.
+    kind
+        A "formula" has the root `value`. A "flight" has `place`, `velocity`, `spin`, `duration`,
+        `law` and `spin_left`. An "event" has `zero`, which is 0 at the quantity given.
+    roots
+        Its expressions, by name.
+    forms
+        Other forms of roots, in which authors write the same.
+    pool
+        What else is at hand there, besides inputs and named definitions.
+    scenes
+        Kinds of scenes that have it.
+    """
+
+    name: str
+    quantities: tuple[str, ...]
+    kind: Kind
+    roots: Mapping[str, Node]
+    forms: Mapping[str, Node] = field(default_factory=dict)
+    pool: tuple[Node, ...] = ()
+    scenes: tuple[str, ...] = ("flight", "at-bat")
+
+    @property
+    def spins(self) -> str:
+        """The column of options of the switch `spin`: before the impact or after it."""
+        return "spin" if "pitch" in self.scenes or self.name == "touching" else "spin after"
+
+
+_thrown = switch(
+    "pitch",
+    {
+        "aimed": I["V_0"] * unit(vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - I["release"]),
+        "velocity": I["pitch.velocity"],
+    },
+)
+_no_spin = constant(0.0, RATE, True)
+
+
+def _flight(duration: Node, place: Node, velocity: Node, spinning: Node) -> dict[str, Node]:
+    return {
+        "place": place, "velocity": velocity, "spin": spinning, "duration": duration, "law": LAW,
+        "spin_left": spin_left, "through": U,
+    }  # fmt: skip
+
+
+def _pitched(duration: Node) -> dict[str, Node]:
+    turning = switch("spin", {"none": _no_spin, "given": I["pitch.spin"]})
+    return _flight(duration, I["release"], _thrown, turning)
+
+
+def _batted(duration: Node) -> dict[str, Node]:
+    return _flight(
+        duration,
+        switch("kind", {"flight": I["launch.position"], "at-bat": place}),
+        switch("kind", {"flight": I["launch.velocity"], "at-bat": after}),
+        switch(
+            "spin",
+            {
+                "none": _no_spin,
+                "given": switch("kind", {"flight": I["launch.spin"], "at-bat": spin_after}),
+            },
+        ),
+    )
+
+
+def _formula(
+    name: str, quantity: str, value: Node, *pool: Node,
+    scenes: tuple[str, ...] = ("flight", "at-bat"),
+) -> Stage:  # fmt: skip
+    return Stage(name, (quantity,), "formula", {"value": value}, pool=pool, scenes=scenes)
+
+
+_STRUCK = ("impact", "at-bat")
+_forms = {"law": LAW_BY_DIRECTION}
+_begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
+CHAIN = (
+    Stage(
+        "pitch",
+        ("plate.position", "plate.velocity"),
+        "flight",
+        _pitched(plate_time),
+        _forms,
+        scenes=("pitch", "at-bat"),
+    ),
+    Stage(
+        "plate",
+        ("plate.position",),
+        "event",
+        {"zero": component(plate, 0)},
+        pool=(reach,),
+        scenes=("pitch", "at-bat"),
+    ),
+    Stage(
+        "touching",
+        ("contact.position", "contact.velocity", "contact.spin"),
+        "flight",
+        _pitched(contact_time),
+        _forms,
+        scenes=("at-bat",),
+    ),
+    Stage(
+        "touching",
+        ("contact.position",),
+        "event",
+        {"zero": norm(offset) - reach},
+        pool=(reach,),
+        scenes=_STRUCK,
+    ),
+    _formula("touching", "contact.position", I["incoming.position"], scenes=("impact",)),
+    _formula("normal", "contact.normal", unit(offset), e_x, e_z, scenes=_STRUCK),
+    _formula(
+        "bat velocity",
+        "contact.bat_velocity",
+        I["ω_bat"]
+        * lever
+        * vector(function("cos", I["θ"]), constant(0.0), function("sin", I["θ"])),
+        named("L/2", I["L"] / 2.0),
+        named("L/2 + y", I["L"] / 2.0 + y),
+        -y,
+        scenes=_STRUCK,
+    ),
+    _formula(
+        "normal speed",
+        "contact.normal_speed",
+        dot(Ṽ, n),
+        unit(Ṽ),
+        e_x,
+        norm(V),
+        norm(Ṽ),
+        dot(V, n),
+        scenes=_STRUCK,
+    ),
+    _formula(
+        "restitution",
+        "impact.restitution",
+        switch(
+            "reading.bat_ball_restitution",
+            {"as_printed": I["e"] * (1.0 + ratio) + ratio, "nathan": I["e"], "plain": I["e"]},
+        ),
+        named("L/2 + y", I["L"] / 2.0 + y),
+        y,
+        scenes=_STRUCK,
+    ),
+    _formula(
+        "impulse",
+        "impact.impulse",
+        switch("bat.friction", {"none": -(μ * (1.0 + ẽ) * w), "given": dot(push, n)}),
+        norm(V),
+        norm(Ṽ),
+        -norm(Ṽ),
+        dot(V, n),
+        _with_bat,
+        _with_effective,
+        scenes=_STRUCK,
+    ),
+    _formula(
+        "velocity after",
+        "impact.velocity",
+        V + _own_push / I["m"],
+        unit(Ṽ),
+        _with_bat,
+        scenes=_STRUCK,
+    ),
+    _formula("friction margin", "impact.friction_margin", friction_margin, scenes=_STRUCK),
+    _formula(
+        "spin after",
+        "impact.spin",
+        switch("bat.friction", {"none": spin_at, "given": spin_at - _turned}),
+        scenes=_STRUCK,
+    ),
+    _formula(
+        "energy",
+        "impact.energy_change",
+        switch(
+            "bat.friction",
+            {
+                "none": -(0.5 * μ * (1.0 - ẽ * ẽ) * (w * w)),
+                "given": dot(push, slip + 0.5 * mobility(push)),
+            },
+        ),
+        norm(V),
+        norm(Ṽ),
+        dot(V, n),
+        _with_bat,
+        _with_effective,
+        I["e"],
+        scenes=_STRUCK,
+    ),
+    Stage(
+        "flight",
+        ("landing.position", "landing.velocity", "landing.spin"),
+        "flight",
+        _batted(hang),
+        _forms,
+    ),
+    Stage(
+        "fence",
+        ("fence.position", "fence.velocity"),
+        "flight",
+        _batted(fence_time - _begun),
+        _forms,
+    ),
+    Stage("fence", ("fence.position",), "event", {"zero": fence_side}),
+    _formula("clearance", "fence.clearance", component(at_fence, 2) - fence_top - _clear),
+    _formula(
+        "fence margin",
+        "fence.margin",
+        function("least", _passed, norm(_chord) - _passed, dimension=M),
+    ),
+    Stage(
+        "landing",
+        ("landing.position",),
+        "event",
+        {"zero": component(landing, 2) - (I["ground"] + _surface)},
+        pool=(I["R"],),
+    ),
+    _formula("time", "landing.time", _begun + hang, plate_time),
+    _formula(
+        "distance", "landing.distance", norm(level(landing - _origin)), place, I["launch.position"]
+    ),
+)
+
+
+def edited(chain: tuple[Stage, ...], old: Node, new: Node) -> tuple[Stage, ...]:
+    """The chain with one expression in place of another, at every stage."""
+    return tuple(
+        replace(
+            stage,
+            roots={name: substitute(root, old, new) for name, root in stage.roots.items()},
+        )
+        for stage in chain
+    )

@@ -1,0 +1,489 @@
+"""Expressions with units, evaluated on columns of scenes.
+
+A formula of the chain is a graph of nodes. Equal nodes are one object, so that a definition that
+two formulas share is edited once. A node carries its dimension and knows whether it is a vector:
+edits replace a node by another of the same kind. Values are columns, one entry a scene; a vector
+is an array of three rows.
+
+>>> m, M = symbol("m", KG), symbol("M", KG)
+>>> mu = named("μ", m * M / (m + M))
+>>> words(substitute(2.0 * mu, mu, m))
+'2·m'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any
+from weakref import WeakValueDictionary
+
+import numpy as np
+
+from longball.model.arrays import Array
+
+Dimension = tuple[int, int, int]  # exponents of m, kg, s
+Columns = Mapping[str, Any]  # values by symbol: an array, or the codes of a switch
+
+NONE: Dimension = (0, 0, 0)
+M, KG, S = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+
+
+class Node:
+    """A node of an expression; made by the functions below, compared by identity."""
+
+    __slots__ = ("__weakref__", "args", "data", "dimension", "op", "vector")
+
+    op: str
+    args: tuple[Node, ...]
+    data: Any
+    dimension: Dimension
+    vector: bool
+
+    def __add__(self, other: Node | float) -> Node:
+        return _node("sum", (self, as_node(other)), None, self.dimension, self.vector)
+
+    def __radd__(self, other: Node | float) -> Node:
+        return as_node(other) + self
+
+    def __sub__(self, other: Node | float) -> Node:
+        return self + -as_node(other)
+
+    def __rsub__(self, other: Node | float) -> Node:
+        return as_node(other) + -self
+
+    def __neg__(self) -> Node:
+        return _node("negative", (self,), None, self.dimension, self.vector)
+
+    def __mul__(self, other: Node | float) -> Node:
+        other = as_node(other)
+        dimension = _sum(self.dimension, other.dimension)
+        return _node("product", (self, other), None, dimension, self.vector or other.vector)
+
+    def __rmul__(self, other: Node | float) -> Node:
+        return as_node(other) * self
+
+    def __truediv__(self, other: Node | float) -> Node:
+        other = as_node(other)
+        dimension = _sum(self.dimension, other.dimension, -1)
+        return _node("quotient", (self, other), None, dimension, self.vector)
+
+    def __rtruediv__(self, other: Node | float) -> Node:
+        return as_node(other) / self
+
+    def __repr__(self) -> str:
+        return words(self)
+
+
+_known: WeakValueDictionary[Any, Node] = WeakValueDictionary()
+
+
+def _node(
+    op: str, args: tuple[Node, ...], data: Any, dimension: Dimension, vector: bool = False
+) -> Node:
+    key = op, tuple(map(id, args)), data, dimension, vector
+    found = _known.get(key)
+    if found is None:
+        found = Node()
+        found.op, found.args, found.data = op, args, data
+        found.dimension, found.vector = dimension, vector
+        _known[key] = found
+    return found
+
+
+def _sum(a: Dimension, b: Dimension, sign: int = 1) -> Dimension:
+    return (a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2])
+
+
+# --- nodes ----------------------------------------------------------------------------------------
+
+
+def as_node(x: Node | float) -> Node:
+    """A node as it is, or a number as a constant without a unit."""
+    return x if isinstance(x, Node) else constant(x)
+
+
+def constant(x: float, dimension: Dimension = NONE, vector: bool = False) -> Node:
+    """A number; of a vector, each component."""
+    return _node("constant", (), float(x), dimension, vector)
+
+
+def symbol(name: str, dimension: Dimension = NONE, vector: bool = False) -> Node:
+    """A column that the scenes or the answers give."""
+    return _node("symbol", (), name, dimension, vector)
+
+
+def named(name: str, x: Node) -> Node:
+    """A definition that people have a word for: its value is that of `x`."""
+    return _node("named", (x,), name, x.dimension, x.vector)
+
+
+def function(op: str, *args: Node, dimension: Dimension = NONE) -> Node:
+    """A number by one of `OPERATIONS`, such as sin or exp."""
+    return _node(op, args, None, dimension)
+
+
+def norm(v: Node) -> Node:
+    """The length of a vector."""
+    return _node("norm", (v,), None, v.dimension)
+
+
+def unit(v: Node) -> Node:
+    """The direction of a vector; 0 of a vector that is 0."""
+    return _node("unit", (v,), None, NONE, True)
+
+
+def dot(a: Node, b: Node) -> Node:
+    """The scalar product."""
+    return _node("dot", (a, b), None, _sum(a.dimension, b.dimension))
+
+
+def cross(a: Node, b: Node) -> Node:
+    """The vector product."""
+    return _node("cross", (a, b), None, _sum(a.dimension, b.dimension), True)
+
+
+def each(op: str, a: Node, b: Node) -> Node:
+    """The product of two vectors, component by component ("by_component")."""
+    return _node(op, (a, b), None, _sum(a.dimension, b.dimension), True)
+
+
+def vector(x: Node | float, y: Node | float, z: Node | float) -> Node:
+    """The vector of three components."""
+    parts = as_node(x), as_node(y), as_node(z)
+    dimension = max((p.dimension for p in parts), key=lambda d: sum(map(abs, d)))
+    return _node("vector", parts, None, dimension, True)
+
+
+def component(v: Node, i: int) -> Node:
+    """The component x, y or z of a vector."""
+    return _node("component", (v,), i, v.dimension)
+
+
+def axes(v: Node, rows: tuple[tuple[float, ...], ...], name: str) -> Node:
+    """A vector with signed, masked or exchanged axes."""
+    return _node("axes", (v,), (rows, name), v.dimension, True)
+
+
+def solve(columns: tuple[Node, Node, Node], right: Node) -> Node:
+    """The solution x of ``K x = right`` for a matrix K of three columns."""
+    dimension = _sum(right.dimension, columns[0].dimension, -1)
+    return _node("solve", (*columns, right), None, dimension, True)
+
+
+def where(condition: Node, yes: Node, no: Node) -> Node:
+    """One of two values, by the sign of a number: the first where it is positive."""
+    return _node("where", (condition, yes, no), None, yes.dimension, yes.vector)
+
+
+def switch(key: str, options: Mapping[str, Node]) -> Node:
+    """The value that belongs to a scene's option of a key; see `codes`."""
+    first = next(iter(options.values()))
+    data = key, tuple(options)
+    return _node("switch", tuple(options.values()), data, first.dimension, first.vector)
+
+
+def table(x: Node, key: str, mode: str = "linear") -> Node:
+    """A table of a scene at `x`: columns ``key.at`` and ``key.values`` of shape (nodes, scenes)."""
+    return _node("table", (x,), (key, mode), NONE)
+
+
+# --- graphs ---------------------------------------------------------------------------------------
+
+
+def ordered(roots: Iterable[Node]) -> list[Node]:
+    """All nodes below some roots, each once, arguments first."""
+    found: dict[int, Node] = {}
+    stack = [(root, False) for root in reversed(list(roots))]
+    while stack:
+        node, ready = stack.pop()
+        if id(node) in found:
+            continue
+        if ready or not node.args:
+            found[id(node)] = node
+        else:
+            stack.append((node, True))
+            stack += [(arg, False) for arg in reversed(node.args)]
+    return list(found.values())
+
+
+def rebuilt(node: Node, args: Sequence[Node]) -> Node:
+    """A node with other arguments."""
+    return _node(node.op, tuple(args), node.data, node.dimension, node.vector)
+
+
+def substitute(root: Node, old: Node, new: Node) -> Node:
+    """An expression with one node in place of another, wherever that is used."""
+    made = {id(old): new}
+    for node in ordered([root]):
+        if id(node) not in made:
+            args = [made[id(arg)] for arg in node.args]
+            same = all(a is b for a, b in zip(args, node.args, strict=True))
+            made[id(node)] = node if same else rebuilt(node, args)
+    return made[id(root)]
+
+
+def depends(root: Node, names: frozenset[str]) -> bool:
+    """True if an expression contains one of some symbols."""
+    return any(node.op == "symbol" and node.data in names for node in ordered([root]))
+
+
+def specialised(root: Node, columns: Columns, made: dict[int, Node]) -> Node:
+    """An expression without the switches that have one option in all scenes.
+
+    `made` keeps what has become of each node, for other expressions of the same scenes.
+    """
+    for node in ordered([root]):
+        if id(node) in made:
+            continue
+        args = [made[id(arg)] for arg in node.args]
+        if node.op == "switch":
+            options = np.unique(columns[node.data[0]])
+            if len(options) == 1:
+                made[id(node)] = args[node.data[1].index(options[0])]
+                continue
+        made[id(node)] = _folded(rebuilt(node, args))
+    return made[id(root)]
+
+
+def _folded(node: Node) -> Node:
+    """A node without terms that are 0, factors that are 1, and second names."""
+
+    def is_(arg: Node, value: float) -> bool:
+        return arg.op == "constant" and arg.data == value
+
+    match node.op, node.args:
+        case "sum", (a, b) if is_(a, 0.0) or is_(b, 0.0):
+            return b if is_(a, 0.0) else a
+        case "product", (a, b) if is_(a, 0.0) or is_(b, 0.0):
+            return constant(0.0, node.dimension, node.vector)
+        case "product", (a, b) if (is_(a, 1.0) and a.dimension == NONE) or (
+            is_(b, 1.0) and b.dimension == NONE
+        ):
+            return b if is_(a, 1.0) else a
+        case (("negative" | "norm" | "named"), (a,)) if is_(a, 0.0):
+            return constant(0.0, node.dimension, node.vector)
+        case "cross", (a, b) if is_(a, 0.0) or is_(b, 0.0):
+            return constant(0.0, node.dimension, True)
+        case "named", (a,) if a.op in ("symbol", "named", "constant"):
+            return a
+    return node
+
+
+# --- values ---------------------------------------------------------------------------------------
+
+
+def _cross(a: Array, b: Array) -> Array:
+    (ax, ay, az), (bx, by, bz) = a, b
+    found = np.empty((3, max(a.shape[1], b.shape[1])))
+    found[0], found[1], found[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    return found
+
+
+def _unit(v: Array) -> Array:
+    size = np.sqrt((v * v).sum(0))
+    return v / np.where(size > 0, size, 1.0)
+
+
+def _solved(a: Array, b: Array, c: Array, right: Array) -> Array:
+    matrix = np.array(np.broadcast_arrays(a, b, c, right)).transpose(2, 1, 0)
+    sound = np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.det(matrix[:, :, :3]) != 0)
+    found = np.full((3, len(matrix)), np.nan)
+    found[:, sound] = np.linalg.solve(matrix[sound, :, :3], matrix[sound, :, 3:])[:, :, 0].T
+    return found
+
+
+OPERATIONS: dict[str, Callable[..., Any]] = {
+    "sum": np.add,
+    "product": np.multiply,
+    "quotient": np.divide,
+    "negative": np.negative,
+    "named": lambda x: x,
+    "norm": lambda v: np.sqrt((v * v).sum(0)),
+    "sizes": lambda v: np.abs(v).sum(0),  # |x| + |y| + |z|
+    "unit": _unit,
+    "dot": lambda a, b: (a * b).sum(0),
+    "cross": _cross,
+    "by_component": np.multiply,
+    "by_own_size": lambda v, w: np.abs(v) * w,
+    "vector": lambda x, y, z: np.array(np.broadcast_arrays(*map(np.atleast_1d, (x, y, z)))),
+    "solve": _solved,
+    "where": lambda condition, yes, no: np.where(condition > 0, yes, no),
+    "exp": np.exp,
+    "log": np.log,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "sqrt": np.sqrt,
+    "square": np.square,
+    "abs": np.abs,
+    "positive": lambda x: np.maximum(x, 0.0),
+    "least": np.minimum,
+    "rises": lambda x: (x > 0) * 1.0,  # 1 where the argument is positive, else 0
+    **{f"rounded_{i}": partial(np.round, decimals=i) for i in range(4)},
+}
+
+
+def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
+    widths = np.diff(at, axis=0)
+    long = widths > 0  # tables are filled up with their last nodes
+    slopes = np.where(long, np.diff(values, axis=0) / np.where(long, widths, 1.0), 0.0)
+    last = long.cumsum(axis=0).argmax(axis=0)
+    low, high = np.zeros_like(widths), widths.copy()
+    if mode == "extrapolated":
+        low[0] = -np.inf
+        high[last, np.arange(at.shape[1])] = np.inf
+    if mode == "previous node":
+        return lambda x: values[0] + ((x >= at[1:]) * np.diff(values, axis=0)).sum(0)
+    return lambda x: values[0] + (slopes * np.clip(x - at[:-1], low, high)).sum(0)
+
+
+def _operation(node: Node, columns: Columns) -> Callable[..., Any]:
+    """The function from the values of a node's arguments to its own value."""
+    match node.op:
+        case "component":
+            return lambda v: v[node.data]
+        case "axes":
+            matrix = np.array(node.data[0])
+            return lambda v: matrix @ v
+        case "table":
+            key, mode = node.data
+            return _table(columns[f"{key}.at"], columns[f"{key}.values"], mode)
+        case "switch":
+            key, options = node.data
+            chosen = [np.asarray(columns[key]) == option for option in options]
+
+            def selected(*values: Any) -> Any:
+                found = values[0]
+                for choice, value in zip(chosen[1:], values[1:], strict=True):
+                    found = np.where(choice, value, found)
+                return found
+
+            return selected
+    return OPERATIONS[node.op]
+
+
+class Evaluator:
+    """Expressions bound to columns, as a function of the symbols that move.
+
+    What does not depend on those is computed once.
+    """
+
+    def __init__(
+        self, roots: Sequence[Node], columns: Columns, moving: frozenset[str] = frozenset()
+    ) -> None:
+        nodes = ordered(roots)
+        place = {id(node): i for i, node in enumerate(nodes)}
+        self._values: list[Any] = [None] * len(nodes)
+        self._given: list[tuple[int, str]] = []
+        self._steps: list[tuple[int, Callable[..., Any], list[int]]] = []
+        self._roots = [place[id(root)] for root in roots]
+        moves = [False] * len(nodes)
+        for i, node in enumerate(nodes):
+            args = [place[id(arg)] for arg in node.args]
+            if node.op == "symbol" and node.data in moving:
+                moves[i] = True
+                self._given.append((i, node.data))
+            elif node.op == "symbol":
+                self._values[i] = columns[node.data]
+            elif node.op == "constant":
+                self._values[i] = np.full((3, 1), node.data) if node.vector else node.data
+            elif any(moves[k] for k in args):
+                moves[i] = True
+                self._steps.append((i, _operation(node, columns), args))
+            else:
+                self._values[i] = _operation(node, columns)(*(self._values[k] for k in args))
+
+    def __call__(self, **moving: Any) -> list[Any]:
+        """The values of the roots."""
+        values = self._values
+        for i, name in self._given:
+            values[i] = moving[name]
+        for i, operation, args in self._steps:
+            values[i] = operation(*[values[k] for k in args])
+        return [values[i] for i in self._roots]
+
+
+class Values:
+    """The values of expressions on columns, each node computed once."""
+
+    def __init__(self, columns: Columns) -> None:
+        self._columns = columns
+        self._known: dict[int, tuple[Node, Any]] = {}  # which keeps the nodes alive
+
+    def of(self, root: Node) -> Any:
+        """The value of an expression."""
+        known = self._known
+        if id(root) in known:
+            return known[id(root)][1]
+        stack = [root]
+        while stack:
+            node = stack[-1]
+            waiting = [arg for arg in node.args if id(arg) not in known]
+            if waiting:
+                stack += waiting
+                continue
+            stack.pop()
+            known[id(node)] = node, self._value(node)
+        return known[id(root)][1]
+
+    def _value(self, node: Node) -> Any:
+        if node.op == "symbol":
+            return self._columns[node.data]
+        if node.op == "constant":
+            return np.full((3, 1), node.data) if node.vector else node.data
+        return _operation(node, self._columns)(*(self._known[id(arg)][1] for arg in node.args))
+
+
+def evaluate(root: Node, columns: Columns) -> Any:
+    """The value of an expression on columns."""
+    return Values(columns).of(root)
+
+
+# --- words ----------------------------------------------------------------------------------------
+
+_FORMATS = {
+    "sum": "{} + {}",
+    "product": "{}·{}",
+    "quotient": "{}/{}",
+    "negative": "-{}",
+    "norm": "|{}|",
+    "abs": "|{}|",
+    "square": "{}²",
+    "dot": "{} · {}",
+    "cross": "{} × {}",
+    "sizes": "|{0}_x| + |{0}_y| + |{0}_z|",
+    "unit": "{0}/|{0}|",
+    "rises": "[{} > 0]",
+    "positive": "max({}, 0)",
+    "vector": "({}, {}, {})",
+    "by_component": "{}·{} by component",
+}
+_WEAK = {"sum", "dot", "cross"}  # put in parentheses inside a product
+
+
+def words(node: Node) -> str:
+    """An expression as people write it; definitions by their names."""
+    if node.op == "constant":
+        return f"{node.data:.9g}"
+    if node.op in ("symbol", "named"):
+        return str(node.data)
+    args = [words(arg) for arg in node.args]
+    if node.op in ("product", "quotient", "negative", "square"):
+        weak = _WEAK | ({"product", "quotient"} if node.op == "quotient" else set())
+        args = [
+            f"({text})" if arg.op in (weak if i or node.op != "quotient" else _WEAK) else text
+            for i, (arg, text) in enumerate(zip(node.args, args, strict=True))
+        ]
+    match node.op:
+        case "component":
+            return f"{args[0]}_{'xyz'[node.data]}"
+        case "axes":
+            return f"{args[0]} as {node.data[1]}"
+        case "switch":
+            return f"⟨{node.data[0]}⟩"
+        case "table":
+            return f"table({args[0]})"
+        case "sum" if args[1].startswith("-"):
+            return f"{args[0]} - {args[1][1:]}"
+    return _FORMATS.get(node.op, node.op + "({})").format(*args)

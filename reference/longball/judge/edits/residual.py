@@ -1,0 +1,419 @@
+"""How far a candidate's values are from what its own earlier values give, stage by stage.
+
+All that flies a ball for the diagnosis is in this module: flights of any edited law, all scenes at
+once, by fixed steps of an eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving
+Ordinary Differential Equations I*, Sec. II.5; the coefficients are SciPy's).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+
+from longball.engines.fence import chords
+from longball.judge.answers import Answer
+from longball.judge.cases import SLACK, Case, attainable
+from longball.judge.edits.chain import CHAIN, INPUTS, MOVING, OWN, Stage
+from longball.judge.edits.expression import (
+    Evaluator,
+    Node,
+    depends,
+    ordered,
+    specialised,
+)
+from longball.judge.quantities import values_of
+from longball.model.arrays import Array
+from longball.model.numbers import DOUBLES
+from longball.model.quantities import at as value_at
+
+# Relative error of a value that no formula makes wrong: the rounding of an implementation's own
+# hundred steps, and of ours.
+ROUNDING = 1e-12
+# Relative error below which an edit need not explain: a careful integrator's own (RK4 at 1 ms
+# leaves 1e-11 of a landing, adaptive methods at 1e-10 about 1e-9).
+NOISE = 2.5e-10
+
+# s, the longest step of a flight, fine and coarse. Over 400 batted balls the fine ones leave
+# 4e-13 of the landing, the coarse ones 1e-4.
+FINE, COARSE = 0.2, 1.2
+MOST_STEPS = 400  # a flight that takes more is followed no farther: its floor is its doubt
+
+
+@dataclass(frozen=True)
+class Data:
+    """Scenes and answers as columns: one entry a scene, NaN where there is nothing.
+
+    Attributes
+    ----------
+    cases
+        The scenes with their truth.
+    columns
+        Inputs by symbol, and the scenes' options by switch.
+    given
+        The candidate's values by quantity, shape (n,) or (3, n).
+    expected
+        The true values.
+    attainable
+        The errors that double precision cannot avoid, shape (n,).
+    cut
+        Half a unit in the last digit written, of each value: absolute and relative.
+    granted
+        The error of a quantity that passes, in its SI unit.
+    """
+
+    cases: Sequence[Case]
+    columns: Mapping[str, Any]
+    given: Mapping[str, Array]
+    expected: Mapping[str, Array]
+    attainable: Mapping[str, Array]
+    cut: tuple[float, float] = (0.0, 0.0)
+    granted: float = 0.0
+
+
+def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float = 0.0) -> Data:
+    """Scenes and answers as columns."""
+    given, expected, errors = {}, {}, {}
+    for quantity, own in OWN.items():
+        shape = (3, len(cases)) if own.vector else (len(cases),)
+        given[quantity] = np.full(shape, np.nan)
+        expected[quantity] = np.full(shape, np.nan)
+        errors[quantity] = np.zeros(len(cases))
+    for i, case in enumerate(cases):
+        true, said = values_of(case.expected), answers[case.id].values
+        for quantity in true.keys() & OWN.keys():
+            expected[quantity][..., i] = _floats(true[quantity])
+            errors[quantity][i] = attainable(case, quantity)
+            if quantity in said:
+                given[quantity][..., i] = _floats(said[quantity])
+    scenes = [case.scene for case in cases]
+    columns = {**inputs(scenes), **switches(scenes), **_fences(scenes, given["fence.position"])}
+    return Data(cases, columns, given, expected, errors, granted=granted)
+
+
+def _floats(value: Sequence[Any]) -> Any:
+    numbers = [float(x) for x in value]
+    return numbers if len(numbers) > 1 else numbers[0]
+
+
+def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
+    """The numbers of scenes by symbol."""
+    found = {}
+    for node, path, null in INPUTS:
+        nothing: Any = (null,) * 3 if node.vector else null
+        # Without air its numbers are 0.
+        vacuum = path in ("air.density", "air.drag_coefficient", "air.lift_coefficient")
+        column = [
+            0.0
+            if vacuum and getattr(scene, "air", scene) is None
+            else _number(scene, path, nothing)
+            for scene in scenes
+        ]
+        found[str(node.data)] = np.array(column, dtype=float).T
+    for side in ("drag", "lift"):
+        key = f"air.{side}_coefficient"
+        laws = [value_at(scene, key) if _has(scene, "air") else None for scene in scenes]
+        for part in ("at", "values"):
+            rows = [getattr(law, part, (0.0, 1.0)) for law in laws]
+            longest = max(map(len, rows))
+            filled = [(*row, *[row[-1]] * (longest - len(row))) for row in rows]
+            found[f"{key}.{part}"] = np.array(filled, dtype=float).T
+    return found
+
+
+def _has(scene: Any, key: str) -> bool:
+    return getattr(scene, key, None) is not None
+
+
+def _number(scene: Any, path: str, nothing: Any) -> Any:
+    try:
+        value = value_at(scene, path)
+    except ValueError:
+        return nothing
+    if isinstance(value, tuple):
+        return value if isinstance(nothing, tuple) else nothing
+    return float(value) if isinstance(value, int | float) else nothing
+
+
+SWITCHES = frozenset(
+    node.data[0]
+    for node in ordered(root for stage in CHAIN for root in stage.roots.values())
+    if node.op == "switch"
+) | {"spin after"}
+
+
+def switches(scenes: Sequence[Any]) -> dict[str, Array]:
+    """The options of scenes by switch of the chain."""
+    rows = [_options(scene) for scene in scenes]
+    return {key: np.array([row[key] for row in rows]) for key in rows[0]}
+
+
+def _options(scene: Any) -> dict[str, str]:
+    air = getattr(scene, "air", None)
+    found = {
+        f"reading.{key}": getattr(scene.reading, key) for key in type(scene.reading).model_fields
+    }
+    found["kind"] = scene.kind
+    for key in ("drag", "lift"):
+        law: Any = getattr(air, f"{key}_coefficient", 0.0)
+        name = getattr(law, "law", "number")
+        found[f"air.{key}_coefficient"] = f"table of {law.of}" if name == "table" else name
+    density = getattr(air, "density", 0.0)
+    found["air.density"] = "number" if isinstance(density, float) else "weather"
+    wind = getattr(air, "wind", None)
+    forms = {"above": "above", "roughness": "profile"}
+    form = next((forms[key] for key in forms if hasattr(wind, key)), "uniform")
+    found["air.wind"] = "none" if wind is None else form
+    for key in ("air.spin_decay_length", "air.density_scale_height"):
+        held = getattr(air, key.partition(".")[2], None)
+        found[key] = "none" if held is None else "given"
+    found["earth"] = "given" if _has(scene, "earth") else "none"
+    bat, pitch = getattr(scene, "bat", None), getattr(scene, "pitch", None)
+    rubs = bat is not None and bat.friction is not None
+    found["bat.friction"] = "given" if rubs else "none"
+    found["bat.support"] = (bat.support if bat is not None else None) or "pivot"
+    found["pitch"] = "velocity" if pitch is not None and pitch.velocity is not None else "aimed"
+    begun = next((b for b in ("pitch", "launch", "incoming") if _has(scene, b)), "")
+    spins = begun and getattr(getattr(scene, begun), "spin", None) is not None
+    found["spin"] = "given" if spins else "none"
+    found["spin after"] = "given" if spins or rubs else "none"
+    fence = getattr(scene, "fence", None)
+    found["fence"] = "polyline" if fence is not None and fence.polyline is not None else "radius"
+    return found
+
+
+def _fences(scenes: Sequence[Any], places: Array) -> dict[str, Array]:
+    """The ends of the chord next to a place, one of each scene."""
+    ends = np.full((2, 3, len(scenes)), np.nan)
+    for i, scene in enumerate(scenes):
+        fence = getattr(scene, "fence", None)
+        if fence is None or fence.polyline is None or not np.isfinite(places[:, i]).all():
+            continue
+        x, y, _ = places[:, i]
+
+        def apart(chord: Any, x: float = x, y: float = y) -> float:
+            (ax, ay, _), (bx, by, _) = chord.a, chord.b
+            along = (x - ax) * (bx - ax) + (y - ay) * (by - ay)
+            share = min(max(along / ((bx - ax) ** 2 + (by - ay) ** 2), 0.0), 1.0)
+            return math.hypot(x - ax - share * (bx - ax), y - ay - share * (by - ay))
+
+        nearest = min(chords(fence.polyline, DOUBLES), key=apart)
+        ends[:, :, i] = nearest.a, nearest.b
+    return {"chord.a": ends[0], "chord.b": ends[1]}
+
+
+# --- what follows ---------------------------------------------------------------------------------
+
+Columns = Mapping[str, Any]
+Index = NDArray[np.integer[Any]]  # numbers of scenes
+
+
+def take(columns: Columns, some: Index) -> dict[str, Any]:
+    """Columns of some scenes."""
+    return {name: column[..., some] for name, column in columns.items()}
+
+
+_A, _B, _C = DOP853.A[:12, :12], DOP853.B, DOP853.C[:12]
+_PATH = frozenset(("path",))
+
+
+def fly(stage: Stage, columns: Columns, longest: float = FINE, share: int = 1) -> dict[str, Array]:
+    """Fly balls for a stage's duration in steps of at most `longest`, s; return its quantities.
+
+    All flights have the same number of steps, `share` times fewer than the longest one needs.
+    """
+    roots, names = stage.roots, stage.quantities
+    starts = [roots[name] for name in ("place", "velocity", "spin", "duration")]
+    place, velocity, spin, duration = Evaluator(starts, columns)()
+    count = len(columns["kind"])
+    y = np.zeros((7, count))
+    y[:3], y[3:6] = place, velocity
+    duration = duration + np.zeros(count)
+    launched = {
+        **columns,
+        "r0": y[:3].copy(),
+        "v0": y[3:6].copy(),
+        "ω0": spin + np.zeros((3, count)),
+    }
+    follows = depends(roots["law"], _PATH) or depends(roots["spin_left"], _PATH)
+    law = Evaluator([roots["law"], *([roots["through"]] if follows else [])], launched, MOVING)
+    most = float(np.max(np.abs(duration), initial=0.0, where=np.isfinite(duration)))
+    steps = min(math.ceil(most / longest), 6 if longest == COARSE else MOST_STEPS)
+    steps = max(1, math.ceil(steps / share))
+    h = duration / steps
+    slopes = np.zeros((12, 7, count))
+    flat = slopes.reshape(12, -1)
+    for step in range(steps):
+        for i in range(12):
+            at = y + h * (_A[i, :i] @ flat[:i]).reshape(y.shape) if i else y
+            pushed = law(r=at[:3], v=at[3:6], t=(step + _C[i]) * h, path=at[6])
+            slopes[i, :3], slopes[i, 3:6] = at[3:6], pushed[0]
+            if follows:
+                slopes[i, 6] = pushed[1]
+        y = y + h * (_B @ flat).reshape(y.shape)
+    ended = {names[0]: y[:3], names[1]: y[3:6]}
+    if len(names) > 2:
+        left = Evaluator([roots["spin_left"]], launched, MOVING)
+        ended[names[2]] = left(r=y[:3], v=y[3:6], t=duration, path=y[6])[0] * launched["ω0"]
+    return ended
+
+
+def values(
+    stage: Stage, columns: Columns, longest: float = FINE, share: int = 1
+) -> dict[str, Array]:
+    """The quantities of a stage, from the values before it; see `fly`."""
+    columns = {**columns, "spin": columns[stage.spins]}
+    with np.errstate(all="ignore"):
+        if stage.kind == "flight":
+            return fly(stage, columns, longest, share)
+        (root,) = stage.roots.values()
+        shape = (3, len(columns["kind"])) if root.vector else (len(columns["kind"]),)
+        return {stage.quantities[0]: np.broadcast_to(Evaluator([root], columns)()[0], shape)}
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A stage beside the candidate's values.
+
+    Attributes
+    ----------
+    stage
+        Which.
+    some
+        The scenes that have it.
+    off
+        Obtained less predicted, a row a number; NaN where nothing is given.
+    tolerance, floor
+        Of each number: below the first it is right, and below the second it need not be explained.
+    scale
+        The size that an error is relative to.
+    """
+
+    stage: Stage
+    some: Index
+    off: Array
+    tolerance: Array
+    floor: Array
+    scale: Array
+
+    @property
+    def checked(self) -> NDArray[np.bool_]:
+        """True for each scene in which the candidate gives a number of the stage."""
+        return np.asarray(np.isfinite(self.off).any(axis=0))
+
+    @property
+    def wrong(self) -> NDArray[np.bool_]:
+        """True for each scene in which a number is wrong."""
+        return np.asarray((np.abs(self.off) > self.tolerance).any(axis=0))
+
+    @property
+    def relative(self) -> Array:
+        """The largest relative error in each scene; 0 where nothing is given."""
+        return np.asarray(np.nan_to_num(np.abs(self.off) / self.scale).max(axis=0, initial=0.0))
+
+
+HUGE = 1e12  # in SI units: what exceeds it is no state of a ball
+
+
+def compared(
+    stage: Stage, data: Data, columns: Columns, some: Index, longest: float = FINE,
+    doubt: Array | None = None, rough: bool = False,
+) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
+    """A stage beside the candidate's values in some scenes, and its own values.
+
+    `doubt` is the error of the flights, found by flying them again with twice the step if it is
+    not given. A `rough` law has jumps or kinks.
+    """
+    own = take(columns, some)
+    found = values(stage, own, longest)
+    again = found
+    if stage.kind == "flight" and doubt is None:
+        again = values(stage, own, longest, share=2)
+    rows = []
+    for quantity in stage.quantities:
+        if quantity not in found:
+            continue
+        given = np.atleast_2d(data.given[quantity][..., some])
+        predicted = np.atleast_2d(found[quantity])
+        sizes = [np.sqrt(np.square(x).sum(0)) for x in (given, predicted)]
+        large = np.fmax(np.fmax(*sizes) if stage.kind != "event" else sizes[0], 1.0)
+        off = predicted if stage.kind == "event" else given - predicted
+        off = np.where(np.isfinite(given).all(axis=0), off, np.nan)
+        off = np.where(np.isfinite(given) & ~np.isfinite(off), HUGE, off)
+        unsure = np.abs(predicted - np.atleast_2d(again[quantity]))
+        unsure = np.nan_to_num(unsure) if doubt is None else np.zeros_like(off)
+        if rough:  # where a step ends near a kink both errors may be small by chance
+            unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
+        short = sum(data.cut[i] * (1.0, large)[i] for i in (0, 1))
+        least = np.maximum(SLACK * data.attainable[quantity][some], data.granted) + short
+        tolerance = np.maximum(least, ROUNDING * large) + 4 * unsure
+        floor = np.maximum(least, NOISE * large) + unsure
+        rows.append((off, tolerance + 0 * off, floor + 0 * off, large + 0 * off))
+    off, tolerance, floor, scale = (np.concatenate(part) for part in zip(*rows, strict=True))
+    return Followed(stage, some, off, tolerance, floor, scale), found
+
+
+def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, ...]:
+    """The chain of some scenes: its stages, without switches that are the same in all."""
+    found = []
+    for stage in chain:
+        here = np.isin(data.columns["kind"], stage.scenes)
+        said = (np.isfinite(data.expected[quantity][..., here]) for quantity in stage.quantities)
+        if not any(told.any() for told in said):
+            continue
+        columns = {name: data.columns[name][here] for name in SWITCHES}
+        columns["spin"] = columns[stage.spins]
+        known: dict[int, Node] = {}
+        roots = {name: specialised(root, columns, known) for name, root in stage.roots.items()}
+        forms = {name: specialised(root, columns, known) for name, root in stage.forms.items()}
+        pool = tuple(specialised(node, columns, known) for node in stage.pool)
+        found.append(replace(stage, roots=roots, forms=forms, pool=pool))
+    return tuple(found)
+
+
+def begun(data: Data) -> dict[str, Any]:
+    """Columns before the first stage: inputs, and the candidate's own values or else true ones."""
+    columns = dict(data.columns)
+    for quantity, node in OWN.items():
+        told = data.given[quantity]
+        columns[node.data] = np.where(np.isfinite(told), told, data.expected[quantity])
+    both = [columns[OWN[name].data] for name in ("landing.time", "contact.time")]
+    told, since = data.given["landing.hang_time"], both[0] - np.nan_to_num(both[1])
+    columns["landing.hang_time"] = np.where(np.isfinite(told), told, since)
+    # An impact scene gives what a pitch brings.
+    for own, given in (
+        ("contact.position", "position"),
+        ("contact.velocity", "velocity"),
+        ("contact.spin", "spin"),
+    ):
+        name, start = OWN[own].data, data.columns[f"incoming.{given}"]
+        columns[name] = np.where(np.isfinite(start), start, columns[name])
+    columns["ω"] = np.where(columns["spin"] == "none", 0.0, columns["ω"])
+    return columns
+
+
+def follow(chain: Iterable[Stage], data: Data) -> tuple[dict[str, Any], list[Followed]]:
+    """Follow the candidate's values from stage to stage; its own values with what stands for them.
+
+    Where the candidate gives no value, the one that follows from the stages before stands for it.
+    """
+    columns = begun(data)
+    found = []
+    for stage in chain:
+        some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
+        one, follows = compared(stage, data, columns, some)
+        found.append(one)
+        if stage.kind == "event":
+            continue
+        for quantity, value in follows.items():
+            name = OWN[quantity].data
+            column = columns[name].copy()
+            silent = ~np.isfinite(data.given[quantity][..., some]) & np.isfinite(value)
+            column[..., some] = np.where(silent, value, column[..., some])
+            columns[name] = column
+    return columns, found

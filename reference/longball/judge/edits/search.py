@@ -1,0 +1,276 @@
+"""The search for the cheapest edit that makes every number that the candidate made.
+
+The chain is the only thing that changes: an edit that is accepted is applied to it, and later
+stages inherit the mistake.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from longball.judge.edits.chain import Stage
+from longball.judge.edits.evidence import (
+    CHANCE,
+    cost,
+    fitted,
+    is_adequate,
+    rounded,
+    slope_of,
+)
+from longball.judge.edits.expression import Evaluator, Node, Values, evaluate
+from longball.judge.edits.operators import FACTORS, FREE, Edit, edits
+from longball.judge.edits.residual import (
+    COARSE,
+    FINE,
+    Data,
+    Followed,
+    Index,
+    compared,
+    inputs,
+    take,
+    values,
+)
+from longball.model.arrays import Array
+from longball.model.scene import AtBatScene
+
+# Scenes in which an edit is tried first: those that are most and least wrong, and right ones.
+WRONG, RIGHT = 5, 2
+# Scenes in which it has to hold.
+MOST_WRONG, MOST_RIGHT = 60, 30
+KEPT = 16  # edits that are held against all of these
+HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
+# Of what an edit moves, what long steps leave in it.
+STEPS = 1e-3
+
+
+LOST = 1e12  # floors: what an edit leaves that makes no number
+
+
+@dataclass(frozen=True)
+class Named:
+    """An edit that explains a stage, and others that no scene tells from it."""
+
+    edit: Edit
+    evidence: float  # bits beyond chance
+    same: tuple[Edit, ...] = ()
+
+
+@dataclass(frozen=True)
+class Located:
+    """A stage that no edit explains; the one that comes nearest, if it is better than chance."""
+
+    nearest: Edit | None = None
+    left: float = 1.0  # the largest relative error that it leaves
+    scenes: int = 0  # in which it leaves more than the floor
+
+
+@cache
+def defaults() -> Mapping[str, Any]:
+    """The defaults of a scene by symbol of the chain."""
+    air = {"lift_coefficient": {"law": "rational"}, "drag_coefficient": {"law": "spin"}}
+    crisis = {"lift_coefficient": {"law": "linear"}, "drag_coefficient": {"law": "crisis"}}
+    weather = {"density": {"temperature": 288.15}}
+    spinning = {"spin": (0.0, 1.0, 0.0)}
+    given: list[dict[str, Any]] = [
+        {}, {"air": air, "pitch": spinning}, {"air": crisis, "pitch": spinning}, {"air": weather},
+        {"bat": {"friction": 0.1}, "ball": {"inertia_factor": 0.4}, "earth": {"latitude": 0.0}},
+    ]  # fmt: skip
+    found: dict[str, Any] = {}
+    for scene in given:
+        for name, column in inputs([AtBatScene.model_validate(scene)]).items():
+            if column.ndim == 1 and np.isfinite(column).all():
+                found.setdefault(name, float(column[0]))
+    for required in ("μ_f", "λ", "T"):
+        found.pop(required, None)
+    return found | {"T": 288.15, "z_0": 0.03}
+
+
+def _evenly(some: Index, most: int) -> Index:
+    """At most so many of some scenes, evenly spread."""
+    if len(some) <= most:
+        return some
+    return np.asarray(some[np.linspace(0, len(some) - 1, most).round().astype(int)])
+
+
+@dataclass
+class Explanation:
+    """One stage whose errors are to be explained."""
+
+    chain: tuple[Stage, ...]
+    stage: Stage
+    data: Data
+    columns: Mapping[str, Any]
+    followed: Followed
+
+    def __post_init__(self) -> None:
+        f = self.followed
+        wrong, right = f.some[f.wrong], f.some[~f.wrong & f.checked]
+        sizes = f.relative[f.wrong]
+        order = wrong[np.argsort(-sizes, kind="stable")]
+        self.few = np.concatenate([_evenly(order, WRONG), _evenly(right, RIGHT)])
+        self.all = np.concatenate([_evenly(order, MOST_WRONG), _evenly(right, MOST_RIGHT)])
+        self._base = self._compared(self.stage, self.few)
+        coarse = COARSE if self.stage.kind == "flight" else FINE
+        self._coarse = self._rows(values(self.stage, take(self.columns, self.few), coarse))
+        # Long steps leave a share of what an edit moves, which is the error if it explains it.
+        steps = STEPS if self.stage.kind == "flight" else 0.0
+        self._roughly = self._base.floor + steps * np.abs(self._base.off)
+        self.null = cost(self._base.off / self._roughly)
+        self.null_all = cost(self._in_floors(self.stage, self.all))
+
+    # --- residuals --------------------------------------------------------------------------------
+
+    def _compared(self, stage: Stage, some: Index, rough: bool = False) -> Followed:
+        with np.errstate(all="ignore"):
+            return compared(stage, self.data, self.columns, some, rough=rough)[0]
+
+    def _in_floors(self, stage: Stage, some: Index, rough: bool = False) -> Array:
+        f = self._compared(stage, some, rough)
+        r = f.off / f.floor
+        return np.where(np.isfinite(f.off) & ~np.isfinite(r), LOST, r)
+
+    def _rows(self, found: Mapping[str, Array]) -> Array:
+        return np.concatenate(
+            [np.atleast_2d(found[q]) for q in self.stage.quantities if q in found]
+        )
+
+    def screened(self, stage: Stage, columns: Mapping[str, Any]) -> Array:
+        """Errors in the first scenes by long steps, whose own errors cancel."""
+        coarse = COARSE if stage.kind == "flight" else FINE
+        moved = self._rows(values(stage, columns, coarse)) - self._coarse
+        off = self._base.off + moved if stage.kind == "event" else self._base.off - moved
+        r = off / self._roughly
+        return np.where(np.isfinite(self._base.off) & ~np.isfinite(r), LOST, r)
+
+    def edited(self, edit: Edit) -> Stage:
+        """The stage with an edit."""
+        (stage,) = edit.apply([self.stage])
+        return stage
+
+    # --- the search -------------------------------------------------------------------------------
+
+    def candidates(self) -> tuple[list[tuple[float, Edit]], int]:
+        """Edits that explain the first scenes roughly, with what they leave; how many differ."""
+        probe = Values(_moved_at_random(self.stage, take(self.columns, np.repeat(self.few, 4))))
+        known: dict[bytes, Edit | None] = {_fingerprint(self.stage, probe): None}
+        for edit in edits(self.chain, self.stage, defaults()):
+            key = _fingerprint(self.edited(edit), probe)
+            best = known.get(key, edit)
+            if best is not None and edit.bits <= best.bits:
+                known[key] = edit
+        tried = [edit for edit in known.values() if edit is not None]
+        few = take(self.columns, self.few)
+        if self.stage.kind == "flight":  # a free number's start is that of the launch
+            launch = Evaluator([self.stage.roots[x] for x in ("velocity", "place")], few)()
+            few |= {"v": launch[0], "v0": launch[0], "r": launch[1], "t": 0.0, "path": 0.0}
+            few["ω0"] = np.zeros((3, len(self.few)))
+        found = []
+        for edit in tried:
+            stage = self.edited(edit)
+            if edit.starts:
+                edit, left = self._fit(edit, stage, few)
+            else:
+                left = cost(self.screened(stage, few))
+            if left <= HALF * self.null:
+                found.append((left, edit))
+        found.sort(key=lambda one: one[0] + one[1].bits)
+        return found, len(tried)
+
+    def _fit(self, edit: Edit, stage: Stage, few: Mapping[str, Any]) -> tuple[Edit, float]:
+        starts = []
+        for start in edit.starts:
+            if isinstance(start, Node):
+                with np.errstate(all="ignore"):
+                    starts.append(float(np.nanmedian(evaluate(start, few))))
+            else:
+                starts.append(start)
+
+        def residual(c: float) -> Array:
+            return self.screened(stage, {**few, FREE: np.float64(c)})
+
+        c, r = fitted(residual, starts)
+        return replace(edit, starts=(c,)), cost(r)
+
+    def settled(self, edit: Edit) -> tuple[Edit, Array]:
+        """An edit with the roundest free number that fits, and what it leaves in all scenes."""
+        stage = self.edited(edit)
+
+        def residual(some: Index) -> Callable[[float], Array]:
+            def at(c: float) -> Array:
+                columns = {**self.columns, FREE: np.full(len(self.columns["kind"]), c)}
+                f = compared(stage, self.data, columns, some, doubt=np.zeros(0))[0]
+                return f.off / f.floor
+
+            return at
+
+        (start,) = edit.starts
+        assert isinstance(start, float)
+        with np.errstate(all="ignore"):
+            c, _ = fitted(residual(self.few), (start,), 2)
+            c, r = fitted(residual(self.all), (c,), 2)
+            slope = slope_of(residual(self.all), c, r)
+            usual = FACTORS if edit.factor else ()
+            near = [(cost(r + slope * (x - c)) + bits, bits, x) for x, bits in rounded(c, usual)]
+            _, bits, x = min(near)
+        edit = edit.settled(x, bits)
+        return edit, self._in_floors(self.edited(edit), self.all, edit.rough)
+
+    def explain(self) -> Named | Located:
+        """The cheapest edit that explains the stage in all scenes."""
+        found, tried = self.candidates()
+        needed = CHANCE + math.log2(1 + tried)
+        adequate: list[tuple[float, Edit, float]] = []
+        nearest: tuple[float, Edit, Array] | None = None
+        for _, edit in found[:KEPT]:
+            if edit.starts:
+                edit, r = self.settled(edit)
+            else:
+                r = self._in_floors(self.edited(edit), self.all, edit.rough)
+            saved = self.null_all - cost(r) - edit.bits
+            if saved < needed:
+                continue
+            if is_adequate(r, edit.rough):
+                adequate.append((edit.bits, edit, saved - needed))
+            elif nearest is None or cost(r) + edit.bits < nearest[0]:
+                nearest = cost(r) + edit.bits, edit, r
+        if not adequate:
+            return Located() if nearest is None else Located(nearest[1])
+        adequate.sort(key=lambda one: one[0])
+        _, best, evidence = adequate[0]
+        return Named(best, evidence, tuple(edit for _, edit, _ in adequate[1:4]))
+
+
+def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Columns moved at random, in which edits that come to the same are found."""
+    draw = np.random.default_rng(0)
+    moved: dict[str, Any] = {}
+    for name, column in columns.items():
+        if column.dtype.kind != "f":
+            moved[name] = column
+            continue
+        shifted = column * (1.0 + 0.1 * draw.normal(size=column.shape))
+        if not (column > 0).all():
+            shifted = shifted + 0.05 * draw.normal(size=column.shape)
+        moved[name] = shifted
+    count = len(columns["kind"])
+    launch = np.array([[30.0], [3.0], [10.0]]) * (1 + 0.5 * draw.normal(size=(3, count)))
+    moved |= {
+        "v0": launch, "v": 0.7 * launch + 5.0 * draw.normal(size=(3, count)),
+        "r": 20.0 * draw.normal(size=(3, count)) + np.array([[0.0], [0.0], [30.0]]),
+        "r0": draw.normal(size=(3, count)), "t": draw.uniform(0.1, 3.0, count),
+        "path": draw.uniform(10.0, 90.0, count), "ω0": 100.0 * draw.normal(size=(3, count)),
+        FREE: draw.uniform(0.2, 0.9, count), "spin": columns[stage.spins],
+    }  # fmt: skip
+    return moved
+
+
+def _fingerprint(stage: Stage, probe: Values) -> bytes:
+    with np.errstate(all="ignore"):
+        found = (np.asarray(probe.of(root)) for root in stage.roots.values())
+        return b"".join((x + 0.0).astype(np.float32).tobytes() for x in found)
