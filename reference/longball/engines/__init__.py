@@ -40,7 +40,7 @@ def create(name: str, **options: object) -> Engine[Any]:
     with naming_extras():
         family = getattr(import_module(module), attribute)
     takes = [field.name for field in fields(family)]
-    types = get_type_hints(family)
+    types = get_type_hints(family) if options else {}
     for option in options:
         if option not in takes:
             raise ValueError(f"engine {name} takes {', '.join(takes)}; not {option}")

@@ -1,29 +1,35 @@
 """The reference engine: `scipy.integrate.solve_ivp` with terminal events.
 
-solve_ivp looks for a change of an event's sign between its steps, so that a ball that dips and
-comes back within a step is not seen, and finds the event on its interpolant, whose order may be
-lower than that of its steps. Here its terminal events only end the integration in time. What they
-ended is handed on as Taylor polynomials, step by step, in which `longball.engines.event` searches
-for the first event, and misses none.
+    solve_ivp(right_hand_side(law), (0, limit), start, method=Taylor, law=law, dense_output=True,
+              events=[ground, plate])
+
+flies a pitch to the plate, whose height there is that of the bat; and with the events ground,
+contact and closest approach it flies the same pitch to the bat. A batted ball flies to the ground.
+
+solve_ivp looks for a change of an event's sign between its steps, so that it misses a ball that
+dips and comes back within a step, and finds the event on its interpolant, whose order may be lower
+than that of its steps. Here its events end the integration in time. `longball.engines.event` then
+searches the Taylor polynomial of each step for the first event, and misses none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
 import scipy.integrate
 
 from longball.engines.contact import BatSection
-from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Events
+from longball.engines.engine import OutOfRange, TooLong, Touch
+from longball.engines.event import Event, Events
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
-from longball.engines.taylor import Expander, Taylor, right_hand_side
+from longball.engines.taylor import Expander, Series, Taylor, right_hand_side
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Doubles
@@ -126,8 +132,8 @@ class Ivp(PathEngine[float]):
             if taken > 0 and _has_settled(law, state):
                 yield _uniform(law, time, state, limit)
                 return
-            solution, pieces = self._integrate(law, time, state, limit, events)
-            for piece in pieces:
+            solution = self._integrate(law, time, state, limit, events)
+            for piece in _pieces(law, solution):
                 taken, time = taken + 1, piece.begin + piece.length
                 if taken > _MOST_STEPS:
                     raise TooLong(
@@ -136,30 +142,43 @@ class Ivp(PathEngine[float]):
                 yield piece
             if solution.status < 0:
                 raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {solution.message}")
-            time, state = float(solution.t[-1]), solution.y[:, -1]
-            events = ()  # whoever asks for more did not stop there
+            last = solution.sol.interpolants[-1]
+            time, state = float(last.t), last(last.t)
 
     def _integrate(
         self, law: Law[float], time: float, state: Array, limit: float, events: Events[float]
-    ) -> tuple[Any, Iterable[PolynomialPiece]]:
-        """Return what solve_ivp returns, and the polynomials of its steps."""
-        span, ends = (time, limit), _ends(events, law)
-        if self.method == "Taylor":
-            pieces: list[PolynomialPiece] = []
-            options = {"law": law, "ends": ends, "pieces": pieces}
-            solution = scipy.integrate.solve_ivp(
-                None, span, state, method=_TaylorFlight, events=ends, **options
-            )
-            return solution, pieces
-        rates = right_hand_side(law)
-        if not np.isfinite(rates(time, state)).all():
+    ) -> Any:
+        """Return what solve_ivp returns, up to the first of the events that it sees."""
+        rates, taylor = right_hand_side(law), self.method == "Taylor"
+        if not taylor and not np.isfinite(rates(time, state)).all():
             raise OutOfRange(_BEYOND)
+        options = {"law": law} if taylor else self.tolerances
+        ends = [terminal(event.name, event.value, law.state) for event in events]
+        left = count(_MANY_STEPS, -1)
+        ends.append(terminal("many steps", lambda _: max(next(left), 0), law.state))
         # A trial step may overflow; the step control then takes a shorter one or gives up.
         with np.errstate(all="ignore"):
-            solution = scipy.integrate.solve_ivp(
-                rates, span, state, method=self.method, events=ends, **self.tolerances
+            return scipy.integrate.solve_ivp(
+                rates,
+                (time, limit),
+                state,
+                method=Taylor if taylor else self.method,
+                dense_output=True,
+                events=ends,
+                **options,
             )
-        return solution, _expanded(law, solution.t.tolist(), solution.y.T)
+
+    def touch(
+        self,
+        pitch: Flight[float],
+        law: Law[float],
+        bat: BatSection[float],
+        events: Events[float],
+        limit: float,
+    ) -> Touch[float]:
+        """Fly the pitch to the bat, whose height the plate has told; see `Engine.touch`."""
+        path = self.path(law, pitch.path.at(0.0), limit, [*events, *meeting(bat)])
+        return super().touch(replace(pitch, path=path), law, bat, events, limit)
 
     def views(
         self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
@@ -210,85 +229,65 @@ class Ivp(PathEngine[float]):
 _NEAR = 4.0
 
 
-class _TaylorFlight(Taylor):
-    """Taylor's method that goes on to an event, and hands on its series.
+def terminal(
+    name: str, value: Callable[[Any], float], state: Callable[..., Any]
+) -> Callable[[float, Array], float]:
+    """Return an event as solve_ivp takes it: where a value falls through zero, a flight ends.
 
-    solve_ivp looks at an event for longer than a series takes: it is shown the last one alone.
+    At the ends of a step solve_ivp asks twice, for a state and for its interpolant, and fails if
+    rounding puts these on two sides of zero. The first answer holds.
     """
+    known: dict[float, float] = {}
 
-    def __init__(
-        self,
-        *given: Any,
-        law: Law[float],
-        ends: Callable[[float, Array], float],
-        pieces: list[PolynomialPiece],
-        **options: Any,
-    ) -> None:
-        super().__init__(*given, law=law, **options)
-        self._state, self._ends, self._pieces = law.state, ends, pieces
+    def falls(time: float, y: Array) -> float:
+        return known.setdefault(time, value(state(*y.tolist())))
 
-    def step(self) -> str | None:
-        """Take steps until the event's value is zero, with the account that `OdeSolver` keeps."""
-        while self.status == "running":
-            begin = self.t
-            moved, message = self._step_impl()
-            if not moved:
-                self.status = "failed"
-                return message
-            self.t_old = begin
-            length = _length(begin, self.t)
-            self._pieces.append(PolynomialPiece(begin, length, self._state, self._x))
-            if self.t == self.t_bound:
-                self.status = "finished"
-            elif not self._ends(self.t, self.y) > 0:
-                break
-        return None
-
-    def _dense_output_impl(self) -> Callable[[float], Array]:
-        """Return the ends of the last series: an event whose value is zero there is not sought."""
-        return {self.t_old: self._x[:, 0], self.t: self.y}.__getitem__
+    falls.__name__ = name
+    falls.terminal, falls.direction = True, -1  # type: ignore[attr-defined]
+    return falls
 
 
-def _expanded(
-    law: Law[float], times: Sequence[float], states: Iterable[Array]
-) -> Iterator[PolynomialPiece]:
-    """Yield the series from accepted states; again where a step is longer than they reach."""
+def meeting(bat: BatSection[float]) -> Iterator[Event[float]]:
+    """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
+
+    A ball that touches the bat and leaves it within a step changes no sign of the first; but it
+    passes the second.
+    """
+    reach, size = bat.reach, bat.reach * bat.reach
+    yield Event("contact", "the ball touches the bat", bat.depth, lambda state: state, size)
+    yield Event(
+        "closest approach",
+        "the ball is closest to the bat",
+        lambda state: -bat.approach(state),
+        lambda state: state,
+        reach,
+    )
+
+
+def _pieces(law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
+    """Yield the steps of solve_ivp as polynomials, the last one beyond what ended it.
+
+    Those of methods other than Taylor's are expanded from their states.
+    """
+    for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
+        begin, end = float(step.t_old), float(step.t)
+        if isinstance(step, Series):
+            yield PolynomialPiece(begin, _length(begin, end), law.state, step.coefficients)
+        else:
+            yield from _expanded(law, begin, state, end)
+
+
+def _expanded(law: Law[float], time: float, state: Array, end: float) -> Iterator[PolynomialPiece]:
+    """Yield the series from a state; again where a step is longer than they reach."""
     expand, make = Expander(law), law.state
-    for time, state, end in zip(times, states, times[1:], strict=False):
-        while time < end:
-            series, reach = expand(state)
-            if not reach > 0:
-                raise OutOfRange(_BEYOND)
-            until = min(time + reach, end)
-            piece = PolynomialPiece(time, _length(time, until), make, series)
-            yield piece
-            time, state = until, np.array(piece.at(piece.length))
-
-
-def _ends(events: Events[float], law: Law[float]) -> Callable[[float, Array], float]:
-    """Return the terminal event that ends an integration with the step that meets an event.
-
-    Its value stays at zero from there, and so solve_ivp finds it at the end of that step. An
-    integration also ends after many steps.
-    """
-    make, steps, last = law.state, 0, math.inf
-    values = [event.value for event in events]
-
-    def left(time: float, y: Array) -> float:
-        nonlocal steps, last
-        steps += 1
-        if steps > _MANY_STEPS:
-            last = min(last, time)
-        least = 1.0 if time < last else 0.0
-        state = make(*y.tolist())
-        for value in values:
-            if not (height := value(state)) >= least:
-                least = max(height, 0.0)
-        return least
-
-    left.terminal = True  # type: ignore[attr-defined]
-    left.direction = -1  # type: ignore[attr-defined]
-    return left
+    while time < end:
+        series, reach = expand(state)
+        if not reach > 0:
+            raise OutOfRange(_BEYOND)
+        until = min(time + reach, end)
+        piece = PolynomialPiece(time, _length(time, until), make, series)
+        yield piece
+        time, state = until, np.array(piece.at(piece.length))
 
 
 def _length(begin: float, end: float) -> float:

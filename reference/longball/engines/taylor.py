@@ -137,8 +137,9 @@ class Series(DenseOutput):  # type: ignore[misc]
         self.coefficients = coefficients
 
     def _call_impl(self, t: Array) -> Array:
-        states = [values_at(self.coefficients, h) for h in (t - self.t_old).ravel().tolist()]
-        return np.reshape(states, (*t.shape, -1)).T
+        if t.ndim == 0:
+            return values_at(self.coefficients, float(t) - self.t_old)
+        return np.transpose([values_at(self.coefficients, h) for h in (t - self.t_old).tolist()])
 
 
 # --- a step ---------------------------------------------------------------------------------------
