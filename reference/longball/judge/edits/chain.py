@@ -485,6 +485,42 @@ _origin = switch(
     },
 )
 
+# What people define otherwise: formulas that no small edit of the right one makes.
+_in_space = vector(x, y, z - bat_height)
+_sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
+OTHERWISE = {
+    "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)), e_x, e_z),
+    "bat velocity": (named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y),
+    "normal speed": (
+        named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ)), norm(Ṽ), norm(V), unit(Ṽ), e_x,
+    ),
+    "restitution": (
+        named("L/2 + y", I["L"] / 2.0 + y), y,
+        named("(e + ẽ)/2", (I["e"] + I["e"] * (1.0 + ratio) + ratio) / 2.0),
+    ),
+    "impulse": (
+        named("(m + M)/2", (I["m"] + I["M"]) / 2.0), named("m + M", I["m"] + I["M"]),
+        named("mM/√(m² + M²)", I["m"] * I["M"] / function(
+            "sqrt", I["m"] * I["m"] + I["M"] * I["M"], dimension=KG
+        )),
+        named("V·n", dot(V, n)), norm(V), norm(Ṽ), named("-|Ṽ|", -norm(Ṽ)), _with_bat,
+        _with_effective,
+    ),
+    "velocity after": (
+        named("-ẽV", -(ẽ * V)), named("-eV", -(I["e"] * V)), unit(Ṽ), _with_bat,
+        named("V - (1 + ẽ)(V·n)n", V - (1.0 + ẽ) * dot(V, n) * n),
+        named("V - (1 + ẽ)(Ṽ·n)n", V - (1.0 + ẽ) * w * n),
+    ),
+    "energy": (
+        named("the ball's energy, m(V⁺² - V²)/2", _sizes), norm(V), norm(Ṽ), dot(V, n), _with_bat,
+        _with_effective, I["e"],
+    ),
+    "distance": (norm(landing), component(landing, 0), place, I["launch.position"]),
+    "time": (plate_time,),
+    "landing": (I["R"],),
+    "plate": (reach,),
+}  # fmt: skip
+
 # --- the stages -----------------------------------------------------------------------------------
 
 Kind = Literal["formula", "flight", "event"]
@@ -507,8 +543,6 @@ class Stage:
         Its expressions, by name.
     forms
         Other forms of roots, in which authors write the same.
-    pool
-        What else is at hand there, besides inputs and named definitions.
     scenes
         Kinds of scenes that have it.
     """
@@ -518,8 +552,18 @@ class Stage:
     kind: Kind
     roots: Mapping[str, Node]
     forms: Mapping[str, Node] = field(default_factory=dict)
-    pool: tuple[Node, ...] = ()
     scenes: tuple[str, ...] = ("flight", "at-bat")
+
+    def edited(self, old: Node, new: Node) -> Stage:
+        """The stage with one expression in place of another."""
+        roots = {name: substitute(root, old, new) for name, root in self.roots.items()}
+        same = all(roots[name] is root for name, root in self.roots.items())
+        return self if same else replace(self, roots=roots)
+
+    @property
+    def pool(self) -> tuple[Node, ...]:
+        """What people take there otherwise; see `OTHERWISE`."""
+        return OTHERWISE.get(self.name, ())
 
     @property
     def spins(self) -> str:
@@ -565,10 +609,9 @@ def _batted(duration: Node) -> dict[str, Node]:
 
 
 def _formula(
-    name: str, quantity: str, value: Node, *pool: Node,
-    scenes: tuple[str, ...] = ("flight", "at-bat"),
-) -> Stage:  # fmt: skip
-    return Stage(name, (quantity,), "formula", {"value": value}, pool=pool, scenes=scenes)
+    name: str, quantity: str, value: Node, scenes: tuple[str, ...] = ("flight", "at-bat")
+) -> Stage:
+    return Stage(name, (quantity,), "formula", {"value": value}, scenes=scenes)
 
 
 _STRUCK = ("impact", "at-bat")
@@ -576,102 +619,48 @@ _forms = {"law": LAW_BY_DIRECTION}
 _begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
 CHAIN = (
     Stage(
-        "pitch",
-        ("plate.position", "plate.velocity"),
-        "flight",
-        _pitched(plate_time),
-        _forms,
+        "pitch", ("plate.position", "plate.velocity"), "flight", _pitched(plate_time), _forms,
+        ("pitch", "at-bat"),
+    ),
+    Stage(
+        "plate", ("plate.position",), "event", {"zero": component(plate, 0)},
         scenes=("pitch", "at-bat"),
     ),
     Stage(
-        "plate",
-        ("plate.position",),
-        "event",
-        {"zero": component(plate, 0)},
-        pool=(reach,),
-        scenes=("pitch", "at-bat"),
+        "touching", ("contact.position", "contact.velocity", "contact.spin"), "flight",
+        _pitched(contact_time), _forms, ("at-bat",),
     ),
+    _formula("touching", "contact.position", I["incoming.position"], ("impact",)),
     Stage(
-        "touching",
-        ("contact.position", "contact.velocity", "contact.spin"),
-        "flight",
-        _pitched(contact_time),
-        _forms,
-        scenes=("at-bat",),
+        "touching", ("contact.position",), "event", {"zero": norm(offset) - reach}, scenes=_STRUCK
     ),
-    Stage(
-        "touching",
-        ("contact.position",),
-        "event",
-        {"zero": norm(offset) - reach},
-        pool=(reach,),
-        scenes=_STRUCK,
-    ),
-    _formula("touching", "contact.position", I["incoming.position"], scenes=("impact",)),
-    _formula("normal", "contact.normal", unit(offset), e_x, e_z, scenes=_STRUCK),
+    _formula("normal", "contact.normal", unit(offset), _STRUCK),
     _formula(
-        "bat velocity",
-        "contact.bat_velocity",
-        I["ω_bat"]
-        * lever
-        * vector(function("cos", I["θ"]), constant(0.0), function("sin", I["θ"])),
-        named("L/2", I["L"] / 2.0),
-        named("L/2 + y", I["L"] / 2.0 + y),
-        -y,
-        scenes=_STRUCK,
+        "bat velocity", "contact.bat_velocity",
+        I["ω_bat"] * lever * vector(function("cos", I["θ"]), constant(0.0), function("sin", I["θ"])),
+        _STRUCK,
     ),
+    _formula("normal speed", "contact.normal_speed", dot(Ṽ, n), _STRUCK),
     _formula(
-        "normal speed",
-        "contact.normal_speed",
-        dot(Ṽ, n),
-        unit(Ṽ),
-        e_x,
-        norm(V),
-        norm(Ṽ),
-        dot(V, n),
-        scenes=_STRUCK,
-    ),
-    _formula(
-        "restitution",
-        "impact.restitution",
+        "restitution", "impact.restitution",
         switch(
             "reading.bat_ball_restitution",
             {"as_printed": I["e"] * (1.0 + ratio) + ratio, "nathan": I["e"], "plain": I["e"]},
         ),
-        named("L/2 + y", I["L"] / 2.0 + y),
-        y,
-        scenes=_STRUCK,
+        _STRUCK,
     ),
     _formula(
-        "impulse",
-        "impact.impulse",
-        switch("bat.friction", {"none": -(μ * (1.0 + ẽ) * w), "given": dot(push, n)}),
-        norm(V),
-        norm(Ṽ),
-        -norm(Ṽ),
-        dot(V, n),
-        _with_bat,
-        _with_effective,
-        scenes=_STRUCK,
+        "impulse", "impact.impulse",
+        switch("bat.friction", {"none": -(μ * (1.0 + ẽ) * w), "given": dot(push, n)}), _STRUCK,
+    ),
+    _formula("velocity after", "impact.velocity", V + _own_push / I["m"], _STRUCK),
+    _formula("friction margin", "impact.friction_margin", friction_margin, _STRUCK),
+    _formula(
+        "spin after", "impact.spin",
+        switch("bat.friction", {"none": spin_at, "given": spin_at - _turned}), _STRUCK,
     ),
     _formula(
-        "velocity after",
-        "impact.velocity",
-        V + _own_push / I["m"],
-        unit(Ṽ),
-        _with_bat,
-        scenes=_STRUCK,
-    ),
-    _formula("friction margin", "impact.friction_margin", friction_margin, scenes=_STRUCK),
-    _formula(
-        "spin after",
-        "impact.spin",
-        switch("bat.friction", {"none": spin_at, "given": spin_at - _turned}),
-        scenes=_STRUCK,
-    ),
-    _formula(
-        "energy",
-        "impact.energy_change",
+        "energy", "impact.energy_change",
         switch(
             "bat.friction",
             {
@@ -679,55 +668,25 @@ CHAIN = (
                 "given": dot(push, slip + 0.5 * mobility(push)),
             },
         ),
-        norm(V),
-        norm(Ṽ),
-        dot(V, n),
-        _with_bat,
-        _with_effective,
-        I["e"],
-        scenes=_STRUCK,
+        _STRUCK,
     ),
     Stage(
-        "flight",
-        ("landing.position", "landing.velocity", "landing.spin"),
-        "flight",
-        _batted(hang),
-        _forms,
+        "flight", ("landing.position", "landing.velocity", "landing.spin"), "flight",
+        _batted(hang), _forms,
     ),
     Stage(
-        "fence",
-        ("fence.position", "fence.velocity"),
-        "flight",
-        _batted(fence_time - _begun),
-        _forms,
+        "fence", ("fence.position", "fence.velocity"), "flight", _batted(fence_time - _begun), _forms
     ),
     Stage("fence", ("fence.position",), "event", {"zero": fence_side}),
     _formula("clearance", "fence.clearance", component(at_fence, 2) - fence_top - _clear),
     _formula(
-        "fence margin",
-        "fence.margin",
+        "fence margin", "fence.margin",
         function("least", _passed, norm(_chord) - _passed, dimension=M),
     ),
     Stage(
-        "landing",
-        ("landing.position",),
-        "event",
+        "landing", ("landing.position",), "event",
         {"zero": component(landing, 2) - (I["ground"] + _surface)},
-        pool=(I["R"],),
     ),
-    _formula("time", "landing.time", _begun + hang, plate_time),
-    _formula(
-        "distance", "landing.distance", norm(level(landing - _origin)), place, I["launch.position"]
-    ),
-)
-
-
-def edited(chain: tuple[Stage, ...], old: Node, new: Node) -> tuple[Stage, ...]:
-    """The chain with one expression in place of another, at every stage."""
-    return tuple(
-        replace(
-            stage,
-            roots={name: substitute(root, old, new) for name, root in stage.roots.items()},
-        )
-        for stage in chain
-    )
+    _formula("time", "landing.time", _begun + hang),
+    _formula("distance", "landing.distance", norm(level(landing - _origin))),
+)  # fmt: skip

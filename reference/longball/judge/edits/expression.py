@@ -237,7 +237,7 @@ def specialised(root: Node, columns: Columns, made: dict[int, Node]) -> Node:
         if id(node) in made:
             continue
         args = [made[id(arg)] for arg in node.args]
-        if node.op == "switch":
+        if node.op == "switch" and node.data[0] in columns:
             options = np.unique(columns[node.data[0]])
             if len(options) == 1:
                 made[id(node)] = args[node.data[1].index(options[0])]

@@ -20,7 +20,6 @@ from longball.judge.edits.chain import (
     e_x,
     e_y,
     e_z,
-    edited,
     n,
     r,
     t,
@@ -29,6 +28,7 @@ from longball.judge.edits.chain import (
 )
 from longball.judge.edits.expression import (
     NONE,
+    Columns,
     Dimension,
     M,
     Node,
@@ -42,12 +42,14 @@ from longball.judge.edits.expression import (
     norm,
     ordered,
     rebuilt,
+    specialised,
     substitute,
     symbol,
     table,
     unit,
     words,
 )
+from longball.model.readings import Reading
 
 FREE = "c"  # the symbol of a number of the candidate's own, which is fitted
 
@@ -63,14 +65,14 @@ class Edit:
 
     Attributes
     ----------
+    only
+        The stage that it is made at; None if wherever the place is used.
     bits
         What it costs: the operator, the place, the choice, and the digits of its free number.
     words
         What the candidate does, as a clause without its subject: "takes m for μ".
     starts
         Where the search for its free number begins; nothing if it has none.
-    formula
-        The formula that the place was found in, and the form of it; none if it is the place.
     """
 
     place: Node
@@ -78,15 +80,7 @@ class Edit:
     bits: float
     words: str
     starts: tuple[float | Node, ...] = ()
-    formula: tuple[Node, Node] | None = None
-
-    @property
-    def here(self) -> Edit | None:
-        """The same edit at one stage alone, if the place is used at others too."""
-        if self.formula is None:
-            return None
-        root, form = self.formula
-        return Edit(root, substitute(form, self.place, self.by), self.bits, self.words, self.starts)
+    only: Stage | None = None
 
     @property
     def factor(self) -> bool:
@@ -100,7 +94,12 @@ class Edit:
 
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
-        return edited(tuple(chain), self.place, self.by)
+        return tuple(
+            stage.edited(self.place, self.by)
+            if self.only is None or (stage.name, stage.kind) == (self.only.name, self.only.kind)
+            else stage
+            for stage in chain
+        )
 
     def settled(self, value: float, cost: float) -> Edit:
         """The edit with a value for its free number."""
@@ -450,6 +449,12 @@ def _options(site: Site) -> Iterator[Option]:
         key, options = a.data
         for option, node in zip(options, a.args, strict=True):
             yield node, BITS["option"], f"takes {key} = {option} in every scene", ()
+        for (i, one), (_, other) in itertools.permutations(enumerate(options), 2):
+            args = list(a.args)
+            args[i] = a.args[options.index(other)]
+            if args[i].dimension == a.dimension:
+                text = f"takes {key} = {other} where the scene says {one}"
+                yield rebuilt(a, args), BITS["option"] + 2, text, ()
 
 
 def _earlier(site: Site) -> Iterator[Option]:
@@ -466,13 +471,15 @@ OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
 )  # fmt: skip
 
 
+DEFAULT_READING = {f"reading.{key}": [field.default] for key, field in Reading.model_fields.items()}
+
 # What exists during a flight alone.
 IN_FLIGHT = MOVING | {"v0", "ω0"}
 
 # --- edits of a stage -----------------------------------------------------------------------------
 
 
-def pool_of(chain: Iterable[Stage], stage: Stage) -> tuple[Node, ...]:
+def pool_of(chain: Iterable[Stage], stage: Stage, columns: Columns) -> tuple[Node, ...]:
     """What is at hand at a stage: its own pool, and inputs and definitions of its formulas."""
     found: dict[int, Node] = {}
     kin = [s for s in chain if (s.kind == "flight") == (stage.kind == "flight")]
@@ -481,7 +488,8 @@ def pool_of(chain: Iterable[Stage], stage: Stage) -> tuple[Node, ...]:
         for node in ordered(one.roots.values()):
             if node.op in ("symbol", "named") and node.data != FREE:
                 found[id(node)] = node
-    for node in (*stage.pool, e_x, e_y, e_z):
+    known: dict[int, Node] = {}
+    for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
         found[id(node)] = node
     if stage.kind == "flight":
         found |= {id(x): x for x in (norm(v), unit(v), -e_y, norm(v0))}
@@ -492,9 +500,10 @@ def edits(
     chain: tuple[Stage, ...],
     stage: Stage,
     defaults: Mapping[str, float | tuple[float, ...]],
+    columns: Columns,
 ) -> Iterator[Edit]:
-    """Every edit of a stage's formulas."""
-    pool = pool_of(chain, stage)
+    """Every edit of a stage's formulas in scenes with some options of switches."""
+    pool = pool_of(chain, stage, columns)
     for name, root in stage.roots.items():
         if name == "through":
             continue
@@ -516,6 +525,9 @@ def _of_formula(
             exchanged = substitute(substitute(substitute(form, a, hole), b, a), hole, b)
             said = f"exchanges {words(a)} and {words(b)}"
             yield Edit(root, exchanged, BITS["exchange"] + math.log2(len(leaves)), said)
+    plain = specialised(form, DEFAULT_READING, {})
+    if plain is not form:
+        yield Edit(root, plain, BITS["option"], "ignores the scene's readings")
     parents: dict[int, list[Node]] = {id(node): [] for node in nodes}
     for node in nodes:
         for arg in node.args:
@@ -528,9 +540,9 @@ def _of_formula(
         for operator in OPERATORS:
             for by, bits, said, starts in operator(site):
                 # People err in what has a name.
-                cost = bits + places + (0.0 if node.op in ("symbol", "named") else 0.5)
+                cost = bits + places + (0.0 if node.op in ("symbol", "named") else 1.5)
                 if form is root and node is not root:
-                    yield Edit(node, by, cost, said, starts, (root, form))
+                    yield Edit(node, by, cost, said, starts)
                 else:
                     yield Edit(root, substitute(form, node, by), cost, said, starts)
                 if len(using) > 1:

@@ -371,8 +371,7 @@ def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, .
         known: dict[int, Node] = {}
         roots = {name: specialised(root, columns, known) for name, root in stage.roots.items()}
         forms = {name: specialised(root, columns, known) for name, root in stage.forms.items()}
-        pool = tuple(specialised(node, columns, known) for node in stage.pool)
-        found.append(replace(stage, roots=roots, forms=forms, pool=pool))
+        found.append(replace(stage, roots=roots, forms=forms))
     return tuple(found)
 
 

@@ -7,7 +7,8 @@ stages inherit the mistake.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
@@ -32,7 +33,9 @@ from longball.judge.edits.residual import (
     Followed,
     Index,
     compared,
+    follow,
     inputs,
+    specialised_to,
     take,
     values,
 )
@@ -43,6 +46,8 @@ from longball.model.scene import AtBatScene
 WRONG, RIGHT = 5, 2
 # Scenes in which it has to hold.
 MOST_WRONG, MOST_RIGHT = 60, 30
+TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
+PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = 16  # edits that are held against all of these
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
 # Of what an edit moves, what long steps leave in it.
@@ -54,9 +59,9 @@ LOST = 1e12  # floors: what an edit leaves that makes no number
 
 @dataclass(frozen=True)
 class Named:
-    """An edit that explains a stage, and others that no scene tells from it."""
+    """Edits that explain a stage: one, or two together; and others that no scene tells from it."""
 
-    edit: Edit
+    edits: tuple[Edit, ...]
     evidence: float  # bits beyond chance
     same: tuple[Edit, ...] = ()
 
@@ -66,8 +71,40 @@ class Located:
     """A stage that no edit explains; the one that comes nearest, if it is better than chance."""
 
     nearest: Edit | None = None
-    left: float = 1.0  # the largest relative error that it leaves
-    scenes: int = 0  # in which it leaves more than the floor
+    left: float = 1.0  # of the cost of the errors, what that leaves
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage that was wrong, and what was found."""
+
+    followed: Followed
+    found: Named | Located
+
+
+@dataclass(frozen=True)
+class Reasoned:
+    """What a search has found.
+
+    Attributes
+    ----------
+    chain
+        The chain with every edit that was named.
+    first
+        The stages beside the candidate's values, before any edit.
+    steps
+        The stages that were wrong, in the order in which they were explained.
+    last
+        The stages under the edited chain.
+    columns
+        The candidate's own values, with what stands for those that it does not give.
+    """
+
+    chain: tuple[Stage, ...]
+    first: tuple[Followed, ...]
+    steps: tuple[Step, ...]
+    last: tuple[Followed, ...]
+    columns: Mapping[str, Any]
 
 
 @cache
@@ -120,8 +157,17 @@ class Explanation:
         self._coarse = self._rows(values(self.stage, take(self.columns, self.few), coarse))
         # Long steps leave a share of what an edit moves, which is the error if it explains it.
         steps = STEPS if self.stage.kind == "flight" else 0.0
-        self._roughly = self._base.floor + steps * np.abs(self._base.off)
-        self.null = cost(self._base.off / self._roughly)
+        self._off = self._base.off
+        if self.stage.kind != "event":
+            # Without an edit the ball may fly where the law has no value, as below a wind's ground.
+            given = np.concatenate(
+                [np.atleast_2d(self.data.given[q][..., self.few]) for q in self.stage.quantities]
+            )[: len(self._coarse)]
+            lost = ~np.isfinite(self._coarse)
+            self._coarse = np.where(lost, 0.0, self._coarse)
+            self._off = np.where(lost, given, self._off)
+        self._roughly = self._base.floor + steps * np.abs(self._off)
+        self.null = cost(self._off / self._roughly)
         self.null_all = cost(self._in_floors(self.stage, self.all))
 
     # --- residuals --------------------------------------------------------------------------------
@@ -144,9 +190,9 @@ class Explanation:
         """Errors in the first scenes by long steps, whose own errors cancel."""
         coarse = COARSE if stage.kind == "flight" else FINE
         moved = self._rows(values(stage, columns, coarse)) - self._coarse
-        off = self._base.off + moved if stage.kind == "event" else self._base.off - moved
+        off = self._off + moved if stage.kind == "event" else self._off - moved
         r = off / self._roughly
-        return np.where(np.isfinite(self._base.off) & ~np.isfinite(r), LOST, r)
+        return np.where(np.isfinite(self._off) & ~np.isfinite(r), LOST, r)
 
     def edited(self, edit: Edit) -> Stage:
         """The stage with an edit."""
@@ -155,31 +201,37 @@ class Explanation:
 
     # --- the search -------------------------------------------------------------------------------
 
-    def candidates(self) -> tuple[list[tuple[float, Edit]], int]:
-        """Edits that explain the first scenes roughly, with what they leave; how many differ."""
-        probe = Values(_moved_at_random(self.stage, take(self.columns, np.repeat(self.few, 4))))
-        known: dict[bytes, Edit | None] = {_fingerprint(self.stage, probe): None}
-        for edit in edits(self.chain, self.stage, defaults()):
-            key = _fingerprint(self.edited(edit), probe)
-            best = known.get(key, edit)
-            if best is not None and edit.bits <= best.bits:
-                known[key] = edit
-        tried = [edit for edit in known.values() if edit is not None]
+    def candidates(self) -> tuple[list[tuple[float, list[Edit]]], int]:
+        """Groups of equal edits that explain the first scenes roughly, with what they leave.
+
+        Also the number of groups that were tried.
+        """
+        probe = Values(_moved_at_random(self.stage, take(self.columns, _evenly(self.all, PROBES))))
+        options = {**self.data.columns, "spin": self.data.columns[self.stage.spins]}
+        known: dict[bytes, list[Edit]] = {_fingerprint(self.stage, probe): []}
+        same = known.copy()
+        for edit in edits(self.chain, self.stage, defaults(), options):
+            known.setdefault(_fingerprint(self.edited(edit), probe), []).append(edit)
+        tried = [
+            sorted(group, key=lambda edit: edit.bits)
+            for key, group in known.items()
+            if key not in same
+        ]
         few = take(self.columns, self.few)
         if self.stage.kind == "flight":  # a free number's start is that of the launch
             launch = Evaluator([self.stage.roots[x] for x in ("velocity", "place")], few)()
             few |= {"v": launch[0], "v0": launch[0], "r": launch[1], "t": 0.0, "path": 0.0}
             few["ω0"] = np.zeros((3, len(self.few)))
         found = []
-        for edit in tried:
-            stage = self.edited(edit)
+        for group in tried:
+            edit = group[0]
             if edit.starts:
-                edit, left = self._fit(edit, stage, few)
+                group[0], left = self._fit(edit, self.edited(edit), few)
             else:
-                left = cost(self.screened(stage, few))
+                left = cost(self.screened(self.edited(edit), few))
             if left <= HALF * self.null:
-                found.append((left, edit))
-        found.sort(key=lambda one: one[0] + one[1].bits)
+                found.append((left, group))
+        found.sort(key=lambda one: one[0] + one[1][0].bits)
         return found, len(tried)
 
     def _fit(self, edit: Edit, stage: Stage, few: Mapping[str, Any]) -> tuple[Edit, float]:
@@ -197,8 +249,11 @@ class Explanation:
         c, r = fitted(residual, starts)
         return replace(edit, starts=(c,)), cost(r)
 
-    def settled(self, edit: Edit) -> tuple[Edit, Array]:
-        """An edit with the roundest free number that fits, and what it leaves in all scenes."""
+    def settled(self, edit: Edit) -> tuple[Edit, Array, tuple[float, float]]:
+        """An edit with the roundest free number that fits.
+
+        Also what it leaves in all scenes, and the number with its bits.
+        """
         stage = self.edited(edit)
 
         def residual(some: Index) -> Callable[[float], Array]:
@@ -219,31 +274,114 @@ class Explanation:
             near = [(cost(r + slope * (x - c)) + bits, bits, x) for x, bits in rounded(c, usual)]
             _, bits, x = min(near)
         edit = edit.settled(x, bits)
-        return edit, self._in_floors(self.edited(edit), self.all, edit.rough)
+        return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
 
-    def explain(self) -> Named | Located:
-        """The cheapest edit that explains the stage in all scenes."""
+    def explain(self, ask: Ask | None = None, pairs: int = 0) -> Named | Located:
+        """The cheapest edit that explains the stage in all scenes; or two, if none does.
+
+        Of the edits that come nearest so many are tried with a second one.
+        """
         found, tried = self.candidates()
         needed = CHANCE + math.log2(1 + tried)
-        adequate: list[tuple[float, Edit, float]] = []
-        nearest: tuple[float, Edit, Array] | None = None
-        for _, edit in found[:KEPT]:
+        adequate: list[tuple[Edit, float]] = []
+        partial: list[tuple[float, Edit]] = []
+        for _, group in found[:KEPT]:
+            edit, twins = group[0], group[1:TWINS]
             if edit.starts:
-                edit, r = self.settled(edit)
+                edit, r, more = self.settled(edit)
+                twins = [twin.settled(*more) for twin in twins if twin.starts]
             else:
                 r = self._in_floors(self.edited(edit), self.all, edit.rough)
             saved = self.null_all - cost(r) - edit.bits
             if saved < needed:
                 continue
             if is_adequate(r, edit.rough):
-                adequate.append((edit.bits, edit, saved - needed))
-            elif nearest is None or cost(r) + edit.bits < nearest[0]:
-                nearest = cost(r) + edit.bits, edit, r
-        if not adequate:
-            return Located() if nearest is None else Located(nearest[1])
-        adequate.sort(key=lambda one: one[0])
-        _, best, evidence = adequate[0]
-        return Named(best, evidence, tuple(edit for _, edit, _ in adequate[1:4]))
+                adequate += [(one, saved - needed) for one in (edit, *twins)]
+            else:
+                partial.append((cost(r) + edit.bits, edit))
+        if adequate:
+            return self._named(adequate)
+        partial.sort(key=lambda one: one[0])
+        for _, edit in partial[:pairs]:
+            if (both := self._with_another(edit)) is not None:
+                return both
+        if not partial:
+            return Located()
+        return Located(partial[0][1], (partial[0][0] - partial[0][1].bits) / self.null_all)
+
+    def _with_another(self, edit: Edit) -> Named | None:
+        """Two edits that explain the stage together, each of them better than chance."""
+        chain = replace(edit, only=self.stage).apply(self.chain)
+        (stage,) = [s for s, was in zip(chain, self.chain, strict=True) if was is self.stage]
+        f = compared(stage, self.data, self.columns, self.followed.some)[0]
+        if not f.wrong.any():
+            return None
+        second = Explanation(chain, stage, self.data, self.columns, f).explain()
+        if isinstance(second, Located):
+            return None
+        return Named((edit, *second.edits), second.evidence)
+
+    def _named(self, adequate: Sequence[tuple[Edit, float]]) -> Named:
+        """Choose among adequate edits: the one that breaks least elsewhere, and is cheapest."""
+        ranked = []
+        cheapest = min(edit.bits for edit, _ in adequate)
+        for edit, evidence in adequate:
+            if edit.bits > cheapest + RIVALS:
+                continue
+            everywhere, here = edit, replace(edit, only=self.stage)
+            touched = [
+                stage
+                for stage, other in zip(self.chain, edit.apply(self.chain), strict=True)
+                if other is not stage and stage is not self.stage
+            ]
+            before = sum(self._wrong(stage) for stage in touched)
+            after = sum(self._wrong(*edit.apply([stage])) for stage in touched)
+            chosen = everywhere if after <= before else here
+            ranked.append((min(after, before) - before, edit.bits, evidence, chosen))
+        ranked.sort(key=lambda one: one[:2])
+        _, _, evidence, best = ranked[0]
+        return Named((best,), evidence, tuple(edit for *_, edit in ranked[1:4]))
+
+    def _wrong(self, stage: Stage) -> int:
+        """The number of scenes in which a stage is wrong."""
+        some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
+        with np.errstate(all="ignore"):
+            one = compared(stage, self.data, self.columns, _evenly(some, MOST_WRONG))[0]
+        return int(one.wrong.sum())
+
+
+Ask = Callable[[Sequence[Any]], Mapping[str, Any]]
+RIVALS = 10.0  # bits: an edit that costs so much more than another is none
+PAIRS = {"flight": 2, "formula": 4, "event": 2}
+ROUNDS = 3  # explanations at one stage, each for what the one before has left
+
+
+def reason(data: Data, ask: Ask | None = None) -> Reasoned:
+    """Explain the candidate's errors, stage by stage."""
+    chain = specialised_to(data)
+    columns, first = follow(chain, data)
+    last = first
+    steps: list[Step] = []
+    tried: Counter[tuple[str, str]] = Counter()
+    while True:
+        wrong = [
+            (stage, one)
+            for stage, one in zip(chain, last, strict=True)
+            if one.wrong.any() and tried[stage.name, stage.kind] < ROUNDS
+        ]
+        if not wrong:
+            return Reasoned(chain, tuple(first), tuple(steps), tuple(last), columns)
+        stage, one = wrong[0]
+        explanation = Explanation(chain, stage, data, columns, one)
+        found = explanation.explain(ask, PAIRS[stage.kind])
+        steps.append(Step(one, found))
+        tried[stage.name, stage.kind] += 1
+        if isinstance(found, Located):
+            tried[stage.name, stage.kind] = ROUNDS
+            continue
+        for edit in found.edits:
+            chain = edit.apply(chain)
+        columns, last = follow(chain, data)
 
 
 def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
