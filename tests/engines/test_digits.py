@@ -8,6 +8,7 @@ import pytest
 from longball.engines.chain import solve, solve_once, solve_with_path
 from longball.engines.digits import Proving, shortened
 from longball.engines.enclosure import Enclosure
+from longball.engines.engine import TooLong
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.model.quantities import flat, numbers_of, vector_of
@@ -73,6 +74,23 @@ def test_digits_that_are_missed_are_said_to_be():
     assert found.error.startswith("landing.")
     assert found.error.endswith("is not proven to 20 digits; take fewer digits")
     assert found.engine == "enclosure digits=21"
+
+
+class Tired(Enclosure):
+    def finer(self):
+        yield Brief(self.digits + 20)
+
+
+class Brief(Enclosure):
+    def fly(self, law, start, events, limit):
+        raise TooLong("the flight takes too many steps")
+
+
+def test_what_takes_too_long_with_more_digits_is_said_as_it_was_with_fewer():
+    found = solve(STEEP, Tired(6))
+    assert found.code == "undecided"
+    assert "cannot be decided with 6 digits" in found.error
+    assert solve(STEEP, Tired(20)).code == "out_of_range"
 
 
 def test_as_many_digits_as_there_are_have_none_beyond():

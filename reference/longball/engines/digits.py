@@ -50,9 +50,11 @@ def to_digits(
     for finer in engine.finer():
         if result.code != "undecided" and not _missed(scene, result, digits):
             break
-        result, rest = solved(finer)
-        short = {name: shortened(number, digits) for name, number in numbers_of(result)}
-        result = replaced(result, short)
+        more, way = solved(finer)
+        if more.error is not None and more.code != "undecided":  # too long in so many digits
+            break
+        short = {name: shortened(number, digits) for name, number in numbers_of(more)}
+        result, rest = replaced(more, short), way
     if missed := _missed(scene, result, digits):
         fault = f"{missed} is not proven to {digits} digits; take fewer digits"
         known = {"id": result.id, "engine": result.engine}
