@@ -21,9 +21,9 @@ from analysis.writing import Report
 from longball.engines import create
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.engine import CannotSolve
-from longball.golden.case import ROUNDING, decisions, vector_of
+from longball.golden.case import ROUNDING, decisions
 from longball.golden.condition import STEP, inputs, with_input
-from longball.model.quantities import numbers
+from longball.model.quantities import numbers, vector_of
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Scene
 

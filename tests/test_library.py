@@ -210,6 +210,25 @@ class TestSolve:
 
 
 class TestPath:
+    @pytest.mark.parametrize(
+        ("engine", "options"),
+        [
+            ("ivp", {}),
+            ("batch", {}),
+            ("enclosure", {"digits": 5}),
+            ("multiprecision", {"digits": 9}),
+        ],
+    )
+    def test_at_the_contact_it_has_the_velocity_after_the_impulse(
+        self, engine: str, options: dict[str, int]
+    ) -> None:
+        for height in (-0.02, -0.01, 0.0, 0.01):  # the time is rounded upwards or downwards
+            at_bat = lb.AtBat(swing={"height_offset": height})
+            result = lb.solve(at_bat, engine=engine, **options)
+            struck = result.path.at(float(result.contact.time))
+            # As many digits as are written; before the impulse the ball flies the other way.
+            assert struck.velocity == pytest.approx([*map(float, result.impact.velocity)], rel=1e-4)
+
     @pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "verlet"])
     def test_it_goes_through_all_that_the_result_says(self, engine: str):
         # An at-bat that the paper's scheme finds, too, and whose error is a few metres.

@@ -236,8 +236,13 @@ class Path:
     def _state(self, time: float) -> list[float]:
         exact = self._numbers.exact(time)
         end = self._trajectory.end
-        # The end may lie between two doubles.
-        (row,) = self._trajectory.sample([end if time == self.end and exact > end else exact])
+        # The end may lie between two doubles, and so may the beginning of a flight.
+        if time == self.end and exact > end:
+            exact = end
+        for leg in self._trajectory.legs:
+            if time == self._double(leg.begin):
+                exact = leg.begin
+        (row,) = self._trajectory.sample([exact])
         return [self._double(x) for x in row]
 
     def _double(self, x: Any) -> float:

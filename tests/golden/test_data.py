@@ -17,7 +17,7 @@ import pytest
 from longball import golden
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
-from longball.golden.case import as_double, decisive, numbers_of, vector_of
+from longball.golden.case import as_double, decisive
 from longball.golden.checker import check
 from longball.golden.files import CHECKSUMS, HEADER, TEXTS, export, schemas
 from longball.golden.reader import DATA
@@ -25,7 +25,7 @@ from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model import exact
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
-from longball.model.quantities import at, replaced
+from longball.model.quantities import at, numbers_of, replaced, vector_of
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import parse_scene
 from longball.model.schema import schemas as contract_schemas

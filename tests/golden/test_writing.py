@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from longball.engines.digits import shortened
 from longball.engines.enclosure import Enclosure
 from longball.golden import condition, home_runs, writer
 from longball.golden.case import FOUND, Drafts
@@ -16,7 +17,7 @@ from longball.golden.checker import check
 from longball.golden.condition import inputs, sensitivity, with_input
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
 from longball.golden.reader import drafts, header, load, probabilities
-from longball.golden.truth import make, prove, shortened
+from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
 from longball.model.quantities import replaced
 from longball.model.result import Bounded
@@ -387,11 +388,11 @@ def test_doubles_give_the_derivatives_that_they_resolve(monkeypatch):
 
 def test_ashortened_number_still_contains_the_truth():
     long = Bounded(value="1.23456789012345678901234567890123456789", radius="1E-37")
-    short = shortened(long)
+    short = shortened(long, 30)
     assert short.value == "1.234567890123456789012345678901"
     # 0.23456789e-30 is cut off; with the radius it had, rounded up.
     assert short.radius == "2.35E-31"
-    assert shortened(Bounded(value="-1E-50", radius="3E-50")).model_dump() == {
+    assert shortened(Bounded(value="-1E-50", radius="3E-50"), 30).model_dump() == {
         "value": "0",
         "radius": "4E-50",
     }

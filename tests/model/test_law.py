@@ -1,6 +1,7 @@
 """The law of motion: traced, it is the sum of its forces in space, and only what is named."""
 
 import itertools
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -219,3 +220,83 @@ def test_the_spin_ratio_is_of_all_the_spin_or_of_what_is_across_the_velocity(spi
         a, b, c = program.bind(strengths, DOUBLES.functions)(*velocity, speed)
         assert b / a == pytest.approx(size / speed, rel=1e-14)
         assert c == pytest.approx(size * speed, rel=1e-14)
+
+
+ABOVE = {"velocity": (12.0, 0.0, 0.0), "above": 2.0}
+
+
+def test_a_law_of_several_forms_computes_nothing_before_one_is_chosen():
+    """So that no quantity is computed by a form that is not valid in its state."""
+    law = law_of(scene(Air(lift_coefficient=0.0, wind=ABOVE)), ALONG_X, DOUBLES)
+    state = PlaneState(0.0, 3.0, 20.0, 1.0)
+    assert law.state_of(state) == state
+    for ask in (
+        lambda: law.program,
+        lambda: law.rates(DOUBLES),
+        lambda: law.jacobian(DOUBLES),
+        lambda: law.straight(1.0),
+        lambda: law.spin_left(state, DOUBLES),
+    ):
+        with pytest.raises(TypeError, match=r"law\.on\(branches\)"):
+            ask()
+    below = state._replace(z=1.0)
+    for there, branch, wind in ((state, 1, 12.0), (below, 0, 0.0)):
+        blown = law_of(scene(Air(lift_coefficient=0.0, wind=(wind, 0.0, 0.0))), ALONG_X, DOUBLES)
+        wanted = blown.rates(DOUBLES)(*there)
+        assert law.branches(there, DOUBLES) == [branch]
+        assert law.on([branch]).rates(DOUBLES)(*there) == wanted
+        assert law.pointwise(DOUBLES)(*there) == wanted
+        assert law.on([branch]).drift(0.0) == (wind, 0.0, 0.0)
+
+
+def test_a_law_of_several_forms_without_a_force_keeps_its_forms():
+    table = {"law": "table", "of": "speed", "at": (10.0, 20.0), "values": (0.5, 0.3)}
+    law = law_of(scene(Air(drag_coefficient=table)), ALONG_X, DOUBLES).without(LIFT)
+    dragged = law_of(scene(Air(drag_coefficient=table, lift_coefficient=0.0)), ALONG_X, DOUBLES)
+    for u in (5.0, 15.0, 25.0):
+        state = 0.0, 1.0, u, 0.0
+        assert law.pointwise(DOUBLES)(*state) == dragged.pointwise(DOUBLES)(*state)
+
+
+def test_an_exponential_that_is_a_variable_is_that_of_the_form():
+    """The spin that is left jumps with the airspeed, where a table makes it a variable."""
+    air = Air(lift_coefficient={"law": "bilinear"}, wind=ABOVE, spin_decay_length=50.0)
+    frame, start = launch_frame((0.0, 0.0, 3.0), (20.0, 0.0, 9.0), DOUBLES, (0.0, -90.0, 0.0))
+    flight = FlightScene(
+        id="x",
+        launch=Launch(position=(0, 0, 3), velocity=(20, 0, 9), spin=(0, -90, 0)),
+        air=air,
+        reading={"spin_decay": "nathan"},
+    )
+    law = law_of(flight, frame, DOUBLES).in_polynomials()
+    state = law.state_of(start)._replace(path=2.0)  # s times 1 m/s
+    for branch, wind in ((0, 0.0), (1, 12.0)):
+        form = law.on([branch if bend.blows else 0 for bend in law.bends])
+        left = math.exp(-2.0 * math.hypot(20.0 - wind, 9.0) / 50.0)
+        assert form.spin_left(form.completed(state, DOUBLES), DOUBLES) == pytest.approx(left)
+
+
+def test_a_table_of_drag_takes_the_spin_parameter_of_the_air_if_wind_acts_on_drag_alone():
+    """S = R ω/U with the airspeed U; that of a lift then has the speed over the ground."""
+    at, values = (0.0, 1.0), (0.0, 1.0)  # C = S
+    table = {"law": "table", "of": "spin_parameter", "at": at, "values": values}
+    spin, wind, speed = 100.0, 10.0, 30.0
+    frame, start = launch_frame((0.0, 0.0, 1.0), (speed, 0.0, 0.0), DOUBLES, (0.0, -spin, 0.0))
+
+    def rates(**coefficients):
+        flight = FlightScene(
+            id="x",
+            launch=Launch(position=(0, 0, 1), velocity=(speed, 0, 0), spin=(0, -spin, 0)),
+            air=Air(wind=(wind, 0.0, 0.0), **coefficients),
+            gravity=0.0,
+            reading={"wind_acts_on": "drag"},
+        )
+        law = law_of(flight, frame, DOUBLES)
+        return law.pointwise(DOUBLES)(*law.state_of(start))[2:]
+
+    unit = 1.29 * math.pi * Ball().radius ** 2 / (2 * Ball().mass)
+    slowed, _ = rates(drag_coefficient=table, lift_coefficient=0.0)
+    through = speed - wind
+    assert slowed == pytest.approx(-unit * (Ball().radius * spin / through) * through**2)
+    _, lifted = rates(drag_coefficient=0.0, lift_coefficient=table)
+    assert lifted == pytest.approx(unit * (Ball().radius * spin / speed) * speed**2)

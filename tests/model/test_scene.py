@@ -266,3 +266,53 @@ def test_a_refusal_carries_the_id_if_the_line_has_one_that_can_be_written():
     assert refused('{"id": "a", "kind": "x"}').scene_id == "a"
     assert refused('{"id": 1, "kind": "pitch"}').scene_id is None
     assert refused('{"id": "\\ud800", "kind": "pitch"}').scene_id is None
+
+
+# ---- where a lift of one size has no direction ---------------------------------------------------
+
+AIMED = {"release": [18, 0, 1.8], "aim": [0, 1.8], "speed": 36, "spin": [0, -200, 0]}
+ALONG_Y = [-36, 5, 0]  # the air that an aimed pitch leaves behind moves along the spin
+
+
+@pytest.mark.parametrize(
+    ("pitch", "wind", "reading"),
+    [
+        # As fast as the ball, and sideways: the ball moves along its spin through the air.
+        (AIMED, ALONG_Y, {}),
+        (AIMED, {"velocity": ALONG_Y, "above": 1.5}, {}),
+        (AIMED, {"velocity": ALONG_Y, "height": 1.8}, {}),
+        ({"velocity": [-40, 0, 3], "spin": [-80, 0, 6]}, None, {}),
+        ({"velocity": [-40, 0, 3], "spin": [-80, 0, 6]}, [0, 9, 0], {"wind_acts_on": "drag"}),
+        # From exactly that height, up into the wind.
+        ({"velocity": [-40, 0, 3], "spin": [0, 0, 9]}, {"velocity": [-40, 0, 0], "above": 1.8}, {}),
+    ],
+)
+def test_a_spin_along_the_way_through_the_air_is_refused(pitch, wind, reading):
+    air = {"lift_coefficient": 0.2, "wind": wind}
+    line = json.dumps({"kind": "pitch", "pitch": pitch, "air": air, "reading": reading})
+    assert "pitch.spin is parallel to the velocity through the air" in str(refused(line))
+
+
+@pytest.mark.parametrize(
+    ("pitch", "wind", "reading"),
+    [
+        # Along the spin, if the way to the point aimed at were the velocity.
+        (AIMED, [-18, 5, 0], {}),
+        (AIMED, {"velocity": ALONG_Y, "above": 1.8}, {}),  # not at this height, nor below
+        (AIMED, {"velocity": ALONG_Y, "above": 2}, {}),
+        (AIMED, {"velocity": ALONG_Y, "height": 10}, {}),
+        (AIMED, ALONG_Y, {"wind_acts_on": "drag"}),
+        ({"velocity": [-40, 0, 3], "spin": [-80, 0, 6]}, [0, 9, 0], {}),
+        ({"velocity": [-40, 0, 3], "spin": [-80, 0, 6]}, None, {"spin_parameter": "total"}),
+        # Into the calm.
+        (
+            {"velocity": [-40, 0, -3], "spin": [0, 0, 9]},
+            {"velocity": [-40, 0, 0], "above": 1.8},
+            {},
+        ),
+    ],
+)
+def test_a_spin_across_the_way_through_the_air_is_taken(pitch, wind, reading):
+    air = {"lift_coefficient": 0.2, "wind": wind}
+    line = json.dumps({"kind": "pitch", "pitch": pitch, "air": air, "reading": reading})
+    assert parse_scene(line).pitch.spin == tuple(pitch["spin"])

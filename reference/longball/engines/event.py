@@ -114,7 +114,10 @@ class Curve(Protocol[N]):
         """
 
     def zero(self, a: N, b: N) -> N:
-        """Return where the value is zero, given that from a to b it falls through zero."""
+        """Return where the value is zero, given that from a to b it falls through zero.
+
+        At a it is certain on which side of zero the value is; see `zero_of`.
+        """
 
 
 class Piece(Protocol[N]):
@@ -135,6 +138,17 @@ class Piece(Protocol[N]):
         """Return the value of an event along the piece."""
 
 
+def zero_of(curve: Curve[N], a: N, b: N, question: str, numbers: Numbers[N]) -> N:
+    """Return where a value is zero that falls through zero from a to b; see `Curve.zero`.
+
+    Raises `Undecided`, with the question, if a radius leaves open whether it fell before a.
+    """
+    there = curve(a)
+    if not (there > 0 or there <= 0):
+        _require_positive(there, numbers.exact(0.0), question, numbers)
+    return curve.zero(a, b)
+
+
 def first_fall(
     curve: Curve[N],
     end: N,  # until when, s since the piece begins
@@ -147,6 +161,8 @@ def first_fall(
     launch: bool = False,
     # Whether such a piece lies on the surface where its value is zero within a radius
     on_surface: bool = False,
+    # Whether a value that stays on the surface from there on is an arrival
+    stays: bool = True,
 ) -> N | None:
     """Return when a value first falls through zero on a piece; None if it does not.
 
@@ -161,13 +177,15 @@ def first_fall(
         value = curve(right)
         if left is start and not first > (0 if launch else error):
             # Of two numbers with radii neither may be the larger.
-            falls = value <= first
+            falls, rises = value <= first, value > first
+            if not stays:
+                falls, rises = value < first, value >= first
             if launch:
                 if not (on_surface or first <= 0):
                     _require_positive(first, start, f"whether {question}", numbers)
                 if falls:
                     return start
-                if not value > first:
+                if not rises:
                     _require_positive(value - first, start, f"whether {question}", numbers)
                 continue
             if not falls:  # the last piece ended on a turning point
@@ -175,7 +193,7 @@ def first_fall(
         if value > error:
             continue
         if value < -error:
-            return curve.zero(left, right)
+            return zero_of(curve, left, right, f"whether {question}", numbers)
         if right is not end and question is not None:
             _require_positive(value, error, f"whether {question}", numbers)
     return None

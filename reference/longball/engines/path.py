@@ -176,13 +176,16 @@ class Trajectory(Generic[N]):
     def at(self, time: N) -> tuple[Vector[N], Vector[N]]:
         """Return position, m, and velocity, m/s, at a time, s since the start of the scene.
 
+        Where one flight ends and another begins, and within a radius of that, it is the other.
+
         Raises `ValueError` if the trajectory has no such time.
         """
         begun = [leg for leg in self.legs if not time < leg.begin]
         if not begun:
             raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
         leg = begun[-1]
-        since, flight = time - leg.begin, leg.flight
+        # Less itself, a number with a radius is not zero.
+        since, flight = time * 0 if time is leg.begin else time - leg.begin, leg.flight
         if since > flight.time and not time > leg.begin + flight.time:
             since = flight.time  # the end is a rounded sum
         # Where an event stopped it, the ball is put onto that; else it may not have been flown yet.

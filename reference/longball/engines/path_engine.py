@@ -7,14 +7,14 @@ the apex of a vertical flight, the first event, the first touching of the bat.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Any, Generic, NamedTuple, cast
 
 from longball.engines.arithmetic import Dual
+from longball.engines.branches import branches_at
 from longball.engines.contact import (
     STARTS_INSIDE,
     TOUCHES,
@@ -24,10 +24,10 @@ from longball.engines.contact import (
     margin_error,
 )
 from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
-from longball.engines.event import Event, Events, Piece, first_fall, past
+from longball.engines.event import Event, Events, Piece, first_fall, past, zero_of
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
-from longball.model.numbers import N, Numbers, absolute, doubt
+from longball.model.numbers import N, absolute, doubt
 from longball.model.trace import Program
 
 
@@ -60,13 +60,14 @@ class PathEngine(Engine[N], ABC):
         if not law.bends:
             yield from self._smooth(law, start, begin, limit, events)
             return
-        law, start = law.in_polynomials(start, self.numbers)
+        law = law.in_polynomials()
         branches = branches_at(law, start, self.numbers)
+        start = law.on(branches).completed(start, self.numbers)
         passed: _Level[N] | None = None  # on which the form begins
         pieces = 0
         for _ in range(_MOST_BRANCHES):
             form = law.on(branches)
-            ends = self._ends_of(form, branches)
+            ends = self._ends_of(form, branches, events)
             met, first = None, True
             stops = [*(event for event, *_ in ends), *events]
             for piece in self._smooth(form, start, begin, limit, stops):
@@ -88,6 +89,7 @@ class PathEngine(Engine[N], ABC):
                 branches[which] += way
                 if law.bends[which].blows:
                     branches = branches_at(law, start, self.numbers, {which: branches[which]})
+                    start = law.on(branches).completed(start, self.numbers)
                 break
             if met is None:
                 return
@@ -96,13 +98,18 @@ class PathEngine(Engine[N], ABC):
             f"{_MOST_BRANCHES} times"
         )
 
-    def _ends_of(self, form: Law[N], branches: Sequence[int]) -> list[_End[N]]:
-        """Return what ends these forms of a law."""
+    def _ends_of(self, form: Law[N], branches: Sequence[int], events: Events[N]) -> list[_End[N]]:
+        """Return what ends these forms of a law.
+
+        Not a height at which an event ends the flight: where the two coincide, it is the event.
+        """
         found = []
         for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
             for way, number in ((-1, branch - 1), (1, branch)):
                 if 0 <= number < len(bend.branches.levels):
                     level = bend.branches.levels[number]
+                    if bend.blows and way < 0 and self._ends_all_at(level, form, events):
+                        continue
                     value = form.beyond(bend, level, self.numbers)
                     if way > 0:
                         value = partial(_negative, value)
@@ -111,6 +118,13 @@ class PathEngine(Engine[N], ABC):
                     event = Event("bend", question, value, lambda state: state, size)
                     found.append(_End(event, which, way, _Level(form.passage(bend), level)))
         return found
+
+    def _ends_all_at(self, height: N, law: Law[N], events: Events[N]) -> bool:
+        """Tell whether an event's value is zero at a height, m, wherever else the ball is."""
+        one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
+        anywhere: Any = law.state(*(Dual(nothing, one) for _ in law.variables))
+        values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
+        return any(value.value == 0 and value.rate == 0 for value in values)
 
     def _first_end(
         self,
@@ -139,6 +153,7 @@ class PathEngine(Engine[N], ABC):
                 curve, piece.length, error, question, self.numbers,
                 launch=first or self.flight_error > 0.0,
                 on_surface=passed is not None and end.level.same_as(passed),
+                stays=False,
             )  # fmt: skip
             if time is not None and (found is None or time < found[0]):
                 found = time, end
@@ -160,10 +175,9 @@ class PathEngine(Engine[N], ABC):
             yield Rest(begin, limit, start)
             return
         up = down = None
-        drift = [law.strengths.get(name, nothing) for name in ("wind_s", "wind_y")]
-        wind: Any = law.strengths.get("wind_z", nothing)
-        level = [start.u, getattr(start, "v", nothing)]
-        if level == drift and (start.w > wind or start.w <= wind):  # for certain
+        *level, wind = law.drift(nothing)
+        drifts = [start.u, getattr(start, "v", nothing)] == level
+        if drifts and (start.w > wind or start.w <= wind):  # for certain
             up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
         if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
@@ -263,7 +277,7 @@ class PathEngine(Engine[N], ABC):
                 for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
                     if not curve(b) >= curve(a):  # or its radius leaves that open
                         if touching is None and curve(b) < 0:
-                            t = curve.zero(a, b)
+                            t = zero_of(curve, a, b, TOUCHES, numbers)
                             touching = piece.begin + t, piece.at(t)
                         settled = b is not end or over
                         pending = _WayIn(piece.at(b), touching, view.error, settled)
@@ -310,34 +324,6 @@ class _End(NamedTuple, Generic[N]):
 
 def _negative(value: Callable[[Any], Any], state: Any) -> Any:
     return -value(state)
-
-
-def branches_at(
-    law: Law[N],
-    state: State[N],
-    numbers: Numbers[N],
-    known: Mapping[int, int] = MappingProxyType({}),
-) -> list[int]:
-    """Return the branch of each term with several, in a state; on a level, that which it enters.
-
-    The wind's first, on which airspeeds depend; forms that are `known` stay.
-
-    Raises `Undecided` if a state is on a level, and does not move beyond it or back.
-    """
-    branches = [known.get(which, 0) for which in range(len(law.bends))]
-    for which, bend in sorted(enumerate(law.bends), key=lambda numbered: not numbered[1].blows):
-        if which in known:
-            continue
-        form = law.on(branches)
-        for level in bend.branches.levels:
-            value = form.beyond(bend, level, numbers)
-            there = value(state)
-            if cast(Any, there) == 0:
-                moving: Any = map(Dual, state, form.rates(numbers)(*state))
-                there = value(law.state(*moving)).rate
-            question = f"whether {bend.piecewise.question}"
-            branches[which] += numbers.positive(there, there * 0, question)
-    return branches
 
 
 RESTS_WITH_SPIN = (

@@ -43,6 +43,7 @@ from typing import Any, NamedTuple, TypeVar, get_args
 import numpy as np
 
 from longball.engines.arithmetic import ARRAYS, Dual
+from longball.engines.branches import branches_at
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
@@ -251,7 +252,7 @@ class Verlet(Stepped[float]):
             )
         position, velocity = _halves(before)
         place, split = position[: len(velocity)], 2 * len(velocity)
-        along = plus(before[split:], ahead, law.rates(DOUBLES)(*before)[split:])
+        along = plus(before[split:], ahead, law.pointwise(DOUBLES)(*before)[split:])
         touching = law.state(*plus(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
@@ -303,7 +304,7 @@ class Verlet(Stepped[float]):
         """
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
-        branches = _branches(law, start, DOUBLES)
+        branches = branches_at(law, start, DOUBLES)
         form = law.on(branches) if law.bends else law
         force = _acceleration(form, start)
         steps = math.ceil(min(limit / self.dt, 2.0**53))
@@ -375,7 +376,7 @@ def _left(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
 def _branches(law: Law[float], state: Any, numbers: Any) -> list[Any]:
     """Return which forms a law has in a state, or in many; see `print_law` for those too low."""
     if ROUGHNESS in law.strengths:
-        z = law.program.variables.index("z")
+        z = law.variables.index("z")
         height = np.where(state[z] > -law.strengths[ROUGHNESS], state[z], 0.0)
         state = [*state[:z], height, *state[z + 1 :]]
     return law.branches(state, numbers)
@@ -474,7 +475,7 @@ def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool
     """Tell whether a ball for which an event is there already stays with it."""
     if event.value(start) > 0.0:
         return False
-    rates = law.rates(DOUBLES)(*start)
+    rates = law.pointwise(DOUBLES)(*start)
     _, acceleration = _halves(rates)
     # Where the value neither rises nor falls, its second derivative tells.
     for changes in (rates, (*acceleration, *(0.0 for _ in acceleration))):
@@ -586,7 +587,9 @@ def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., 
     def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
-        acceleration = _acceleration(law, law.state_of(launch))
+        there = law.state_of(launch)
+        form = law.on(_branches(law, there, DOUBLES)) if law.bends else law
+        acceleration = _acceleration(form, there)
         state = PlaneState if len(acceleration) == 2 else SpaceState
         return frame.velocity(state(*(0.0 for _ in acceleration), *acceleration))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from decimal import Decimal
 from typing import Literal, NamedTuple
 
@@ -12,7 +11,7 @@ from pydantic import Field, field_validator
 
 from longball.model.block import Strict
 from longball.model.jsonl import json_line
-from longball.model.quantities import numbers, unknown
+from longball.model.quantities import numbers_of, unknown
 from longball.model.readings import SamplingReading
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
@@ -205,19 +204,6 @@ class Probabilities(Strict):
     numbers: dict[str, str] = Field(description="what the numbers mean")
     made_by: dict[str, str] = Field(description="methods, and versions of the libraries")
     cases: tuple[ProbabilityCase, ...]
-
-
-def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
-    """Yield every number of a result that is written with digits, with its path."""
-    for path, value in numbers(result):
-        if isinstance(value, Bounded):
-            yield path, value
-
-
-def vector_of(path: str) -> tuple[str, ...]:
-    """Return the paths of the components of the vector that a number is of, or its own."""
-    vector, bracket, _ = path.partition("[")
-    return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (path,)
 
 
 def as_double(number: Bounded) -> float:

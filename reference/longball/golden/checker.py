@@ -22,7 +22,6 @@ from longball.golden.case import (
     ProbabilityCase,
     as_double,
     decisive,
-    numbers_of,
 )
 from longball.golden.files import (
     CHECKSUMS,
@@ -36,6 +35,7 @@ from longball.golden.files import (
 from longball.golden.home_runs import integrated_again
 from longball.golden.reader import DATA, drafts
 from longball.golden.truth import confirm, prove
+from longball.model.quantities import numbers_of
 from longball.model.result import Result
 
 M = TypeVar("M", Header, Probabilities)

@@ -47,10 +47,8 @@ from longball.golden.case import (
     as_double,
     decisions,
     decisive,
-    numbers_of,
-    vector_of,
 )
-from longball.model.quantities import numbers, replaced
+from longball.model.quantities import numbers, numbers_of, replaced, vector_of
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, FlightScene, Scene
 

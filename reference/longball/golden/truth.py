@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from decimal import ROUND_CEILING, Decimal, localcontext
+from decimal import Decimal, localcontext
 
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_once
+from longball.engines.digits import are_reached, shortened, sizes
 from longball.engines.enclosure import Enclosure
 from longball.engines.multiprecision import Multiprecision
 from longball.golden.case import (
@@ -18,8 +19,6 @@ from longball.golden.case import (
     as_double,
     decisions,
     decisive,
-    numbers_of,
-    vector_of,
 )
 from longball.golden.condition import (
     Sensitivity,
@@ -28,9 +27,9 @@ from longball.golden.condition import (
     magnitudes,
     sensitivity,
 )
-from longball.model.quantities import replaced
-from longball.model.result import Bounded, Result
-from longball.model.scene import AtBatScene, Scene
+from longball.model.quantities import numbers_of, replaced
+from longball.model.result import Result
+from longball.model.scene import Scene
 
 # The digits that are promised: a proven radius of at most 1e-30 of a quantity's size. Where 30
 # digits of work do not get there, or cannot decide, more are tried before that is believed.
@@ -51,62 +50,10 @@ def prove(scene: Scene) -> Result:
     of `WORK` brings that about.
     """
     for digits in WORK:
-        result = solve(scene, Enclosure(digits))
-        if result.error is None and _good_enough(scene, result):
+        result = solve_once(scene, Enclosure(digits))
+        if result.error is None and are_reached(scene, result, DIGITS):
             break
-    return replaced(result, {name: shortened(number) for name, number in numbers_of(result)})
-
-
-def _good_enough(scene: Scene, result: Result) -> bool:
-    """Tell whether all radii are what is promised; next to zero the promise is absolute."""
-    size = sizes(scene, result)
-    with localcontext(prec=_PREC):
-        for name, number in numbers_of(result):
-            radius = Decimal(number.radius or "Infinity")
-            at_zero = abs(Decimal(number.value)) <= radius <= Decimal(1).scaleb(-DIGITS)
-            if not (at_zero or radius <= size[name].scaleb(-DIGITS)):
-                return False
-    return True
-
-
-def shortened(number: Bounded) -> Bounded:
-    """Return a number with 31 digits; what is cut off joins the radius.
-
-    A number that cannot be distinguished from zero becomes zero.
-    """
-    with localcontext(prec=_PREC):
-        whole = Decimal(number.value)
-        radius = Decimal(number.radius or "Infinity")
-        with localcontext(prec=DIGITS + 1):
-            value = +whole
-        if abs(whole) <= radius:
-            value = Decimal(0)
-        radius += abs(value - whole)
-        with localcontext(prec=3, rounding=ROUND_CEILING):
-            return Bounded(value=str(value), radius=str(+radius) if radius else "0")
-
-
-def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
-    """Return the size of each quantity of a result, in its unit: what errors are relative to.
-
-    Of a component, that is the length of its vector; of margins and of the clearance of a fence,
-    which are differences, what they are differences of; of other numbers, their absolute value.
-    """
-    value = {name: Decimal(number.value) for name, number in numbers_of(result)}
-    with localcontext(prec=_PREC):
-        size = {
-            name: sum((value[part] ** 2 for part in vector_of(name)), Decimal(0)).sqrt()
-            for name in value
-        }
-        if isinstance(scene, AtBatScene) and "contact.margin" in size:
-            size["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
-        if "impact.friction_margin" in size:
-            size["impact.friction_margin"] = max(Decimal(1), size["impact.friction_margin"])
-        place = size.get("fence.position[0]", Decimal(0))
-        for name in ("fence.clearance", "fence.margin"):
-            if name in size:
-                size[name] = place
-    return size
+    return replaced(result, {n: shortened(number, DIGITS) for n, number in numbers_of(result)})
 
 
 def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
@@ -182,7 +129,7 @@ def make(family: str, draft: Draft) -> Case:
         result.engine != Enclosure(DIGITS).description,
         found.fragile,
         not agrees,
-        result.outcome is not None and not _good_enough(scene, result),
+        result.outcome is not None and not are_reached(scene, result, DIGITS),
     )
     found_out = (flag for flag, applies in zip(FOUND, solved_with, strict=True) if applies)
     assert scene.id

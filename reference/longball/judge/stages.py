@@ -703,7 +703,9 @@ class _Following:
             check = self._check("landing.path", state.path)
             yield replace(check, tolerance=check.tolerance + off * check.scale)
             state, off = state._replace(path=path[0]), 0.0
-        spin = case.spin_at(leg.frame, case.law(leg.frame), state)
+        # On the ground, so that it comes from above where the wind sets in at that height.
+        landed = case.ground(state).place(state)
+        spin = case.spin_at(leg.frame, case.law(leg.frame), landed)
         for check in self._maybe("landing.spin", spin or ()):
             yield replace(check, tolerance=check.tolerance + off * check.scale)
 

@@ -304,7 +304,7 @@ class FixedStep(Verlet):
             yield state, left
 
     def _step(self, law: Law[float]) -> Callable[..., tuple[Components, Any]]:
-        step, rates = SCHEMES[self.scheme].step, law.rates(self.numbers)
+        step, rates = SCHEMES[self.scheme].step, law.pointwise(self.numbers)
         return lambda state, h, left: step(rates, state, h, left)
 
 

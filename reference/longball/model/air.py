@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
@@ -223,6 +224,18 @@ class Air(Block):
                     "as a weather"
                 )
         return self
+
+    def wind_at(self, height: float, climb: float) -> Point:
+        """Return the wind, m/s, on a ball at a height, m, that climbs so fast, in any unit."""
+        wind = self.wind
+        if isinstance(wind, WindAbove):
+            aloft = height > wind.above or (height == wind.above and climb > 0.0)
+            return wind.velocity if aloft else (0.0, 0.0, 0.0)
+        if isinstance(wind, WindProfile):
+            rise, whole = (math.log1p(z / wind.roughness) for z in (height, wind.height))
+            x, y, z = wind.velocity
+            return x * (rise / whole), y * (rise / whole), z
+        return wind or (0.0, 0.0, 0.0)
 
     @property
     def lift_is_constant(self) -> bool:

@@ -39,7 +39,7 @@ from longball.model.force import (
 )
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO, Node, Program
-from longball.model.wind import WINDS, WINDS_ABOVE
+from longball.model.wind import UNIFORM, WINDS, WINDS_ABOVE
 
 
 class PlaneState(NamedTuple, Generic[N]):
@@ -108,50 +108,78 @@ FORCES: tuple[Term, ...] = (
 class Law(Generic[N]):
     """The law of motion of a scene.
 
+    Where terms have several forms, no number is computed by the law itself, but by `on(branches)`,
+    with the branches that are valid in the state at hand.
+
     Attributes
     ----------
-    program
-        The rates of change of a state, component by component.
+    code
+        The rates of change of a state, component by component; of a law without a form, those of
+        all forms of its terms at once, which only tell the variables.
     strengths
-        Values of the program's parameters, by name.
+        Values of the program's parameters, by name; without a form, not those of `bends`.
     forces
         What the program was traced from.
     bends
-        The terms that have several forms; the program has one form of each.
+        The terms that have several forms.
+    form
+        Which branch each of them has; None: the law has no form, or needs none.
     polynomial
         Whether each exponential and logarithm that a bend may depend on is a variable of its own,
         so that where the form changes is the zero of a polynomial in the variables.
     """
 
-    program: Program
+    code: Program
     strengths: Mapping[str, N]
     forces: tuple[Term, ...]
     bends: tuple[Bend[N], ...] = ()
+    form: tuple[int, ...] | None = None
     polynomial: bool = False
+
+    @property
+    def program(self) -> Program:
+        """The rates of change of a state, component by component.
+
+        Raises `TypeError` if terms have several forms and none is chosen.
+        """
+        if self.bends and self.form is None:
+            raise TypeError("terms of this law have several forms: ask law.on(branches)")
+        return self.code
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """The components of a state, the same in all forms."""
+        return self.code.variables
 
     @property
     def state(self) -> Callable[..., Any]:
         """The class of the states: `PlaneState`, `SpaceState`, or one with more components."""
-        return state_of_variables(self.program.variables)
+        return state_of_variables(self.variables)
 
     def state_of(self, start: State[N]) -> State[N]:
         """Return a launch as a state of this law."""
         nothing = start.s * 0
-        state: State[N] = self.state(
-            *(getattr(start, name, nothing) for name in self.program.variables)
-        )
+        state: State[N] = self.state(*(getattr(start, name, nothing) for name in self.variables))
         return state
 
-    def in_polynomials(self, start: State[N], numbers: Numbers[N]) -> tuple[Law[N], State[N]]:
-        """Return the law, and a state, with what bends depend on as variables; see `polynomial`."""
-        if all(map(self._is_polynomial, self.bends)):
-            return self, start
-        law = law_with(self.strengths, self.forces, "y" in self.program.variables, polynomial=True)
-        state = law.state_of(start)
-        for name, value in law._traced.made.items():
-            made = law._value(value, numbers)(*state)
+    def in_polynomials(self) -> Law[N]:
+        """Return the law with what bends depend on as variables; see `polynomial`, `completed`."""
+        first = [0] * len(self.bends)  # of all forms the arguments have the same functions
+        if all(map(self.on(first)._is_polynomial, self.bends)):
+            return self
+        law = replace(self, polynomial=True)
+        return replace(law, code=law.on(first).code)
+
+    def completed(self, state: State[N], numbers: Numbers[N]) -> State[N]:
+        """Return a state whose exponentials and logarithms are those of this form.
+
+        They depend on the wind: where it sets in, they jump with the airspeed.
+        """
+        state = self.state_of(state)
+        for name, value in self._traced.made.items():
+            made = self._value(value, numbers)(*state)
             state = state._replace(**{name: made})
-        return replace(law, bends=self.bends), state
+        return state
 
     def _is_polynomial(self, bend: Bend[N]) -> bool:
         nodes = self.passage(bend).nodes
@@ -164,9 +192,20 @@ class Law(Generic[N]):
         return found
 
     @property
+    def bends_of_spin(self) -> frozenset[int]:
+        """The numbers of the bends on whose branches the size of the spin depends."""
+        nodes = Program((), (), (self._traced.spin_left,)).nodes
+        used = {node.args[0] for node in nodes if node.kind == "parameter"}
+        return frozenset(
+            which
+            for which, bend in enumerate(self.bends)
+            if not used.isdisjoint(bend.piecewise.term.parameters)
+        )
+
+    @property
     def _traced(self) -> _Traced:
-        motion = "space" if "y" in self.program.variables else "plane"
-        return _traced(self.forces, tuple(self.strengths), motion, self.polynomial)
+        motion = "space" if "y" in self.variables else "plane"
+        return _traced(self.forces, self.code.parameters, motion, self.polynomial)
 
     def _value(self, node: Node, numbers: Numbers[N]) -> Callable[..., N]:
         """Return the function from the components of a state to the value of a node."""
@@ -195,16 +234,15 @@ class Law(Generic[N]):
             term = bend.piecewise.term
             strengths |= _named(term, bend.branches.strengths[branch])
             terms.append(term)
-        in_space = "y" in self.program.variables
-        law = law_with(strengths, tuple(terms), in_space, self.polynomial)
-        return replace(law, bends=self.bends)
+        law = law_with(strengths, tuple(terms), "y" in self.variables, self.polynomial)
+        return replace(law, bends=self.bends, form=tuple(branches))
 
     def passage(self, bend: Bend[N]) -> Program:
         """Return a program that is positive where a bend's argument is beyond a level.
 
         It has the law's variables and parameters, and the parameter `level`.
         """
-        return _passage(self.program, self._traced, tuple(self.strengths), bend.piecewise)
+        return _passage(self.program, self._traced, bend.piecewise)
 
     def beyond(self, bend: Bend[N], level: N, numbers: Numbers[N]) -> Callable[[Any], Any]:
         """Return a function of the state that is positive where an argument is beyond a level."""
@@ -213,31 +251,63 @@ class Law(Generic[N]):
         return lambda state: bound(*state)[0]
 
     def branches(self, state: Any, numbers: Numbers[N]) -> list[Any]:
-        """Return which forms the terms have in a state, or in many: by the levels passed."""
-        blowing = [bend.blows for bend in self.bends]
-        calm = [self._passed(bend, state, numbers) for bend in self.bends]
-        if not any(blowing):
-            return calm
-        aloft = self.on([int(blows) for blows in blowing])
-        above = calm[blowing.index(True)]
-        return [
-            above
-            if bend.blows
-            else below * (1 - above) + above * aloft._passed(bend, state, numbers)
-            for bend, below in zip(self.bends, calm, strict=True)
-        ]
+        """Return which forms the terms have in a state, or in many: by the levels passed.
 
-    def _passed(self, bend: Bend[N], state: Any, numbers: Numbers[N]) -> Any:
-        """Return how many levels of a bend are passed, in the wind of this form of the law."""
-        levels = bend.branches.levels
-        return sum((self.beyond(bend, x, numbers)(state) > 0 for x in levels), start=0)
+        The numbers carry no radius.
+        """
+        return self._branching(numbers)(state)
+
+    def _branching(self, numbers: Numbers[N]) -> Callable[[Any], list[Any]]:
+        """Return the function from a state to the forms that the terms have there."""
+        blowing = [bend.blows for bend in self.bends]
+
+        def passed(form: Law[N]) -> list[list[Callable[[Any], Any]]]:
+            return [[form.beyond(b, x, numbers) for x in b.branches.levels] for b in self.bends]
+
+        def counted(passages: list[list[Callable[[Any], Any]]], state: Any) -> list[Any]:
+            return [sum((value(state) > 0 for value in each), start=0) for each in passages]
+
+        calm = passed(self.on([0] * len(blowing)))
+        aloft = passed(self.on([int(blows) for blows in blowing])) if any(blowing) else []
+
+        def branches(state: Any) -> list[Any]:
+            below = counted(calm, state)
+            if not aloft:
+                return below
+            above = below[blowing.index(True)]
+            return [
+                above if blows else less * (1 - above) + above * more
+                for blows, less, more in zip(blowing, below, counted(aloft, state), strict=True)
+            ]
+
+        return branches
+
+    def pointwise(self, numbers: Numbers[N]) -> Callable[..., tuple[N, ...]]:
+        """Return the function from a state to its rates, each in the form valid there.
+
+        The numbers carry no radius.
+        """
+        if not self.bends:
+            return self.rates(numbers)
+        branches = self._branching(numbers)
+        forms: dict[tuple[int, ...], Callable[..., tuple[N, ...]]] = {}
+
+        def rates(*state: N) -> tuple[N, ...]:
+            there = tuple(map(int, branches(self.state(*state))))
+            if there not in forms:
+                forms[there] = self.on(there).rates(numbers)
+            return forms[there](*state)
+
+        return rates
 
     def without(self, force: Term) -> Law[N]:
         """Return the law without a force, or what has its parameters in its place."""
         kept = tuple(f for f in self.forces if not {*f.parameters} & {*force.parameters})
         names = {name for f in kept for name in f.parameters}
         strengths = {n: x for n, x in self.strengths.items() if n in names}
-        return law_with(strengths, kept, in_space="y" in self.program.variables)
+        parameters = tuple(name for name in self.code.parameters if name in names)
+        code = _code(kept, parameters, "y" in self.variables, self.polynomial)
+        return replace(self, code=code, strengths=strengths, forces=kept)
 
     def straight(self, sense: N) -> Law[N] | None:
         """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
@@ -247,11 +317,19 @@ class Law(Generic[N]):
         and holds on one side of it. None if a force drives the ball aside.
         """
         vertical = _program(
-            self.forces, tuple(self.strengths), "vertical", self.polynomial, self.program.variables
+            self.forces, self.program.parameters, "vertical", self.polynomial, self.variables
         )
         if vertical is None:
             return None
-        return replace(self, program=vertical, strengths={**self.strengths, "sense": sense})
+        return replace(self, code=vertical, strengths={**self.strengths, "sense": sense})
+
+    def drift(self, nothing: N) -> Vector[N]:
+        """Return the wind, m/s, where it is the same in all of a form: `nothing`, if none blows."""
+        s, y, z = (
+            next((self.strengths[name] for name in names if name in self.strengths), nothing)
+            for names in zip(*UNIFORM, strict=True)
+        )
+        return s, y, z
 
 
 @dataclass(frozen=True)
@@ -296,8 +374,7 @@ def law_of(
         acting.append(bend.piecewise.term)
         for values in bend.branches.strengths:
             of_all |= _named(bend.piecewise.term, values)
-    law = replace(law_with(of_all, tuple(acting)), bends=tuple(bends))
-    return law.on([0] * len(bends))
+    return replace(law_with(of_all, tuple(acting)), strengths=strengths, bends=tuple(bends))
 
 
 def _named(term: Term, values: tuple[Any, ...]) -> dict[str, Any]:
@@ -318,11 +395,18 @@ def law_with(
     a value, beside others that have one, is zero. See `Law.polynomial`.
     """
     acting = tuple(f for f in forces if any(name in strengths for name in f.parameters))
-    names = tuple(strengths)
-    program = None if in_space else _program(acting, names, "plane", polynomial)
-    program = program or _program(acting, names, "space", polynomial)
+    code = _code(acting, tuple(strengths), in_space, polynomial)
+    return Law(code, strengths, acting, polynomial=polynomial)
+
+
+def _code(
+    forces: tuple[Term, ...], names: tuple[str, ...], in_space: bool, polynomial: bool
+) -> Program:
+    """Return the program of a law in the plane, if it holds there and is not to be in space."""
+    program = None if in_space else _program(forces, names, "plane", polynomial)
+    program = program or _program(forces, names, "space", polynomial)
     assert program is not None
-    return Law(program, strengths, acting, polynomial=polynomial)
+    return program
 
 
 @dataclass(frozen=True, eq=False)
@@ -350,13 +434,13 @@ def _traced(
     """
     known = {name: trace.parameter(name) for name in names}
     named = {name for force in forces for name in force.parameters}
-    named |= {"wind_s", "wind_y"}
+    named |= {name for names in UNIFORM for name in names}
     p = SimpleNamespace(**{**dict.fromkeys(named, ZERO), **known})
     s, y, z, u, v, w = map(trace.variable, "syzuvw")
     if motion != "space":
         y = v = ZERO
     if motion == "vertical":
-        u, v = p.wind_s, p.wind_y
+        u, v, _ = (trace.total(vars(p)[x] for x in names) for names in zip(*UNIFORM, strict=True))
     path = trace.variable("path")
     position, velocity = (s, y, z), (u, v, w)
     calm = _flow(velocity)
@@ -455,12 +539,10 @@ def _program(
 
 
 @lru_cache(maxsize=1024)
-def _passage(
-    program: Program, traced: _Traced, names: tuple[str, ...], piecewise: Piecewise
-) -> Program:
+def _passage(program: Program, traced: _Traced, piecewise: Piecewise) -> Program:
     top, bottom = piecewise.argument(traced.motion, traced.parameters)
     value = trace.as_node(top) - trace.parameter("level") * bottom
-    return replace(program, outputs=(value,), parameters=(*names, "level"))
+    return replace(program, outputs=(value,), parameters=(*program.parameters, "level"))
 
 
 @lru_cache(maxsize=1024)

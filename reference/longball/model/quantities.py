@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from longball.model.block import Block
-from longball.model.result import Bounded, Certified
+from longball.model.result import Bounded, Certified, Result
 
 _MOST_PLACES = 100_000  # of a list that names describe: an odd name must not take all memory
 
@@ -31,6 +31,17 @@ def numbers(block: Any) -> Iterator[tuple[str, Any]]:
     The block is a model, or plain data as JSON has it; texts and null are passed over.
     """
     return ((name, value) for name, value in flat(block) if _is_number(value))
+
+
+def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
+    """Yield every number of a result that is written with digits, with its name."""
+    return ((name, value) for name, value in numbers(result) if isinstance(value, Bounded))
+
+
+def vector_of(name: str) -> tuple[str, ...]:
+    """Return the names of the components of the vector that a number is of, or its own."""
+    vector, bracket, _ = name.partition("[")
+    return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (name,)
 
 
 def at(block: Any, name: str) -> Any:

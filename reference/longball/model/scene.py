@@ -65,9 +65,19 @@ class Launch(_Block):
     spin: Spin = None
 
     @property
+    def place(self) -> Point:
+        """The place that it starts from, m."""
+        return self.position
+
+    @property
     def way(self) -> Point:
         """A vector along the velocity."""
         return self.velocity
+
+    @property
+    def pace(self) -> float:
+        """The velocity as a multiple of `way`."""
+        return 1.0
 
 
 class Pitch(_Block):
@@ -90,19 +100,26 @@ class Pitch(_Block):
         yield from (key for key in super().named() if key not in instead)
 
     @property
+    def place(self) -> Point:
+        """The place that it starts from, m."""
+        return self.release
+
+    @property
     def way(self) -> Point:
         """A vector along the velocity."""
         x, y, z = self.release
         return self.velocity or (-x, self.aim[0] - y, self.aim[1] - z)
 
     @property
+    def pace(self) -> float:
+        """The velocity as a multiple of `way`, in double precision."""
+        return self.speed / math.hypot(*self.way) if self.velocity is None else 1.0
+
+    @property
     def thrown(self) -> Point:
         """The velocity at the release, m/s, in double precision."""
-        if self.velocity is not None:
-            return self.velocity
         x, y, z = self.way
-        scale = self.speed / math.hypot(x, y, z)
-        return x * scale, y * scale, z * scale
+        return x * self.pace, y * self.pace, z * self.pace
 
     @model_validator(mode="after")
     def _thrown_one_way(self) -> Self:
@@ -284,19 +301,11 @@ class _FlyingScene(_Scene):
     @model_validator(mode="after")
     def _air_and_spin_agree(self) -> Self:
         block = "launch" if isinstance(self, FlightScene) else "pitch"
-        spin, way = getattr(self, block).spin, getattr(self, block).way
+        spin = getattr(self, block).spin
         if self.air is None:
             return self
         if spin is None and (key := self.air.needs_spin):
             _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
-        if spin is not None and self.air.lift_is_constant and any(spin):
-            wind = self.air.wind if isinstance(self.air.wind, tuple) else (0.0, 0.0, 0.0)
-            if not any(cross(spin, plus(way, scaled(-1.0, wind)))):
-                _refuse(
-                    f"air.lift_coefficient: the lift of a constant has no direction where "
-                    f"{block}.spin is parallel to the velocity; take the law rational or linear, "
-                    "or the number 0"
-                )
         beyond = (spin, self.air.wind, getattr(self.air.lift_coefficient, "of", None))
         if self.reading.lift_direction == "always_up" and any(x is not None for x in beyond):
             _refuse("reading.lift_direction = always_up takes neither spin nor wind nor a table")
@@ -321,6 +330,28 @@ class _FlyingScene(_Scene):
         z, floor = getattr(getattr(self, block), key)[2], landing_height(self)
         if z < floor:
             _refuse(f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}")
+        return self
+
+    @model_validator(mode="after")
+    def _lift_has_a_direction(self) -> Self:
+        block = "launch" if isinstance(self, FlightScene) else "pitch"
+        start: Launch | Pitch = getattr(self, block)
+        spin, air, reading = start.spin, self.air, self.reading
+        if spin is None or not any(spin) or air is None or not air.lift_is_constant:
+            return self
+        if reading.spin_parameter == "total":  # the force is smooth where ω × u vanishes
+            return self
+        wind = (0.0, 0.0, 0.0)
+        if reading.wind_acts_on == "both":
+            wind = air.wind_at(start.place[2], start.way[2])
+        # ω × u, with the product by the way first: as long as that is, where it is 0 it stays 0.
+        across = scaled(start.pace, cross(spin, start.way))
+        if not any(plus(across, scaled(-1.0, cross(spin, wind)))):
+            _refuse(
+                f"air.lift_coefficient: the lift of a constant has no direction where {block}.spin "
+                "is parallel to the velocity through the air; take the law rational or linear, the "
+                "number 0, or the reading spin_parameter = total"
+            )
         return self
 
 

@@ -13,6 +13,8 @@ from longball.model.force import Branches, Piecewise, Strengths, Wind, present, 
 from longball.model.numbers import N, Numbers, Vector
 from longball.model.trace import ZERO
 
+# The components along s, y and z of a wind that is the same everywhere, and of one above a height.
+UNIFORM = ("wind_s", "wind_y", "wind_z"), ("above_s", "above_y", "above_z")
 ROUGHNESS = "roughness"  # z_0, m, as a parameter of the law: the profile ends at z = -z_0
 
 
@@ -86,9 +88,9 @@ def _blows_above(on: str) -> Callable[[Any, Any, Numbers[N]], Branches | None]:
 
 WINDS_ABOVE = tuple(
     Piecewise(
-        ("above_s", "above_y", "above_z"),
+        UNIFORM[1],
         switched,
-        Wind(("above_s", "above_y", "above_z"), switched, _aloft, on == "both"),
+        Wind(UNIFORM[1], switched, _aloft, on == "both"),
         _blows_above(on),
         lambda motion, p: (motion.position[2], 1.0),
         "the ball passes the height above which the wind blows",
@@ -99,7 +101,7 @@ WINDS = tuple(
     wind
     for on in ("both", "drag")
     for wind in (
-        Wind(("wind_s", "wind_y", "wind_z"), _uniform(on), _same_everywhere, on == "both"),
+        Wind(UNIFORM[0], _uniform(on), _same_everywhere, on == "both"),
         Wind(
             ("log_wind_s", "log_wind_y", ROUGHNESS), _logarithmic(on), _higher_faster, on == "both"
         ),

@@ -50,7 +50,7 @@ def flies_in_lanes(law: Law[Any]) -> bool:
     Not where the law has several forms, or a state has a path besides positions and velocities;
     nor where nothing keeps a ball from going straight on, to where it comes to rest in a wind.
     """
-    if law.bends or "path" in law.program.variables:
+    if law.bends or "path" in law.variables:
         return False
     return not _is_extended(law.forces) or law.gravity is not None
 

@@ -135,7 +135,7 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
     ball = Ball(
         frame.position(touch.state),
         frame.velocity(touch.state),
-        cases.spin_at(frame, law, touch.state),
+        cases.spin_at(frame, law, touch.state, cases.numbers.exact(cases.engine.flight_error)),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
     )

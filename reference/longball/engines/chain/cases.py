@@ -7,12 +7,13 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic
 
+from longball.engines.branches import arrived
 from longball.engines.engine import CannotSolve, Engine, Touch
 from longball.engines.event import Event, ground
 from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State, law_of
-from longball.model.numbers import N, Numbers, Undecided, Vector
+from longball.model.numbers import N, Numbers, Undecided, Vector, absolute
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
 
@@ -99,11 +100,17 @@ class Cases(ABC, Generic[N]):
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
 
-    def spin_at(self, frame: Frame[N], law: Law[N], state: State[N]) -> Vector[N] | None:
-        """Return the spin of the ball in a state of a flight, rad/s."""
+    def spin_at(
+        self, frame: Frame[N], law: Law[N], state: State[N], error: N | None = None
+    ) -> Vector[N] | None:
+        """Return the spin of the ball in a state that a flight has come to, rad/s.
+
+        The state's `error` is relative to its size; left out, the state is exact.
+        """
         if frame.spin is None:
             return None
-        left = law.spin_left(state, self.numbers)
+        off = state.z * 0 if error is None else error * (1 + absolute(state.z))
+        left = arrived(law, state, self.numbers, off).spin_left(state, self.numbers)
         return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left
 
     def ground(self, start: State[N]) -> Event[N]:

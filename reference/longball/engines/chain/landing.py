@@ -48,7 +48,7 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
         _come_down(cases, ball, flight, outcome)
     elif cases.scene.fence is None:
         _land(cases, ball, outcome)
-    elif "v" not in ball.law.program.variables and not isinstance(cases.engine, Stepped):
+    elif "v" not in ball.law.variables and not isinstance(cases.engine, Stepped):
         senses = {"fence": 1, "fence_behind": -1}
         fences = (partial(_to_fence, name, sense) for name, sense in senses.items())
         flight = fly(cases, ball.law, frame, start, to_ground, *fences)

@@ -12,6 +12,7 @@ from longball.engines.chain.at_bat import CHAINS, Approach, Meeting, approach_ba
 from longball.engines.chain.cases import Cases
 from longball.engines.chain.collision import MODEL, Model
 from longball.engines.chain.landing import Batted, land_in_space
+from longball.engines.digits import to_digits
 from longball.engines.engine import CannotSolve, Engine, ManyAtOnce, OutOfRange, Touch
 from longball.engines.parallel import in_parallel
 from longball.engines.path import Flight, Leg, Trajectory
@@ -126,9 +127,17 @@ DISCRETE: dict[str, type[bool] | type[int]] = {
 
 
 def solve(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
-    """Return the result of a scene; what cannot be solved is a result with an error."""
-    case = OneCase(scene, engine, model)
-    return _answer(case, CHAINS[scene.kind])
+    """Return the result of a scene; what cannot be solved is a result with an error.
+
+    It has the digits that the engine promises; see `longball.engines.digits.to_digits`.
+    """
+    result, _ = to_digits(scene, engine, lambda one: (solve_once(scene, one, model), None))
+    return result
+
+
+def solve_once(scene: Scene, engine: Engine[N], model: Model = MODEL) -> Result:
+    """Return the result of a scene by this engine, whatever digits it has."""
+    return _answer(OneCase(scene, engine, model), CHAINS[scene.kind])
 
 
 # Starting processes takes a second or two: as long as so many scenes take some engines.
@@ -151,9 +160,13 @@ def solve_each(
 
 def solve_with_path(scene: Scene, engine: Engine[N]) -> tuple[Result, Trajectory[N]]:
     """Return the result of a scene, and the way of its ball from the start of the scene on."""
-    case = OneCase(scene, engine, MODEL)
-    result = _answer(case, CHAINS[scene.kind])
-    return result, Trajectory(tuple(case.legs))
+
+    def flown(one: Engine[N]) -> tuple[Result, Trajectory[N]]:
+        case = OneCase(scene, one, MODEL)
+        result = _answer(case, CHAINS[scene.kind])
+        return result, Trajectory(tuple(case.legs))
+
+    return to_digits(scene, engine, flown)
 
 
 def solve_with_points(scene: Scene, engine: Engine[N], points: int) -> Result:

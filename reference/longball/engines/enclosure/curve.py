@@ -20,7 +20,6 @@ from flint import arb, arb_poly
 
 from longball.engines.enclosure.defect import leading
 from longball.model.law import State
-from longball.model.numbers import Undecided
 
 # A piece without a clear sign is cut here: not at a half, where a round number may be a zero.
 _CUT = 0.4871
@@ -28,13 +27,18 @@ _CUT = 0.4871
 
 @dataclass(frozen=True)
 class Curve:
-    """The value of an event along a piece, as a family of polynomials."""
+    """The value of an event along a piece, as a family of polynomials.
+
+    `first` is the value at 0. A launch is exact, and there the family, which has the error of a
+    step, would leave in doubt what begins on a surface.
+    """
 
     value: arb_poly
+    first: arb | None = None
 
     def __call__(self, t: arb) -> arb:
         """Return what contains the values at all times of `t`."""
-        return self.value(t)
+        return self.first if self.first is not None and t == 0 else self.value(t)
 
     def positive(self, a: arb, b: arb) -> bool:
         """Tell whether the value is certainly positive from a to b."""
@@ -53,13 +57,10 @@ class Curve:
     def zero(self, a: arb, b: arb) -> arb:
         """Enclose the zeros of members, which all fall from a to b; a, if none starts above zero.
 
-        Raises `Undecided` if a member may have fallen to zero before, but need not.
+        It is certain at a on which side of zero the value is.
         """
-        there = self.value(a)
-        if there <= 0:
+        if self(a) <= 0:
             return a
-        if not there > 0:
-            raise Undecided("whether the value falls to zero there cannot be decided")
         low, high = a.lower(), b.upper()
         slope = self.value.derivative()
         # By signs first: a zero may be nearer to an end than any part of the whole is short.
@@ -151,11 +152,14 @@ class EnclosedPiece:
     # The components of the state as families of polynomials in the time since `begin`. They hold
     # for as much longer than `length` as `begin` is uncertain
     families: State[Any]
+    start: State[arb]  # the state at `begin`
 
     def at(self, t: arb) -> State[arb]:
         """Return what contains the states at all times of `t`, s since `begin`."""
+        if t == 0:
+            return self.start
         return type(self.families)(*(family(t) for family in self.families))
 
     def curve(self, value: Callable[[Any], Any]) -> Curve:
         """Return the value of an event along the piece."""
-        return Curve(value(self.families))
+        return Curve(value(self.families), value(self.start))

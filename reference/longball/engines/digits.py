@@ -1,0 +1,121 @@
+"""Digits that are promised, and whether a proven result has them.
+
+The promise is relative to the size of a quantity. Where a calculation loses digits, so that radii
+come out larger, an engine that proves them does it again with more (`Proving`).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from decimal import ROUND_CEILING, Decimal, localcontext
+from typing import Any, Self, TypeVar
+
+from longball.model.quantities import numbers_of, replaced, vector_of
+from longball.model.result import Bounded, Result
+from longball.model.scene import AtBatScene, Scene
+
+T = TypeVar("T")
+
+_PREC = 1000  # digits of decimal arithmetic: more than a number with its radius has
+
+
+class Proving(ABC):
+    """An engine that proves a number of digits."""
+
+    digits: int
+
+    @abstractmethod
+    def finer(self) -> Iterator[Self]:
+        """Yield the same engine with more digits, and with still more."""
+
+    @property
+    @abstractmethod
+    def description(self) -> str:
+        """Name and digits."""
+
+
+def to_digits(
+    scene: Scene, engine: Any, solved: Callable[[Any], tuple[Result, T]]
+) -> tuple[Result, T]:
+    """Return what a function makes of an engine, with the digits that the engine promises.
+
+    Where they are missed, or a question is open, that is what finer engines make of it. The result
+    is an error if none brings the digits about.
+    """
+    result, rest = solved(engine)
+    if not isinstance(engine, Proving):
+        return result, rest
+    digits = engine.digits
+    for finer in engine.finer():
+        if result.code != "undecided" and not _missed(scene, result, digits):
+            break
+        more, way = solved(finer)
+        if more.error is not None and more.code != "undecided":  # too long in so many digits
+            break
+        short = {name: shortened(number, digits) for name, number in numbers_of(more)}
+        result, rest = replaced(more, short), way
+    if missed := _missed(scene, result, digits):
+        fault = f"{missed} is not proven to {digits} digits; take fewer digits"
+        known = {"id": result.id, "engine": result.engine}
+        result = Result.model_validate(known | {"error": fault, "code": "out_of_range"})
+    return result, rest
+
+
+def are_reached(scene: Scene, result: Result, digits: int) -> bool:
+    """Tell whether all radii of a result are what is promised; next to zero that is absolute."""
+    return not _missed(scene, result, digits)
+
+
+def _missed(scene: Scene, result: Result, digits: int) -> str:
+    """Return a quantity whose radius is larger than promised, with the radius."""
+    if result.error is not None:
+        return ""
+    size = sizes(scene, result)
+    with localcontext(prec=_PREC):
+        for name, number in numbers_of(result):
+            radius = Decimal(number.radius or "Infinity")
+            at_zero = abs(Decimal(number.value)) <= radius <= Decimal(1).scaleb(-digits)
+            if not (at_zero or radius <= size[name].scaleb(-digits)):
+                return f"{name}, {float(number):.6g} ± {number.radius},"
+    return ""
+
+
+def shortened(number: Bounded, digits: int) -> Bounded:
+    """Return a number with one digit more than promised; what is cut off joins the radius.
+
+    A number that cannot be distinguished from zero becomes zero.
+    """
+    with localcontext(prec=_PREC):
+        whole = Decimal(number.value)
+        radius = Decimal(number.radius or "Infinity")
+        with localcontext(prec=digits + 1):
+            value = +whole
+        if abs(whole) <= radius:
+            value = Decimal(0)
+        radius += abs(value - whole)
+        with localcontext(prec=3, rounding=ROUND_CEILING):
+            return Bounded(value=str(value), radius=str(+radius) if radius else "0")
+
+
+def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
+    """Return the size of each quantity of a result, in its unit: what errors are relative to.
+
+    Of a component, that is the length of its vector; of margins and of the clearance of a fence,
+    which are differences, what they are differences of; of other numbers, their absolute value.
+    """
+    value = {name: Decimal(number.value) for name, number in numbers_of(result)}
+    with localcontext(prec=_PREC):
+        size = {
+            name: sum((value[part] ** 2 for part in vector_of(name)), Decimal(0)).sqrt()
+            for name in value
+        }
+        if isinstance(scene, AtBatScene) and "contact.margin" in size:
+            size["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
+        if "impact.friction_margin" in size:
+            size["impact.friction_margin"] = max(Decimal(1), size["impact.friction_margin"])
+        place = size.get("fence.position[0]", Decimal(0))
+        for name in ("fence.clearance", "fence.margin"):
+            if name in size:
+                size[name] = place
+    return size
