@@ -260,10 +260,10 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
         raise ValueError(f"columns must be one-dimensional and equally long; these are {told}")
     (count, *_), *_ = [*shapes.values(), (min(len(fixed), 1),)]
     for name in [name for name in varied if name != "id"]:
-        first, *others = varied[name].tolist() or [None]
-        if isinstance(first, str) and all(isinstance(x, str) and x == first for x in others):
-            fixed[name] = first
-        elif not all(map(is_missing, [first, *others])):
+        cells = varied[name]
+        if all(isinstance(x, str) and x == cells[0] for x in cells) and count:
+            fixed[name] = cells[0]
+        elif not all(map(is_missing, cells)):
             continue
         del varied[name]
     return fixed, varied, count
@@ -353,13 +353,12 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
     """Return columns as a table of results, with the reasons why rows have no outcome."""
     import pandas as pd
 
-    frame = pd.DataFrame(table)
+    frame = pd.DataFrame({name: table[name] for name in sorted(table, key=_place)})
     frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
     for i, result in reasons.items():
         told = result.outcome, result.engine, result.error, result.code
         frame.loc[i, ["outcome", "engine", "error", "code"]] = told
-    names: list[str] = sorted(table.keys() | _TEXTS, key=_place)
-    return _typed(frame[names])
+    return _typed(frame)
 
 
 def _with_engines_signed(frame: pd.DataFrame) -> pd.DataFrame:

@@ -44,14 +44,21 @@ def _one_by_one(function: Callable[[float], float]) -> Callable[[Any], Any]:
     It is NaN where that has no value that a double can hold: such a row is left without an answer.
     """
 
-    def value(x: float) -> float:
+    def checked(x: float) -> float:
         try:
             return function(x)
         except (OverflowError, ValueError):
             return math.nan
 
-    over_arrays = np.vectorize(value, otypes=[np.float64])
-    return lambda x: over_arrays(x)[()]
+    fast, careful = (np.vectorize(f, otypes=[np.float64]) for f in (function, checked))
+
+    def over_arrays(x: Any) -> Any:
+        try:
+            return fast(x)[()]
+        except (OverflowError, ValueError):
+            return careful(x)[()]
+
+    return over_arrays
 
 
 class Elementwise:
