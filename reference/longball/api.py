@@ -10,13 +10,13 @@ import html
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from longball import engines
 from longball.engines import chain
@@ -26,7 +26,7 @@ from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.arrays import Array
 from longball.model.numbers import Undecided
-from longball.model.quantities import flat
+from longball.model.plain import column_of, plain
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
     Bounded,
@@ -115,23 +115,14 @@ def as_scene(written: object) -> Scene:
     if isinstance(written, str | bytes):
         return parse_scene(written)
     if isinstance(written, Mapping):
-        return parse_scene(json.dumps(dict(written), default=partial(_plain, written)))
+        try:
+            return parse_scene(json.dumps(plain(written)))
+        except RecursionError:
+            raise InvalidScene("not a scene: its blocks are nested too deeply") from None
     raise TypeError(
         "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
         f"not {_of_type(written)}"
     )
-
-
-def _plain(written: Mapping[str, Any], value: object) -> Any:
-    """Return arrays, numbers of NumPy, mappings and blocks of scenes as JSON has them."""
-    if isinstance(value, BaseModel):
-        return value.model_dump(mode="json")
-    if isinstance(value, Mapping):
-        return dict(value)
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    where = next((f"{name}: " for name, inner in flat(written) if inner is value), "")
-    raise TypeError(f"{where}a scene cannot hold {_of_type(value)}")
 
 
 def _of_type(value: object) -> str:
@@ -350,10 +341,10 @@ _UNIT = re.compile(r"(s|m|m/s|rad/s|J|N s)(?=[,;]|$)")
 
 def _real(name: str, value: ArrayLike) -> Array:
     """Return an array of numbers; texts that look like numbers are none."""
-    found = np.asarray(value)
-    if found.dtype.kind not in "iuf":
+    numbers = column_of(value)
+    if numbers.dtype != float:
         raise TypeError(f"{name} = {value!r}: a number or an array of numbers is needed")
-    return found.astype(float)
+    return numbers
 
 
 def _shown(value: Any) -> str:

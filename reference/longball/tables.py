@@ -31,10 +31,18 @@ from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import checked
 from longball.extras import naming_extras
-from longball.model.csv_files import not_utf8, other_separators
+from longball.model.csv_files import not_utf8, other_separators, unguarded, write_frame
+from longball.model.plain import column_of, is_missing, plain
 from longball.model.quantities import flat, nested, replaced
-from longball.model.result import Result
-from longball.model.scene import AtBatScene, ImpactScene, InvalidScene, PitchScene, Scene
+from longball.model.result import Result, signed
+from longball.model.scene import (
+    AtBatScene,
+    InvalidScene,
+    PitchScene,
+    Scene,
+    may_be_mixed,
+    refused,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,9 +85,11 @@ def solve_many(
     scenes
         Scenes as `solve` takes them; or columns: a mapping or a DataFrame from the names of
         numbers (``pitch.speed``, ``pitch.aim[0]``, ``swing.tilt``, …), and from ``kind``, to arrays
-        of shape (n,) or to one value for all scenes. An empty cell, NaN or None, is a value left
-        out: it is the paper's. ``air=None`` for all scenes takes the air away, as in a scene. A
-        text is no number, but may be JSON, such as ``"null"`` for no air.
+        of shape (n,) or to one value for all scenes. An empty cell is a value left out: it is the
+        paper's. Empty are NaN, None, pandas' NA and the masked cells of a masked array.
+        ``air=None`` for all scenes takes the air away, as in a scene. Numbers may have any type of
+        Python and NumPy, and stand for the nearest double; bools, complex numbers and times are
+        none. A text is no number, but may be JSON, such as ``"null"`` for no air.
     engine, options
         As in `solve`, but that the default is the engine batch.
     certify
@@ -94,15 +104,17 @@ def solve_many(
     list of Solution or pandas.DataFrame
         Solutions in the order of the scenes; one without an answer has an `error`. Of columns a
         table with a row for each scene: ``outcome``, ``plate.time``, ``landing.distance``,
-        ``landing.position[0]``, …, NaN where there is none; ``error`` and ``code`` say why a row
-        has no outcome. ``id`` is there if the columns have it. The index is that of the DataFrame
-        that is given. A quantity that no row has is no column: a table of no rows has ``outcome``,
-        ``error`` and ``code`` alone.
+        ``landing.position[0]``, …, NaN where there is none; ``engine`` names the engine that flew
+        the ball, which for some laws is another than the one that is asked; ``error`` and ``code``
+        say why a row has no outcome. ``id`` is there if the columns have it. The index is that of
+        the DataFrame that is given. A quantity that no row has is no column: a table of no rows
+        has ``outcome``, ``error`` and ``code`` alone.
 
     Raises
     ------
     InvalidScene
-        If no row of the columns is a scene, as when a column is missing.
+        If no row of the columns is a scene, as when a column is missing. One that is none among
+        others has an `error`.
     ValueError, TypeError
         As in `solve`; or if the columns differ in length, or `workers` is no number of them.
 
@@ -149,7 +161,7 @@ def solve_many(
 
 
 def _warn_of_repeated(ids: Iterable[object]) -> None:
-    repeated = [name for name, count in Counter(ids).items() if count > 1 and not _is_empty(name)]
+    repeated = [name for name, count in Counter(ids).items() if count > 1 and not is_missing(name)]
     if repeated:
         told = f"{len(repeated)}, among them {repeated[0]!r}"
         warnings.warn(f"ids that more than one scene has: {told}", stacklevel=3)
@@ -164,7 +176,7 @@ def _asked_and_results(
     results = iter(chain.solve_each(valid, solver, workers))
     for scene in asked:
         if isinstance(scene, InvalidScene):
-            yield scene, Result(id=scene.scene_id, error=str(scene), code=scene.code)
+            yield scene, refused(scene)
         else:
             yield scene, next(results)
 
@@ -174,6 +186,8 @@ def _as_scene_or_error(written: object) -> Scene | InvalidScene:
         return as_scene(written)
     except InvalidScene as error:
         return error
+    except TypeError as error:  # in a list, or in a cell
+        return InvalidScene(str(error))
 
 
 # --- columns --------------------------------------------------------------------------------------
@@ -186,23 +200,29 @@ def _solve_table(
     columns: Mapping[str, Any], solver: Engine[Any] | ManyAtOnce, workers: int
 ) -> pd.DataFrame:
     """Solve the scenes of columns; see `solve_many`."""
-    fixed, varied = _split(columns)
+    for name in columns:
+        nested({str(name): None})  # refuses what is no name
+    fixed, varied, count = _split(columns)
+    # An id may be a number here, and is no part of the scene that it is a name of.
+    ids = varied.pop("id", fixed.pop("id", None))
+    frame = None
     if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all"):
         frame = _solve_as_columns(fixed, varied, solver, workers)
-        if frame is not None:
-            return frame
-    rows = [*_rows(fixed, varied)]
-    scenes = (_scene_of(row, _json_alone) for row in rows)
-    solved = [*_asked_and_results(scenes, solver, workers)]
-    errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
-    if errors and len(errors) == len(rows):
-        raise InvalidScene(
-            f"no row is a scene: {errors[0]} (row 0 of {len(rows)}); "
-            f"the columns are {', '.join(map(str, columns))}"
-        )
-    frame = results_table(result.data() for _, result in solved)
-    unasked = [name for name in ("engine", "id") if name not in columns]
-    return frame.drop(columns=unasked, errors="ignore")
+    if frame is None:
+        rows = [*_rows(fixed, varied, count)]
+        scenes = (_scene_of(row, _json_alone) for row in rows)
+        solved = [*_asked_and_results(scenes, solver, workers)]
+        errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
+        if errors and len(errors) == count:
+            raise InvalidScene(
+                f"no row is a scene: {errors[0]} (row 0 of {count}); "
+                f"the columns are {', '.join(map(str, columns))}"
+            )
+        data = (result.data() for _, result in solved)
+        frame = _with_engines_signed(results_table(data)).drop(columns="id", errors="ignore")
+    if ids is not None and count:
+        frame.insert(0, "id", ids)
+    return frame
 
 
 def _solve_as_columns(
@@ -214,67 +234,79 @@ def _solve_as_columns(
     base = _all_valid(fixed, varied)
     if base is None:
         return None
-    ids = varied.pop("id", None)
     table = solve_columns(base, varied, solver, workers)
-    return _frame(table, ids, dict(_reasons(base, varied, table["outcome"], solver)))
+    unsolved = np.flatnonzero(table["outcome"] == "").tolist()
+    rows = ({n: column.item(i) for n, column in varied.items()} for i in unsolved)
+    scenes = (_scene_of({**fixed, **row}, _json_alone) for row in rows)
+    reasons = (result for _, result in _asked_and_results(scenes, solver, workers))
+    return _with_engines_signed(_frame(table, dict(zip(unsolved, reasons, strict=True))))
 
 
-def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Return what all scenes have in common, and columns, by name."""
+def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], int]:
+    """Return what all scenes have in common, columns by name, and the number of scenes."""
     fixed: dict[str, Any] = {}
-    varied: dict[str, NDArray[Any]] = {}
+    varied: dict[str, Any] = {}
     for name, value in columns.items():
         if isinstance(value, Mapping):
             fixed |= flat({name: value})
-        elif isinstance(value, str | bytes) or np.ndim(value) == 0:
+        elif _is_single(value):
             # For all scenes it means what it means in one; in a cell it is a value left out.
             fixed[name] = _NO_AIR if name == "air" and value is None else value
         else:
-            column = np.asarray(value)
-            # NumPy makes texts of numbers that stand beside one.
-            varied[name] = np.asarray(value, object) if column.dtype.kind in "UT" else column
-    shapes = {name: column.shape for name, column in varied.items()}
+            varied[name] = column_of(value) if name != "id" else _labels(value)
+    shapes = {name: np.shape(column) for name, column in varied.items()}
     if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
         raise ValueError(f"columns must be one-dimensional and equally long; these are {told}")
-    texts = [name for name, column in varied.items() if column.dtype.kind in "OUT"]
-    if len(texts) < len(varied):  # there is a column of numbers that tells how many scenes
-        for name in texts:
-            values = varied[name].tolist()
-            if name != "id" and all(value == values[0] for value in values):
-                del varied[name]
-                fixed |= dict.fromkeys([name], *values[:1])
-    return fixed, varied
+    (count, *_), *_ = [*shapes.values(), (min(len(fixed), 1),)]
+    for name in [name for name in varied if name != "id"]:
+        cells = varied[name]
+        if all(isinstance(x, str) and x == cells[0] for x in cells) and count:
+            fixed[name] = cells[0]
+        elif not all(map(is_missing, cells)):
+            continue
+        del varied[name]
+    return fixed, varied, count
+
+
+def _is_single(value: Any) -> bool:
+    """Check that a value is that of all scenes, and no column."""
+    if isinstance(value, str | bytes) or not hasattr(value, "__len__"):
+        return True
+    return getattr(value, "ndim", 1) == 0
+
+
+def _labels(values: Iterable[Any]) -> list[Any]:
+    """Return ids, which may be numbers, as they are given; None where one is missing."""
+    return [None if is_missing(x) else x for x in values]
 
 
 def _all_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Scene | None:
     """Return one of the scenes if it is certain that all of them are valid.
 
-    Every condition on a scene, but for that of an impact, holds in a convex set of its numbers:
-    what holds at all corners of the box that the columns span holds in the box.
+    Where conditions hold in convex sets of a scene's numbers (`may_be_mixed`), what holds at all
+    corners of the box that the columns span holds in the box.
     """
-    columns = {name: column for name, column in varied.items() if name != "id"}
-    numeric = all(np.issubdtype(c.dtype, np.number) and c.size for c in columns.values())
-    if not numeric or len(columns) > _MOST_COLUMNS:
+    numeric = all(c.dtype == float and c.size and np.isfinite(c).all() for c in varied.values())
+    if not varied or not numeric or len(varied) > _MOST_COLUMNS:
         return None
-    ends = [{float(column.min()), float(column.max())} for column in columns.values()]
-    corners = [dict(zip(columns, corner, strict=True)) for corner in product(*ends)]
+    ends = [{*column[[column.argmin(), column.argmax()]].tolist()} for column in varied.values()]
+    corners = [dict(zip(varied, corner, strict=True)) for corner in product(*ends)]
     try:
         base = as_scene(_scene_of({**fixed, **corners[0]}, _json_alone))
-        if isinstance(base, ImpactScene):
-            return None
         for corner in corners[1:]:
             replaced(base, corner)
-    except ValueError:
+    except (TypeError, ValueError):
         return None
-    return base
+    return base if may_be_mixed(base) else None
 
 
-def _rows(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Iterator[dict[str, Any]]:
-    for values in zip(*(column.tolist() for column in varied.values()), strict=True):
+def _rows(
+    fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]], count: int
+) -> Iterator[dict[str, Any]]:
+    columns = [column.tolist() for column in varied.values()]
+    for values in zip(*columns, strict=True) if columns else [()] * count:
         yield {**fixed, **dict(zip(varied, values, strict=True))}
-    if fixed and not varied:
-        yield dict(fixed)
 
 
 def _scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, Any]:
@@ -282,26 +314,28 @@ def _scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, A
     given = {
         str(name): read(x) if isinstance(x, str) and name not in ("id", "kind") else x
         for name, x in row.items()
-        if not _is_empty(x)
+        if not is_missing(x)
     }
-    return nested(given, _DEFAULTS.get(given.get("kind")))
+    # A part of what is given whole: no scene has such a key, and so the row's error names it.
+    parts = [n for n in given if any(n[: m.start()] in given for m in _PART.finditer(n))]
+    odd = {n: given.pop(n) for n in parts}
+    return nested(given, _DEFAULTS.get(given.get("kind"))) | odd
 
 
-def _is_empty(value: object) -> bool:
-    return value is None or (isinstance(value, float) and value != value)
+_PART = re.compile(r"[.\[]")
 
 
 def _json_or_number(text: str) -> Any:
     """Return what a text of a file holds: JSON, as null is for no air, a number, as .5, or text."""
     for read in (json.loads, float):
-        with suppress(ValueError):
+        with suppress(ValueError, RecursionError):
             return read(text)
     return text
 
 
 def _json_alone(text: str) -> Any:
     """Return what a text among Python's values holds: JSON, but a number is not written as text."""
-    with suppress(ValueError):
+    with suppress(ValueError, RecursionError):
         held = json.loads(text)
         return text if isinstance(held, int | float) else held
     return text
@@ -314,26 +348,25 @@ _NO_AIR = "null"  # as JSON, since None is a value left out
 _DEFAULTS: dict[Any, Scene] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
 
 
-def _reasons(
-    base: Scene, columns: Mapping[str, NDArray[Any]], outcomes: NDArray[Any], solver: Engine[Any]
-) -> Iterator[tuple[int, Result]]:
-    """Yield the numbers of rows without an outcome, with results that say why."""
-    for i in np.flatnonzero(outcomes == "").tolist():
-        yield i, chain.solve(replaced(base, {n: float(c[i]) for n, c in columns.items()}), solver)
-
-
 @naming_extras()
-def _frame(
-    table: Mapping[str, NDArray[Any]], ids: NDArray[Any] | None, reasons: Mapping[int, Result]
-) -> pd.DataFrame:
+def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> pd.DataFrame:
+    """Return columns as a table of results, with the reasons why rows have no outcome."""
     import pandas as pd
 
-    named = {} if ids is None else {"id": ids}
-    frame = pd.DataFrame({**named, **table})
+    frame = pd.DataFrame({name: table[name] for name in sorted(table, key=_place)})
     frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
     for i, result in reasons.items():
-        frame.loc[i, ["outcome", "error", "code"]] = None, result.error, result.code
+        told = result.outcome, result.engine, result.error, result.code
+        frame.loc[i, ["outcome", "engine", "error", "code"]] = told
     return _typed(frame)
+
+
+def _with_engines_signed(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of results whose engines bear longball's version, as in a `Solution`."""
+    if "engine" in frame:
+        names = frame["engine"].dropna().unique()
+        frame["engine"] = frame["engine"].map({name: signed(name) for name in names})
+    return frame
 
 
 @naming_extras()
@@ -356,7 +389,7 @@ _DISCRETE = {name: "boolean" if kind is bool else "Int64" for name, kind in DISC
 
 def _typed(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a table of results with the types of its columns, whatever is missing in them."""
-    types = _TEXTS | _DISCRETE
+    types = {**_TEXTS, "engine": "str", **_DISCRETE}
     return frame.astype({name: types[name] for name in frame.columns if name in types})
 
 
@@ -380,8 +413,18 @@ def scene_lines(path: Path) -> bytes:
     lines: list[bytes] = []
     for number, row in rows:
         lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
-        lines.append(to_json(_scene_of(row, _json_or_number)))
+        cells = {name: _written(x) for name, x in row.items()}
+        scene = _scene_of(cells, _json_or_number)
+        lines.append(to_json(scene, inf_nan_mode="constants"))  # null would be no air
     return b"\n".join(lines)
+
+
+def _written(cell: object) -> Any:
+    """Return a cell of a file as JSON has it; what is neither number nor block, as a text."""
+    try:
+        return plain(cell)
+    except TypeError:
+        return str(cell)
 
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
@@ -405,7 +448,7 @@ def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
                 raise ValueError(f"line {number}: {told}")
             if unnamed := [x for name, x in zip(head, cells, strict=False) if x and not name]:
                 raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
-            yield number, {name: x for name, x in zip(head, cells, strict=False) if x}
+            yield number, {name: unguarded(x) for name, x in zip(head, cells, strict=False) if x}
     except csv.Error as error:
         raise ValueError(f"line {begin}: {error}") from None
 
@@ -427,4 +470,4 @@ def write_table(path: Path, results: Iterable[bytes]) -> None:
     if path.suffix.lower() == ".parquet":
         frame.to_parquet(path)
     else:
-        frame.to_csv(path, index=False)
+        write_frame(frame, path)

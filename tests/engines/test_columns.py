@@ -123,8 +123,9 @@ def test_columns_are_scenes(scenes):
         assert table["outcome"][i] == (result.outcome or "")
         if result.outcome is None:
             continue
-        known = {n: c[i] for n, c in table.items() if n != "outcome" and c[i] == c[i]}
-        assert known == dict(numbers(result))
+        texts = {"outcome": result.outcome, "engine": result.engine}
+        known = {n: c[i] for n, c in table.items() if c[i] == c[i]}
+        assert known == texts | dict(numbers(result))
 
 
 def test_what_is_exactly_its_error_is_not_decided():

@@ -138,3 +138,10 @@ def test_columns_are_for_tables(tmp_path: Path):
 
 def test_every_quantity_has_a_column():
     assert {name.partition("[")[0] for name in COLUMNS} >= set(QUANTITIES)
+
+
+def test_a_row_of_a_table_that_is_cut_is_no_answer(tmp_path: Path):
+    text = "id,outcome,landing.distance,landing.time\na,landed,100.5,4.5\nb,landed,10"
+    collected = read_results(written(tmp_path, "results.csv", text), ASKED)
+    assert [*collected.answers] == ["a"]
+    assert said(collected) == "line 3: it is cut off: 3 of 4 cells of a result"

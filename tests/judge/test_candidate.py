@@ -122,6 +122,52 @@ def test_an_early_end():
     assert ran.errors == "no more\n"
 
 
+def test_a_status_other_than_0_after_all_answers_is_told():
+    ran = python("for id in ids(): say(id)\nsys.exit(3)")
+    assert len(answered(ran)) == 5
+    assert said(ran) == "the candidate: it ended with status 3; it answered 5 of 5 scenes"
+    ran = python("for id in ids(): say(id)\nos.abort()")
+    assert "it was ended by signal SIGABRT; it answered 5 of 5 scenes" in said(ran)
+
+
+@pytest.mark.parametrize(("status", "told"), [(0, ""), (1, ""), (2, "it ended with status 2")])
+def test_a_program_that_refuses_a_scene_may_say_so_by_its_status(status: int, told: str):
+    """As `longball solve` does: 1 says that a line could not be solved."""
+    refusal = "print(json.dumps({'id': 's4', 'error': 'too hard'}))"
+    ran = python(f"for i in range(4): say(f's{{i}}')\n{refusal}\nsys.exit({status})")
+    assert len(answered(ran)) == 5
+    assert told in said(ran)
+    assert bool(said(ran)) == bool(told)
+
+
+@pytest.mark.parametrize(
+    ("answers", "status", "end"),
+    [
+        ("say('s0')", 0, "ended with status 0"),
+        ("for id in ids(): say(id)", 0, "ended with status 0"),
+        ("say('s0')", 4, "ended with status 4"),
+    ],
+)
+def test_a_program_that_ends_while_its_child_holds_the_pipe_has_ended(answers, status, end):
+    ran = python(f"{answers}\nif os.fork() == 0: time.sleep(600)\nos._exit({status})", HASTY)
+    assert f"it {end}, but a process that it had started held its output open" in said(ran)
+    assert "no answer came" not in said(ran)
+    assert "did not end" not in said(ran)
+
+
+def test_a_line_that_is_cut_is_said_to_be_cut():
+    ran = python(
+        'print(\'{"id": "s0", "landing": {"distance": 1\')\n'
+        'print(\'{"id": "s1", "landing": {"distance": 1}\')\n'
+        "print('{nonsense}')\n"
+        'print(\'{"id": "s2"} and more\')\n'
+        "print('ready {')\n"
+        'print(\'{"id": "s3", "outcome": "lan\', end=\'\')'
+    )
+    cut = [issue.line for issue in ran.collected.issues if "it is cut off" in issue.sentence]
+    assert cut == [1, 2, 6]
+
+
 def test_an_end_before_anything():
     ran = python("")
     assert answered(ran) == []

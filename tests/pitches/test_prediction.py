@@ -181,12 +181,21 @@ def test_what_is_wrong_is_said(arguments, stdin, status, sentence):
     assert not run.stdout
 
 
-def test_a_row_that_is_no_scene_is_named():
+def test_a_row_that_is_no_scene_is_named_and_costs_the_others_nothing(tmp_path):
     # Faster than any double that a scene takes; the table itself has no fault.
     row = batted_row((80, 15, -20), "paper") | {"launch_speed": "1e40"}
-    run = longball("-", *COMMAND, stdin=FLIES + ",".join(map(str, row.values())) + "\n")
+    lines = tmp_path / "scenes.jsonl"
+    table = FLIES + ",".join(map(str, row.values())) + "\n"
+    run = longball("-", "--json", "--scenes", str(lines), *COMMAND, stdin=table)
     assert run.exit_code == 1
-    assert "row 4 below the header is no scene: launch.velocity[0]: must be" in run.stderr
+    said, alone = (
+        json.loads(run.stdout),
+        json.loads(longball("-", "--json", *COMMAND, stdin=FLIES).stdout),
+    )
+    (why,) = said["without_prediction"].keys() - alone["without_prediction"]
+    assert why.startswith("row 4 below the header is no scene: launch.velocity[0]: must be")
+    assert said["groups"] == alone["groups"]
+    assert len(lines.read_text().splitlines()) == alone["rows_used"]
 
 
 def test_scenes_have_the_weather_of_the_game():

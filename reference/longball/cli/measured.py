@@ -20,6 +20,8 @@ from longball.cli.common import (
     to_picture,
     wrong_call,
 )
+from longball.model.csv_files import write_frame
+from longball.model.scene import InvalidScene
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
 from longball.pitches.statcast import GAMES, Kind, read_measured
@@ -72,11 +74,12 @@ def measured(
     with reading_table():
         rows = read_measured(source, kind, games or GAMES)
         if scenes_file:
-            lines = [scene.line() + "\n" for scene in scenes(rows, law)]
+            asked = (one for one in scenes(rows, law) if not isinstance(one, InvalidScene))
+            lines = [scene.line() + "\n" for scene in asked]
             scenes_file.write_text("".join(lines), encoding="utf-8")
         prediction = predict(rows, law, engine=solver)
     if csv_file:
-        as_frame(prediction).to_csv(csv_file, index=False, lineterminator="\n")
+        write_frame(as_frame(prediction), csv_file)
     if figure:
         from longball.pictures import save_prediction
 

@@ -14,8 +14,8 @@ from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
 from longball.model.jsonl import LONGEST_LINE, json_bytes
 from longball.model.numbers import N
-from longball.model.result import Result, signed
-from longball.model.scene import InvalidScene, Scene, parse_scene
+from longball.model.result import signed
+from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 
 # Lines that a worker process takes at a time: some hundredths of a second.
 CHUNK, CHUNK_AT_ONCE = 32, 1024
@@ -124,7 +124,7 @@ def _solve_in_turn(
         else (solve(scene, engine).data() for scene in scenes)
     )
     for (number, _), scene in zip(chunk, read, strict=True):
-        data = _refused(scene) if isinstance(scene, InvalidScene) else next(solved)
+        data = refused(scene).data() if isinstance(scene, InvalidScene) else next(solved)
         yield _answer(number, data)
 
 
@@ -133,10 +133,6 @@ def _read(line: bytes) -> Scene | InvalidScene:
         return parse_scene(line)
     except InvalidScene as error:
         return error
-
-
-def _refused(error: InvalidScene) -> dict[str, Any]:
-    return Result(id=error.scene_id, error=str(error), code=error.code).data()
 
 
 def _answer(number: int, data: dict[str, Any]) -> Answer:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Generic, cast
 
 from longball.engines.event import Curve, Events, Met, Piece, first_met
@@ -69,6 +69,8 @@ class Flight(Generic[N]):
     stop: str
     time: N
     state: State[N]
+    # Description of the engine that flew it, if not the one that was asked.
+    flown_by: str = field(default="", kw_only=True)
 
     def stopped(self, name: str) -> Any:
         """Tell whether an event of that name stopped it."""

@@ -26,7 +26,8 @@ from longball.convergence.report import Frozen
 from longball.engines.chain import BLOCKS as MODELS
 from longball.judge.quantities import BLOCKS, QUANTITIES, Value
 from longball.model.arrays import Array
-from longball.model.csv_files import not_utf8, other_separators
+from longball.model.csv_files import not_utf8, other_separators, unguarded
+from longball.model.plain import plain
 from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
 
@@ -121,6 +122,10 @@ class Collector:
                 return self._take(number, json.loads(text, **_NUMBERS))
             cells = _cells(text)
             if self._header is not None:
+                if len(cells) < len(self._header):
+                    told = f"{len(cells)} of {len(self._header)} cells"
+                    self.report("rubbish", f"it is cut off: {told} of a result", number)
+                    return False
                 return self._take(number, _nested(zip(self._header, cells, strict=False)))
             self.begin_table(cells)
             return False
@@ -128,6 +133,8 @@ class Collector:
             why = not_utf8(error)
         except json.JSONDecodeError as error:
             why = f"not JSON from character {error.pos + 1} on: {quoted(text[error.pos :])}"
+            if text.lstrip().startswith("{") and _is_cut(text.rstrip(), error):
+                why += "; it is cut off: the line ends inside a result"
         except (csv.Error, ValueError):
             why = f"not a row of CSV: {quoted(text)}"
         except RecursionError:
@@ -214,6 +221,11 @@ class Collector:
             near = _nearest(key, known)
             sentence = f"{told.format(quoted(key))} is no key of a result{near}"
             self.report("unknown key", sentence, number)
+
+
+def _is_cut(text: str, error: json.JSONDecodeError) -> bool:
+    """Check that a text could go on as JSON."""
+    return error.pos >= len(text) or not (text.endswith("}") or error.msg == "Extra data")
 
 
 _TOP = {*Result.model_fields, "path"}
@@ -411,7 +423,8 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
             continue
         if "[" in name:  # its vector has components that may be left out
             values = dict.fromkeys(QUANTITIES[name.partition("[")[0]].names) | values
-        values[name] = cell if name in _TEXTS else (_fact if name in FACTS else _decimal)(cell)
+        read = unguarded if name in _TEXTS else _fact if name in FACTS else _decimal
+        values[name] = read(cell)
     return nested(values)
 
 
@@ -432,11 +445,4 @@ def line_of(scene_id: str, obtained: Any) -> bytes:
         obtained = json.loads(obtained.line())
     if not isinstance(obtained, Mapping):
         raise TypeError(f"a result is a mapping; not an object of type {type(obtained).__name__}")
-    return json.dumps({**obtained, "id": scene_id}, default=plain).encode()
-
-
-def plain(value: Any) -> Any:
-    """Return NumPy's arrays and numbers as Python's."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    raise TypeError(f"{type(value).__name__} is not a number, a list of them, or a mapping")
+    return json.dumps(plain({**obtained, "id": scene_id})).encode()

@@ -25,6 +25,7 @@ from longball.judge.fresh import as_csv
 from longball.model.scene import Scene, ids_of
 
 MOST_FAULTS = 10_000  # lines of output that are no answers
+REFUSED = 1  # the status of a program that could not solve all of its scenes
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,10 @@ class _Session:
                 self._wait(min(left, patience))
                 yield self.read
                 self.read = b""
+            elif (status := self.process.poll()) is not None:
+                self.stopped = True
+                held = f"held its output open, without an answer for {limits.scene_seconds:g} s"
+                self._report(f"{_end(status)}, but a process that it had started {held}")
             elif self._missing():
                 self._stop(f"no answer came for {limits.scene_seconds:g} s")
             else:
@@ -161,12 +166,11 @@ class _Session:
         if self.status is None:
             patience = f"{self.limits.scene_seconds:g} s"
             self._stop(f"it closed its output, but did not end within {patience}")
-        elif self.status < 0:
-            names = {s.value: s.name for s in signal.Signals}
-            self._report(f"it was ended by signal {names.get(-self.status, -self.status)}")
-        elif self._missing():
+        elif self._missing() and self.status >= 0:
             early = " before it had read all scenes" if self.input_closed else ""
-            self._report(f"it ended with status {self.status}{early}")
+            self._report(f"{_end(self.status)}{early}")
+        elif self.status and not (self.status == REFUSED and self._refused()):
+            self._report(_end(self.status))
 
     def clear(self) -> None:
         """Leave nothing of the candidate behind: its group, and what has left the group."""
@@ -225,6 +229,9 @@ class _Session:
     def _missing(self) -> int:
         return len(self.collected.asked) - len(self.collected.answers)
 
+    def _refused(self) -> bool:
+        return any(answer.error is not None for answer in self.collected.answers.values())
+
     def _report(self, what: str) -> None:
         answered, asked = len(self.collected.answers), len(self.collected.asked)
         sentence = f"the candidate: {what}; it answered {answered} of {asked} scenes"
@@ -236,6 +243,14 @@ class _Session:
     def _stop(self, why: str) -> None:
         self.stopped = True
         self._report(f"{why}, and was stopped")
+
+
+def _end(status: int) -> str:
+    """Return how a process ended."""
+    if status >= 0:
+        return f"it ended with status {status}"
+    names = {s.value: s.name for s in signal.Signals}
+    return f"it was ended by signal {names.get(-status, -status)}"
 
 
 # --- processes that have left their group ---------------------------------------------------------

@@ -278,7 +278,7 @@ def clocks(stage: str, chosen: Seen, base: Change) -> Iterator[Explanation]:
         sentence = f"the clock is {'ahead' if middle > 0 else 'behind'} by {told(step, doubt)} s "
         sentence += f"in all, as if a step were counted {'twice' if middle > 0 else 'too late'}"
         remedy = "let the time of a state be that of the same step"
-    elif np.ptp(ratios) < 1e-3 * abs(ratio - 1):
+    elif ratio and np.ptp(ratios) < 1e-3 * abs(ratio - 1):
         name, sentence = "clock-rate", f"the clock runs {told(ratio, 0)} times as fast"
     elif decimals := _rounded_to(times, clock):
         name, rank, remedy = "times-rounded", 3, ALL_DIGITS

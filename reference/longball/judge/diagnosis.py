@@ -276,7 +276,7 @@ class _Search:
     def _sentence(self, first: StageRow | None, clean: Sequence[str]) -> str:
         """Return it all in a sentence."""
         count = len(self.unread)
-        unread = f"{count} answers hold values that are no numbers" if count else ""
+        unread = f"{count} answers hold values that are no numbers of any use" if count else ""
         if not self.findings:
             if not clean:
                 return unread or "nothing is answered that could be followed"

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import shlex
 import time
+import traceback
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from longball.engines.ivp import Ivp
 from longball.judge.answers import Answer, Collector, line_of, read_results
@@ -27,6 +31,22 @@ from longball.model.scene import Scene
 Ask = Callable[[Sequence[Scene]], Mapping[str, Answer]]
 
 AGAIN = 12  # scenes that are run twice
+
+# How the sentence begins that stands for a diagnosis which failed.
+DEFECT = "the search for causes ended with an error of its own"
+
+# Of no use to a diagnosis: a double cannot hold the product of three such numbers.
+BEYOND = Decimal("1e100")
+
+
+def usable(answer: Answer) -> Answer:
+    """Return an answer whose numbers beyond use count as unreadable."""
+    beyond = {name for name, x in answer.values.items() if max(map(abs, x)) > BEYOND}
+    wild = answer.path is not None and np.abs(answer.path).max() > float(BEYOND)
+    values = {name: x for name, x in answer.values.items() if name not in beyond}
+    beyond |= {"path.position"} if wild else set()
+    path, unreadable = None if wild else answer.path, answer.unreadable | beyond
+    return replace(answer, values=values, path=path, unreadable=unreadable)
 
 
 @dataclass(frozen=True)
@@ -165,6 +185,7 @@ class Judge:
         collected = read_results(path, [case.id for case in self.cases], columns)
         return self.evaluate(Submission(path.name, collected, sampling=sampling))
 
+    @np.errstate(all="ignore")  # a wrong number may be of any size
     def evaluate(
         self, submission: Submission, ask: Ask | None = None, start: float | None = None
     ) -> Evaluation:
@@ -174,25 +195,44 @@ class Judge:
         conduct = self._again(ask, answers) if ask and self.diagnose else []
         comparisons = [compare(case, answers.get(case.id), self.profile) for case in truths]
         wrong = [c for c in comparisons if not c.passed]
-        diagnosis = None
+        diagnosis, scheme = None, self.profile.scheme()
         if self.diagnose and (conduct or wrong):
-            diagnosis = self._diagnosed(truths, wrong, submission, conduct)
-        scheme = self.profile.scheme()
-        if diagnosis and ask and not conduct and scheme is None:
-            smallest = self._smallest(ask, [c.case.scene for c in wrong])
-            diagnosis = diagnosis.model_copy(update={"smallest": smallest})
+            diagnosis = self._diagnosis(truths, wrong, submission, conduct, ask)
         truth = scheme.description if scheme else self.truth
         rule = self.profile.rule(self.cases)
         seconds = None if start is None else time.monotonic() - start
         said = verdict(comparisons, submission, rule, truth, self.partial, diagnosis, seconds)
         return Evaluation(said, comparisons)
 
+    def _diagnosis(
+        self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
+        conduct: list[str], ask: Ask | None,
+    ) -> Diagnosis:  # fmt: skip
+        """Return what is wrong, and a small scene that shows it; or why that is not known."""
+        try:
+            diagnosis = self._diagnosed(truths, wrong, submission, conduct)
+            if not ask or conduct or self.profile.scheme() is not None:
+                return diagnosis
+            smallest = self._smallest(ask, [c.case.scene for c in wrong])
+            return diagnosis.model_copy(update={"smallest": smallest})
+        except Exception as error:  # a defect of ours, which costs a candidate no verdict
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            sentence = (
+                f"{DEFECT}: {type(error).__name__}: {error} ({Path(place.filename).name}, line "
+                f"{place.lineno}); what is right and wrong is not touched by that, please report it"
+            )
+            return Diagnosis(
+                sentence=sentence, first=None, stages=[], clean=[], findings=[], conduct=conduct
+            )
+
     def _diagnosed(
         self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
         conduct: list[str],
     ) -> Diagnosis:  # fmt: skip
         answers = submission.collected.answers
-        written = {c.id: as_written(c.scene, a) for c in self.cases if (a := answers.get(c.id))}
+        written = {
+            c.id: as_written(c.scene, usable(a)) for c in self.cases if (a := answers.get(c.id))
+        }
         report = submission.convergence if self.dt else None
         diagnosis = diagnose(
             truths, written, self.dt, self.profile.scheme(), not conduct,

@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from longball import engines
 from longball.engines.chain import solve
 from longball.judge.cases import Known
+from longball.model.csv_files import guarded
 from longball.model.quantities import nested, numbers
 from longball.model.scene import KINDS, Scene
 
@@ -126,7 +127,7 @@ def _drawn(kind: str, rng: np.random.Generator) -> dict[str, Any]:
 def as_csv(scenes: Iterable[Scene]) -> Iterator[bytes]:
     """Yield scenes as lines of CSV, the header first; a cell is empty where there is no number."""
     rows = [
-        {"id": s.id or "", "kind": s.kind}
+        {"id": guarded(s.id or ""), "kind": s.kind}
         | {name: repr(float(value)) for name, value in numbers(s)}
         | {f"reading.{name}": str(option) for name, option in s.reading}
         for s in scenes

@@ -334,7 +334,10 @@ def by_speed(chosen: Seen, base: Change) -> Iterator[Explanation]:
             return None
         ends = [replace(view, scene=with_values(view.scene, {"ball.restitution": e}))
                 for e in (0.0, 1.0)]  # fmt: skip
-        low, high = (end.collision().restitution for end in ends)
+        told = [_value(lambda at: (at.collision().restitution,), end) for end in ends]
+        if told[0] is None or told[1] is None:
+            return None
+        low, high = told[0][0], told[1][0]
         return view.e, abs(view.number("contact.normal_speed")), low, high - low
 
     told = [(one, c.obtained[0]) for t, cs in chosen for c in cs

@@ -16,7 +16,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TextIO
 
-from longball.judge.answers import plain
+from longball.model.plain import plain
 from longball.model.quantities import numbers
 from longball.model.scene import InvalidScene, parse_scene
 
@@ -43,7 +43,7 @@ def serve(
     out = results or sys.stdout
     for line in scenes if scenes is not None else sys.stdin:
         if line.strip():
-            print(json.dumps(_answer(function, line), default=plain), file=out, flush=True)
+            print(json.dumps(_answer(function, line)), file=out, flush=True)
 
 
 def _answer(function: Fly, line: str) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def _answer(function: Fly, line: str) -> dict[str, Any]:
         position, velocity = scene.pitch.release, scene.pitch.thrown
     values = {name: float(value) for name, value in numbers(scene)}
     try:
-        made = function((*position, *velocity), values)
+        made = plain(function((*position, *velocity), values))
     except Exception as error:  # whatever a simulator raises is the answer to this scene
         return {"id": scene.id, "error": f"{type(error).__name__}: {error}"}
     if not isinstance(made, Mapping):

@@ -117,6 +117,8 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
         less = f" (its errors are large beside those of {', '.join(before)})" if before else ""
         yield f"where first: {diagnosis.first}{less}"
     yield from stage_sentences(diagnosis)
+    if not (diagnosis.stages or diagnosis.findings):
+        yield f"diagnosis: {diagnosis.sentence}"
     for finding in diagnosis.findings if not diagnosis.conduct else ():  # no cause was sought
         yield from finding_sentences(finding)
     if diagnosis.smallest:

@@ -450,10 +450,15 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     return Row(
         family=family, quantity=name, unit=unit, cases=len(group),
         failed=sum(not m.passed for m in measured), worst_error=most.error,
-        median_error=median(m.error for m in measured), worst_ulps=max(ulps, default=None),
-        median_ulps=median(ulps) if ulps else None, digits_right=digits_right,
+        median_error=_median([m.error for m in measured]), worst_ulps=max(ulps, default=None),
+        median_ulps=_median(ulps) if ulps else None, digits_right=digits_right,
         digits_attainable=digits_attainable, worst_case=worst.case.id,
     )  # fmt: skip
+
+
+def _median(values: Sequence[float]) -> float:
+    """Return the median; the sum of two large values, of which it is the half, may overflow."""
+    return median(x / 2 for x in values) * 2 if max(values) > 1e300 else median(values)
 
 
 _MOST_DIGITS = 17.0  # a double holds no more than this

@@ -1,8 +1,11 @@
-"""CSV as it is written: what all that read it have in common."""
+"""CSV: what all that read and write it have in common."""
 
 from __future__ import annotations
 
+import csv
+import re
 from collections.abc import Sequence
+from typing import Any
 
 # Spreadsheets write what a country's decimal comma leaves them.
 _OTHERS = {";": "semicolons", "\t": "tabs"}
@@ -24,3 +27,32 @@ def not_utf8(error: UnicodeDecodeError) -> str:
         if error.object.startswith(beginning):
             return f"not text but {kind}"
     return f"not UTF-8 text: byte {error.start + 1} is 0x{error.object[error.start]:02x}"
+
+
+# Spreadsheets take a cell that begins so for a formula, which can start programs. Quotes do not
+# help; an apostrophe before it does, and they do not show it.
+_FORMULA = re.compile(r"'*[=+\-@\t\r]")
+_NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?")
+
+
+def guarded(cell: Any) -> Any:
+    """Return a cell as it is written: a text that is a formula with an apostrophe before it."""
+    formula = isinstance(cell, str) and _FORMULA.match(cell) and not _NUMBER.fullmatch(cell)
+    return f"'{cell}" if formula else cell
+
+
+def unguarded(text: str) -> str:
+    """Return the text that `guarded` made a cell of."""
+    return text[1:] if text.startswith("'") and _FORMULA.match(text) else text
+
+
+def write_frame(frame: Any, path: Any) -> None:
+    """Write a DataFrame, without its index."""
+    from pandas.api.types import is_string_dtype
+
+    texts = [name for name in frame if is_string_dtype(frame[name].dtype)]
+    cells = {name: frame[name].map(guarded) for name in texts}
+    # Of its own accord `csv` quotes no carriage return that ends no lines.
+    odd = any("\r" in str(cell) for column in cells.values() for cell in column)
+    quoting = csv.QUOTE_NONNUMERIC if odd else csv.QUOTE_MINIMAL
+    frame.assign(**cells).to_csv(path, index=False, lineterminator="\n", quoting=quoting)

@@ -25,7 +25,7 @@ from longball.model.csv_files import not_utf8
 from longball.model.force import cross, plus, scaled
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.readings import Reading
-from longball.model.result import ErrorCode
+from longball.model.result import ErrorCode, Result
 
 
 class InvalidScene(ValueError):
@@ -36,6 +36,11 @@ class InvalidScene(ValueError):
     def __init__(self, message: str, scene_id: str | None = None) -> None:
         super().__init__(message)
         self.scene_id = scene_id
+
+
+def refused(error: InvalidScene) -> Result:
+    """Return the result of what is no scene."""
+    return Result(id=error.scene_id, error=str(error), code=error.code)
 
 
 class Ball(_Block):
@@ -446,6 +451,21 @@ Scene = FlightScene | PitchScene | ImpactScene | AtBatScene
 KINDS: dict[str, type[Scene]] = {x.model_fields["kind"].default: x for x in get_args(Scene)}
 
 
+def may_be_mixed(scene: Scene) -> bool:
+    """Check that scenes are valid whose numbers lie between those of valid ones, like this one.
+
+    A condition on a scene mostly holds in a convex set of its numbers. Not so where the ball must
+    touch a bat, where a spin must not be parallel to the velocity, and where a fence must not cross
+    itself.
+    """
+    if isinstance(scene, ImpactScene):
+        return False
+    spin = scene.launch.spin if isinstance(scene, FlightScene) else scene.pitch.spin
+    spun = spin is not None and scene.air is not None and scene.air.lift_is_constant
+    fence = None if isinstance(scene, PitchScene) else scene.fence
+    return not spun and (fence is None or fence.polyline is None)
+
+
 def ids_of(scenes: Sequence[Scene]) -> list[str]:
     """Return the ids that results of scenes bear: the scene's, or else the number of the line."""
     return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
@@ -523,6 +543,8 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
     match fault["type"]:
         case "extra_forbidden":
             block = _block(model, location[:-1])
+            if "." in str(location[-1]):  # of a table
+                return f"{where}: {str(location[-1]).partition('.')[0]} is given whole already"
             return f"{where}: unknown key; the keys here are {', '.join(block.model_fields)}"
         case "missing":
             return f"{where}: is missing"

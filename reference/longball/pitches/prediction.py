@@ -17,10 +17,9 @@ from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags
 from longball.model.result import Result
-from longball.model.scene import InvalidScene, Scene, parse_scene
+from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 from longball.pitches.models import FlightModel, expected_spin
 from longball.pitches.statcast import MPH, MeasuredFlies, MeasuredPitches
-from longball.pitches.table import TableError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,11 +66,12 @@ class Summary:
 
 def scenes(
     measured: Measured, model: FlightModel | Sequence[FlightModel], spin: Array | None = None
-) -> Iterator[Scene]:
+) -> Iterator[Scene | InvalidScene]:
     """Yield the scene of each measured ball, under one model, or under one for each.
 
     With a model that has spin it has `expected_spin`, unless another is given, rad/s, shape (n, 3).
-    A `TableError` names a row that is no scene, such as a ball that is released below the ground.
+    Of a row that is no scene, such as a ball that is released below the ground, the error is
+    yielded, which names the row.
     """
     spin = expected_spin(measured) if spin is None else spin
     models = repeat(model) if isinstance(model, FlightModel) else model
@@ -83,7 +83,7 @@ def scenes(
         try:
             yield parse_scene(json.dumps(scene | one.blocks(*weather)))
         except InvalidScene as error:
-            raise TableError(f"row {row} below the header is no scene: {error}") from None
+            yield InvalidScene(f"row {row} below the header is no scene: {error}", scene["id"])
 
 
 def solve(
@@ -94,7 +94,9 @@ def solve(
 ) -> list[Result]:
     """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
     every = list(scenes(measured, model, spin))
-    return list(chain.solve_each(every, engine or engines.create("batch")))
+    valid = [scene for scene in every if not isinstance(scene, InvalidScene)]
+    results = iter(chain.solve_each(valid, engine or engines.create("batch")))
+    return [refused(one) if isinstance(one, InvalidScene) else next(results) for one in every]
 
 
 def predict(

@@ -20,7 +20,7 @@ import numpy as np
 from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records
 from longball.engines.batch.records import Start
-from longball.engines.chain import Cases, Model, OneCase, land
+from longball.engines.chain import Cases, Model, OneCase, described, land
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Touch
 from longball.engines.event import past
@@ -39,9 +39,26 @@ UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
 
 
 def _one_by_one(function: Callable[[float], float]) -> Callable[[Any], Any]:
-    """Return a function over arrays that has the bits of a function of one number."""
-    over_arrays = np.vectorize(function, otypes=[np.float64])
-    return lambda x: over_arrays(x)[()]
+    """Return a function over arrays that has the bits of a function of one number.
+
+    It is NaN where that has no value that a double can hold: such a row is left without an answer.
+    """
+
+    def checked(x: float) -> float:
+        try:
+            return function(x)
+        except (OverflowError, ValueError):
+            return math.nan
+
+    fast, careful = (np.vectorize(f, otypes=[np.float64]) for f in (function, checked))
+
+    def over_arrays(x: Any) -> Any:
+        try:
+            return fast(x)[()]
+        except (OverflowError, ValueError):
+            return careful(x)[()]
+
+    return over_arrays
 
 
 class Elementwise:
@@ -105,6 +122,7 @@ class Table:
         self.rows = slice(0, rows)
         self.whole = np.full(rows, UNSOLVED, np.int64)
         self.columns: dict[str, Array] = {}
+        self.engines: dict[int, str] = {}  # of rows that others flew than the compiled code
 
     def __len__(self) -> int:
         return self.rows.stop - self.rows.start
@@ -121,7 +139,7 @@ class Table:
         return part
 
     def copy_from(self, other: Table) -> None:
-        """Write all that another table of as many rows holds."""
+        """Write the outcomes and columns of another table of as many rows."""
         self.outcome[:] = other.outcome
         for name, column in other.columns.items():
             self.put(name, slice(None), column[other.rows])
@@ -301,6 +319,9 @@ class ManyCases(Cases[Any]):
                     if name != "outcome":
                         self.table.put(name, row, value)
                 self.table.outcome[row] = OUTCOMES.index(case.answer["outcome"])
+                before = [self.engine.flyer.description] if hasattr(self.scene, "pitch") else []
+                place = range(self.table.rows.start, self.table.rows.stop)[row]
+                self.table.engines[place] = described([*before, *case.engines])
 
     def with_restitution(self, restitution: float, table: Table) -> ManyCases:
         """Return the same cases with other balls, writing into another table."""

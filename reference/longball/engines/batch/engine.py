@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -108,7 +108,7 @@ class Batch(ManyAtOnce):
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         if not records.flies_in_lanes(law) or records.starts_at_corner(law, start):
-            return SCALAR.fly(law, start, events, limit)
+            return replace(SCALAR.fly(law, start, events, limit), flown_by=SCALAR.description)
         launch = Start(0.0, start)
         flight, end = records.flown(self, law, launch, events, limit)
         _require_answer(end, flight, events)

@@ -12,7 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from longball.engines import chain, create
 from longball.engines.batch.columns import (
@@ -62,8 +62,9 @@ def solve_columns(
     -------
     dict of str to array
         Columns of shape (n,): ``outcome``, a string, empty where the scene has no answer
-        (`longball.engines.chain.solve` says why); and the quantities of the result,
-        ``plate.time``, ``contact.normal[0]``, ``landing.distance``, …, NaN where there is none.
+        (`longball.engines.chain.solve` says why); the quantities of the result, ``plate.time``,
+        ``contact.normal[0]``, ``landing.distance``, …, NaN where there is none; and ``engine``, the
+        description of what flew the ball.
 
     Raises
     ------
@@ -72,13 +73,13 @@ def solve_columns(
 
     Notes
     -----
-    The numbers of the columns are taken as they are; a scene that `longball.model.scene` would
-    refuse is not found out.
+    The numbers of the columns are taken as they are. A scene that `longball.model.scene` would
+    refuse is not looked for; it has an answer, or none.
     """
     n, view = _view(scene, columns)
     flyer = engine or _batch()
     if not _is_extended(scene):
-        return _named(_solve(scene.kind, n, view, flyer, threads, model))
+        return _named(_solve(scene.kind, n, view, flyer, threads, model), flyer)
     table = Table(n)
     if _flies_in_lanes(scene):
         # What is zero is not computed: the rows of a law are those with the same zeros.
@@ -91,10 +92,11 @@ def solve_columns(
             rows = np.flatnonzero(some)
             part = _solve(scene.kind, len(rows), select(view, some), flyer, threads, model)
             table.outcome[rows] = part.outcome
+            table.engines |= {int(rows[i]): engine for i, engine in part.engines.items()}
             for name, column in part.columns.items():
                 table.put(name, rows, column)
     _solve_the_rest(table, scene, columns, flyer, model)
-    return _named(table)
+    return _named(table, flyer)
 
 
 def solve_columns_with_restitutions(
@@ -126,7 +128,7 @@ def solve_columns_with_restitutions(
             part.withdraw_what_is_not_finite()
 
     _in_blocks(solve_block, n, threads)
-    return [_named(table) for table in tables]
+    return [_named(table, flyer) for table in tables]
 
 
 def _is_extended(scene: Scene) -> bool:
@@ -164,10 +166,14 @@ def _solve_the_rest(
     """Solve the scenes that have no answer one at a time."""
     values = [np.asarray(column).tolist() for column in columns.values()]
     for i in np.flatnonzero(table.outcome == UNSOLVED).tolist():
-        one = quantities.replaced(
-            scene, {name: column[i] for name, column in zip(columns, values, strict=True)}
-        )
+        try:
+            one = quantities.replaced(
+                scene, {name: column[i] for name, column in zip(columns, values, strict=True)}
+            )
+        except ValidationError:
+            continue  # no scene
         result = chain.solve(one, flyer, model)
+        table.engines[i] = result.engine or ""
         if result.outcome is not None:
             table.outcome[i] = OUTCOMES.index(result.outcome)
         for name, value in quantities.flat(result.data()):
@@ -219,9 +225,11 @@ def _with_columns(value: Any, columns: Mapping[str, Array], name: str) -> Any:
     return columns.get(name, value)
 
 
-def _named(table: Table) -> dict[str, NDArray[Any]]:
-    names = np.array([*OUTCOMES, ""])
-    return {"outcome": names[table.outcome]} | table.columns
+def _named(table: Table, flyer: BatchFlyer) -> dict[str, NDArray[Any]]:
+    names, engines = np.array([*OUTCOMES, ""]), np.full(len(table), flyer.description, object)
+    for i, engine in table.engines.items():
+        engines[i] = engine
+    return {"outcome": names[table.outcome]} | table.columns | {"engine": engines}
 
 
 def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[dict[str, Any]]:
@@ -237,12 +245,13 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[di
         same = [scenes[i] for i in places]
         _, view = _view(same[0], _columns_of(same))
         table = _solve(same[0].kind, len(places), view, solver, threads)
-        for i, (outcome, parts) in zip(places, _rows(table), strict=True):
+        for row, (i, (outcome, parts)) in enumerate(zip(places, _rows(table), strict=True)):
             if outcome is None:
                 results[i] = chain.solve(scenes[i], solver).data()  # for the reason
             else:
                 head = {"id": scenes[i].id, "outcome": outcome}
-                results[i] = {**head, **parts, "engine": solver.description}
+                engine = table.engines.get(row, solver.description)
+                results[i] = {**head, **parts, "engine": engine}
     return [results[i] for i in range(len(scenes))]
 
 

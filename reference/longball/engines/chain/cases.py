@@ -77,6 +77,9 @@ class Cases(ABC, Generic[N]):
     def follow(self, frame: Frame[N], flight: Flight[N], begin: N) -> None:
         """Take note of a flight that begins at a time, s since the start of the scene."""
 
+    def flown(self, flight: Flight[N]) -> None:
+        """Take note of who flew a flight, or a part of one."""
+
     @cached_property  # asked for by every step of the chain
     def numbers(self) -> Numbers[N]:
         """The engine's number system."""

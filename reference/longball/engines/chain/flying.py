@@ -65,7 +65,9 @@ def _fly(
     *others: Event[N],
 ) -> Flight[N]:
     events = [surface(cases, frame, start) for surface in surfaces]
-    return cases.engine.fly(law, start, [*events, *others], limit)
+    flight = cases.engine.fly(law, start, [*events, *others], limit)
+    cases.flown(flight)
+    return flight
 
 
 def _fly_upwards(cases: Cases[N], law: Law[N], start: State[N], *leg: Any) -> Flight[N]:

@@ -37,6 +37,7 @@ class OneCase(Cases[N]):
     answer: dict[str, Any] = field(default_factory=dict)
     legs: list[Leg[N]] = field(default_factory=list)
     empty: bool = False
+    engines: list[str] = field(default_factory=list)  # that flew the ball, in order
 
     def decide(self, x: N, error: N, question: str) -> tuple[bool, bool]:
         """See `Cases`."""
@@ -76,6 +77,11 @@ class OneCase(Cases[N]):
         if not self.empty:
             self.legs.append(Leg(begin, frame, flight))
 
+    def flown(self, flight: Flight[N]) -> None:
+        """See `Cases`."""
+        if not self.empty:
+            self.engines.append(flight.flown_by or self.engine.description)
+
     def record(self, name: str, value: Any) -> None:
         """See `Cases`."""
         if not self.empty:
@@ -94,7 +100,7 @@ class OneCase(Cases[N]):
                 blocks.setdefault(block, {})[key] = self._reported(value)
         return Result(
             id=self.scene.id,
-            engine=self.engine.description,
+            engine=described(self.engines) or self.engine.description,
             outcome=None if error else self.answer["outcome"],
             error=None if error is None else str(error),
             code=None if error is None else error.code,
@@ -105,6 +111,11 @@ class OneCase(Cases[N]):
         if isinstance(value, tuple):
             return tuple(map(self.numbers.report, value))
         return value if isinstance(value, str | int) else self.numbers.report(value)
+
+
+def described(engines: Iterable[str]) -> str:
+    """Return the description of all engines that flew a ball."""
+    return " and ".join(dict.fromkeys(engines))
 
 
 BLOCKS: dict[str, type[Any]] = {
@@ -195,7 +206,12 @@ def solve_with_restitutions(
     ((_, meeting),) = struck
     return [
         _answer(
-            replace(case, scene=replaced(scene, {"ball.restitution": e}), answer=dict(case.answer)),
+            replace(
+                case,
+                scene=replaced(scene, {"ball.restitution": e}),
+                answer=dict(case.answer),
+                engines=[*case.engines],
+            ),
             lambda one: finish(one, meeting),
         )
         for e in restitutions

@@ -1,0 +1,276 @@
+"""Many scenes at once: a row that is no scene, or has no answer, costs the others nothing."""
+
+from __future__ import annotations
+
+import csv
+import json
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+import longball as lb
+from longball import tables
+from longball.judge.answers import read_results
+from longball.model.csv_files import guarded, unguarded
+from longball.model.quantities import flat, nested
+
+SPUN = {"launch": {"position": [0, 0, 1], "spin": [0, 0, 5]}, "launch.velocity[1]": 0.0}
+
+# Rows of each: [-10, 0, 20] and [10, 0, 20] are no multiples of the spin, and [0, 0, 20] is.
+ATTACK = {
+    "kind": "flight",
+    **SPUN,
+    "launch.velocity[0]": [-10.0, 0.0, 10.0],
+    "launch.velocity[2]": 20.0,
+}
+
+
+def listed(columns: dict[str, object], count: int) -> list[dict[str, object]]:
+    """Return the scenes of columns, one by one, as a user would write them."""
+    rows = []
+    for i in range(count):
+        row = {n: x[i] if isinstance(x, list) and n != "launch" else x for n, x in columns.items()}
+        rows.append(nested(dict(flat({n: x for n, x in row.items() if x is not None}))))
+    return rows
+
+
+@pytest.mark.parametrize("engine", ["batch", "ivp"])
+def test_an_interior_row_that_is_no_scene_has_its_error(engine: str):
+    table = lb.solve_many(ATTACK, engine)
+    assert table.outcome.isna().tolist() == [False, True, False]
+    assert "launch.spin is parallel to the velocity" in table.error[1]
+    assert table.code[1] == "invalid"
+    alone = lb.solve(listed(ATTACK, 3)[2], engine)
+    assert table["landing.distance"][2] == alone.landing.distance
+
+
+SMALL = st.sampled_from([-20.0, -1.0, 0.0, 1.0, 20.0])
+BAD = st.sampled_from([None, "20", True, [1], -1e31, float("inf")])
+
+
+@settings(max_examples=25)
+@given(st.data(), st.sampled_from(["batch", "ivp"]))
+def test_columns_have_the_answers_and_the_errors_of_their_scenes(data, engine: str):
+    """Whatever stands in the rows: spins beside velocities, starts below the ground, no numbers."""
+    count = data.draw(st.integers(2, 4))
+    names = ["launch.velocity[0]", "launch.velocity[2]", "launch.spin[2]", "launch.position[2]"]
+    usual = {"launch.position": [0, 0, 1], "launch.velocity": [20, 0, 20], "launch.spin": [0, 0, 5]}
+    columns: dict[str, object] = {"kind": "flight", "time_limit": 5.0, **dict(flat(usual))}
+    some = data.draw(st.lists(st.sampled_from(names), min_size=1, max_size=3, unique=True))
+    for name in some:
+        cells = st.lists(SMALL, min_size=count, max_size=count)
+        columns[name] = data.draw(cells | st.lists(SMALL | BAD, min_size=count, max_size=count))
+    alone = lb.solve_many(listed(columns, count), engine)
+    if all(one.code == "invalid" for one in alone):
+        with pytest.raises(lb.InvalidScene, match="no row is a scene"):
+            lb.solve_many(columns, engine)
+        return
+    table = lb.solve_many(columns, engine)
+    for row, one in zip(table.to_dict("records"), alone, strict=True):
+        told = {n: x for n, x in row.items() if isinstance(x, list | tuple) or not pd.isna(x)}
+        wanted = {n: x for n, x in flat(one.result.data()) if x is not None}
+        assert told == wanted
+
+
+def test_a_cell_that_contradicts_another_is_the_error_of_its_row(tmp_path: Path):
+    columns = {"kind": "pitch", "air": ["null", None], "air.density": [1.2, 1.3]}
+    table = lb.solve_many(columns)
+    said = "air.density: air is given whole already"
+    assert table.error[0] == said
+    assert table.outcome[1] == "crossed"
+    # Whichever stands first.
+    again = lb.solve_many(dict(reversed(columns.items())))
+    assert again.error[0] == said
+    file = tmp_path / "scenes.csv"
+    file.write_text("kind,air.density,air\npitch,1.2,null\npitch,1.3,\n")
+    first, second = map(json.loads, tables.scene_lines(file).splitlines()[1:])
+    assert (first["air"], second["air"]) == (None, {"density": 1.3})
+    assert lb.solve_many([first])[0].error == said
+
+
+def test_odd_cells_of_files_are_errors_of_their_rows(tmp_path: Path):
+    parquet = tmp_path / "scenes.parquet"
+    days = pd.to_timedelta([3, None], unit="D")
+    pd.DataFrame({"kind": "pitch", "pitch.speed": days}).to_parquet(parquet)
+    text = tmp_path / "scenes.csv"
+    text.write_text("kind,gravity\npitch," + "[" * 100_000 + "\npitch,NaN\npitch,9.8\n")
+    odd, usual = lb.solve_many(tables.scene_lines(parquet).splitlines())
+    assert odd.error == "pitch.speed: must be a valid number (got '3 days 00:00:00')"
+    assert usual.outcome == "crossed"
+    nested_, nan, usual = lb.solve_many(tables.scene_lines(text).splitlines()[1:])
+    assert nested_.error.startswith("gravity: must be a valid number")
+    assert nan.error == "gravity: must be a finite number (got nan)"
+    assert usual.outcome == "crossed"
+
+
+def test_what_is_no_scene_in_a_list_costs_the_others_nothing():
+    odd, usual = lb.solve_many([3, {"kind": "pitch"}])
+    assert "not an object of type int" in odd.error
+    assert usual.outcome == "crossed"
+
+
+def test_ids_that_are_numbers_stay_so_whatever_the_rows_hold():
+    table = lb.solve_many({"kind": "pitch", "id": [1, 2, 3], "pitch.speed": [30.0, -1.0, 40.0]})
+    assert table.id.tolist() == [1, 2, 3]
+    assert table.outcome.isna().tolist() == [False, True, False]
+
+
+def test_a_number_that_overflows_in_one_row_does_so_in_no_other():
+    """exp(1.217e-4 · 1e30 m), the pressure below the sea, is beyond doubles."""
+    launch = {"position": [0, 0, 1], "velocity": [30, 0, 20]}
+    heights = [0.0] * 20 + [-1e30]
+    scenes = [
+        {"kind": "flight", "launch": launch, "air": {"density": {"elevation": h}}} for h in heights
+    ]
+    *usual, last = lb.solve_many(scenes)
+    assert {one.outcome for one in usual} == {"landed"}
+    assert last.code == "out_of_range"
+    columns = {"kind": "flight", "launch": launch, "air.density.elevation": heights}
+    assert lb.solve_many(columns).code.isna().tolist() == [True] * 20 + [False]
+
+
+# --- types of numbers -----------------------------------------------------------------------------
+
+USUAL = lb.solve({"kind": "pitch"}, "batch").plate.time
+FAST = lb.solve({"kind": "pitch", "pitch": {"speed": 40.0}}, "batch").plate.time
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        np.ma.array([40.0, 30.0], mask=[False, True]),
+        np.ma.array([40, 30], mask=[False, True]),
+        [40.0, np.ma.masked],
+        [40.0, None],
+        pd.Series([40, None], dtype="Int64"),
+        [Decimal(40), pd.NA],
+    ],
+)
+@pytest.mark.parametrize("engine", ["batch", "ivp"])
+def test_what_is_masked_is_not_given(column, engine: str):
+    table = lb.solve_many({"kind": "pitch", "pitch.speed": column}, engine)
+    assert table["plate.time"].tolist() == pytest.approx([FAST, USUAL], rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [np.longdouble(40), np.float16(40), np.uint8(40), np.uint64(40), Decimal(40), Fraction(40), 40],
+)
+def test_numbers_of_every_type_are_the_same_number(speed):
+    assert lb.solve({"kind": "pitch", "pitch": {"speed": speed}}, "batch").plate.time == FAST
+    for column in ([speed] * 2, np.array([speed] * 2), pd.Series([speed] * 2)):
+        assert lb.solve_many({"kind": "pitch", "pitch.speed": column})["plate.time"][1] == FAST
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        np.array([40, 30], "m8[ns]"),
+        np.array(["2026-01-01"] * 2, "M8[ns]"),
+        pd.to_timedelta([40, 30], unit="s"),
+        pd.Series(pd.to_timedelta([40, 30], unit="ns")),
+        np.array([40 + 0j, 30]),
+        np.array([True, True]),
+        np.array([b"40", b"30"]),
+        np.longdouble("1e4000"),
+        10**400,
+        np.timedelta64(40, "ns"),
+    ],
+)
+@pytest.mark.parametrize("engine", ["batch", "ivp"])
+def test_what_is_no_number_is_refused_by_the_name_of_its_column(column, engine: str):
+    with pytest.raises(lb.InvalidScene, match=r"no row is a scene: pitch\.speed: must be"):
+        lb.solve_many({"kind": "pitch", "pitch.speed": column}, engine)
+
+
+# --- who flew -------------------------------------------------------------------------------------
+
+LAUNCH = {"position": [0, 0, 1], "velocity": [30, 0, 25], "spin": [0, -200, 0]}
+DECAY = {"spin_decay_length": 100.0}  # what the compiled code has no variable for
+
+
+def engines_of(columns, engine: str = "batch") -> list[str]:
+    return [
+        name.removeprefix(f"longball {lb.__version__} ")
+        for name in lb.solve_many(columns, engine).engine
+    ]
+
+
+def test_the_engine_that_flew_is_named_alone_in_lists_and_in_columns():
+    scene = {"kind": "flight", "launch": LAUNCH, "air": DECAY}
+    flown = lb.solve(scene, "ivp").engine
+    assert lb.solve(scene, "batch").engine == flown
+    assert {one.engine for one in lb.solve_many([scene] * 20)} == {flown}
+    assert {*lb.solve_many({**scene, "gravity": [9.8, 9.9]}).engine} == {flown}
+    assert lb.solve(scene, "batch").landing == lb.solve(scene, "ivp").landing
+
+
+def test_rows_of_one_table_may_be_flown_by_different_engines():
+    linear = {"lift_coefficient": {"law": "linear"}}
+    columns = {"kind": "flight", "launch": LAUNCH, "air": linear, "launch.velocity[0]": [0.0, 30.0]}
+    # Straight up, where the compiled series have a corner; and as balls fly.
+    assert engines_of(columns) == ["ivp Taylor", "batch tolerance=1e-13"]
+    assert engines_of(columns, "ivp") == ["ivp Taylor"] * 2
+
+
+def test_a_pitch_and_a_batted_ball_may_be_flown_by_different_engines():
+    """Without gravity the compiled code flies no ball with a spin, which friction makes."""
+    scene = {"kind": "at-bat", "gravity": 0, "bat": {"friction": 0.5}, "time_limit": 1.0}
+    version = f"longball {lb.__version__}"
+    expected = f"{version} batch tolerance=1e-13 and ivp Taylor"
+    assert lb.solve(scene, "batch").engine == expected
+    assert {one.engine for one in lb.solve_many([scene] * 20)} == {expected}
+    assert {*lb.solve_many({**scene, "ball.mass": [0.14, 0.15]}).engine} == {expected}
+    missed = {**scene, "swing": {"height_offset": 0.5}}
+    assert lb.solve(missed, "batch").engine == f"{version} batch tolerance=1e-13"
+
+
+def test_verlet_flies_by_itself():
+    scene = {"kind": "flight", "launch": LAUNCH, "air": DECAY}
+    assert " verlet " in lb.solve(scene, "verlet").engine
+
+
+# --- CSV ------------------------------------------------------------------------------------------
+
+FORMULAS = ["=cmd|calc!A1", "+1+1", "-1+1", "@SUM(1)", "\t=1", "\r=1", "'=1", "''-x"]
+
+
+@given(st.text())
+@example("=")
+@example("'=")
+@example("-5")
+@example("'")
+def test_a_text_is_read_back_as_it_was_and_is_no_formula(text: str):
+    cell = guarded(text)
+    assert unguarded(cell) == text
+    try:
+        float(cell)
+    except ValueError:
+        assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+
+
+@pytest.mark.parametrize("number", ["-5", "+1.5e-3", "-0.25"])
+def test_numbers_stay_as_they_are(number: str):
+    assert guarded(number) == number
+    assert guarded(-5.0) == -5.0
+
+
+def test_ids_that_are_formulas_go_through_csv(tmp_path: Path):
+    scenes = [{"kind": "pitch", "id": name} for name in FORMULAS]
+    file, asked = tmp_path / "results.csv", tmp_path / "scenes.csv"
+    tables.write_table(file, [one.result.line().encode() for one in lb.solve_many(scenes)])
+    with file.open(encoding="utf-8", newline="") as lines:
+        cells = [row["id"] for row in csv.DictReader(lines)]
+    assert cells == [f"'{name}" for name in FORMULAS]
+    # The judge reads them back, and so does solve.
+    assert sorted(read_results(file, FORMULAS).answers) == sorted(FORMULAS)
+    with asked.open("w", encoding="utf-8", newline="") as out:
+        csv.writer(out).writerows([("kind", "id"), *(("pitch", cell) for cell in cells)])
+    read = [json.loads(line)["id"] for line in tables.scene_lines(asked).splitlines() if line]
+    assert read == FORMULAS
