@@ -85,22 +85,21 @@ def truth(scene):
     words = [{k: v for k, v in q.items() if not isinstance(v, list)} for q in (here, there)]
     if answer.doubt.least < NEAR or words[0] != words[1] or here.keys() != there.keys():
         return None
+    sizes = {k: max(1.0, math.hypot(*v)) for k, v in here.items() if isinstance(v, list)}
+    if "impact.energy_change" in sizes:  # a difference of works
+        work = abs(here["impact.impulse"][0] * here["contact.normal_speed"][0])
+        sizes["impact.energy_change"] = max(work, sizes["impact.energy_change"])
     conditions = {}
-    for name, value in here.items():
-        if isinstance(value, list):
-            block = name.partition(".")[0]
-            condition = math.dist(value, there[name]) / (MOVED * size(value))
-            conditions[block] = max(condition, conditions.get(block, 1.0))
+    for name, size in sizes.items():
+        block = name.partition(".")[0]
+        condition = math.dist(here[name], there[name]) / (MOVED * size)
+        conditions[block] = max(condition, conditions.get(block, 1.0))
     return {
-        name: Value(value, ERROR * (10 + conditions[name.partition(".")[0]]) * size(value))
-        if isinstance(value, list)
+        name: Value(value, ERROR * (10 + conditions[name.partition(".")[0]]) * sizes[name])
+        if name in sizes
         else Value(value)
         for name, value in here.items()
     }
-
-
-def size(value):
-    return max(1.0, math.hypot(*value))
 
 
 def differences(answer, true):
