@@ -8,7 +8,7 @@ INSTALLED := $(VENV)/.installed
 # The tests start hundreds of processes, which would each compile the package's sources.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report paper docs test coverage lint bench mutants clean
+.PHONY: report paper docs test nightly coverage lint bench mutants clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
@@ -21,6 +21,9 @@ docs: $(VENV)/.documented  ## write the documentation to docs/_build/html; no ne
 
 test: $(INSTALLED)  ## run the tests on all cores
 	$(BIN)/python -m pytest -n auto --dist worksteal
+
+nightly: $(INSTALLED)  ## compare all engines with the tests' oracle on 5,000 random scenes
+	$(BIN)/python -m tests.nightly --scenes 5000
 
 coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
 	$(BIN)/python -m pytest -n auto --cov --cov-report=term

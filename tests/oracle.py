@@ -1,403 +1,837 @@
-"""Truth for the tests: scenes solved in high precision, from the equations alone.
+"""The oracle: scenes of every kind and key solved once more, from `docs/model.md` alone.
 
-Nothing of longball is imported, and little is alike: a flight is flown in space, not in a plane,
-by Taylor series about as many times as it needs; events are found by Newton's method on the
-series. The numbers are balls (python-flint's `arb`), so the roundings carry their own proof; the
-series are cut where their terms fall below the precision asked for, which is no proof, and
-`test_oracle.py` holds it against exact results.
+The sections follow the page, with its equations beside the lines that compute them. Nothing of
+longball is imported, and no method is shared with it. Flights are flown in space by SciPy's
+DOP853, in steps that end wherever the law has a kink or a jump. Events are found by sampling the
+flight densely and by Brent's method. Formulas are in plain floats, term by term.
 
-A scene is the JSON object of the contract with every value written out, as a `dict`. Only the
-default reading is known here. Results have the contract's keys.
-
-Regular scenes only: the ball moves all the time, a pitch flies fast past the bat, and a batted
-ball does not touch the ground between two eighths of a step and rise again.
+A scene is the JSON object of the contract; what it leaves out is filled in here. `solve` returns an
+`Answer`: a result with the contract's keys, and the scene's distance from another outcome.
 """
 
-from operator import mul
+import math
+from bisect import bisect_left, bisect_right
+from itertools import pairwise
+from typing import NamedTuple
 
-import flint
-from flint import arb
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
 
-DIGITS = 40
+STEP = 0.04  # s, the longest step: the dense output is then as precise as the steps
+SAMPLES = 8  # of a step: two events within one of them are taken for none, or found as a dip
 
-
-def in_digits(digits):
-    """Compute with so many digits, and a dozen for the roundings (context, or decorator)."""
-    return flint.ctx.workdps(digits + 12)
-
-
-def vector(values):
-    return [arb(value) for value in values]
+# ---- vectors -------------------------------------------------------------------------------------
 
 
 def dot(a, b):
-    return sum(map(mul, a, b))
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a, b):
-    return [
+    return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
-    ]
-
-
-def length(a):
-    return dot(a, a).nonnegative_part().sqrt()  # a ball about zero has a negative side too
-
-
-def newton(function, guess):
-    """Root of a function that returns its value and its derivative, from a guess nearby."""
-    time = guess.mid()
-    close = arb(10) ** (-flint.ctx.dps // 2)
-    for _ in range(20):
-        value, rate = function(time)
-        step = (value / rate).mid()
-        time = (time - step).mid()
-        if abs(step) < close:  # the next step would be about the square of this one
-            return time
-    raise ArithmeticError("Newton's method does not converge")
-
-
-# ---- flights -------------------------------------------------------------------------------------
-
-
-def force_constants(scene):
-    """k_D, k_L (1/m) and g (m/s²), from m r'' = -½ C_D ρ A V² v̂ + ½ C_L ρ A V² n̂ + m g."""
-    air = scene["air"] or {"density": 0.0, "drag_coefficient": 0.0, "lift_coefficient": 0.0}
-    mass, radius = arb(scene["ball"]["mass"]), arb(scene["ball"]["radius"])
-    dynamic = arb(air["density"]) * arb.pi() * radius * radius / (2 * mass)
-    return (
-        dynamic * arb(air["drag_coefficient"]),
-        dynamic * arb(air["lift_coefficient"]),
-        arb(scene["gravity"]),
     )
 
 
-class Path:
-    """A flight as a chain of Taylor series in the time since launch.
+def length(a):
+    return math.sqrt(dot(a, a))
 
-    The lift's direction is n̂ = axis × v̂, with the axis of a backspin that is fixed at launch:
-    horizontal, and to the right of where the ball is heading; +x if it goes straight up or down.
+
+def times(factor, a):
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+def minus(a, b):
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+# ---- keys and defaults ---------------------------------------------------------------------------
+
+DEFAULTS = {
+    "ball": {"mass": 0.145, "radius": 0.0366, "restitution": 0.42, "inertia_factor": 0.4},
+    "air": {"density": 1.29, "drag_coefficient": 0.4, "lift_coefficient": 0.2},
+    "pitch": {"speed": 36.9125, "release": [18.44, 0.0, 1.8], "aim": [0.0, 1.8]},
+    "bat": {"mass": 0.9, "length": 1.0, "radius": 0.033, "tangential_restitution": 0.3},
+    "swing": {"angular_speed": 34.0, "tilt": math.pi / 36, "height_offset": 0.0},
+    "ground": {"height": 0.0},
+}
+READINGS = {
+    "effective_mass": "inertia_over_r_squared",
+    "bat_ball_restitution": "as_printed",
+    "reduced_mass": "bat_mass",
+    "inertia": "solid_cylinder",
+    "lift_direction": "fixed_spin_axis",
+    "ground_contact": "centre",
+    "slide_direction": "initial",
+    "spin_parameter": "transverse",
+    "drag_spin": "transverse",
+    "spin_decay": "path",
+    "wind_acts_on": "both",
+    "pressure": "sea_level",
+    "fence_clearance": "centre",
+    "distance_origin": "plate",
+}
+LAWS = {
+    "spin": {"constant": 0.3008, "per_spin": 2.788e-4},
+    "crisis": {"high_speed": 0.33, "low_speed": 0.5, "speed": 31.4, "width": 3.0, "per_spin": 0.0},
+    "rational": {"numerator": 1.12, "constant": 0.583, "slope": 2.333},
+    "linear": {"slope": 1.0},
+}
+WEATHER = {"temperature": 288.15, "pressure": 101325.0, "humidity": 0.0, "elevation": 0.0}
+
+
+def filled(scene):
+    """Write every default into a scene."""
+    full = {"gravity": 9.8, "time_limit": 60.0, "earth": None, "fence": None} | scene
+    for block, values in DEFAULTS.items():
+        if block == "air" and scene.get("air", {}) is None:
+            full["air"] = {"density": 0.0, "drag_coefficient": 0.0, "lift_coefficient": 0.0}
+        else:
+            full[block] = values | scene.get(block, {})
+    full["reading"] = READINGS | scene.get("reading", {})
+    return full
+
+
+# ---- air: density, wind, coefficients ------------------------------------------------------------
+
+
+def density(air, reading):
+    """ρ at height 0."""
+    if not isinstance(air["density"], dict):
+        return air["density"]
+    weather = WEATHER | air["density"]
+    kelvin, celsius = weather["temperature"], weather["temperature"] - 273.15
+    pressure = weather["pressure"]
+    if reading["pressure"] == "sea_level":
+        pressure *= math.exp(-1.217e-4 * weather["elevation"])
+    saturated = 611.16 * math.exp((18.687 - celsius / 234.5) * celsius / (257.14 + celsius))
+    dry = pressure - 0.3783 * weather["humidity"] * saturated
+    return 1.2929 * 273.15 / kelvin * dry / 101325
+
+
+def speed_of_sound(air):
+    """331.3 √(T/273.15), where there is a temperature."""
+    if not isinstance(air["density"], dict):
+        return math.nan
+    return 331.3 * math.sqrt((WEATHER | air["density"])["temperature"] / 273.15)
+
+
+def wind(of, z, above):
+    """W at a height; `above` tells on which side of the jump the ball is."""
+    if of is None:
+        return (0.0, 0.0, 0.0)
+    if not isinstance(of, dict):
+        return tuple(of)
+    if "above" in of:
+        return tuple(of["velocity"]) if above else (0.0, 0.0, 0.0)
+    rough = of.get("roughness", 0.03)
+    share = math.log((z + rough) / rough) / math.log((of["height"] + rough) / rough)
+    return times(share, of["velocity"])
+
+
+class Coefficient:
+    """C_D or C_L: a formula, or straight lines between the nodes of one argument.
+
+    On which of the lines the ball is, the flight tells: it changes at the ends of steps only.
     """
 
-    def __init__(self, position, velocity, constants, digits=DIGITS):
-        heading = [velocity[0], velocity[1], arb(0)]
-        if heading[0] == 0 and heading[1] == 0:
-            heading[0] = arb(1)
-        self.axis = [c / length(heading) for c in cross(heading, vector((0, 0, 1)))]
-        self.constants = constants
-        self.order = 2 * digits
-        self.smallest = arb(10) ** -(digits + 4)
-        self.pieces = []
-        self._expand(arb(0), position, velocity)
+    def __init__(self, given):
+        law = given if isinstance(given, dict) else {"law": "constant", "value": given}
+        self.keys = LAWS.get(law["law"], {}) | law
+        self.name, self.of, self.nodes = law["law"], None, []
+        if self.name == "table":
+            self.of, self.nodes, values = law["of"], law["at"], law["values"]
+            self.lines = [(values[0], 0.0)]
+            for (a, left), (b, right) in pairwise(zip(self.nodes, values, strict=True)):
+                slope = (right - left) / (b - a)
+                self.lines.append((left - slope * a, slope))
+            self.lines.append((values[-1], 0.0))
+        elif self.name == "bilinear":
+            self.of, self.nodes = "spin_parameter", [0.1]
+            self.lines = [(0.0, 1.5), (0.09, 0.6)]
 
-    def acceleration(self, v):
-        drag, lift, gravity = self.constants
-        speed, turning = length(v), cross(self.axis, v)
-        a = [speed * (lift * t - drag * c) for t, c in zip(turning, v, strict=True)]
-        return [a[0], a[1], a[2] - gravity]
+    def argument(self, U, S, sound):
+        return {"speed": U, "mach": U / sound, "spin_parameter": S}[self.of]
 
-    def _expand(self, start, position, velocity):
-        """Add the Taylor series about `start`: time, those of r and v, and how far they reach."""
-        drag, lift, gravity = self.constants
-        r, v = [[c] for c in position], [[c] for c in velocity]
-        speed = []
-        for n in range(self.order):
-            squared = sum(map(last_of_product, v, v))
-            if n == 0:
-                speed.append(squared.sqrt())
-            else:  # V·V = V²
-                inner = sum(map(mul, speed[1:], speed[:0:-1]))
-                speed.append((squared - inner) / (2 * speed[0]))
-            moving = [last_of_product(speed, c) for c in v]
-            turning = cross(self.axis, moving)
+    def value(self, U, S, spin, sound, piece):
+        c = self.keys
+        if self.nodes:
+            constant, slope = self.lines[piece]
+            return constant + slope * self.argument(U, S, sound)
+        if self.name == "spin":
+            return c["constant"] + c["per_spin"] * spin
+        if self.name == "crisis":
+            fall = 1 / (1 + math.exp((U - c["speed"]) / c["width"]))
+            at_speed = c["high_speed"] + (c["low_speed"] - c["high_speed"]) * fall
+            return at_speed + c["per_spin"] * spin
+        if self.name == "rational":
+            return c["numerator"] * S / (c["constant"] + c["slope"] * S)
+        if self.name == "linear":
+            return c["slope"] * S
+        return c["value"]
+
+
+# ---- flight --------------------------------------------------------------------------------------
+
+
+class Branch(NamedTuple):
+    """Smooth form of the law: it changes at the ends of steps only."""
+
+    above: bool  # the wind's height
+    drag: int  # line of the drag's table
+    lift: int
+    vertical: bool  # `always_up` after the ball has turned vertical
+
+
+class Law:
+    """The acceleration of a ball. A state is r, v and the path through the air since the launch."""
+
+    def __init__(self, scene, velocity, spin):
+        ball, air, reading = scene["ball"], scene["air"], scene["reading"]
+        self.radius, self.gravity, self.reading = ball["radius"], scene["gravity"], reading
+        # k = ρ A/(2m) at height 0, which falls as e^{-z/H}.
+        area = math.pi * ball["radius"] ** 2
+        self.k = density(air, reading) * area / (2 * ball["mass"])
+        self.scale_height = air.get("density_scale_height")
+        self.wind = air.get("wind")
+        self.drag = Coefficient(air["drag_coefficient"])
+        self.lift = Coefficient(air["lift_coefficient"])
+        self.sound = speed_of_sound(air)
+        self.spin, self.decay_length = spin, air.get("spin_decay_length")
+        # ê = (sin φ, -cos φ, 0), with the first velocity along (cos φ, sin φ).
+        level = math.hypot(velocity[0], velocity[1])
+        self.heading = (velocity[0] / level, velocity[1] / level) if level else (1.0, 0.0)
+        self.axis = (self.heading[1], -self.heading[0], 0.0)
+        self.rotation = (0.0, 0.0, 0.0)
+        if scene["earth"] is not None:
+            latitude, azimuth = scene["earth"]["latitude"], scene["earth"].get("azimuth", 0.0)
+            level = 7.292115e-5 * math.cos(latitude)
+            self.rotation = (
+                level * math.cos(azimuth),
+                level * math.sin(azimuth),
+                7.292115e-5 * math.sin(latitude),
+            )
+
+    def through_air(self, y, branch):
+        """u = v - W."""
+        return minus(y[3:6], wind(self.wind, y[2], branch.above))
+
+    def spin_at(self, t, y, branch):
+        """ω, which keeps its direction: e^{-s/L}, or e^{-t V_r/L}, or e^{-t U/L}."""
+        if self.decay_length is None or self.spin is None:
+            return self.spin
+        way = {
+            "path": lambda: y[6],
+            "time": lambda: t * 44.704,
+            "nathan": lambda: t * length(self.through_air(y, branch)),
+        }[self.reading["spin_decay"]]()
+        return times(math.exp(-way / self.decay_length), self.spin)
+
+    def parameters(self, spin, u):
+        """U, S and c = ω × u of a ball that moves with u."""
+        U = length(u)
+        if spin is None or U == 0:
+            return U, 0.0, (0.0, 0.0, 0.0)
+        c = cross(spin, u)
+        turning = length(c) / U if self.reading["spin_parameter"] == "transverse" else length(spin)
+        return U, self.radius * turning / U, c
+
+    def arguments(self, t, y, branch):
+        """Arguments of the tables of drag and lift."""
+        spin, u = self.spin_at(t, y, branch), self.through_air(y, branch)
+        lifted = u if self.reading["wind_acts_on"] == "both" else tuple(y[3:6])
+        found = []
+        for law, moving in ((self.drag, u), (self.lift, lifted)):
+            U, S, _ = self.parameters(spin, moving)
+            found.append(law.argument(U, S, self.sound) if law.nodes else 0.0)
+        return found
+
+    def branch_at(self, t, y, before=None):
+        """The branch of a state that is on no switch."""
+        above = isinstance(self.wind, dict) and "above" in self.wind and y[2] > self.wind["above"]
+        vertical = before.vertical if before else not (y[3] or y[4])
+        branch = Branch(above, 0, 0, vertical)
+        drag, lift = self.arguments(t, y, branch)
+        return branch._replace(
+            drag=bisect_right(self.drag.nodes, drag), lift=bisect_right(self.lift.nodes, lift)
+        )
+
+    def switches(self, t, y, branch):
+        """Name, value, lower and upper bound of what has to stay between them on this branch."""
+        if isinstance(self.wind, dict) and "above" in self.wind:
+            height = self.wind["above"]
+            yield ("above", y[2], *((height, math.inf) if branch.above else (-math.inf, height)))
+        for name, law, value in zip(
+            ("drag", "lift"), (self.drag, self.lift), self.arguments(t, y, branch), strict=True
+        ):
+            if law.nodes:
+                nodes, piece = [-math.inf, *law.nodes, math.inf], getattr(branch, name)
+                yield name, value, nodes[piece], nodes[piece + 1]
+        upwards = self.spin is None and self.reading["lift_direction"] == "always_up"
+        if upwards and not branch.vertical:
+            forward = self.heading[0] * y[3] + self.heading[1] * y[4]
+            yield "vertical", forward, 0.0, math.inf
+
+    def acceleration(self, t, y, branch):
+        """-k C_D U u + lift - g ẑ - 2 Ω × v."""
+        v = tuple(y[3:6])
+        total = [0.0, 0.0, -self.gravity]
+        for i, turned in enumerate(cross(self.rotation, v)):
+            total[i] -= 2 * turned
+        k = self.k * (math.exp(-y[2] / self.scale_height) if self.scale_height else 1.0)
+        if k == 0:
+            return total
+        spin, u = self.spin_at(t, y, branch), self.through_air(y, branch)
+        U, S, c = self.parameters(spin, u)
+        if U > 0:
+            whole = self.reading["drag_spin"] == "total"
+            turning = 0.0 if spin is None else length(spin) if whole else length(cross(spin, u)) / U
+            drag = self.drag.value(U, S, turning, self.sound, branch.drag)
             for i in range(3):
-                a = lift * turning[i] - drag * moving[i]
-                if n == 0 and i == 2:
-                    a -= gravity
-                r[i].append(v[i][n] / (n + 1))
-                v[i].append(a / (n + 1))
-        # The terms fall like those of a geometric series: where one is small, so are all after it.
-        # In balls, since near rest they are beyond the range of a double.
-        reach = arb(1)
-        for n in (self.order - 1, self.order):
-            size = max(abs(c[n]).upper() for c in v)
-            if size > self.smallest:
-                reach = min(reach, (self.smallest / size).root(n).mid())
-        self.pieces.append((start, r, v, reach))
+                total[i] -= k * drag * U * u[i]
+        # All of the lift is that of u, or of v.
+        moving = u if self.reading["wind_acts_on"] == "both" else v
+        U, S, c = self.parameters(spin, moving)
+        if U == 0:
+            return total
+        lift = self.lift.value(U, S, 0.0, self.sound, branch.lift)
+        direction = self.lift_direction(spin, moving, U, c, branch)
+        for i in range(3):
+            total[i] += k * lift * U * U * direction[i]
+        return total
 
-    def _go_on(self):
-        start, _, _, reach = self.pieces[-1]
-        end = (start + reach).mid()
-        self._expand(end, *self._evaluate(self.pieces[-1], end))
-
-    def _evaluate(self, piece, time):
-        start, r, v, _ = piece
-        t = time - start
-        return [horner(c, t) for c in r], [horner(c, t) for c in v]
-
-    def at(self, time):
-        """Position and velocity at a time since launch."""
-        while time > self.pieces[-1][0] + self.pieces[-1][3]:
-            self._go_on()
-        piece = next((p for p in reversed(self.pieces) if time >= p[0]), self.pieces[0])
-        return self._evaluate(piece, time)
-
-    def grid(self):
-        """Yield times since launch without end, eight to a series."""
-        index = 0
-        while True:
-            start, _, _, reach = self.pieces[index]
-            yield from ((start + reach * eighth / 8).mid() for eighth in range(1, 9))
-            index += 1
-            if index == len(self.pieces):
-                self._go_on()
-
-    def landing(self, floor, time_limit):
-        """Time of the first fall to a height; None if it does not come before the time limit."""
-
-        def height(time):
-            r, v = self.at(time)
-            return r[2] - floor, v[2]
-
-        above = arb(0)
-        for below in self.grid():
-            value, rate = height(below)
-            if value < 0 and rate < 0:
-                break
-            if below > time_limit:
-                return None
-            above = below
-        for _ in range(8):  # bisection, so that Newton's method cannot stray
-            middle = ((above + below) / 2).mid()
-            if height(middle)[0] < 0:
-                below = middle
-            else:
-                above = middle
-        time = newton(height, below)
-        return time if time <= time_limit else None
+    def lift_direction(self, spin, moving, U, c, branch):
+        if spin is None and self.reading["lift_direction"] == "always_up":
+            level = math.hypot(moving[0], moving[1])
+            if branch.vertical or level == 0:
+                return (0.0, 0.0, 0.0)
+            rise = moving[2] / (U * level)  # ẑ less its part along v, at length 1
+            return (-rise * moving[0], -rise * moving[1], level / U)
+        if spin is None:
+            return times(1 / U, cross(self.axis, moving))  # ê × u/U
+        if length(c) == 0:
+            return (0.0, 0.0, 0.0)
+        if self.reading["spin_parameter"] == "total":  # k R (C_L/S) c = k C_L U² c/(U ω)
+            return times(1 / (U * length(spin)), c)
+        return times(1 / length(c), c)
 
 
-def last_of_product(a, b):
-    """Coefficient of the product of two series, at the highest power that both are known to."""
-    return sum(map(mul, a, reversed(b)))
+class Unclear(Exception):
+    """A scene in which the page says nothing of what happens, or that it has no answer."""
 
 
-def horner(coefficients, t):
-    value = coefficients[-1]
-    for coefficient in coefficients[-2::-1]:
-        value = value * t + coefficient
-    return value
+class Flight:
+    """A ball's states at times since its start, until it is under the floor or `beyond` is true."""
 
+    def __init__(self, law, start, floor, limit, beyond=lambda y: False, longest=STEP):
+        self.law, self.floor, self.limit = law, floor, limit
+        self.beyond, self.longest = beyond, longest
+        t, y = 0.0, np.array([*start, 0.0])
+        branch = law.branch_at(t, y)
+        self.times, self.pieces, self.states = [t], [(lambda t, y=y: y, branch)], {t: y}
+        while t < limit and not self.over(y):
+            t, y, branch = self._fly(t, y, branch)
 
-# ---- pitch and bat -------------------------------------------------------------------------------
+    def over(self, y):
+        # A hair under the floor, so that a landing at the very height of a switch is passed, too.
+        return y[2] < self.floor - 1e-9 or self.beyond(y)
 
+    def _fly(self, t, y, branch):
+        """Fly on one branch to its end: time, state and branch to go on with."""
+        law = self.law
 
-class Throw:
-    """A pitch, where it crosses the plate, and how it passes a bat."""
+        def slopes(t, y):
+            return [*y[3:6], *law.acceleration(t, y, branch), length(law.through_air(y, branch))]
 
-    def __init__(self, scene, digits=DIGITS):
-        release, aim = vector(scene["pitch"]["release"]), vector(scene["pitch"]["aim"])
-        toward = [-release[0], aim[0] - release[1], aim[1] - release[2]]
-        speed = arb(scene["pitch"]["speed"]) / length(toward)
-        velocity = [speed * c for c in toward]
-        self.reach = arb(scene["ball"]["radius"]) + arb(scene["bat"]["radius"])
-        self.path = Path(release, velocity, force_constants(scene), digits)
+        solver = DOP853(slopes, t, y, self.limit, rtol=1e-13, atol=1e-14, max_step=self.longest)
+        while solver.status == "running" and not self.over(solver.y):
+            if isinstance(law.wind, dict) and "height" in law.wind:
+                # Below the roughness there is no profile: step to the ground by halves.
+                fall = (solver.y[2] - self.floor) / (2 * length(solver.y[3:6]) + 1e-9)
+                solver.max_step = min(self.longest, max(fall, 2e-5))
+            solver.step()
+            assert solver.status != "failed", "DOP853 finds no step"
+            dense = solver.dense_output()
+            grid = np.linspace(solver.t_old, solver.t, SAMPLES + 1)
+            for before, now, y in zip(grid, grid[1:], dense(grid[1:]).T, strict=False):
+                switch = self._switch(dense, before, now, y, branch)
+                self.times.append(now if switch is None else switch[0])
+                self.pieces.append((dense, branch))
+                if switch is not None:
+                    return switch
+                self.states[now] = y
+        return solver.t, solver.y, branch
 
-        def to_plate(time):
-            r, v = self.path.at(time)
-            return r[0], v[0]
+    def _switch(self, dense, before, now, y, branch):
+        """Time, state and next branch at the first switch of the law between two times, if any."""
+        law, first = self.law, None
+        for index, (name, value, low, high) in enumerate(law.switches(now, y, branch)):
+            if low <= value <= high:
+                continue
+            bound, step = (low, -1) if value < low else (high, 1)
 
-        self.plate_time = newton(to_plate, release[0] / -velocity[0])
-        self.plate = self.path.at(self.plate_time)
+            def outside(t, index=index, bound=bound, step=step):
+                value = list(law.switches(t, dense(t), branch))[index][1]
+                return step * (value - bound)
 
-    def bat_height(self, offset):
-        """z_b = z'_b + σ_b."""
-        return self.plate[0][2] + arb(offset)
-
-    def from_axis(self, time, bat_height):
-        """Vector from the bat's axis to the ball, and velocity, both across the axis."""
-        r, v = self.path.at(time)
-        return [r[0], arb(0), r[2] - bat_height], [v[0], arb(0), v[2]], self.path.acceleration(v)
-
-    def closest(self, bat_height):
-        """Time of the closest approach to the bat's axis, and the distance there."""
-
-        def radial_velocity(time):
-            d, v, a = self.from_axis(time, bat_height)
-            return dot(d, v), dot(v, v) + dot(d, a)
-
-        time = newton(radial_velocity, self.plate_time)
-        return time, length(self.from_axis(time, bat_height)[0])
-
-    def margin(self, offset):
-        """R + r_b minus the closest distance of the undisturbed pitch, m."""
-        return self.reach - self.closest(self.bat_height(offset))[1]
-
-    def offset_for(self, margin, side):
-        """Offset (a double, m) of a bat above (+1) or below (-1) the pitch that has this margin.
-
-        Rounding the offset to a double changes the margin: ask for it again.
-        """
-        wanted = self.reach - arb(margin)
-        offset = side * wanted
-        for _ in range(2):  # the first step is off by 1e-5 m, the second by the square of that
-            height = self.bat_height(offset)
-            time, distance = self.closest(height)
-            # The time is the best one, so that the distance changes with the bat's height alone.
-            slope = -self.from_axis(time, height)[0][2] / distance
-            offset = (offset - (distance - wanted) / slope).mid()
-        return float(offset)
-
-    def first_touching(self, bat_height):
-        """Time of the first touching; None if there is none."""
-        closest, distance = self.closest(bat_height)
-        if distance > self.reach:
+            # After a restart on the bound itself, the ball may seem to be a rounding outside.
+            time = brentq(outside, before, now, xtol=1e-15) if outside(before) < 0 else before
+            if first is None or time < first[0]:
+                first = (time, name, step)
+        if first is None:
             return None
+        time, name, step = first
+        y = dense(time)
+        if name == "vertical":
+            if length(law.rotation):
+                raise Unclear("always_up: a ball that turns vertical while the Earth turns")
+            y[3] = y[4] = 0.0
+            return time, y, branch._replace(vertical=True)
+        if name == "above":
+            # The airspeed jumps: the tables are read anew on the other side.
+            y[2] = math.nextafter(law.wind["above"], step * math.inf)
+            return time, y, law.branch_at(time, y, branch)
+        return time, y, branch._replace(**{name: getattr(branch, name) + step})
 
-        def depth(time):
-            d, v, _ = self.from_axis(time, bat_height)
-            return dot(d, d) - self.reach * self.reach, 2 * dot(d, v)
+    def at(self, t):
+        """State at a time."""
+        if t not in self.states:
+            self.states[t] = self.pieces[bisect_left(self.times, t)][0](t)
+        return self.states[t]
 
-        half_chord = (self.reach * self.reach - distance * distance).sqrt()
-        time = newton(depth, closest - half_chord / length(self.path.at(closest)[1]))
-        assert time < closest
-        return time
+    def spin(self, t, doubt):
+        """ω at a time, in the air in which the ball has come there."""
+        y, law = self.at(t), self.law
+        if law.reading["spin_decay"] == "nathan" and isinstance(law.wind, dict):
+            doubt.weigh("the wind in which a spin is told", y[2] - law.wind.get("above", math.inf))
+        return law.spin_at(t, y, self.pieces[bisect_left(self.times, t)][1])
+
+
+# ---- events --------------------------------------------------------------------------------------
+
+
+class Doubt:
+    """The least distance of a scene from another outcome, in SI units."""
+
+    def __init__(self):
+        self.least, self.question = math.inf, "nothing"
+
+    def weigh(self, question, distance):
+        if not abs(distance) >= self.least:
+            self.least, self.question = abs(distance), question
+
+
+def falls(value, rate, times, doubt, question):
+    """Yield the times at which a function of time falls through zero; dips between samples, too.
+
+    Of the rate only the sign matters.
+    """
+    before, height, slope = times[0], value(times[0]), rate(times[0])
+    for now in times[1:]:
+        height_now, slope_now = value(now), rate(now)
+        if height > 0 >= height_now:
+            yield brentq(value, before, now, xtol=1e-15)
+        elif height > 0 and slope < 0 < slope_now:
+            bottom = brentq(rate, before, now, xtol=1e-15)
+            doubt.weigh(question, value(bottom))
+            if value(bottom) < 0:
+                yield brentq(value, before, bottom, xtol=1e-15)
+        before, height, slope = now, height_now, slope_now
+
+
+def first_fall(value, rate, times, doubt, question):
+    return next(falls(value, rate, times, doubt, question), None)
+
+
+def landing_time(flight, doubt):
+    """Time at which the centre falls through the floor: 0, if it starts there and does not rise."""
+    start = flight.at(0.0)
+    if start[2] == flight.floor:
+        rise = start[5] or flight.law.acceleration(0.0, start, flight.law.branch_at(0.0, start))[2]
+        doubt.weigh("a start on the ground", rise)
+        if rise <= 0:
+            return 0.0
+    time = first_fall(
+        lambda t: flight.at(t)[2] - flight.floor,
+        lambda t: flight.at(t)[5],
+        flight.times,
+        doubt,
+        "a dip to the ground",
+    )
+    if time is not None:
+        doubt.weigh("landing at the time limit", time - flight.limit)
+    return time
+
+
+# ---- pitch ---------------------------------------------------------------------------------------
+
+
+def thrown(scene):
+    """First velocity of a pitch: given, or V₀ towards the point aimed at."""
+    pitch = scene["pitch"]
+    if "velocity" in pitch:
+        return tuple(pitch["velocity"])
+    way = minus((0.0, *pitch["aim"]), pitch["release"])
+    return times(pitch["speed"] / length(way), way)
+
+
+def floor_of(scene):
+    """Height of the ball's centre when it lands."""
+    surface = scene["reading"]["ground_contact"] == "surface"
+    return scene["ground"]["height"] + (scene["ball"]["radius"] if surface else 0.0)
+
+
+def plate_of(flight, doubt):
+    """The first crossing of x = 0, unless the pitch lands before; and the outcome of a pitch."""
+    time = first_fall(
+        lambda t: flight.at(t)[0], lambda t: flight.at(t)[3], flight.times, doubt, "the plate"
+    )
+    landing = landing_time(flight, doubt)
+    if time is not None and landing is not None:
+        doubt.weigh("plate or ground", (time - landing) * 30)
+    if landing is not None and (time is None or landing < time):
+        return None, "grounded"
+    if time is None:
+        return None, "airborne"
+    doubt.weigh("plate at the time limit", time - flight.limit)
+    y = flight.at(time)
+    return {"time": time, "position": y[:3], "velocity": y[3:6]}, "crossed"
+
+
+def touching(flight, height, reach, doubt):
+    """First time at R + r_b from the bat's axis, if any, and the margin, over the search."""
+
+    def gap(t):
+        y = flight.at(t)
+        return math.hypot(y[0], y[2] - height) - reach
+
+    def opening(t):
+        y = flight.at(t)
+        return y[0] * y[3] + (y[2] - height) * y[5]
+
+    passed = first_fall(
+        lambda t: flight.at(t)[0] + reach, lambda t: flight.at(t)[3], flight.times, doubt, "the bat"
+    )
+    ends = [t for t in (passed, landing_time(flight, doubt), flight.times[-1]) if t is not None]
+    end = min(ends)
+    # Past the bat the ball flies some centimetres: finer samples than those of the flight.
+    coarse = [t for t in flight.times if t < end]
+    fine = np.linspace(next((t for t in coarse if flight.at(t)[0] < 4), end), end, 400)
+    samples = sorted({*coarse, *fine})
+    closest = min(samples, key=gap)
+    around = samples.index(closest)
+    low, high = samples[max(around - 1, 0)], samples[min(around + 1, len(samples) - 1)]
+    if opening(low) < 0 < opening(high):
+        closest = brentq(opening, low, high, xtol=1e-15)
+    margin = -gap(closest)
+    doubt.weigh("a graze", margin)
+    return first_fall(gap, opening, samples, Doubt(), ""), margin
+
+
+# ---- contact and impact --------------------------------------------------------------------------
+
+
+def bat_inertia(scene):
+    """I about B, and J about the middle, both across the axis, as the reading `inertia` has it."""
+    bat = scene["bat"]
+    M, L, rb = bat["mass"], bat["length"], bat["radius"]
+    thick = 0.0 if scene["reading"]["inertia"] == "thin_rod" else rb**2 / 4
+    middle = M * (L**2 / 12 + thick)
+    if scene["reading"]["inertia"] == "about_centre":
+        return middle, middle
+    return M * (L**2 / 3 + thick), middle
+
+
+def contact_of(scene, normal, position, velocity):
+    """n, V_b and Ṽ·n."""
+    swing = scene["swing"]
+    theta, arm = swing["tilt"], scene["bat"]["length"] / 2 - position[1]
+    speed = swing["angular_speed"] * arm
+    bat_velocity = (speed * math.cos(theta), 0.0, speed * math.sin(theta))
+    return {
+        "position": position,
+        "normal": normal,
+        "bat_velocity": bat_velocity,
+        "normal_speed": dot(minus(velocity, bat_velocity), normal),
+    }
+
+
+def collide(scene, contact, velocity, spin, doubt):
+    """The impulse on the ball, by the readings of its size, and with friction."""
+    ball, bat, reading = scene["ball"], scene["bat"], scene["reading"]
+    m, M, y = ball["mass"], bat["mass"], contact["position"][1]
+    n, bat_velocity, closing = (contact[k] for k in ("normal", "bat_velocity", "normal_speed"))
+    arm = bat["length"] / 2 - y
+    about_pivot, about_middle = bat_inertia(scene)
+    if bat.get("support") == "free":
+        effective = 1 / (1 / M + y**2 / about_middle)
+    elif reading["effective_mass"] == "as_printed":
+        effective = about_pivot / arm
+    else:
+        effective = about_pivot / arm**2
+    e, struck = ball["restitution"], M
+    if reading["bat_ball_restitution"] == "as_printed":
+        e = e * (1 + m / effective) + m / effective
+        if reading["reduced_mass"] == "effective_mass":
+            struck = effective
+    elif reading["bat_ball_restitution"] == "nathan":
+        struck = effective
+    mu = 1 / (1 / m + 1 / struck)
+    impact = {"restitution": e}
+    if "friction" in bat:
+        P, impact["spin"], more = rub(scene, contact, velocity, spin, e, mu, doubt)
+        impact |= more
+    else:
+        P = -mu * (1 + e) * closing * np.array(n)
+        impact["impulse"] = -mu * (1 + e) * closing
+        impact["energy_change"] = -mu * (1 - e**2) * closing**2 / 2
+        if spin is not None:
+            impact |= {"spin": spin, "mode": "frictionless"}
+    after = np.array(velocity) + P / m
+    impact["velocity"] = after
+    # A bat that swings on strikes again a ball that leaves more slowly than the bat came.
+    ahead = dot(after, n) - dot(bat_velocity, n)
+    together = sum(map(abs, velocity)) + sum(map(abs, bat_velocity))
+    doubt.weigh("recontact", abs(ahead) / together - 1e-6)
+    if abs(ahead) < 1e-6 * together:
+        impact["recontact"] = "possible"
+    elif ahead < 0:
+        impact["recontact"] = "certain"
+    return impact
+
+
+def rub(scene, contact, velocity, spin, e, mu, doubt):
+    """The oblique impact: the impulse P, the spin after it, and what else the result tells."""
+    ball, bat, swing = scene["ball"], scene["bat"], scene["swing"]
+    m, R, M, L, rb = ball["mass"], ball["radius"], bat["mass"], bat["length"], bat["radius"]
+    inertia, theta, friction = ball["inertia_factor"] * m * R**2, swing["tilt"], bat["friction"]
+    n, V, Vb = (np.array(v) for v in (contact["normal"], velocity, contact["bat_velocity"]))
+    before = np.zeros(3) if spin is None else np.array(spin)
+    turning = swing["angular_speed"] * np.array([-math.sin(theta), 0.0, math.cos(theta)])
+    g = V + np.cross(before, -R * n) - Vb - np.cross(turning, rb * n)
+    # K = 1/m + R²/I (1 - n nᵀ) + K_bat, with 1/μ in place of n·K n.
+    about_pivot, about_middle = bat_inertia(scene)
+    free = bat.get("support") == "free"
+    across = about_middle if free else about_pivot
+    to_axis = np.array([0.0, contact["position"][1] - (0.0 if free else L / 2), 0.0])
+    r = to_axis + rb * n
+    by_r = np.array([[0, -r[2], r[1]], [r[2], 0, -r[0]], [-r[1], r[0], 0]])
+    K = np.eye(3) / m + R**2 / inertia * (np.eye(3) - np.outer(n, n))
+    K += by_r.T @ np.diag([1 / across, 2 / (M * rb**2), 1 / across]) @ by_r
+    if free:
+        K += np.eye(3) / M
+    K += (1 / mu - n @ K @ n) * np.outer(n, n)
+    # Grip: K P = -[(1 + ẽ)(g·n) n + (1 + e_T) g_t].
+    slip = g - (g @ n) * n
+    grip = -np.linalg.solve(K, (1 + e) * (g @ n) * n + (1 + bat["tangential_restitution"]) * slip)
+    across_n = grip - (grip @ n) * n
+    margin = 1 - np.linalg.norm(across_n) / (friction * (grip @ n))
+    doubt.weigh("grip or slide", margin)
+    doubt.weigh("no normal impulse of a grip", grip @ n)
+    mode, P = "grip", grip
+    if not np.linalg.norm(across_n) <= friction * (grip @ n):
+        final = scene["reading"]["slide_direction"] == "final"
+        along = -across_n if final else slip
+        size = np.linalg.norm(along)
+        along = along / size if size else along
+        pushing = n @ K @ (n - friction * along)
+        doubt.weigh("jamming", pushing * mu)
+        if pushing <= 0:
+            raise Unclear("ball and bat jam")
+        mode, P = "slide", -(1 + e) * (g @ n) / pushing * (n - friction * along)
+    spin = before - R / inertia * np.cross(n, P)
+    return (
+        P,
+        spin,
+        {
+            "mode": mode,
+            "friction_margin": margin,
+            "impulse": P @ n,
+            "energy_change": P @ (g + K @ P / 2),
+        },
+    )
+
+
+# ---- fence ---------------------------------------------------------------------------------------
+
+
+def is_fair(y, doubt):
+    doubt.weigh("fair or foul", abs(y[1]) - y[0])
+    return bool(abs(y[1]) <= y[0])
+
+
+def fence_crossings(scene, flight, doubt):
+    """Yield time, height of the fence, segment and margin of the crossings of each chord."""
+    fence = scene["fence"]
+    if "radius" in fence:
+        time = first_fall(
+            lambda t: fence["radius"] - math.hypot(*flight.at(t)[:2]),
+            lambda t: -(flight.at(t)[:2] @ flight.at(t)[3:5]),
+            flight.times,
+            doubt,
+            "a touch of the circle",
+        )
+        if time is not None:
+            yield time, 0.0, 0, None
+        return
+    for segment, (a, b) in enumerate(pairwise(fence["polyline"])):
+        along = np.array(b[:2]) - a[:2]
+        chord = np.hypot(*along)
+        if chord == 0:
+            continue  # the height steps
+
+        def inside(t, a=a, along=along, chord=chord):
+            r = flight.at(t)[:2] - a[:2]
+            return -(along[0] * r[1] - along[1] * r[0]) / chord
+
+        def inward(t, along=along, chord=chord):
+            v = flight.at(t)[3:5]
+            return -(along[0] * v[1] - along[1] * v[0]) / chord
+
+        for time in falls(inside, inward, flight.times, Doubt(), ""):
+            part = (flight.at(time)[:2] - a[:2]) @ along / chord**2
+            doubt.weigh("a vertex of the fence", min(abs(part), abs(1 - part)) * chord)
+            if 0 <= part < 1:
+                height = a[2] + part * (b[2] - a[2])
+                yield time, height, segment, min(part, 1 - part) * chord
+
+
+def fence_of(scene, flight, landing, doubt):
+    """The crossing by which the ball leaves the field before it lands, if it does."""
+    if scene["fence"] is None:
+        return None
+    crossings = sorted(fence_crossings(scene, flight, doubt), key=lambda found: found[0])
+    for time, height, segment, margin in crossings:
+        if landing is not None:
+            doubt.weigh("ground or fence", (time - landing) * 30)
+        if landing is None or time < landing:
+            doubt.weigh("fence at the time limit", time - flight.limit)
+            y = flight.at(time)
+            surface = scene["reading"]["fence_clearance"] == "surface"
+            clearance = y[2] - height - (scene["ball"]["radius"] if surface else 0.0)
+            doubt.weigh("over the fence", clearance)
+            block = {"time": time, "position": y[:3], "velocity": y[3:6], "clearance": clearance}
+            block["segment"] = segment
+            return block | ({} if margin is None else {"margin": margin})
+    return None
 
 
 # ---- scenes --------------------------------------------------------------------------------------
 
 
-def solve(scene, digits=DIGITS):
-    """Result of a scene, with `arb` for numbers."""
-    assert scene["reading"] == {}, "only the default reading is known here"
-    kinds = {"flight": _flight, "pitch": _pitch, "impact": _impact, "at-bat": _at_bat}
-    with in_digits(digits):
-        return kinds[scene["kind"]](scene, digits)
+class Answer(NamedTuple):
+    result: dict
+    doubt: Doubt
 
 
-def errors(found, truth, digits=DIGITS):
-    """Yield key and difference, a double, of all numbers of two results that tell the same."""
-    assert set(found) - {"id", "engine"} == set(truth)
-    for key, value in truth.items():
-        if isinstance(value, dict):
-            yield from ((f"{key}.{inner}", e) for inner, e in errors(found[key], value, digits))
-        elif isinstance(value, str):
-            assert found[key] == value
-        else:
-            pairs = zip(found[key], value, strict=True) if isinstance(value, list) else None
-            for one, true in pairs or [(found[key], value)]:
-                with in_digits(digits):
-                    yield key, float((arb(one) - true).mid())
+def solve(scene, longest=STEP):
+    """Result of a scene, and its distance from another outcome."""
+    scene, doubt = filled(scene), Doubt()
+    kinds = {"flight": of_flight, "pitch": of_pitch, "impact": of_impact, "at-bat": of_at_bat}
+    return Answer(kinds[scene["kind"]](scene, doubt, longest), doubt)
 
 
-def _flight(scene, digits):
+def of_flight(scene, doubt, longest):
     launch = scene["launch"]
-    landing = _landing(
-        scene, vector(launch["position"]), vector(launch["velocity"]), arb(0), digits
+    ball = tuple(launch["position"]), tuple(launch["velocity"]), launch.get("spin")
+    return fly_out(scene, "landed", ball, 0.0, doubt, longest)
+
+
+def of_pitch(scene, doubt, longest):
+    flight = pitched(scene, 0.0, longest)
+    plate, outcome = plate_of(flight, doubt)
+    return {"outcome": outcome} | ({"plate": plate} if plate else {})
+
+
+def pitched(scene, reach, longest):
+    """A pitch, until it has passed x = -reach."""
+    velocity = thrown(scene)
+    return Flight(
+        Law(scene, velocity, scene["pitch"].get("spin")),
+        (*scene["pitch"]["release"], *velocity),
+        floor_of(scene),
+        scene["time_limit"],
+        lambda y: y[0] < -reach,
+        longest,
     )
-    return {"outcome": "landed" if landing else "airborne"} | landing
 
 
-def _landing(scene, position, velocity, start, digits):
-    path = Path(position, velocity, force_constants(scene), digits)
-    floor = arb(scene["ground"]["height"])
-    time = path.landing(floor, arb(scene["time_limit"]))
-    if time is None:
-        return {}
-    r, v = path.at(time)
-    return {
-        "landing": {
-            "time": start + time,
-            "hang_time": time,
-            "position": r,
-            "velocity": v,
-            "distance": (r[0] * r[0] + r[1] * r[1]).sqrt(),
-        }
-    }
-
-
-def _pitch(scene, digits):
-    throw = Throw(scene | {"bat": {"radius": 0.0}}, digits)
-    return {"outcome": "crossed", "plate": _plate(throw)}
-
-
-def _plate(throw):
-    r, v = throw.plate
-    return {"time": throw.plate_time, "position": r, "velocity": v}
-
-
-def _impact(scene, digits):
+def of_impact(scene, doubt, _):
     incoming = scene["incoming"]
-    blow, impact = _collision(
-        scene,
-        vector(incoming["position"]),
-        vector(incoming["velocity"]),
-        arb(incoming["bat_height"]),
-    )
-    if not blow:
+    position, velocity = tuple(incoming["position"]), tuple(incoming["velocity"])
+    doubt.weigh("the bat's end", abs(position[1]) - scene["bat"]["length"] / 2)
+    if abs(position[1]) >= scene["bat"]["length"] / 2:
         return {"outcome": "beyond_bat"}
-    return {"outcome": "struck" if impact else "separating", "contact": blow} | impact
+    normal = (position[0], 0.0, position[2] - incoming["bat_height"])
+    contact = contact_of(scene, times(1 / length(normal), normal), position, velocity)
+    doubt.weigh("closing or separating", contact["normal_speed"])
+    if contact["normal_speed"] >= 0:
+        return {"outcome": "separating", "contact": contact}
+    impact = collide(scene, contact, velocity, incoming.get("spin"), doubt)
+    return {"outcome": "struck", "contact": contact, "impact": impact}
 
 
-def _at_bat(scene, digits):
-    throw = Throw(scene, digits)
-    height = throw.bat_height(scene["swing"]["height_offset"])
-    time = throw.first_touching(height)
-    contact = {"margin": throw.margin(scene["swing"]["height_offset"])}
-    known = {"plate": _plate(throw), "contact": contact}
+def of_at_bat(scene, doubt, longest):
+    reach = scene["ball"]["radius"] + scene["bat"]["radius"]
+    flight = pitched(scene, reach, longest)
+    plate, outcome = plate_of(flight, doubt)
+    if plate is None:
+        return {"outcome": outcome}
+    height = plate["position"][2] + scene["swing"]["height_offset"]
+    time, margin = touching(flight, height, reach, doubt)
+    contact = {"margin": margin}
+    known = {"plate": plate, "contact": contact}
     if time is None:
         return {"outcome": "missed"} | known
-    position, velocity = throw.path.at(time)
+    y = flight.at(time)
+    position, velocity = tuple(y[:3]), tuple(y[3:6])
     contact |= {"time": time, "position": position}
-    blow, impact = _collision(scene, position, velocity, height)
-    contact |= blow
-    if not blow:
+    doubt.weigh("the bat's end", abs(y[1]) - scene["bat"]["length"] / 2)
+    if abs(y[1]) >= scene["bat"]["length"] / 2:
         return {"outcome": "beyond_bat"} | known
-    if not impact:
+    normal = times(1 / reach, (y[0], 0.0, y[2] - height))
+    contact |= contact_of(scene, normal, position, velocity)
+    doubt.weigh("closing or separating", contact["normal_speed"])
+    if contact["normal_speed"] >= 0:
         return {"outcome": "separating"} | known
-    landing = _landing(scene, position, impact["impact"]["velocity"], time, digits)
-    return {"outcome": "batted" if landing else "airborne"} | known | impact | landing
+    impact = collide(scene, contact, velocity, flight.spin(time, doubt), doubt)
+    ball = position, tuple(impact["velocity"]), impact.get("spin")
+    return known | {"impact": impact} | fly_out(scene, "batted", ball, time, doubt, longest)
 
 
-def _collision(scene, position, velocity, bat_height):
-    """Contact and impact: nothing beyond the bat's ends, contact alone if the two separate."""
-    ball, bat, swing = scene["ball"], scene["bat"], scene["swing"]
-    m, mass = arb(ball["mass"]), arb(bat["mass"])
-    bat_length, radius = arb(bat["length"]), arb(bat["radius"])
-    if not abs(position[1]) < bat_length / 2:
-        return {}, {}
-    d = [position[0], arb(0), position[2] - bat_height]
-    normal = [c / length(d) for c in d]
-    omega, tilt = arb(swing["angular_speed"]), arb(swing["tilt"])
-    from_b = [arb(0), position[1] - bat_length / 2, arb(0)]
-    bat_velocity = cross([-omega * tilt.sin(), arb(0), omega * tilt.cos()], from_b)
-    relative = [a - b for a, b in zip(velocity, bat_velocity, strict=True)]
-    normal_speed = dot(relative, normal)
-    contact = {
-        "position": position,
-        "normal": normal,
-        "bat_velocity": bat_velocity,
-        "normal_speed": normal_speed,
-    }
-    if not normal_speed < 0:
-        return contact, {}
-    inertia = mass * (bat_length**2 / 3 + radius**2 / 4)
-    ratio = m * dot(from_b, from_b) / inertia  # m/M_eff with M_eff = I/r̃²
-    restitution = arb(ball["restitution"]) * (1 + ratio) + ratio
-    impulse = -(1 + restitution) * normal_speed / (1 / m + 1 / mass)
-    after = [v + impulse / m * n for v, n in zip(velocity, normal, strict=True)]
-    bat_after = [v - impulse / mass * n for v, n in zip(bat_velocity, normal, strict=True)]
-
-    def energy(ball_velocity, of_bat):
-        return (m * dot(ball_velocity, ball_velocity) + mass * dot(of_bat, of_bat)) / 2
-
-    return contact, {
-        "impact": {
-            "restitution": restitution,
-            "impulse": impulse,
-            "velocity": after,
-            "energy_change": energy(after, bat_after) - energy(velocity, bat_velocity),
+def fly_out(scene, landed, ball, start, doubt, longest):
+    """Fly a launched or batted ball to fence and ground."""
+    position, velocity, spin = ball
+    law = Law(scene, velocity, spin)
+    flight = Flight(
+        law, (*position, *velocity), floor_of(scene), scene["time_limit"], longest=longest
+    )
+    time = landing_time(flight, doubt)
+    fence = fence_of(scene, flight, time, doubt)
+    found = {}
+    if fence:
+        found["fence"] = fence | {"time": start + fence["time"]}
+        if fence["clearance"] <= 0:
+            return {"outcome": "wall"} | found
+    if time is not None:
+        y = flight.at(time)
+        origin = (0.0, 0.0) if scene["reading"]["distance_origin"] == "plate" else position
+        found["landing"] = {
+            "time": start + time,
+            "hang_time": time,
+            "position": y[:3],
+            "velocity": y[3:6],
+            "distance": math.hypot(y[0] - origin[0], y[1] - origin[1]),
         }
-    }
+        if spin is not None:
+            found["landing"]["spin"] = flight.spin(time, doubt)
+            if law.decay_length is not None and scene["reading"]["spin_decay"] == "path":
+                found["landing"]["path"] = y[6]
+        if scene["fence"] is not None:
+            found["landing"]["fair"] = is_fair(fence["position"] if fence else y, doubt)
+    if fence and ("radius" in scene["fence"] or is_fair(fence["position"], doubt)):
+        return {"outcome": "home_run"} | found
+    return {"outcome": "airborne" if time is None else landed} | found

@@ -2,7 +2,7 @@
 
 The margin is positive where ball and bat touch. The engine decides its sign beyond the limit that
 `contact.margin_error` states, and says that it cannot below. Here 10,000 pitches drawn from the
-paper's distributions and 2,000 grazing ones are decided a second time by `tests.oracle`, which
+paper's distributions and 2,000 grazing ones are decided a second time by `tests.precise`, which
 takes a pitch as one Taylor series of 20 digits, in numbers that carry their roundings: margins are
 known to 1e-20 m, while the smallest asked for is 2e-14 m, and the engine's limit near 1e-14 m.
 """
@@ -23,7 +23,7 @@ from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_of, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.scene import Air, AtBatScene, InvalidScene, Pitch, Swing, parse_scene
-from tests import oracle
+from tests import precise
 
 ENGINE = Ivp()
 DIGITS = 20
@@ -80,8 +80,8 @@ def test_pitches_of_the_paper(chunk):
     decided = 0
     for _ in range(PITCHES):
         scene = at_bat(pitch_of_the_paper(rng), rng.normal(0, 0.0366))
-        with oracle.in_digits(DIGITS):
-            throw = oracle.Throw(as_data(scene), DIGITS)
+        with precise.in_digits(DIGITS):
+            throw = precise.Throw(as_data(scene), DIGITS)
             if throw.plate[0][2] < 0:  # a slow ball comes down before the plate
                 assert approach_of(scene, ENGINE) is None
                 continue
@@ -98,8 +98,8 @@ def test_grazing_pitches(chunk):
     for size in np.geomspace(1e-3, 2e-14, GRAZES):
         pitch = pitch_of_the_paper(rng)
         sign, side = rng.choice([-1, 1], 2).tolist()
-        with oracle.in_digits(DIGITS):
-            throw = oracle.Throw(as_data(at_bat(pitch, 0.0)), DIGITS)
+        with precise.in_digits(DIGITS):
+            throw = precise.Throw(as_data(at_bat(pitch, 0.0)), DIGITS)
             offset = throw.offset_for(sign * size, side)
             margin = throw.margin(offset)  # of the offset as a double
             assert abs(margin - arb(sign * size)) < 2e-17
@@ -112,8 +112,8 @@ def test_below_the_limit_it_cannot_be_decided(size, sign):
     rng = np.random.default_rng(17)
     for side in (-1, 1) * 5:
         pitch = pitch_of_the_paper(rng)
-        with oracle.in_digits(DIGITS):
-            throw = oracle.Throw(as_data(at_bat(pitch, 0.0)), DIGITS)
+        with precise.in_digits(DIGITS):
+            throw = precise.Throw(as_data(at_bat(pitch, 0.0)), DIGITS)
             offset = throw.offset_for(sign * size, side)
         scene = at_bat(pitch, offset)
         found = solve(scene, ENGINE)
@@ -164,17 +164,17 @@ def test_steep_pitches_by_every_method(method, tolerance):
         if reference is None or reference.height < 0.3:
             continue
         crossed += 1
-        with oracle.in_digits(DIGITS):
-            throw = oracle.Throw(as_data(scene), DIGITS)
+        with precise.in_digits(DIGITS):
+            throw = precise.Throw(as_data(scene), DIGITS)
             pitch = approach_of(scene, engine).pitch
             state, (r, v) = pitch.flight.state, throw.plate
             for found, true in (
                 (pitch.frame.position(state), r),
                 (pitch.frame.velocity(state), v),
             ):
-                off = oracle.length([arb(a) - b for a, b in zip(found, true, strict=True)])
+                off = precise.length([arb(a) - b for a, b in zip(found, true, strict=True)])
                 # A place is as far from where it came from as 18 m.
-                assert off < engine.flight_error * max(oracle.length(true), arb(18))
+                assert off < engine.flight_error * max(precise.length(true), arb(18))
             assert_decided_rightly(scene, throw.margin(scene.swing.height_offset), engine)
 
 
@@ -250,8 +250,8 @@ def test_the_margin_of_a_miss_is_taken_until_the_ball_has_passed_the_bat():
         -0.1642,
         air=Air(drag_coefficient=0.4033, lift_coefficient=0.158),
     )
-    with oracle.in_digits(DIGITS):
-        closest = oracle.Throw(as_data(scene), DIGITS).margin(scene.swing.height_offset)
+    with precise.in_digits(DIGITS):
+        closest = precise.Throw(as_data(scene), DIGITS).margin(scene.swing.height_offset)
     margin, truth = (solve(scene, engine).contact.margin for engine in (ENGINE, Enclosure(20)))
     assert margin == pytest.approx(float(truth), abs=1e-11)
     assert float(closest) - margin == pytest.approx(1.4e-3, abs=1e-4)

@@ -1,7 +1,7 @@
 """Proven bounds: they hold the truth, they are narrow, and what is open is said to be open.
 
 Truth comes from closed forms and invariants (`longball.model.exact`), from an extrapolation method
-in mpmath that is written here, and for whole at-bats from `tests/oracle.py`.
+in mpmath that is written here, and for whole at-bats from `tests/precise.py`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from longball.model.scene import (
     PitchScene,
     Swing,
 )
-from tests import oracle
+from tests import precise
 
 ENGINE = Enclosure(30)
 
@@ -164,13 +164,13 @@ REGULAR = [
 
 
 @pytest.mark.parametrize("scene", REGULAR)
-def test_results_hold_what_the_oracle_finds(scene):
+def test_results_hold_what_high_precision_finds(scene):
     found = solve(scene, ENGINE)
-    truth = dict(numbers_of(oracle.solve(scene.model_dump() | {"reading": {}})))
+    truth = dict(numbers_of(precise.solve(scene.model_dump() | {"reading": {}})))
     numbers = dict(numbers_of(found))
     assert numbers.keys() == truth.keys()
     for key, bounded in numbers.items():
-        # The oracle is good to 40 digits, relative to the at-bat's lengths, speeds and times.
+        # That is good to 40 digits, relative to the at-bat's lengths, speeds and times.
         off = distance(bounded, fraction(truth[key]))
         assert off <= Fraction(bounded.radius) + Fraction(1, 10**36), key
 
@@ -244,8 +244,8 @@ def test_doubles_agree(scene):
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_graze_is_decided(exponent, side, sign):
     scene = at_bat()
-    with oracle.in_digits(40):
-        throw = oracle.Throw(scene.model_dump())
+    with precise.in_digits(40):
+        throw = precise.Throw(scene.model_dump())
         offset = throw.offset_for(sign * 10.0**-exponent, side)
         margin = throw.margin(offset)
         assert sign * margin > 0

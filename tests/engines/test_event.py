@@ -3,7 +3,7 @@
 A flight that touches a surface and turns back dips below it for a moment, or stays as little short
 of it. Here are such flights, from 1e-3 to 1e-13 beyond each surface and as far short of it, most of
 them with a turning point that is known exactly: by a closed form, by an invariant, or in 25 digits
-by `tests.oracle`. Double precision finds the event, or not, or says that it cannot tell; the
+by `tests.precise`. Double precision finds the event, or not, or says that it cannot tell; the
 enclosure tells them all.
 """
 
@@ -30,7 +30,7 @@ from longball.model.frame import Frame
 from longball.model.law import GRAVITY, Force, PlaneState, law_with
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
-from tests import oracle
+from tests import precise
 
 IVP, ENCLOSURE = Ivp(), Enclosure(30)
 ENGINES = pytest.mark.parametrize("engine", [IVP, ENCLOSURE], ids=["ivp", "enclosure"])
@@ -144,18 +144,18 @@ def through_the_air(rng):
             break
     s, z, u, w = map(arb, start)
     constants = [arb(strengths[name]) for name in ("drag", "lift", "gravity")]
-    precise = oracle.Path([s, arb(0), z], [u, arb(0), w], constants, DIGITS)
+    path = precise.Path([s, arb(0), z], [u, arb(0), w], constants, DIGITS)
 
     def turn(axis, guess):
         def rate(time):
-            _, v = precise.at(time)
-            return v[axis], precise.acceleration(v)[axis]
+            _, v = path.at(time)
+            return v[axis], path.acceleration(v)[axis]
 
-        time = oracle.newton(rate, arb(times[guess].item()))
-        return precise.at(time)[0][axis], float(time)
+        time = precise.newton(rate, arb(times[guess].item()))
+        return path.at(time)[0][axis], float(time)
 
     turns = turn(2, bottom), turn(0, upright)
-    if not all(place.rad() < 1e-18 for place, _ in turns):  # oracle's balls grow close to rest
+    if not all(place.rad() < 1e-18 for place, _ in turns):  # the balls grow close to rest
         return through_the_air(rng)
     return strengths, start, *turns
 
@@ -180,7 +180,7 @@ def phugoid_bottom(rng):
     k, g = arb(lift), arb(gravity)
     squared = u * u + w * w
     energy, constant = g * z + squared / 2, k * squared * squared.sqrt() / 3 - g * u
-    fastest = oracle.newton(
+    fastest = precise.newton(
         lambda v: (k * v * v * v / 3 - g * v - constant, k * v * v - g), arb(2 * speed)
     )
     strengths = {"lift": lift, "gravity": gravity}
@@ -291,7 +291,7 @@ def dips(surface, flights, depths):
     """Yield flights that go beyond a surface by 1e-3 … 1e-13, and that stay as far short of it."""
     rng = np.random.default_rng([600, *surface.encode()])
     for _ in range(flights):
-        with oracle.in_digits(DIGITS):
+        with precise.in_digits(DIGITS):
             placed = SURFACES[surface](rng)
             cases = [
                 placed(sign * depth)
@@ -339,8 +339,8 @@ def grazes(flights, margins):
         pitch = Pitch(speed=speed, aim=(rng.uniform(-0.3, 0.3), 1.8 + 18.44 * math.tan(elevation)))
         air = Air(drag_coefficient=rng.uniform(0, 0.6), lift_coefficient=rng.uniform(-0.2, 0.3))
         scene = AtBatScene(id="graze", pitch=pitch, air=air if rng.random() < 0.5 else None)
-        with oracle.in_digits(DIGITS):
-            throw = oracle.Throw(json.loads(scene.line()), DIGITS)
+        with precise.in_digits(DIGITS):
+            throw = precise.Throw(json.loads(scene.line()), DIGITS)
             if throw.plate[0][2] < 0.5:
                 continue
             offsets = [

@@ -28,7 +28,7 @@ from longball.model.law import (
 )
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.scene import parse_scene
-from tests import oracle
+from tests import precise
 
 ENGINE = Ivp()
 ALONG_X = Frame(0.0, 0.0, 1.0, 0.0)
@@ -93,11 +93,11 @@ def fly(start, law, *events, engine=ENGINE, limit=60.0):
     return engine.fly(law, PlaneState(*start), events, limit)
 
 
-def path_of(start, law, digits=oracle.DIGITS):
+def path_of(start, law, digits=precise.DIGITS):
     """The flight in high precision; its plane is that of x and z."""
     s, z, u, w = map(arb, start)
     constants = [arb(law.strengths.get(name, 0.0)) for name in ("drag", "lift", "gravity")]
-    return oracle.Path([s, arb(0), z], [u, arb(0), w], constants, digits)
+    return precise.Path([s, arb(0), z], [u, arb(0), w], constants, digits)
 
 
 def distance(state, r, v):
@@ -122,7 +122,7 @@ def test_batted_balls_agree_with_high_precision(seed):
         air = law(rng.uniform(0.002, 0.012), rng.uniform(-0.003, 0.008))
         landing = fly(start, air, ground())
         path = path_of(start, air)
-        with oracle.in_digits(oracle.DIGITS):
+        with precise.in_digits(precise.DIGITS):
             time = path.landing(arb(0), arb(60))
             assert abs(landing.time - time) < TIME
             assert distance(landing.state, *path.at(time)) < LENGTH
@@ -258,7 +258,7 @@ def test_a_ball_that_nearly_rests_at_its_apex(sideways):
     start = (0.0, 1.0, sideways, 30.0)
     landing = fly(start, WITH_DRAG, ground())
     path = path_of(start, WITH_DRAG)
-    with oracle.in_digits(oracle.DIGITS):
+    with precise.in_digits(precise.DIGITS):
         time = path.landing(arb(0), arb(60))
         assert abs(landing.time - time) < TIME
         assert distance(landing.state, *path.at(time)) < LENGTH
@@ -323,7 +323,7 @@ def test_a_landing_and_the_plate_closer_than_the_error_are_not_told_apart(s):
 def test_airborne_at_the_time_limit():
     end = fly(BATTED, USUAL, ground(), limit=2.0)
     assert (end.stop, end.time) == ("time", 2.0)
-    with oracle.in_digits(oracle.DIGITS):
+    with precise.in_digits(precise.DIGITS):
         assert distance(end.state, *path_of(BATTED, USUAL).at(arb(2))) < LENGTH
 
 
@@ -348,7 +348,7 @@ def test_a_tangential_start_that_lift_carries_up():
     start = (0.0, 0.0, 40.0, 0.0)
     end = fly(start, air, ground(), limit=1.0)
     assert (end.stop, end.time) == ("time", 1.0)
-    with oracle.in_digits(oracle.DIGITS):
+    with precise.in_digits(precise.DIGITS):
         assert distance(end.state, *path_of(start, air).at(arb(1))) < LENGTH
 
 
@@ -409,7 +409,7 @@ def turning(start, air, guess, value):
         r, v = path.at(time)
         return value(r, v, path.acceleration(v))
 
-    time = oracle.newton(rate, arb(guess))
+    time = precise.newton(rate, arb(guess))
     return float(time), path, path.at(time)
 
 
@@ -455,8 +455,8 @@ def least_of_u(rng):
         return least_of_u(rng)
 
     def jerk(v, a):
-        speed = oracle.length(v)
-        growth = oracle.dot(v, a) / speed
+        speed = precise.length(v)
+        growth = precise.dot(v, a) / speed
         drag, lift = arb(air.strengths["drag"]), arb(air.strengths["lift"])
         return -growth * (drag * v[0] + lift * v[2]) - speed * (drag * a[0] + lift * a[2])
 
@@ -478,7 +478,7 @@ def past_a_bat(rng):
         return dx * v[0] + dz * v[2], v[0] ** 2 + v[2] ** 2 + dx * a[0] + dz * a[2]
 
     time, _, (r, _) = turning(start, air, fly(start, air, wall(18.44)).time, closing)
-    least = oracle.length([r[0] - axis[0], r[2] - axis[1]])
+    least = precise.length([r[0] - axis[0], r[2] - axis[1]])
     return start, air, time, lambda depth: _placed(least, depth, lambda reach: circle(s, z, reach))
 
 
@@ -494,7 +494,7 @@ def test_no_dip_is_missed_and_none_invented(surface):
     rng = np.random.default_rng(600)
     decided = 0
     for _ in range(30):
-        with oracle.in_digits(25):
+        with precise.in_digits(25):
             start, air, time, dip = surface(rng)
             dips = [
                 dip(sign * depth) for sign in (1, -1) for depth in np.geomspace(1e-3, 1e-13, 10)
@@ -517,7 +517,7 @@ def test_a_dip_on_the_joint_of_two_pieces():
     rng = np.random.default_rng(7)
     decided = 0
     for _ in range(20):
-        with oracle.in_digits(25):
+        with precise.in_digits(25):
             start, air, time, dip = over_the_ground(rng)
         pieces = fly(start, air, limit=time + 0.1).path.pieces()
         before = next(p for p in pieces if p.begin + p.length > time)
@@ -525,7 +525,7 @@ def test_a_dip_on_the_joint_of_two_pieces():
         near = before._replace(length=joint - before.begin)
         pieces = [near, ENGINE.around(air, joint, near.at(near.length))]
         for depth in (s * d for s in (1, -1) for d in np.geomspace(1e-6, 1e-15, 10)):
-            with oracle.in_digits(25):
+            with precise.in_digits(25):
                 event, truly = dip(depth)
             try:
                 met = first_met(pieces, [event], joint + 0.01, ENGINE.flight_error, DOUBLES)
