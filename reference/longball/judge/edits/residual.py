@@ -399,15 +399,23 @@ def begun(data: Data) -> dict[str, Any]:
     return columns
 
 
-def follow(chain: Iterable[Stage], data: Data) -> tuple[dict[str, Any], list[Followed]]:
+_BEFORE = frozenset(("V", "ω"))  # of the ball that meets the bat, which no candidate reports
+
+
+def follow(
+    chain: Iterable[Stage], data: Data, unknown: Index | None = None
+) -> tuple[dict[str, Any], list[Followed]]:
     """Follow the candidate's values from stage to stage; its own values with what stands for them.
 
     Where the candidate gives no value, the one that follows from the stages before stands for it.
+    In `unknown` scenes the pitch does not follow, and nothing that starts from its velocity does.
     """
     columns = begun(data)
     found = []
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
+        if unknown is not None and any(depends(root, _BEFORE) for root in stage.roots.values()):
+            some = np.setdiff1d(some, unknown)
         one, follows = compared(stage, data, columns, some)
         found.append(one)
         if stage.kind == "event":

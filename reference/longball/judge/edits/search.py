@@ -311,7 +311,9 @@ class Explanation:
         if adequate:
             return self._named(adequate, ask)
         partial.sort(key=lambda one: one[0])
-        for _, edit in partial[:pairs]:
+        for left, edit in partial[:pairs]:
+            if left > BESIDE * self.null_all:
+                break
             if (both := self._with_another(edit)) is not None:
                 return both
         if not partial:
@@ -394,7 +396,8 @@ def asking(data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]]) -
 
 
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
-PAIRS = {"flight": 2, "formula": 4, "event": 2}
+PAIRS = {"flight": 1, "formula": 4, "event": 2}
+BESIDE = 0.7  # of the cost of the errors, what an edit may leave for a second one
 # Of the errors of a stage, what an edit may leave in a few scenes: the last digits of its number.
 LAST = 1e-7
 ROUNDS = 3  # explanations at one stage, each for what the one before has left
@@ -409,6 +412,8 @@ def reason(
     columns, first = follow(chain, data)
     last = first
     steps: list[Step] = []
+    located: list[Stage] = []
+    unknown: Index = np.zeros(0, dtype=int)  # scenes whose pitch does not follow
     tried: Counter[tuple[str, str]] = Counter()
     begun_at: defaultdict[tuple[str, str], float] = defaultdict(float)
     while True:
@@ -421,6 +426,9 @@ def reason(
         if not wrong:
             return Reasoned(chain, tuple(first), tuple(steps), tuple(last), columns)
         stage, one = wrong[0]
+        if any(_same_flight(stage, other) for other in located):
+            tried[stage.name, stage.kind] = ROUNDS
+            continue
         explanation = Explanation(chain, stage, data, columns, one)
         found = explanation.explain(ask, PAIRS[stage.kind])
         steps.append(Step(one, found))
@@ -430,10 +438,21 @@ def reason(
         tried[stage.name, stage.kind] += 1
         if isinstance(found, Located):
             tried[stage.name, stage.kind] = ROUNDS
+            located.append(stage)
+            if stage.kind == "flight" and stage.name in ("pitch", "touching"):
+                unknown = np.union1d(unknown, one.some[one.wrong])
+                columns, last = follow(chain, data, unknown)
             continue
         for edit in found.edits:
             chain = edit.apply(chain)
-        columns, last = follow(chain, data)
+        columns, last = follow(chain, data, unknown)
+
+
+def _same_flight(a: Stage, b: Stage) -> bool:
+    """True for flights of one ball, such as to the fence and to the ground."""
+    if a.kind != "flight" or b.kind != "flight":
+        return False
+    return all(a.roots[name] is b.roots[name] for name in ("place", "velocity", "spin", "law"))
 
 
 def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
