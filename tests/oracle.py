@@ -308,8 +308,8 @@ class Law:
             level = math.hypot(moving[0], moving[1])
             if branch.vertical or level == 0:
                 return (0.0, 0.0, 0.0)
-            rise = moving[2] / (U * level)  # ẑ less its part along v, at length 1
-            return (-rise * moving[0], -rise * moving[1], level / U)
+            forward = self.heading[0] * moving[0] + self.heading[1] * moving[1]
+            return times(math.copysign(1 / U, forward), cross(self.axis, moving))  # ±ê × v/U
         if spin is None:
             return times(1 / U, cross(self.axis, moving))  # ê × u/U
         if length(c) == 0:

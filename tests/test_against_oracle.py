@@ -110,7 +110,6 @@ def test_the_present_airspeed_above_a_jump_of_the_wind():
     assert doubtful == []
 
 
-@pytest.mark.xfail(reason="the engines lift along the axis of the launch, turned over at need")
 def test_always_up_on_a_turning_earth():
     """The Earth turns the ball out of its plane, so that the axis is not across its velocity."""
     scene = {
