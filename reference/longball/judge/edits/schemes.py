@@ -18,9 +18,17 @@ from typing import Any
 import numpy as np
 
 from longball.judge.edits.chain import OWN, Stage
-from longball.judge.edits.evidence import CHANCE, cost, fitted, is_adequate, rounded
-from longball.judge.edits.expression import Evaluator, Node, ordered, substitute
-from longball.judge.edits.operators import Edit
+from longball.judge.edits.evidence import (
+    CHANCE,
+    DIGIT,
+    NUMBER,
+    cost,
+    fitted,
+    is_adequate,
+    rounded,
+)
+from longball.judge.edits.expression import Evaluator, ordered, substitute, words
+from longball.judge.edits.operators import FACTORS, Edit
 from longball.judge.edits.residual import (
     START,
     Data,
@@ -28,6 +36,7 @@ from longball.judge.edits.residual import (
     Index,
     Launched,
     Step,
+    compared,
     flown,
     launched,
     stepped,
@@ -285,11 +294,11 @@ def _scheme_flight(
 # --- which integrator, and which step -------------------------------------------------------------
 
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
-TRIAL = 0.05  # s: the step of the first trial, from which the order leads to the candidate's
+TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
 SHORTEST, LONGEST = 2e-5, 0.4  # s: steps of candidates
 KEPT = 8  # integrators that are tried with the steps that fit them
 LIKE, MOST = 0.1, 0.8  # errors are of an order if so much is left, at most, in most scenes
-NEAR = 1.25  # a round step is tried if it is within this factor of the fitted one
+NEAR, CHORD = 1.25, 2.0  # a round step is tried within this factor of the fitted one, and a chord's
 
 # Steps that people choose: round numbers, and the rates of screens and cameras.
 _DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
@@ -299,6 +308,11 @@ ROUND = tuple(
            | {1 / n for n in _RATES})
 )  # fmt: skip
 ROUND_BITS = math.log2(len(ROUND))
+
+
+def _nearer(one: Integrator, h: float, share: float) -> float:
+    """The step with which errors are `share` times those with `h`."""
+    return float(np.clip(h * share ** (1 / one.order), SHORTEST, LONGEST))
 
 
 @dataclass(frozen=True)
@@ -339,6 +353,12 @@ class _Search:
         ops = {node.op for node in ordered([self.stage.roots["law"]])}
         return bool(ops & {"rises", "where", "table"})
 
+    @property
+    def square(self) -> float:
+        """The sum of the squares of the errors in the first scenes."""
+        off = self.followed.off[:, self.few] / self.followed.scale[:, self.few]
+        return float(np.square(off[np.isfinite(off)]).sum())
+
     def columns_of(self, some: Index) -> dict[str, Any]:
         """Columns of some of the scenes."""
         found = take(self.columns, self.followed.some[some])
@@ -376,36 +396,41 @@ class _Search:
     def fitting(self) -> list[tuple[float, float, Integrator]]:
         """Integrators with the steps that fit them and what they leave, those that fit best first."""
         found = []
-        for one in INTEGRATORS:
-            h = TRIAL
+        for one, h in product(INTEGRATORS, TRIALS):
             share, left = self.ratio(one, h)
-            if share > 0.0 and left < 0.9:
-                found.append((left, float(np.clip(h * share ** (1 / one.order), SHORTEST, LONGEST)), one))
+            if share > 0.0:
+                found.append((left, _nearer(one, h, share), one))
         found.sort(key=lambda each: each[0])
-        better = []
-        for _, h, one in found[: 2 * KEPT]:
+        better: dict[str, tuple[float, float, Integrator]] = {}
+        for _, h, one in found:
+            if one.words in better or len(better) == 2 * KEPT:
+                continue
             left = 1.0
             for _ in range(2):
                 share, left = self.ratio(one, h)
                 if not share > 0.0:
                     break
-                h = float(np.clip(h * share ** (1 / one.order), SHORTEST, LONGEST))
-            better.append((left, h, one))
-        better.sort(key=lambda each: each[0])
-        return better[:KEPT]
+                h = _nearer(one, h, share)
+            better[one.words] = left, h, one
+        return sorted(better.values(), key=lambda each: each[0])[:KEPT]
 
     def best(self, dt: float | None) -> Scheme | None:
         """The cheapest scheme that makes all numbers, or else the order that errors have."""
         found = self.fitting()
         tried = 2 * (len(INTEGRATORS) + 1)
+        steps = {*ROUND, dt} - {None}
         options = [
             (one, h, chord)
             for _, fit, one in found
-            for h in sorted({*ROUND, *([dt] if dt else [])}, key=lambda x: abs(math.log(x / fit)))
+            for h in sorted(steps, key=lambda x: abs(math.log(x / fit)))
             if max(h / fit, fit / h) < NEAR
             for chord in (False, True)
         ]  # fmt: skip
-        options += [(EXACT, h, True) for h in ([dt] if dt else ROUND) if h > 1e-4]
+        # Errors of a chord grow as the square of the step.
+        made, _ = self.errors(EXACT, TRIALS[1], True, self.few)
+        off = self.followed.off[:, self.few]
+        fit = TRIALS[1] * math.sqrt(np.nanmax(np.abs(off[:3])) / np.nanmax(np.abs(made[:3])))
+        options += [(EXACT, h, True) for h in steps if max(h / fit, fit / h) < CHORD]
         named = self._adequate(options, dt, tried)
         if named is None and found and found[0][0] < 1e-2:
             named = self._adequate(list(self._free(found[:2])), dt, tried)
@@ -428,13 +453,13 @@ class _Search:
             bits = math.log2(tried) + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
             evidence = self.null - cost(r) - bits - CHANCE
             if evidence > 0 and is_adequate(r, self.rough):
-                words = f"flies by {one.words} in steps of {h:.6g} s"
+                said = f"flies by {one.words} in steps of {h:.6g} s"
                 if one is EXACT:
-                    words = f"puts the end of the flight on the chord between two steps of {h:.6g} s"
+                    said = f"puts the end of the flight on the chord between two steps of {h:.6g} s"
                 elif chord:
-                    words += ", and ends on the chord between two of them"
+                    said += ", and ends on the chord between two of them"
                 order = None if one is EXACT else one.order
-                return Scheme(words, order, h, bits, evidence, adequate=True)
+                return Scheme(said, order, h, bits, evidence, adequate=True)
         return None
 
     def _order(
@@ -452,9 +477,168 @@ class _Search:
             bits = math.log2(tried) + ROUND_BITS
             evidence = self.null - cost(self.left(one, h, False, self.all)) - bits - CHANCE
             if np.mean(after < LIKE * before) >= MOST and evidence > 0:
-                words = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
-                return Scheme(f"{words} about {h:.2g} s", one.order, h, bits, evidence, False)
+                said = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
+                return Scheme(f"{said} about {h:.2g} s", one.order, h, bits, evidence, False)
         return None
+
+
+# --- events at steps, and clocks ------------------------------------------------------------------
+
+ON_LATTICE = 1e-4  # of a step: times that are nearer to whole steps lie on them
+FINEST = 1e-4  # s: of steps that times may show
+TIMES = 5  # different times that a lattice is seen in
+
+
+def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None:
+    """The largest step of which most times are multiples, s, and its bits beyond chance.
+
+    Balls that a candidate starts anew in flight, such as at a kink of the law, need not be there.
+    """
+    known = np.unique(times[np.isfinite(times) & (times > LONGEST)].round(12))
+    if len(known) < TIMES:
+        return None
+    steps = [np.array([dt])] if dt else [
+        first / np.arange(math.ceil(first / LONGEST), math.floor(first / FINEST) + 1)
+        for first in known[:3]
+    ]  # fmt: skip
+    tried = np.concatenate(steps)
+    beside = np.abs(known[:, None] / tried - np.round(known[:, None] / tried)) < ON_LATTICE
+    fits = np.flatnonzero(beside.mean(axis=0) >= MOST)
+    if not fits.size:
+        return None
+    best = fits[np.argmax(tried[fits])]
+    on = int(beside[:, best].sum())
+    bits = (on - 1) * -math.log2(2 * ON_LATTICE) - math.log2(len(tried)) - (len(known) - on) * 5.0
+    return float(f"{tried[best]:.9g}"), bits
+
+
+@dataclass(frozen=True)
+class _Clocks:
+    """The times at which a candidate's states lie on the path, beside those that it gives."""
+
+    search: _Search
+
+    @cached_property
+    def balls(self) -> Launched:
+        with np.errstate(all="ignore"):
+            return launched(self.search.stage, self.search.columns_of(self.search.all))
+
+    @cached_property
+    def parts(self) -> list[slice]:
+        """Rows of the place and the velocity, as far as they are given."""
+        rows = slice(0, 3), slice(3, 6)
+        return [part for part in rows if np.isfinite(self.search.followed.off[part]).any()]
+
+    def off(self, part: slice, times: Array) -> tuple[Array, Array]:
+        """What is given less the path at other times, and how fast that path moves there."""
+        search = self.search
+        with np.errstate(all="ignore"):
+            y, now = flown(self.balls, times), flown(self.balls, search.durations)
+            return search.followed.off[part] + (now - y)[part], self.balls.rates(y, times)[part]
+
+    def own_times(self, part: slice) -> Array:
+        """The times at which the path is nearest to what is given."""
+        times = self.search.durations.copy()
+        for _ in range(4):
+            off, moving = self.off(part, times)
+            with np.errstate(all="ignore"):
+                times = times + np.nan_to_num((off * moving).sum(0) / (moving * moving).sum(0))
+        return times
+
+    def best(self, dt: float | None) -> Scheme | None:
+        """A clock that makes all numbers, and those of what is given at another time."""
+        search = self.search
+        told = search.durations
+        name = words(search.stage.roots["duration"])
+        laws = [self._pattern(told, self.own_times(part), dt) for part in self.parts]
+        if not laws or any(law is None for law in laws):
+            return None
+        known = [law for law in laws if law is not None]
+        r = np.concatenate([
+            self.off(part, law[1])[0] / search.followed.floor[part]
+            for part, law in zip(self.parts, known, strict=True)
+        ])  # fmt: skip
+        bits = sum(law[2] for law in known)
+        evidence = search.null - cost(r) - bits - CHANCE
+        if evidence <= 0 or not is_adequate(r, search.rough):
+            return None
+        if len({law[0] for law in known}) == 1:
+            said = known[0][0].format("the state", name)
+        else:
+            said = "; ".join(
+                text.format(quantity, name)
+                for (text, *_), quantity in zip(known, search.stage.quantities, strict=False)
+                if text
+            )
+        return Scheme(said, None, next((law[3] for law in known if law[3]), None), bits, evidence, True)
+
+    def _pattern(
+        self, told: Array, own: Array, dt: float | None
+    ) -> tuple[str, Array, float, float | None] | None:
+        """Words, times by a rule, its bits and its step, for times that are not those told."""
+        behind = told - own
+        known = behind[np.isfinite(behind)]
+        late = float(np.median(known)) if known.size else 0.0
+        if _mostly(np.abs(known) < SAME):
+            return "", told, 0.0, None
+        if _mostly(np.abs(known - late) < max(SAME, 1e-4 * abs(late))):
+            late = float(f"{late:.4g}")
+            side = "before" if late > 0 else "after"
+            text = f"gives {{}} of {abs(late):.6g} s {side} {{}}"
+            return text, told - late, NUMBER + 4 * DIGIT, abs(late)
+        if found := lattice(own, dt):
+            h, counts = found[0], told / found[0]
+            sides = ("before", np.floor(counts + ON_STEP)), ("after", np.ceil(counts - ON_STEP))
+            for text, steps in sides:
+                if _mostly(np.abs(steps * h - own) < SAME + ON_LATTICE * h):
+                    text = f"gives {{}} of the step {text} {{}}, in steps of {h:.6g} s"
+                    return text, steps * h, ROUND_BITS, h
+        if (found := lattice(told, dt)) and _mostly(np.abs(known) < found[0] * (1 + ON_LATTICE)):
+            h, bits = found
+            return f"counts {{1}} in whole steps of {h:.6g} s", own, 10.0 * known.size - bits, h
+        return None
+
+
+def _mostly(those: Array) -> bool:
+    return bool(those.size) and bool(np.mean(those) >= MOST)
+
+
+SAME = 1e-8  # s: times that differ by less are one
+
+
+def _event(
+    chain: Sequence[Stage], stage: Stage, columns: Mapping[str, Any], followed: Followed,
+    dt: float | None,
+) -> Scheme | None:  # fmt: skip
+    """An event that is taken at the step before it or after it."""
+    quantity = stage.quantities[0]
+    flight = next((x for x in chain if x.kind == "flight" and x.quantities[0] == quantity), None)
+    if flight is None:
+        return None
+    some = followed.some[followed.wrong]
+    own = take(columns, some)
+    own["spin"] = own[flight.spins]
+    with np.errstate(all="ignore"):
+        balls = launched(flight, own)
+        found = lattice(balls.duration, dt)
+        if found is None:
+            return None
+        h, bits = found
+        sides = []
+        for shift in (-h, 0.0, h):
+            place = flown(balls, balls.duration + shift)[:3]
+            zero = Evaluator([stage.roots["zero"]], {**own, str(OWN[quantity].data): place})()[0]
+            sides.append(np.sign(zero) + np.zeros(len(some)))
+    name = words(flight.roots["duration"])
+    evidence = bits + len(some) - CHANCE
+    for text, other in (("after", sides[0]), ("before", sides[2])):
+        if evidence > 0 and _mostly(other * sides[1] < 0):
+            said = f"takes {name} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
+            return Scheme(said, None, h, bits, evidence, adequate=True)
+    return None
+
+
+# --- what explains a stage ------------------------------------------------------------------------
 
 
 def explain_scheme(
@@ -462,6 +646,58 @@ def explain_scheme(
     followed: Followed, dt: float | None = None,
 ) -> Scheme | None:  # fmt: skip
     """The scheme, event at a step, or clock that explains a stage, or the order of its errors."""
-    if stage.kind == "flight":
-        return _Search(stage, data, columns, followed).best(dt)
+    if stage.kind == "event":
+        return _event(chain, stage, columns, followed, dt)
+    if stage.kind == "formula" or not followed.wrong.any():
+        return None
+    search = _Search(stage, data, columns, followed)
+    return _Clocks(search).best(dt) or search.best(dt)
+
+
+VARIANTS = 3  # edits with a number that are tried with all schemes
+
+
+def with_edit(
+    stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed,
+    edits: Iterable[Edit], dt: float | None = None,
+) -> tuple[Edit, Scheme] | None:  # fmt: skip
+    """One of some edits, and the scheme by which the edited law is flown."""
+    null = cost(followed.off / followed.floor)
+    ways: list[tuple[float, Edit, _Search]] = []
+    for edit in edits:
+        for variant in _numbered(edit):
+            (other,) = variant.apply([stage])
+            with np.errstate(all="ignore"):
+                after, _ = compared(other, data, columns, followed.some)
+            search = _Search(other, data, columns, after)
+            if not (after.wrong.any() and search.null < null):
+                continue
+            ratios = [search.ratio(one, TRIALS[0]) for one in INTEGRATORS]
+            left = min((left for share, left in ratios if share > 0.0), default=1.0)
+            ways.append((left * search.square, variant, search))
+    ways.sort(key=lambda way: way[0])
+    for _, edit, search in ways[:VARIANTS]:
+        scheme = search.best(dt)
+        if scheme is not None and scheme.adequate:
+            saved = null - search.null - edit.bits - math.log2(1 + len(ways))
+            return edit, replace(scheme, evidence=scheme.evidence + saved)
     return None
+
+
+def _numbered(edit: Edit) -> Iterable[Edit]:
+    """An edit with usual and round values near that of its free number, which a scheme has moved."""
+    if not edit.starts:
+        return [edit]
+    (c,) = edit.starts
+    if not isinstance(c, float):
+        return []
+    usual = [x for x in (FACTORS if edit.factor else ()) if abs(x - c) < MOVED * abs(c)]
+    values = {x: math.log2(len(FACTORS)) for x in usual}
+    for digits in (1, 2, 3):
+        x = float(f"{c:.{digits}g}")
+        if abs(x - c) < MOVED * abs(c):
+            values.setdefault(x, NUMBER + DIGIT * digits)
+    return [edit.settled(x, bits) for x, bits in values.items()]
+
+
+MOVED = 0.05  # relative: how far a scheme's errors may move a free number
