@@ -297,6 +297,8 @@ FEW = 6  # wrong scenes with short flights, in which schemes are tried first
 TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
 SHORTEST, LONGEST = 2e-5, 0.4  # s: steps of candidates
 KEPT = 8  # integrators that are tried with the steps that fit them
+# Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
+ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
 LIKE, MOST = 0.1, 0.8  # errors are of an order if so much is left, at most, in most scenes
 NEAR, CHORD = 1.25, 2.0  # a round step is tried within this factor of the fitted one, and a chord's
 
@@ -383,9 +385,9 @@ class _Search:
         r = (off - made) / (self.followed.floor[:, some] + doubt)
         return np.where(np.isfinite(off) & ~np.isfinite(r), 1e12, r)
 
-    def ratio(self, one: Integrator, h: float) -> tuple[float, float]:
+    def ratio(self, one: Integrator, h: float, chord: bool = False) -> tuple[float, float]:
         """The candidate's errors over those of a scheme, and the share that is left of them."""
-        made, _ = self.errors(one, h, False, self.few)
+        made, _ = self.errors(one, h, chord, self.few)
         off, floor = (x[:, self.few] for x in (self.followed.off, self.followed.scale))
         known = np.isfinite(off) & np.isfinite(made)
         a, b = (off / floor)[known], (made / floor)[known]
@@ -398,41 +400,47 @@ class _Search:
         found = []
         for one, h in product(INTEGRATORS, TRIALS):
             share, left = self.ratio(one, h)
-            if share > 0.0:
+            if share > 0.0 and left < ROUGHLY:
                 found.append((left, _nearer(one, h, share), one))
         found.sort(key=lambda each: each[0])
         better: dict[str, tuple[float, float, Integrator]] = {}
-        for _, h, one in found:
-            if one.words in better or len(better) == 2 * KEPT:
-                continue
-            left = 1.0
-            for _ in range(2):
+        for left, h, one in found[: 2 * KEPT]:
+            for _ in range(2 * (one.words not in better)):
                 share, left = self.ratio(one, h)
-                if not share > 0.0:
+                if not (share > 0.0 and left < ROUGHLY):
                     break
                 h = _nearer(one, h, share)
-            better[one.words] = left, h, one
-        return sorted(better.values(), key=lambda each: each[0])[:KEPT]
+                better[one.words] = left, h, one
+        places = {one.words: i for i, one in enumerate(INTEGRATORS)}
+        fits = [each for each in better.values() if each[0] < FITS]
+        # What comes to the same here is called by its simplest name.
+        return sorted(fits, key=lambda x: (round(math.log10(x[0] + 1e-12)), places[x[2].words]))
 
     def best(self, dt: float | None) -> Scheme | None:
         """The cheapest scheme that makes all numbers, or else the order that errors have."""
         found = self.fitting()
         tried = 2 * (len(INTEGRATORS) + 1)
-        steps = {*ROUND, dt} - {None}
+        steps = [*ROUND, *([dt] if dt else [])]
+
+        def near(fit: float, factor: float) -> list[float]:
+            close = {h for h in steps if max(h / fit, fit / h) < factor}
+            return sorted(close, key=lambda h: abs(math.log(h / fit)))
+
         options = [
             (one, h, chord)
-            for _, fit, one in found
-            for h in sorted(steps, key=lambda x: abs(math.log(x / fit)))
-            if max(h / fit, fit / h) < NEAR
-            for chord in (False, True)
+            for _, fit, one in found for h in near(fit, NEAR) for chord in (False, True)
         ]  # fmt: skip
         # Errors of a chord grow as the square of the step.
         made, _ = self.errors(EXACT, TRIALS[1], True, self.few)
         off = self.followed.off[:, self.few]
         fit = TRIALS[1] * math.sqrt(np.nanmax(np.abs(off[:3])) / np.nanmax(np.abs(made[:3])))
-        options += [(EXACT, h, True) for h in steps if max(h / fit, fit / h) < CHORD]
+        chords = {h: self.ratio(EXACT, h, True) for h in near(fit, CHORD)}
+        best = min(chords, key=lambda h: chords[h][1], default=None)
+        if best is not None and chords[best][1] < ROUGHLY:
+            options.append((EXACT, best, True))
+            options += [(one, best, True) for one in INTEGRATORS if one.order > 1]
         named = self._adequate(options, dt, tried)
-        if named is None and found and found[0][0] < 1e-2:
+        if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt, tried)
         return named or self._order(found, tried)
 
