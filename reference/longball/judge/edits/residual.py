@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,10 @@ class Data:
     attainable
         The errors that double precision cannot avoid, shape (n,).
     cut
-        Half a unit in the last digit written, of each value: absolute and relative.
+        Half a unit in the last digit written, of quantities not written in full: absolute and
+        relative.
+    slips
+        A function that finds what those roundings do to each number of a stage.
     granted
         The error of a quantity that passes, in its SI unit.
     """
@@ -74,7 +77,8 @@ class Data:
     given: Mapping[str, Array]
     expected: Mapping[str, Array]
     attainable: Mapping[str, Array]
-    cut: tuple[float, float] = (0.0, 0.0)
+    cut: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    slips: Callable[..., Array] | None = None
     granted: float = 0.0
 
 
@@ -420,13 +424,23 @@ def compared(
         unsure = np.nan_to_num(unsure) if doubt is None else np.zeros_like(off)
         if rough:  # where a step ends near a kink both errors may be small by chance
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
-        short = sum(data.cut[i] * (1.0, large)[i] for i in (0, 1))
+        absolute, relative = data.cut.get(quantity, (0.0, 0.0))
+        short = absolute + relative * np.abs(given) if stage.kind != "event" else 0.0
         least = np.maximum(SLACK * data.attainable[quantity][some], data.granted) + short
         tolerance = np.maximum(least, ROUNDING * large) + 4 * unsure
         floor = np.maximum(least, NOISE * large) + unsure
         rows.append((off, tolerance + 0 * off, floor + 0 * off, large + 0 * off))
     off, tolerance, floor, scale = (np.concatenate(part) for part in zip(*rows, strict=True))
+    if data.slips is not None:
+        slipped = data.slips(stage, data, columns, some)
+        tolerance, floor = tolerance + 4 * slipped, floor + slipped
     return Followed(stage, some, off, tolerance, floor, scale), found
+
+
+def is_rough(stage: Stage) -> bool:
+    """True if a stage has jumps or kinks, so that what is adequate may leave more in a few scenes."""
+    roots = (root for name, root in stage.roots.items() if name != "through")
+    return any(node.op in ("rises", "where", "table") for node in ordered(roots))
 
 
 def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, ...]:

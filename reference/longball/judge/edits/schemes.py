@@ -38,6 +38,7 @@ from longball.judge.edits.residual import (
     Step,
     compared,
     flown,
+    is_rough,
     launched,
     stepped,
     take,
@@ -350,12 +351,6 @@ class _Search:
         return cost(self.followed.off / self.followed.floor)
 
     @property
-    def rough(self) -> bool:
-        """True if the law has jumps or kinks, at which a candidate's steps need not go on."""
-        ops = {node.op for node in ordered([self.stage.roots["law"]])}
-        return bool(ops & {"rises", "where", "table"})
-
-    @property
     def square(self) -> float:
         """The sum of the squares of the errors in the first scenes."""
         off = self.followed.off[:, self.few] / self.followed.scale[:, self.few]
@@ -460,7 +455,7 @@ class _Search:
             r = self.left(one, h, chord, self.all)
             bits = math.log2(tried) + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
             evidence = self.null - cost(r) - bits - CHANCE
-            if evidence > 0 and is_adequate(r, self.rough):
+            if evidence > 0 and is_adequate(r, is_rough(self.stage)):
                 said = f"flies by {one.words} in steps of {h:.6g} s"
                 if one is EXACT:
                     said = f"puts the end of the flight on the chord between two steps of {h:.6g} s"
@@ -568,7 +563,7 @@ class _Clocks:
         ])  # fmt: skip
         bits = sum(law[2] for law in known)
         evidence = search.null - cost(r) - bits - CHANCE
-        if evidence <= 0 or not is_adequate(r, search.rough):
+        if evidence <= 0 or not is_adequate(r, is_rough(search.stage)):
             return None
         if len({law[0] for law in known}) == 1:
             said = known[0][0].format("the state", name)
