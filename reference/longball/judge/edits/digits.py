@@ -91,8 +91,9 @@ def styles(answers: Mapping[str, Answer]) -> dict[str, Digits]:
     told: dict[str, list[Decimal]] = {}
     for answer in answers.values():
         for quantity in OWN.keys() & answer.values.keys():
-            numbers = (x.normalize() for x in answer.values[quantity] if x)
-            told.setdefault(quantity, []).extend(numbers)
+            told.setdefault(quantity, []).extend(
+                x.normalize() for x in answer.values[quantity] if x
+            )
     common = digits_of(x for numbers in told.values() for x in numbers)
     found = {}
     for quantity, numbers in told.items():
@@ -155,7 +156,9 @@ def explain_digits(
     if not found or not any(one.wrong.any() for one in before):
         return None
     _, after = follow(chain, with_digits(data, answers))
-    if all(is_adequate(one.off / one.floor, is_rough(one.stage)) for one in after if one.checked.any()):
+    if all(
+        is_adequate(one.off / one.floor, is_rough(one.stage)) for one in after if one.checked.any()
+    ):
         return said(found)
     single = any(style.kind == "single" for style in found.values())
     if single and all(one.relative.max(initial=0.0) < ROUNDINGS * 2.0**-SINGLE for one in before):

@@ -250,7 +250,10 @@ class Launched:
     ended: Callable[[Array], dict[str, Array]]
 
 
-START = {"r": symbol("r at the step's start", M, True), "v": symbol("v at the step's start", SPEED, True)}
+START = {
+    "r": symbol("r at the step's start", M, True),
+    "v": symbol("v at the step's start", SPEED, True),
+}
 
 
 def launched(stage: Stage, columns: Columns) -> Launched:
@@ -438,7 +441,7 @@ def compared(
 
 
 def is_rough(stage: Stage) -> bool:
-    """True if a stage has jumps or kinks, so that what is adequate may leave more in a few scenes."""
+    """True if a stage has jumps or kinks, at which a few scenes may be off."""
     roots = (root for name, root in stage.roots.items() if name != "through")
     return any(node.op in ("rises", "where", "table") for node in ordered(roots))
 
