@@ -203,23 +203,26 @@ def event(
     some = followed.some[followed.wrong]
     own = take(columns, some)
     own["spin"] = own[flight.spins]
+    name = str(OWN[quantity].data)
     with np.errstate(all="ignore"):
         balls = launched(flight, own)
         found = lattice(balls.duration, dt)
         if found is None:
             return None
         h, bits = found
+        now = flown(balls, balls.duration)[:3]
         sides = []
         for shift in (-h, 0.0, h):
-            place = flown(balls, balls.duration + shift)[:3]
-            zero = Evaluator([stage.roots["zero"]], {**own, str(OWN[quantity].data): place})()[0]
+            # From its own place the ball moves as on the right path, whatever led it there.
+            moved = flown(balls, balls.duration + shift)[:3] - now
+            zero = Evaluator([stage.roots["zero"]], {**own, name: own[name] + moved})()[0]
             sides.append(np.sign(zero) + np.zeros(len(some)))
-    name = words(flight.roots["duration"])
+    time = words(flight.roots["duration"])
     evidence = bits + len(some) - CHANCE
     for text, other in (("after", sides[0]), ("before", sides[2])):
         if evidence > 0 and _mostly(other * sides[1] < 0):
             said = (
-                f"takes {name} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
+                f"takes {time} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
             )
             return Scheme(said, None, h, bits, evidence, adequate=True)
     return None

@@ -6,7 +6,7 @@ full. The style is the one in which all numbers of a quantity take the fewest bi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any, Literal
@@ -138,13 +138,14 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
     return np.concatenate([np.atleast_2d(np.nan_to_num(x)) for x in most.values()])
 
 
-def said(found: Mapping[str, Digits]) -> str:
-    """The styles of quantities as a clause."""
-    return "; ".join(
-        style.words + ("" if len(set(found.values())) == 1 else " of " + " and ".join(
-            quantity for quantity, own in found.items() if own == style))
-        for style in dict.fromkeys(found.values())
-    )  # fmt: skip
+def said(found: Mapping[str, Digits], told: Collection[str]) -> str:
+    """The styles of quantities as a clause, beside all that are told."""
+    kinds: dict[Digits, list[str]] = {}
+    for quantity, style in found.items():
+        kinds.setdefault(style, []).append(quantity)
+    if len(kinds) == 1 and found.keys() >= set(told):
+        return next(iter(kinds)).words
+    return "; ".join(f"{style.words} of {' and '.join(those)}" for style, those in kinds.items())
 
 
 def explain_digits(
@@ -159,7 +160,8 @@ def explain_digits(
     if all(
         is_adequate(one.off / one.floor, is_rough(one.stage)) for one in after if one.checked.any()
     ):
-        return said(found)
+        told = [quantity for quantity in OWN if np.isfinite(data.given[quantity]).any()]
+        return said(found, told)
     single = any(style.kind == "single" for style in found.values())
     if single and all(one.relative.max(initial=0.0) < ROUNDINGS * 2.0**-SINGLE for one in before):
         return "computes in single precision"

@@ -127,6 +127,9 @@ INTEGRATORS = (
     Integrator("semi-implicit Euler, position first", 1, _place_first),
     Integrator("constant acceleration over each step", 1, _runge_kutta((), (1,), "mean")),
     Integrator("leapfrog with the force at the old velocity", 1, _leapfrog),
+    Integrator("the midpoint method", 2, _runge_kutta(((0.5,),), (0, 1))),
+    Integrator("Heun's method", 2, _runge_kutta(((1,),), (1, 1))),
+    Integrator("Ralston's method", 2, _runge_kutta(((2 / 3,),), (1, 3))),
     *(
         Integrator(
             f"velocity Verlet with {words}{', which the next step begins with' * carries}",
@@ -136,9 +139,6 @@ INTEGRATORS = (
         for (ahead, (words, order)), carries in product(_FORCES.items(), (False, True))
     ),
     Integrator("velocity Verlet with an implicit velocity", 2, partial(_verlet, 1.0, False, 8)),
-    Integrator("the midpoint method", 2, _runge_kutta(((0.5,),), (0, 1))),
-    Integrator("Heun's method", 2, _runge_kutta(((1,),), (1, 1))),
-    Integrator("Ralston's method", 2, _runge_kutta(((2 / 3,),), (1, 3))),
     Integrator("the Adams-Bashforth method of order 2", 2, partial(_adams_bashforth, False)),
     Integrator(
         "the Adams-Bashforth method of order 2 for the velocity", 2, partial(_adams_bashforth, True)

@@ -149,9 +149,10 @@ class _Search:
                 h = _nearer(one, h, share)
                 better[one.words] = left, h, one
         places = {one.words: i for i, one in enumerate(INTEGRATORS)}
-        fits = [each for each in better.values() if each[0] < FITS]
         # What comes to the same here is called by its simplest name.
-        return sorted(fits, key=lambda x: (round(math.log10(x[0] + 1e-12)), places[x[2].words]))
+        return sorted(
+            better.values(), key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words])
+        )
 
     def best(self, dt: float | None) -> Scheme | None:
         """The cheapest scheme that makes all numbers, or else the order that errors have."""
@@ -167,7 +168,8 @@ class _Search:
 
         options = [
             (one, h, chord)
-            for _, fit, one in found for h in near(fit, NEAR) for chord in (False, True)
+            for left, fit, one in found if left < FITS
+            for h in near(fit, NEAR) for chord in (False, True)
         ]  # fmt: skip
         # Errors of a chord grow as the square of the step.
         made, _ = self.errors(EXACT, TRIALS[1], True, self.few)
@@ -180,6 +182,13 @@ class _Search:
             options.append((EXACT, best, True))
             options += [(one, best, True) for one in INTEGRATORS if one.order > 1]
         named = self._adequate(options, dt, tried)
+        if named is None:  # chords and a method of order 2 err alike
+            both = [
+                (one, h, True)
+                for _, other, one in found if one.order > 1
+                for h in near(other, CHORD) if max(h / fit, fit / h) < CHORD**2
+            ]  # fmt: skip
+            named = self._adequate(both, dt, tried)
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt, tried)
         return named or self._order(found, tried)
