@@ -143,7 +143,7 @@ class _Search:
         better: dict[str, tuple[float, float, Integrator]] = {}
         for left, h, one in found[: 2 * KEPT]:
             for _ in range(2 * (one.words not in better)):
-                share, left = self.ratio(one, h)
+                share, left = self.ratio(one, h) if h > SHORTEST else (0.0, 1.0)
                 if not (share > 0.0 and left < ROUGHLY):
                     break
                 h = _nearer(one, h, share)
@@ -204,7 +204,8 @@ class _Search:
         self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None, tried: int
     ) -> Scheme | None:
         for one, h, chord in options:
-            if not is_adequate(self.left(one, h, chord, self.few)):
+            # The shortest flights tell most of them.
+            if not all(is_adequate(self.left(one, h, chord, x)) for x in (self.few[:2], self.few)):
                 continue
             r = self.left(one, h, chord, self.all)
             bits = math.log2(tried) + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
