@@ -8,8 +8,8 @@ Ordinary Differential Equations I*, Sec. II.5; the coefficients are SciPy's).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,13 +19,15 @@ from scipy.integrate import DOP853
 from longball.engines.fence import chords
 from longball.judge.answers import Answer
 from longball.judge.cases import SLACK, Case, attainable
-from longball.judge.edits.chain import CHAIN, INPUTS, MOVING, OWN, Stage
+from longball.judge.edits.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage
 from longball.judge.edits.expression import (
     Evaluator,
+    M,
     Node,
     depends,
     ordered,
     specialised,
+    symbol,
 )
 from longball.judge.quantities import values_of
 from longball.model.arrays import Array
@@ -62,7 +64,10 @@ class Data:
     attainable
         The errors that double precision cannot avoid, shape (n,).
     cut
-        Half a unit in the last digit written, of each value: absolute and relative.
+        Half a unit in the last digit written, of quantities not written in full: absolute and
+        relative.
+    slips
+        A function that finds what those roundings do to each number of a stage.
     granted
         The error of a quantity that passes, in its SI unit.
     """
@@ -72,7 +77,8 @@ class Data:
     given: Mapping[str, Array]
     expected: Mapping[str, Array]
     attainable: Mapping[str, Array]
-    cut: tuple[float, float] = (0.0, 0.0)
+    cut: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    slips: Callable[..., Array] | None = None
     granted: float = 0.0
 
 
@@ -222,11 +228,36 @@ _A, _B, _C = DOP853.A[:12, :12], DOP853.B, DOP853.C[:12]
 _PATH = frozenset(("path",))
 
 
-def fly(stage: Stage, columns: Columns, longest: float = FINE, share: int = 1) -> dict[str, Array]:
-    """Fly balls for a stage's duration in steps of at most `longest`, s; return its quantities.
+@dataclass(frozen=True)
+class Launched:
+    """Balls at the start of a stage's flight.
 
-    All flights have the same number of steps, `share` times fewer than the longest one needs.
+    Attributes
+    ----------
+    y
+        Place, velocity, and the path through the air; a column a ball.
+    duration
+        s.
+    rates
+        The derivative of `y` at a state and a time; `start` is the state that the step begins with.
+    ended
+        The stage's quantities at a state.
     """
+
+    y: Array
+    duration: Array
+    rates: Callable[..., Array]
+    ended: Callable[[Array], dict[str, Array]]
+
+
+START = {
+    "r": symbol("r at the step's start", M, True),
+    "v": symbol("v at the step's start", SPEED, True),
+}
+
+
+def launched(stage: Stage, columns: Columns) -> Launched:
+    """Launch the balls of a stage."""
     roots, names = stage.roots, stage.quantities
     starts = [roots[name] for name in ("place", "velocity", "spin", "duration")]
     place, velocity, spin, duration = Evaluator(starts, columns)()
@@ -234,33 +265,80 @@ def fly(stage: Stage, columns: Columns, longest: float = FINE, share: int = 1) -
     y = np.zeros((7, count))
     y[:3], y[3:6] = place, velocity
     duration = duration + np.zeros(count)
-    launched = {
+    columns = {
         **columns,
         "r0": y[:3].copy(),
         "v0": y[3:6].copy(),
         "ω0": spin + np.zeros((3, count)),
     }
     follows = depends(roots["law"], _PATH) or depends(roots["spin_left"], _PATH)
-    law = Evaluator([roots["law"], *([roots["through"]] if follows else [])], launched, MOVING)
+    moving = MOVING | {str(node.data) for node in START.values()}
+    law = Evaluator([roots["law"], *([roots["through"]] if follows else [])], columns, moving)
+    began = [str(START[name].data) for name in ("r", "v")]
+
+    def rates(at: Array, t: Any, start: Array | None = None) -> Array:
+        start = at if start is None else start
+        begin = {began[0]: start[:3], began[1]: start[3:6]}
+        pushed = law(r=at[:3], v=at[3:6], t=t, path=at[6], **begin)
+        slope = np.empty_like(at)
+        slope[:3], slope[3:6] = at[3:6], pushed[0]
+        slope[6] = pushed[1] if follows else 0.0
+        return slope
+
+    def ended(y: Array) -> dict[str, Array]:
+        found = {names[0]: y[:3], names[1]: y[3:6]}
+        if len(names) > 2:
+            left = Evaluator([roots["spin_left"]], columns, MOVING)
+            share = left(r=y[:3], v=y[3:6], t=duration, path=y[6])[0]
+            found[names[2]] = share * columns["ω0"]
+        return found
+
+    return Launched(y, duration, rates, ended)
+
+
+def fly(stage: Stage, columns: Columns, longest: float = FINE, share: int = 1) -> dict[str, Array]:
+    """Fly balls for a stage's duration in steps of at most `longest`, s; return its quantities."""
+    balls = launched(stage, columns)
+    return balls.ended(flown(balls, balls.duration, longest, share))
+
+
+def flown(balls: Launched, duration: Array, longest: float = FINE, share: int = 1) -> Array:
+    """Fly balls for some time, and return their states.
+
+    All flights have the same number of steps, `share` times fewer than the longest one needs.
+    """
+    y = balls.y
     most = float(np.max(np.abs(duration), initial=0.0, where=np.isfinite(duration)))
     steps = min(math.ceil(most / longest), 6 if longest == COARSE else MOST_STEPS)
     steps = max(1, math.ceil(steps / share))
     h = duration / steps
-    slopes = np.zeros((12, 7, count))
+    slopes = np.zeros((12, *y.shape))
     flat = slopes.reshape(12, -1)
     for step in range(steps):
         for i in range(12):
             at = y + h * (_A[i, :i] @ flat[:i]).reshape(y.shape) if i else y
-            pushed = law(r=at[:3], v=at[3:6], t=(step + _C[i]) * h, path=at[6])
-            slopes[i, :3], slopes[i, 3:6] = at[3:6], pushed[0]
-            if follows:
-                slopes[i, 6] = pushed[1]
+            slopes[i] = balls.rates(at, (step + _C[i]) * h)
         y = y + h * (_B @ flat).reshape(y.shape)
-    ended = {names[0]: y[:3], names[1]: y[3:6]}
-    if len(names) > 2:
-        left = Evaluator([roots["spin_left"]], launched, MOVING)
-        ended[names[2]] = left(r=y[:3], v=y[3:6], t=duration, path=y[6])[0] * launched["ω0"]
-    return ended
+    return y
+
+
+# From the rates, a state, its time, a step, what the step before has left (None at first) and the
+# length of a whole step: the next state, and what this step leaves.
+Step = Callable[..., tuple[Array, Any]]
+
+
+def stepped(balls: Launched, step: Step, h: Any, counts: Index) -> tuple[Array, Any]:
+    """Fly balls by so many steps of a scheme, and return what the last step of each leaves, too."""
+    y, left = balls.y, None
+    found, kept = y.copy(), balls.rates(y, 0.0)
+    for k in range(int(counts.max(initial=0))):
+        y, left = step(balls.rates, y, k * h, h, left, h)
+        here = counts == k + 1
+        if here.any():
+            found[:, here] = y[:, here]
+            if left is not None:
+                kept[:, here] = left[:, here]
+    return found, None if left is None else kept
 
 
 def values(
@@ -349,13 +427,23 @@ def compared(
         unsure = np.nan_to_num(unsure) if doubt is None else np.zeros_like(off)
         if rough:  # where a step ends near a kink both errors may be small by chance
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
-        short = sum(data.cut[i] * (1.0, large)[i] for i in (0, 1))
+        absolute, relative = data.cut.get(quantity, (0.0, 0.0))
+        short = absolute + relative * np.abs(given) if stage.kind != "event" else 0.0
         least = np.maximum(SLACK * data.attainable[quantity][some], data.granted) + short
         tolerance = np.maximum(least, ROUNDING * large) + 4 * unsure
         floor = np.maximum(least, NOISE * large) + unsure
         rows.append((off, tolerance + 0 * off, floor + 0 * off, large + 0 * off))
     off, tolerance, floor, scale = (np.concatenate(part) for part in zip(*rows, strict=True))
+    if data.slips is not None:
+        slipped = data.slips(stage, data, columns, some)
+        tolerance, floor = tolerance + 4 * slipped, floor + slipped
     return Followed(stage, some, off, tolerance, floor, scale), found
+
+
+def is_rough(stage: Stage) -> bool:
+    """True if a stage has jumps or kinks, at which a few scenes may be off."""
+    roots = (root for name, root in stage.roots.items() if name != "through")
+    return any(node.op in ("rises", "where", "table") for node in ordered(roots))
 
 
 def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, ...]:

@@ -1,0 +1,228 @@
+"""Clocks and events at steps: states of another time than the one told.
+
+A step is mentioned only where times lie on a lattice of steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.judge.edits.chain import OWN, Stage
+from longball.judge.edits.evidence import CHANCE, DIGIT, NUMBER, cost, is_adequate
+from longball.judge.edits.expression import Evaluator, words
+from longball.judge.edits.residual import Followed, Launched, flown, is_rough, launched, take
+from longball.model.arrays import Array
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """What the steps of a candidate explain.
+
+    Attributes
+    ----------
+    words
+        What the candidate does, as a clause without its subject.
+    order, step
+        Of the integrator; None where only an event or a clock is at fault.
+    bits, evidence
+        What it costs, and the bits beyond chance.
+    adequate
+        True if it makes all numbers of all scenes: only then it is a name.
+    """
+
+    words: str
+    order: int | None
+    step: float | None
+    bits: float
+    evidence: float
+    adequate: bool
+
+
+ON_LATTICE = 1e-4  # of a step: times that are nearer to whole steps lie on them
+FINEST, LONGEST = 1e-4, 0.4  # s: steps that times may show
+MOST = 0.8  # of times, those that a rule has to hold for
+TIMES = 5  # different times that a lattice is seen in
+
+
+def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None:
+    """The largest step of which most times are multiples, s, and its bits beyond chance.
+
+    Balls that a candidate starts anew in flight, such as at a kink of the law, need not be there.
+    """
+    known = np.unique(times[np.isfinite(times) & (times > LONGEST)].round(12))
+    if len(known) < TIMES:
+        return None
+    steps = [np.array([dt])] if dt else [
+        first / np.arange(math.ceil(first / LONGEST), math.floor(first / FINEST) + 1)
+        for first in known[:3]
+    ]  # fmt: skip
+    tried = np.concatenate(steps)
+    beside = np.abs(known[:, None] / tried - np.round(known[:, None] / tried)) < ON_LATTICE
+    fits = np.flatnonzero(beside.mean(axis=0) >= MOST)
+    if not fits.size:
+        return None
+    best = fits[np.argmax(tried[fits])]
+    on = int(beside[:, best].sum())
+    bits = (on - 1) * -math.log2(2 * ON_LATTICE) - math.log2(len(tried)) - (len(known) - on) * 5.0
+    return float(f"{tried[best]:.9g}"), bits
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """A rule for the times that a candidate's states are of.
+
+    `text` takes the name of the state and that of the time told.
+    """
+
+    text: str
+    times: Array
+    bits: float = 0.0
+    step: float | None = None
+
+
+@dataclass(frozen=True)
+class _States:
+    """A candidate's states beside the right path, and the times at which they lie on it."""
+
+    stage: Stage
+    columns: Mapping[str, Any]
+    followed: Followed
+
+    @cached_property
+    def balls(self) -> Launched:
+        own = take(self.columns, self.followed.some)
+        return launched(self.stage, {**own, "spin": own[self.stage.spins]})
+
+    @cached_property
+    def now(self) -> Array:
+        """The states of the path at the times told."""
+        return flown(self.balls, self.balls.duration)
+
+    def off(self, part: slice, times: Array) -> tuple[Array, Array]:
+        """A state less that of the path at other times, and the derivative of the path there."""
+        y = flown(self.balls, times)
+        return self.followed.off[part] + (self.now - y)[part], self.balls.rates(y, times)[part]
+
+    def own_times(self, part: slice) -> Array:
+        """The times at which the path is nearest to the candidate's states."""
+        times = self.balls.duration.copy()
+        for _ in range(4):
+            off, moving = self.off(part, times)
+            times = times + np.nan_to_num((off * moving).sum(0) / (moving * moving).sum(0))
+        return times
+
+
+def clock(
+    stage: Stage, columns: Mapping[str, Any], followed: Followed, dt: float | None
+) -> Scheme | None:
+    """States on the right path at other times than the candidate gives."""
+    states = _States(stage, columns, followed)
+    with np.errstate(all="ignore"):
+        told = states.balls.duration
+        rows = slice(0, 3), slice(3, 6)
+        parts = [part for part in rows if np.isfinite(followed.off[part]).any()]
+        own = [states.own_times(part) for part in parts]
+        rules = [_rule(told, times, dt) for times in own]
+        if len(own) > 1 and None in rules and _mostly(np.abs(own[0] - own[1]) < SAME):
+            most = float(np.nanmax(np.abs(told - own[0])))
+            text = f"gives {{0}} of up to {most:.3g} s before or after {{1}}"
+            rules = [_Rule(text, own[0], FREE * len(told) / len(own))] * len(own)
+        known = [rule for rule in rules if rule is not None]
+        if not known or len(known) < len(rules):
+            return None
+        left = [
+            states.off(part, rule.times)[0] / followed.floor[part]
+            for part, rule in zip(parts, known, strict=True)
+        ]
+    r, bits = np.concatenate(left), sum(rule.bits for rule in known)
+    evidence = cost(followed.off / followed.floor) - cost(r) - bits - CHANCE
+    if evidence <= 0 or not is_adequate(r, is_rough(stage)):
+        return None
+    name = words(stage.roots["duration"])
+    texts = dict.fromkeys(rule.text for rule in known)
+    whose = stage.quantities if len(texts) > 1 else ("position and velocity",)
+    said = "; ".join(
+        rule.text.format(quantity, name)
+        for rule, quantity in zip(known, whose, strict=False)
+        if rule.text
+    )
+    step = next((rule.step for rule in known if rule.step), None)
+    return Scheme(said, None, step, bits, evidence, adequate=True)
+
+
+def _rule(told: Array, own: Array, dt: float | None) -> _Rule | None:
+    """The rule by which states are of other times than those told."""
+    behind = told - own
+    known = behind[np.isfinite(behind)]
+    late = float(np.median(known)) if known.size else 0.0
+    if _mostly(np.abs(known) < SAME):
+        return _Rule("", told)
+    if _mostly(np.abs(known - late) < max(SAME, 1e-4 * abs(late))):
+        late = float(f"{late:.4g}")
+        text = f"gives {{0}} of {abs(late):.6g} s {'before' if late > 0 else 'after'} {{1}}"
+        return _Rule(text, told - late, NUMBER + 4 * DIGIT, abs(late))
+    if found := lattice(own, dt):
+        h, counts = found[0], told / found[0]
+        for side, whole in (("before", np.floor(counts)), ("after", np.ceil(counts))):
+            if _mostly(np.abs(whole * h - own) < SAME + ON_LATTICE * h):
+                text = f"gives {{0}} of the step {side} {{1}}, in steps of {h:.6g} s"
+                return _Rule(text, whole * h, NUMBER + 2 * DIGIT, h)
+    if (found := lattice(told, dt)) and _mostly(np.abs(known) < found[0] * (1 + ON_LATTICE)):
+        text = f"gives {{1}} in whole multiples of {found[0]:.6g} s"
+        return _Rule(text, own, FREE * known.size, found[0])
+    return None
+
+
+SAME = 1e-8  # s: times that differ by less are one
+FREE = 30.0  # bits of a time that no rule gives
+
+
+def _mostly(those: NDArray[np.bool_]) -> bool:
+    return bool(those.size) and bool(np.mean(those) >= MOST)
+
+
+SAME = 1e-8  # s: times that differ by less are one
+
+
+def event(
+    chain: Sequence[Stage], stage: Stage, columns: Mapping[str, Any], followed: Followed,
+    dt: float | None,
+) -> Scheme | None:  # fmt: skip
+    """An event that is taken at the step before it or after it."""
+    quantity = stage.quantities[0]
+    flight = next((x for x in chain if x.kind == "flight" and x.quantities[0] == quantity), None)
+    if flight is None:
+        return None
+    some = followed.some[followed.wrong]
+    own = take(columns, some)
+    own["spin"] = own[flight.spins]
+    name = str(OWN[quantity].data)
+    with np.errstate(all="ignore"):
+        balls = launched(flight, own)
+        found = lattice(balls.duration, dt)
+        if found is None:
+            return None
+        h, bits = found
+        now = flown(balls, balls.duration)[:3]
+        sides = []
+        for shift in (-h, 0.0, h):
+            # From its own place the ball moves as on the right path, whatever led it there.
+            moved = flown(balls, balls.duration + shift)[:3] - now
+            zero = Evaluator([stage.roots["zero"]], {**own, name: own[name] + moved})()[0]
+            sides.append(np.sign(zero) + np.zeros(len(some)))
+    time = words(flight.roots["duration"])
+    evidence = bits + len(some) - CHANCE
+    for text, other in (("after", sides[0]), ("before", sides[2])):
+        if evidence > 0 and _mostly(other * sides[1] < 0):
+            said = (
+                f"takes {time} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
+            )
+            return Scheme(said, None, h, bits, evidence, adequate=True)
+    return None

@@ -1,0 +1,168 @@
+"""Digits of a candidate's numbers: how it writes them, and what rounding them does to its stages.
+
+Numbers are written with some significant digits, with some decimals, in single precision, or in
+full. The style is the one in which all numbers of a quantity take the fewest bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import Any, Literal
+
+import numpy as np
+
+from longball.judge.answers import Answer
+from longball.judge.edits.chain import OWN, Stage
+from longball.judge.edits.evidence import CHANCE, DIGIT, is_adequate
+from longball.judge.edits.residual import Data, Index, follow, is_rough, take, values
+from longball.model.arrays import Array
+
+DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
+# Single-precision roundings that a calculation may add up, such as one in each of so many steps.
+ROUNDINGS = 1e3
+DRAWS = 6  # times that own values are moved by rounding
+
+
+@dataclass(frozen=True)
+class Digits:
+    """A style of numbers, and half a unit in the last place: absolute, and relative.
+
+    Attributes
+    ----------
+    kind, count
+        "digits" or "decimals", and how many; a "single" has none.
+    """
+
+    kind: Literal["digits", "decimals", "single"]
+    count: int = 0
+
+    def bits(self, numbers: Sequence[Decimal]) -> float:
+        """The bits that some numbers take."""
+        if self.kind == "single":
+            return SINGLE * len(numbers)
+        more = sum(x.adjusted() + 1 for x in numbers) if self.kind == "decimals" else 0
+        return DIGIT * (self.count * len(numbers) + more)
+
+    @property
+    def cut(self) -> tuple[float, float]:
+        """Half a unit in the last place: absolute, and relative to the number."""
+        if self.kind == "decimals":
+            return 0.5 * 10.0**-self.count, 0.0
+        return 0.0, 2.0**-SINGLE if self.kind == "single" else 0.5 * 10.0 ** (1 - self.count)
+
+    @property
+    def words(self) -> str:
+        """What the candidate does, as a clause without its subject."""
+        if self.kind == "single":
+            return "writes numbers in single precision"
+        noun = "significant digit" if self.kind == "digits" else "decimal"
+        return f"writes {self.count} {noun}{'s' * (self.count != 1)}"
+
+
+def digits_of(numbers: Iterable[Decimal]) -> Digits | None:
+    """The style of some numbers; None if they are in full."""
+    known = [x.normalize() for x in numbers if x]
+    if not known:
+        return None
+    digits = max(len(x.as_tuple().digits) for x in known)
+    decimals = max(0, *(-int(x.as_tuple().exponent) for x in known))
+    ways = [Digits("digits", digits), Digits("decimals", decimals)]
+    if all(_is_single(x) for x in known):
+        ways.append(Digits("single"))
+    best = min(ways, key=lambda style: style.bits(known))
+    return best if best.bits(known) + CHANCE < DOUBLE * len(known) else None
+
+
+def _is_single(x: Decimal) -> bool:
+    """True if a number is the nearest one, of its digits, to one in single precision."""
+    with np.errstate(all="ignore"):
+        near = Decimal(float(np.float32(float(x))))
+    unit = Decimal(1).scaleb(int(x.as_tuple().exponent))
+    return near.is_finite() and abs(near - x) <= max(unit / 2, abs(x) * Decimal(2) ** -52)
+
+
+def styles(answers: Mapping[str, Answer]) -> dict[str, Digits]:
+    """The style of each quantity that is not written in full.
+
+    That is the style of all numbers, unless the quantity has one with far fewer bits.
+    """
+    told: dict[str, list[Decimal]] = {}
+    for answer in answers.values():
+        for quantity in OWN.keys() & answer.values.keys():
+            told.setdefault(quantity, []).extend(
+                x.normalize() for x in answer.values[quantity] if x
+            )
+    common = digits_of(x for numbers in told.values() for x in numbers)
+    found = {}
+    for quantity, numbers in told.items():
+        style = digits_of(numbers)
+        if common is not None and (
+            style is None or common.bits(numbers) < style.bits(numbers) + CHANCE
+        ):
+            style = common
+        if style is not None:
+            found[quantity] = style
+    return found
+
+
+def with_digits(data: Data, answers: Mapping[str, Answer]) -> Data:
+    """Data whose floors include the digits that the candidate writes."""
+    cut = {quantity: style.cut for quantity, style in styles(answers).items()}
+    known: dict[tuple[Any, ...], Array] = {}
+
+    def kept(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
+        key = stage.name, stage.kind, stage.quantities, some.tobytes()
+        if key not in known:
+            known[key] = slips(stage, data, columns, some)
+        return known[key]
+
+    return replace(data, cut=cut, slips=kept) if cut else data
+
+
+def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
+    """What rounding a candidate's own values does to each number of a stage."""
+    own = take(columns, some)
+    draw = np.random.default_rng(0)
+    right = values(stage, own)
+    most = {quantity: np.zeros(np.shape(value)) for quantity, value in right.items()}
+    for _ in range(DRAWS):
+        moved = dict(own)
+        for quantity, (absolute, relative) in data.cut.items():
+            name = str(OWN[quantity].data)
+            unit = absolute + relative * np.abs(own[name])
+            moved[name] = own[name] + unit * draw.uniform(-1.0, 1.0, np.shape(unit))
+        for quantity, value in values(stage, moved).items():
+            most[quantity] = np.fmax(most[quantity], np.abs(value - right[quantity]))
+    return np.concatenate([np.atleast_2d(np.nan_to_num(x)) for x in most.values()])
+
+
+def said(found: Mapping[str, Digits], told: Collection[str]) -> str:
+    """The styles of quantities as a clause, beside all that are told."""
+    kinds: dict[Digits, list[str]] = {}
+    for quantity, style in found.items():
+        kinds.setdefault(style, []).append(quantity)
+    if len(kinds) == 1 and found.keys() >= set(told):
+        return next(iter(kinds)).words
+    return "; ".join(f"{style.words} of {' and '.join(those)}" for style, those in kinds.items())
+
+
+def explain_digits(
+    chain: Sequence[Stage], data: Data, answers: Mapping[str, Answer]
+) -> str | None:  # fmt: skip
+    """How the candidate writes or computes numbers, if that explains all its errors."""
+    found = styles(answers)
+    _, before = follow(chain, data)
+    if not found or not any(one.wrong.any() for one in before):
+        return None
+    _, after = follow(chain, with_digits(data, answers))
+    if all(
+        is_adequate(one.off / one.floor, is_rough(one.stage)) for one in after if one.checked.any()
+    ):
+        told = [quantity for quantity in OWN if np.isfinite(data.given[quantity]).any()]
+        return said(found, told)
+    single = any(style.kind == "single" for style in found.values())
+    if single and all(one.relative.max(initial=0.0) < ROUNDINGS * 2.0**-SINGLE for one in before):
+        return "computes in single precision"
+    return None

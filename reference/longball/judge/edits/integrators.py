@@ -1,0 +1,240 @@
+"""Integrators in fixed steps as data, and flights by them.
+
+An integrator is a step from one state to the next: place, velocity, and the path through the air
+(`longball.judge.edits.residual.Launched`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from longball.judge.edits.chain import Stage
+from longball.judge.edits.expression import ordered, substitute
+from longball.judge.edits.residual import START, Index, Launched, Step, flown, launched, stepped
+from longball.model.arrays import Array
+
+Rows = Sequence[Sequence[float]]
+
+
+def _runge_kutta(rows: Rows, weights: Sequence[float], whose: str = "own") -> Step:
+    """An explicit Runge-Kutta method. `whose` velocity moves the ball: its own, or the step's."""
+    shares = np.array(weights) / sum(weights)
+
+    def step(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
+        slopes = [f(y, t, y)]
+        for row in rows:
+            at = y + h * sum(a * k for a, k in zip(row, slopes, strict=False) if a)
+            slopes.append(f(at, t + sum(row) * h, y))
+        new = y + h * sum(b * k for b, k in zip(shares, slopes, strict=True) if b)
+        if whose != "own":
+            ahead = {"old": 0.0, "mean": 0.5, "new": 1.0}[whose]
+            new[:3] = y[:3] + h * (y[3:6] + ahead * (new[3:6] - y[3:6]))
+        return new, None
+
+    return step
+
+
+def _place_first(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
+    moved = y.copy()
+    moved[:3] += h * y[3:6]
+    new = moved + h * f(moved, t, y)
+    new[:3] = moved[:3]
+    return new, None
+
+
+def _leapfrog(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
+    half = y.copy()
+    half[:3] += h / 2.0 * y[3:6]
+    new = half + h * f(half, t + h / 2.0, y)
+    new[:3] = half[:3] + h / 2.0 * new[3:6]
+    return new, None
+
+
+def _verlet(
+    ahead: float, carries: bool, rounds: int,
+    f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any,
+) -> tuple[Array, Any]:  # fmt: skip
+    first = left if carries and left is not None else f(y, t, y)
+    new = y + h * first
+    new[:3] = y[:3] + h * (y[3:6] + h / 2.0 * first[3:6])
+    at = new.copy()
+    at[3:6] = y[3:6] + ahead * h * first[3:6]
+    for _ in range(rounds):
+        last = f(at, t + h, y)
+        new[3:6] = y[3:6] + h / 2.0 * (first[3:6] + last[3:6])
+        at[3:6] = new[3:6]
+    return new, last if carries else None
+
+
+def _adams_bashforth(
+    parabola: bool, f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any
+) -> tuple[Array, Any]:
+    now = f(y, t, y)
+    before = now if left is None else left
+    new = y + h * (now + h / (2.0 * whole) * (now - before))
+    if parabola:
+        new[:3] = y[:3] + h * (y[3:6] + h / 2.0 * now[3:6])
+    return new, now
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """A step, and the order of its errors; no step is the exact path."""
+
+    words: str
+    order: int
+    step: Step | None = None
+    frozen: str = ""  # what takes the speed of the step's start
+
+    def law(self, stage: Stage) -> Stage:
+        """A stage with the law as the steps see it."""
+        if not self.frozen:
+            return stage
+        speed = stage.roots["through"]
+        inner = speed.args[0] if speed.op == "named" else speed
+        begun = inner
+        for node in ordered([inner]):
+            if node.op == "symbol" and node.data in START:
+                begun = substitute(begun, node, START[str(node.data)])
+        old = speed if self.frozen == "drag" else inner
+        law = substitute(stage.roots["law"], old, begun)
+        return replace(stage, roots={**stage.roots, "law": law})
+
+
+_HALVES: Rows = ((0.5,), (0, 0.5), (0, 0, 1))
+_CLASSICAL = (1, 2, 2, 1)
+_WHOSE = {
+    "old": ("the velocity at the step's start", 1),
+    "new": ("the velocity at the step's end", 1),
+    "mean": ("the mean of the velocities at the step's ends", 2),
+}
+_FORCES = {
+    0.0: ("the force at the old velocity", 1),
+    0.5: ("the force at the half-step velocity", 1),
+    1.0: ("the force at a predicted velocity", 2),
+}
+EXACT = Integrator("an exact path", 99)
+INTEGRATORS = (
+    Integrator("explicit Euler", 1, _runge_kutta((), (1,))),
+    Integrator("semi-implicit Euler, velocity first", 1, _runge_kutta((), (1,), "new")),
+    Integrator("semi-implicit Euler, position first", 1, _place_first),
+    Integrator("constant acceleration over each step", 1, _runge_kutta((), (1,), "mean")),
+    Integrator("leapfrog with the force at the old velocity", 1, _leapfrog),
+    Integrator("the midpoint method", 2, _runge_kutta(((0.5,),), (0, 1))),
+    Integrator("Heun's method", 2, _runge_kutta(((1,),), (1, 1))),
+    Integrator("Ralston's method", 2, _runge_kutta(((2 / 3,),), (1, 3))),
+    *(
+        Integrator(
+            f"velocity Verlet with {words}{', which the next step begins with' * carries}",
+            order if ahead != 0.5 or carries else 2,
+            partial(_verlet, ahead, carries, 1),
+        )
+        for (ahead, (words, order)), carries in product(_FORCES.items(), (False, True))
+    ),
+    Integrator("velocity Verlet with an implicit velocity", 2, partial(_verlet, 1.0, False, 8)),
+    Integrator("the Adams-Bashforth method of order 2", 2, partial(_adams_bashforth, False)),
+    Integrator(
+        "the Adams-Bashforth method of order 2 for the velocity", 2, partial(_adams_bashforth, True)
+    ),
+    Integrator("Kutta's method of order 3", 3, _runge_kutta(((0.5,), (-1, 2)), (1, 4, 1))),
+    Integrator("Heun's method of order 3", 3, _runge_kutta(((1 / 3,), (0, 2 / 3)), (1, 0, 3))),
+    Integrator("RK4", 4, _runge_kutta(_HALVES, _CLASSICAL)),
+    Integrator(
+        "the 3/8 rule of order 4", 4,
+        _runge_kutta(((1 / 3,), (-1 / 3, 1), (1, -1, 1)), (1, 3, 3, 1)),
+    ),
+    *(
+        Integrator(f"RK4 whose position moves with {words}", order,
+                   _runge_kutta(_HALVES, _CLASSICAL, whose))
+        for whose, (words, order) in _WHOSE.items()
+    ),
+    *(
+        Integrator(f"RK4 whose {what} the speed at the step's start", 1,
+                   _runge_kutta(_HALVES, _CLASSICAL), frozen)
+        for frozen, what in (("drag", "drag takes"), ("drag and lift", "drag and lift take"))
+    ),
+    *(
+        Integrator(f"RK4 with the weights {weights}", 2, _runge_kutta(_HALVES, weights))
+        for weights in ((1, 1, 1, 1), (2, 1, 1, 2), (1, 3, 3, 1))
+    ),
+    *(
+        Integrator(f"RK4 whose {words}", order, _runge_kutta(rows, _CLASSICAL))
+        for words, order, rows in (
+            ("third slope begins with the first", 2, ((0.5,), (0.5,), (0, 0, 1))),
+            ("fourth slope begins with the second", 2, ((0.5,), (0, 0.5), (0, 1))),
+            ("fourth slope begins with the first", 2, ((0.5,), (0, 0.5), (1,))),
+            ("fourth slope is in the middle of the step", 1, ((0.5,), (0, 0.5), (0, 0, 0.5))),
+        )
+    ),
+)  # fmt: skip
+
+# --- flights --------------------------------------------------------------------------------------
+
+ON_STEP = 1e-7  # of a step: a time that is nearer to one is there
+DIRECT = 2000  # steps that are taken one by one
+# s: where there are more, the state is extrapolated from flights in these steps and the exact one.
+NODES = (0.1, 0.05, 0.025, 0.0125, 0.00625)
+
+
+def _reached(balls: Launched, one: Integrator, h: float, counts: Index) -> tuple[Array, Any, Array]:
+    """The states after so many steps, what the last ones leave, and the states' doubt.
+
+    Errors of a method with constant steps have an expansion in powers of the step: what m and the
+    exact path (1/m = 0) give for some m gives what any other number of steps gives.
+    """
+    if one.step is None:
+        y = flown(balls, np.asarray(counts * h))
+        return y, None, np.zeros_like(y)
+    most = int(counts.max(initial=0))
+    if most <= DIRECT:
+        y, left = stepped(balls, one.step, h, counts)
+        return y, left, np.zeros_like(y)
+    way: Array = np.asarray(counts * h, dtype=float)
+    exact = flown(balls, way)
+    many = [math.ceil(most * h / node) for node in NODES]
+    found = [stepped(balls, one.step, way / m, np.full(len(counts), m)) for m in many]
+    x = np.array([0.0, *(1.0 / m for m in many)])
+    target = 1.0 / np.maximum(counts, 1)
+
+    def drawn(states: Sequence[Array], skip: int) -> Array:
+        used = [i for i in range(len(x)) if i != skip]
+        weights = [np.prod([(target - x[k]) / (x[i] - x[k]) for k in used if k != i], axis=0)
+                   for i in used]  # fmt: skip
+        return np.asarray(sum(w * states[i] for w, i in zip(weights, used, strict=True)))
+
+    states = [exact, *(y for y, _ in found)]
+    y = np.where(counts > 0, drawn(states, -1), balls.y)
+    doubt = np.where(counts > 0, np.abs(y - drawn(states, 1)), 0.0)
+    if found[0][1] is None:
+        return y, None, doubt
+    slopes = [balls.rates(exact, way), *(left for _, left in found)]
+    return y, drawn(slopes, -1), doubt
+
+
+def steps(
+    stage: Stage, columns: Mapping[str, Any], one: Integrator, h: float, chord: bool
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """A stage's quantities, flown in steps of h, and their doubt.
+
+    The last step is shorter, or the state lies on the chord between two steps.
+    """
+    balls = launched(one.law(stage), columns)
+    counts = np.floor(np.nan_to_num(balls.duration) / h + ON_STEP).astype(int).clip(0)
+    y, left, doubt = _reached(balls, one, h, counts)
+    rest = balls.duration - counts * h
+    if one.step is None:
+        new = y + rest / h * (flown(balls, np.asarray((counts + 1) * h)) - y)
+    elif chord:
+        new = y + rest / h * (one.step(balls.rates, y, counts * h, h, left, h)[0] - y)
+    else:
+        new, _ = one.step(balls.rates, y, counts * h, rest, left, h)
+    found = balls.ended(new)
+    doubts = {q: np.zeros_like(x) for q, x in found.items()}
+    return found, {**doubts, stage.quantities[0]: doubt[:3], stage.quantities[1]: doubt[3:6]}

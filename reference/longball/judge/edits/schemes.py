@@ -1,0 +1,312 @@
+"""Flights in fixed steps: edits of how a candidate flies, not of what it flies.
+
+A candidate takes steps of one length h in all scenes and makes its last step in one of a few ways.
+An integrator is named if that makes every number of every scene
+(`longball.judge.edits.evidence`); otherwise the order of the errors may be told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from longball.judge.edits.chain import Stage
+from longball.judge.edits.clocks import LONGEST, Scheme, clock, event
+from longball.judge.edits.evidence import (
+    CHANCE,
+    DIGIT,
+    NUMBER,
+    cost,
+    fitted,
+    is_adequate,
+    rounded,
+)
+from longball.judge.edits.expression import Evaluator
+from longball.judge.edits.integrators import EXACT, INTEGRATORS, Integrator, steps
+from longball.judge.edits.operators import FACTORS, Edit
+from longball.judge.edits.residual import Data, Followed, Index, compared, is_rough, take
+from longball.model.arrays import Array
+
+FEW = 6  # wrong scenes with short flights, in which schemes are tried first
+TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
+SHORTEST = 2e-5  # s: of the steps of candidates
+LOST = 1e12  # floors: what a scheme leaves that makes no number
+KEPT = 8  # integrators that are tried with the steps that fit them
+# Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
+ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
+LIKE, MOST = 0.1, 0.8  # errors are of an order if so much is left, at most, in most scenes
+NEAR, CHORD = 1.25, 2.0  # a round step is tried within this factor of the fitted one, and a chord's
+
+# Steps that people choose: round numbers, and the rates of screens and cameras.
+_DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
+_RATES = (24, 25, 30, 50, 60, 64, 90, 100, 120, 128, 144, 240, 256, 480, 512, 960, 1000, 1024)
+ROUND = tuple(
+    sorted({0.1, 0.2, 0.3, 0.4, *(float(f"{m}e{k}") for m in _DECADE for k in (-5, -4, -3, -2))}
+           | {1 / n for n in _RATES})
+)  # fmt: skip
+ROUND_BITS = math.log2(len(ROUND))
+
+
+def _nearer(one: Integrator, h: float, share: float) -> float:
+    """The step with which errors are `share` times those with `h`."""
+    return float(np.clip(h * share ** (1 / one.order), SHORTEST, LONGEST))
+
+
+@dataclass(frozen=True)
+class _Search:
+    """A flight stage whose errors are compared with those of schemes."""
+
+    stage: Stage
+    data: Data
+    columns: Mapping[str, Any]
+    followed: Followed
+
+    @cached_property
+    def few(self) -> Index:
+        """Numbers of `followed.some` with wrong and short flights."""
+        wrong = np.flatnonzero(self.followed.wrong & np.isfinite(self.durations))
+        wrong = wrong[np.argsort(self.durations[wrong], kind="stable")]
+        wrong = wrong[: max(FEW, 2 * len(wrong) // 3)]
+        return np.asarray(wrong[np.linspace(0, len(wrong) - 1, min(FEW, len(wrong))).astype(int)])
+
+    @cached_property
+    def durations(self) -> Array:
+        root = self.stage.roots["duration"]
+        found = Evaluator([root], take(self.columns, self.followed.some))()[0]
+        return np.asarray(found + np.zeros(len(self.followed.some)))
+
+    @cached_property
+    def all(self) -> Index:
+        return np.arange(len(self.followed.some))
+
+    @cached_property
+    def null(self) -> float:
+        """Bits that the errors cost now."""
+        return cost(self.followed.off / self.followed.floor)
+
+    @property
+    def square(self) -> float:
+        """The sum of the squares of the errors in the first scenes."""
+        off = self.followed.off[:, self.few] / self.followed.scale[:, self.few]
+        return float(np.square(off[np.isfinite(off)]).sum())
+
+    def columns_of(self, some: Index) -> dict[str, Any]:
+        """Columns of some of the scenes."""
+        found = take(self.columns, self.followed.some[some])
+        return {**found, "spin": found[self.stage.spins]}
+
+    def rows(self, found: Mapping[str, Array]) -> Array:
+        """Quantities as rows, in the order of `followed`."""
+        return np.concatenate(
+            [np.atleast_2d(found[q]) for q in self.stage.quantities if q in found]
+        )
+
+    def errors(self, one: Integrator, h: float, chord: bool, some: Index) -> tuple[Array, Array]:
+        """What a scheme makes other than the exact path does, and the doubt of it."""
+        with np.errstate(all="ignore"):
+            found, doubt = steps(self.stage, self.columns_of(some), one, h, chord)
+            given = self.rows({q: self.data.given[q][..., self.followed.some[some]] for q in found})
+            exact = given - self.followed.off[:, some]
+            return self.rows(found) - exact, self.rows(doubt)
+
+    def left(self, one: Integrator, h: float, chord: bool, some: Index) -> Array:
+        """What a scheme leaves of the candidate's errors, in floors."""
+        made, doubt = self.errors(one, h, chord, some)
+        off = self.followed.off[:, some]
+        r = (off - made) / (self.followed.floor[:, some] + doubt)
+        return np.where(np.isfinite(off) & ~np.isfinite(r), LOST, r)
+
+    def ratio(self, one: Integrator, h: float, chord: bool = False) -> tuple[float, float]:
+        """The candidate's errors over those of a scheme, and the share that is left of them."""
+        made, _ = self.errors(one, h, chord, self.few)
+        off, floor = (x[:, self.few] for x in (self.followed.off, self.followed.scale))
+        known = np.isfinite(off) & np.isfinite(made)
+        a, b = (off / floor)[known], (made / floor)[known]
+        square = float(a @ a)
+        share = float(a @ b) / max(float(b @ b), 1e-300)
+        return share, float(np.square(a - share * b).sum()) / max(square, 1e-300)
+
+    def fitting(self) -> list[tuple[float, float, Integrator]]:
+        """What integrators leave, the steps that fit them, and themselves; the best first."""
+        found = []
+        for one, h in product(INTEGRATORS, TRIALS):
+            share, left = self.ratio(one, h)
+            if share > 0.0 and left < ROUGHLY:
+                found.append((left, _nearer(one, h, share), one))
+        found.sort(key=lambda each: each[0])
+        better: dict[str, tuple[float, float, Integrator]] = {}
+        for left, h, one in found[: 2 * KEPT]:
+            for _ in range(2 * (one.words not in better)):
+                share, left = self.ratio(one, h) if h > SHORTEST else (0.0, 1.0)
+                if not (share > 0.0 and left < ROUGHLY):
+                    break
+                h = _nearer(one, h, share)
+                better[one.words] = left, h, one
+        places = {one.words: i for i, one in enumerate(INTEGRATORS)}
+        # What comes to the same here is called by its simplest name.
+        return sorted(
+            better.values(), key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words])
+        )
+
+    def best(self, dt: float | None) -> Scheme | None:
+        """The cheapest scheme that makes all numbers, or else the order that errors have."""
+        if not self.few.size:
+            return None
+        found = self.fitting()
+        tried = 2 * (len(INTEGRATORS) + 1)
+        usual = [*ROUND, *([dt] if dt else [])]
+
+        def near(fit: float, factor: float) -> list[float]:
+            close = {h for h in usual if max(h / fit, fit / h) < factor}
+            return sorted(close, key=lambda h: abs(math.log(h / fit)))
+
+        options = [
+            (one, h, chord)
+            for left, fit, one in found if left < FITS
+            for h in near(fit, NEAR) for chord in (False, True)
+        ]  # fmt: skip
+        # Errors of a chord grow as the square of the step.
+        made, _ = self.errors(EXACT, TRIALS[1], True, self.few)
+        off = self.followed.off[:, self.few]
+        sizes = (float(np.nanmax(np.abs(x[:3]), initial=1e-30)) for x in (off, made))
+        fit = TRIALS[1] * math.sqrt(next(sizes) / next(sizes))
+        chords = {h: self.ratio(EXACT, h, True) for h in near(fit, CHORD)}
+        best = min(chords, key=lambda h: chords[h][1], default=None)
+        if best is not None and chords[best][1] < ROUGHLY:
+            options.append((EXACT, best, True))
+            options += [(one, best, True) for one in INTEGRATORS if one.order > 1]
+        named = self._adequate(options, dt, tried)
+        if named is None:  # chords and a method of order 2 err alike
+            both = [
+                (one, h, True)
+                for _, other, one in found if one.order > 1
+                for h in near(other, CHORD) if max(h / fit, fit / h) < CHORD**2
+            ]  # fmt: skip
+            named = self._adequate(both, dt, tried)
+        if named is None and found and found[0][0] < CLOSELY:
+            named = self._adequate(list(self._free(found[:2])), dt, tried)
+        return named or self._order(found, tried)
+
+    def _free(
+        self, found: Iterable[tuple[float, float, Integrator]]
+    ) -> Iterable[tuple[Integrator, float, bool]]:
+        for _, fit, one in found:
+            c, _ = fitted(lambda h, one=one: self.left(one, abs(h), False, self.few), (fit,))  # type: ignore[misc]
+            yield from ((one, x, False) for x, _ in rounded(abs(c)) if x > SHORTEST)
+
+    def _adequate(
+        self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None, tried: int
+    ) -> Scheme | None:
+        for one, h, chord in options:
+            # The shortest flights tell most of them.
+            if not all(is_adequate(self.left(one, h, chord, x)) for x in (self.few[:2], self.few)):
+                continue
+            r = self.left(one, h, chord, self.all)
+            bits = math.log2(tried) + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
+            evidence = self.null - cost(r) - bits - CHANCE
+            if evidence > 0 and is_adequate(r, is_rough(self.stage)):
+                alike = [
+                    other.words
+                    for other, x, side in options
+                    if (x, side) == (h, chord)
+                    and other is not one
+                    and is_adequate(self.left(other, h, chord, self.few))
+                ]
+                said = f"flies by {one.words} in steps of {h:.6g} s"
+                if one is EXACT:
+                    said = f"puts the end of the flight on the chord between two steps of {h:.6g} s"
+                elif chord:
+                    said += ", and ends on the chord between two of them"
+                if alike and one is not EXACT:
+                    said += f" (in these scenes the same as {' and '.join(alike)})"
+                order = None if one is EXACT else one.order
+                return Scheme(said, order, h, bits, evidence, adequate=True)
+        return None
+
+    def _order(self, found: Sequence[tuple[float, float, Integrator]], tried: int) -> Scheme | None:
+        off = self.followed.off[:, self.followed.wrong]
+        wrong = self.all[self.followed.wrong]
+        for _, h, one in found[:2]:
+            made, _ = self.errors(one, h, False, wrong)
+            known = np.isfinite(off) & np.isfinite(made)
+            before, after = (
+                np.sqrt(np.square(np.where(known, x / self.followed.scale[:, wrong], 0.0)).sum(0))
+                for x in (off, off - made)
+            )
+            bits = math.log2(tried) + ROUND_BITS
+            evidence = self.null - cost(self.left(one, h, False, self.all)) - bits - CHANCE
+            if np.mean(after < LIKE * before) >= MOST and evidence > 0:
+                said = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
+                return Scheme(f"{said} about {h:.2g} s", one.order, h, bits, evidence, False)
+        return None
+
+
+# --- what explains a stage ------------------------------------------------------------------------
+
+
+def explain_scheme(
+    chain: Sequence[Stage], stage: Stage, data: Data, columns: Mapping[str, Any],
+    followed: Followed, dt: float | None = None,
+) -> Scheme | None:  # fmt: skip
+    """The scheme, event at a step, or clock that explains a stage, or the order of its errors."""
+    if stage.kind == "event":
+        return event(chain, stage, columns, followed, dt)
+    if stage.kind == "formula" or not followed.wrong.any():
+        return None
+    found = clock(stage, columns, followed, dt)
+    return found or _Search(stage, data, columns, followed).best(dt)
+
+
+VARIANTS = 3  # edits with a number that are tried with all schemes
+
+
+def with_edit(
+    stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed,
+    edits: Iterable[Edit], dt: float | None = None,
+) -> tuple[Edit, Scheme] | None:  # fmt: skip
+    """One of some edits, and the scheme by which the edited law is flown."""
+    null = cost(followed.off / followed.floor)
+    ways: list[tuple[float, Edit, _Search]] = []
+    for edit in edits:
+        for variant in _numbered(edit):
+            (other,) = variant.apply([stage])
+            with np.errstate(all="ignore"):
+                after, _ = compared(other, data, columns, followed.some)
+            search = _Search(other, data, columns, after)
+            if not (after.wrong.any() and search.null < null):
+                continue
+            ratios = [search.ratio(one, TRIALS[0]) for one in INTEGRATORS]
+            left = min((left for share, left in ratios if share > 0.0), default=1.0)
+            ways.append((left * search.square, variant, search))
+    ways.sort(key=lambda way: way[0])
+    for _, edit, search in ways[:VARIANTS]:
+        scheme = search.best(dt)
+        if scheme is not None and scheme.adequate:
+            saved = null - search.null - edit.bits - math.log2(1 + len(ways))
+            return edit, replace(scheme, evidence=scheme.evidence + saved)
+    return None
+
+
+def _numbered(edit: Edit) -> Iterable[Edit]:
+    """An edit with usual and round values near its free number, which a scheme has moved."""
+    if not edit.starts:
+        return [edit]
+    (c,) = edit.starts
+    if not isinstance(c, float):
+        return []
+    usual = [x for x in (FACTORS if edit.factor else ()) if abs(x - c) < MOVED * abs(c)]
+    values = {x: math.log2(len(FACTORS)) for x in usual}
+    for digits in (1, 2, 3):
+        x = float(f"{c:.{digits}g}")
+        if abs(x - c) < MOVED * abs(c):
+            values.setdefault(x, NUMBER + DIGIT * digits)
+    return [edit.settled(x, bits) for x, bits in values.items()]
+
+
+MOVED = 0.05  # relative: how far a scheme's errors may move a free number

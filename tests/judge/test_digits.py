@@ -1,0 +1,80 @@
+"""Candidates that write few digits or single precision, and what of their errors that explains."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+
+import numpy as np
+import pytest
+
+from longball.golden import load
+from longball.judge.answers import Answer
+from longball.judge.cases import decidable
+from longball.judge.edits.digits import digits_of, explain_digits, with_digits
+from longball.judge.edits.residual import data_of, follow, specialised_to
+from longball.judge.quantities import values_of
+
+WAYS = {
+    "writes 6 significant digits": lambda x: f"{x:.6g}",
+    "writes 4 decimals": lambda x: f"{x:.4f}",
+    "writes numbers in single precision": lambda x: repr(float(np.float32(x))),
+}
+
+
+def written(family, way, change=lambda quantity, x: x):
+    """The arguments of `explain_digits` for the truth, changed and written in a way."""
+    cases = [case for case in load(family) if decidable(case)]
+    answers = {
+        case.id: Answer(case.id, case.expected.outcome, {
+            quantity: tuple(Decimal(way(change(quantity, float(x)))) for x in value)
+            for quantity, value in values_of(case.expected).items()
+        })
+        for case in cases
+    }  # fmt: skip
+    data = data_of(cases, answers)
+    return specialised_to(data), data, answers
+
+
+@pytest.mark.parametrize("family", ["flight-both", "at-bat", "impact-oblique"])
+@pytest.mark.parametrize("words", WAYS)
+def test_few_digits_explain_what_they_do_to_later_stages(family, words):
+    assert explain_digits(*written(family, WAYS[words])) == words
+
+
+def test_full_digits_are_no_style():
+    chain, data, answers = written("flight-both", repr)
+    assert explain_digits(chain, data, answers) is None
+    assert with_digits(data, answers) is data
+
+
+@pytest.mark.parametrize("words", WAYS)
+def test_a_mistake_is_still_seen_behind_few_digits(words):
+    def farther(quantity, x):
+        return 1.01 * x if quantity == "landing.distance" else x
+
+    chain, data, answers = written("flight-both", WAYS[words], farther)
+    assert explain_digits(chain, data, answers) is None
+    _, found = follow(chain, with_digits(data, answers))
+    assert {one.stage.name for one in found if one.wrong.any()} == {"distance"}
+
+
+def test_one_quantity_with_few_decimals_is_told_by_its_name():
+    def cut(quantity, x):
+        return round(x, 1) if quantity == "landing.distance" else x
+
+    chain, data, answers = written("flight-both", repr, cut)
+    assert explain_digits(chain, data, answers) == "writes 1 decimal of landing.distance"
+
+
+def test_errors_of_single_precision_that_add_up_are_told():
+    draw = np.random.default_rng(3)
+
+    def noisy(quantity, x):
+        return float(np.float32(x * (1 + 2e-6 * draw.uniform(-1, 1))))
+
+    assert explain_digits(*written("flight-both", repr, noisy)) == "computes in single precision"
+
+
+def test_a_style_has_to_save_more_than_chance():
+    assert digits_of([Decimal("0.5")]) is not None  # one of 53 bits
+    assert digits_of([Decimal(repr(0.1 + 0.2)), Decimal("0.5")]) is None
