@@ -16,7 +16,7 @@ from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.judge.edits.chain import Stage
-from longball.judge.edits.expression import Node, ordered, substitute, words
+from longball.judge.edits.expression import Node, ordered, specialised, substitute, words
 from longball.judge.edits.operators import Edit
 from longball.judge.edits.residual import HUGE, Data, Followed
 from longball.judge.edits.search import Located, Named
@@ -100,9 +100,7 @@ def diagnosis(followed: Iterable[Followed], findings: Sequence[Finding], data: D
 
 def _row(one: Followed, data: Data) -> StageRow:
     counted = {"checked": int(one.checked.sum()), "wrong": int(one.wrong.sum())}
-    return StageRow(
-        stage=one.stage.name, worst=_worst(one), example=_example(one, data), **counted
-    )
+    return StageRow(stage=one.stage.name, worst=_worst(one), example=_example(one, data), **counted)
 
 
 def _worst(one: Followed) -> float:
@@ -118,15 +116,17 @@ def _example(one: Followed, data: Data) -> str | None:
 # --- sentences ------------------------------------------------------------------------------------
 
 
-def named(stage: Stage, found: Named, one: Followed, data: Data, scenes: str | None = None) -> Finding:
+def named(
+    stage: Stage, found: Named, one: Followed, data: Data, scenes: str | None = None
+) -> Finding:
     """The finding of an edit that explains a stage; the stage is as it was before the edit."""
-    same = [edit.words for edit in found.same]
+    same = [w for w in dict.fromkeys(e.words for e in found.same) if w != found.edit.words]
     sentence = f"{stage.name}: your program {found.edit.words}. It is wrong {_where(one)}."
     if same:
         sentence += f" These give the same numbers in these scenes: {'; '.join(same)}."
     return _finding(
         one, data, kind="named", edit=found.edit.words, sentence=sentence, scenes=scenes,
-        remedy=formulas(stage, found.edit), bits=round(found.evidence, 1),
+        remedy=formulas(stage, found.edit, data), bits=round(found.evidence, 1),
     )  # fmt: skip
 
 
@@ -140,12 +140,14 @@ def located(
         kind: Kind = "located"
     else:
         kind = "nearest"
-        left = f"{found.left:.1g} of its size in {many(found.scenes, 'scene')}"
-        sentence += f" The nearest single mistake, {found.nearest.words}, leaves {left}."
-    sentence = " ".join((sentence, *(f"{text}." for text in seen)))
+        sentence += f" No single mistake explains it: if your program {found.nearest.words}, "
+        sentence += f"{size(found.left)} is left in {many(found.scenes, 'scene')}."
+    right = words(_body(stage.roots["value"])) if stage.kind == "formula" else "⟨"
     return _finding(
-        one, data, kind=kind, edit=None, sentence=sentence, scenes=scenes,
-        remedy=None if stage.kind != "formula" else f"it should be {_formula(stage)}",
+        one, data, kind=kind, edit=None, scenes=scenes,
+        sentence=" ".join((sentence, *(f"{text}." for text in seen))),
+        # A formula that readings choose is several.
+        remedy=None if "⟨" in right else f"{stage.quantities[0]} should be {right}",
     )  # fmt: skip
 
 
@@ -173,28 +175,43 @@ def size(relative: float) -> str:
     return f"{100 * relative:.2g}%" if relative >= 1e-3 else f"{relative:.0e} of its size"
 
 
-def formulas(stage: Stage, edit: Edit) -> str | None:
+# A stage's expressions in words; others are called by the quantity.
+_ROOTS = {
+    "law": "the acceleration",
+    "zero": "the quantity that is zero there",
+    "place": "the starting position",
+    "velocity": "the starting velocity",
+    "spin": "the starting spin",
+    "duration": "the duration",
+    "spin_left": "the remaining share of the spin",
+}
+
+
+def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
     """The right formula beside that of an edit: the smallest definition that contains its place."""
-    for root in stage.roots.values():
-        around = [node for node in ordered([root]) if node.op == "named" and _within(edit, node)]
+    for key, root in stage.roots.items():
+        around = [
+            node
+            for node in ordered([root])
+            if node.op == "named" and node is not edit.place and edit.place in ordered([node])
+        ]
         for node in (*around, root):  # arguments come first
-            right = node.args[0] if node.op == "named" else node
-            if not any(part is edit.place for part in ordered([right])):
-                continue
-            name = words(node) if node.op == "named" else stage.quantities[0]
-            other = substitute(right, edit.place, edit.by)
-            if other is not right and words(other) != words(right):
+            right = _body(node)
+            other = _simple(substitute(right, edit.place, edit.by), stage, data)
+            if words(other) != words(right):
+                name = words(node) if node.op == "named" else _ROOTS.get(key, stage.quantities[0])
                 return f"{name} should be {words(right)}; yours is {words(other)}"
     return None
 
 
-def _within(edit: Edit, node: Node) -> bool:
-    return node is not edit.place and any(part is edit.place for part in ordered([node.args[0]]))
+def _simple(node: Node, stage: Stage, data: Data) -> Node:
+    """An expression without terms that are 0 and factors that are 1."""
+    columns = {**data.columns, "spin": data.columns[stage.spins]}
+    return specialised(node, columns, {})
 
 
-def _formula(stage: Stage) -> str:
-    root = stage.roots["value"]
-    return words(root.args[0] if root.op == "named" else root)
+def _body(node: Node) -> Node:
+    return node.args[0] if node.op == "named" else node
 
 
 # --- what is seen without an edit -----------------------------------------------------------------
@@ -216,12 +233,12 @@ def _equal(stage: Stage, data: Data) -> Iterable[str]:
                 yield f"{quantity} equals your {other}"
 
 
-# What ends a flight, and its sides.
+# What ends a flight, what it is to be looked for by, and its sides.
 _SURFACES = {
-    "plate.position": ("x = 0", "in front of", "behind"),
-    "contact.position": ("the surface at which ball and bat touch", "outside", "inside"),
-    "landing.position": ("the ground", "above", "below"),
-    "fence.position": ("the fence", "behind", "in front of"),
+    "plate.position": ("x = 0", "plane", "in front of", "behind"),
+    "contact.position": ("the surface where ball and bat touch", "distance", "outside", "inside"),
+    "landing.position": ("the ground", "height", "above", "below"),
+    "fence.position": ("the fence", "line", "behind", "in front of"),
 }
 
 
@@ -231,14 +248,14 @@ def _beside_surface(one: Followed) -> Iterable[str]:
     off = np.where(np.abs(one.off) > one.tolerance, one.off, 0.0)
     if one.stage.kind != "event" or not off.any() or quantity not in _SURFACES:
         return
-    surface, *sides = _SURFACES[quantity]
+    surface, noun, *sides = _SURFACES[quantity]
     far = [
         f"up to {distance:.2g} m {side} {surface}"
         for side, distance in zip(sides, (float(off.max()), float(-off.min())), strict=True)
         if distance > 0
     ]
     block = quantity.partition(".")[0]
-    yield f"Your {block} point lies {' and '.join(far)}: check which surface you stop at"
+    yield f"Your {block} point lies {' and '.join(far)}: check which {noun} you stop at"
 
 
 def outcomes_wrong(pairs: Iterable[tuple[object, object]], quantity: str = "outcome") -> str:

@@ -10,7 +10,7 @@ possible, and an edit that leaves them so is no evidence.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -38,7 +38,6 @@ from longball.judge.edits.chain import (
 )
 from longball.judge.edits.evidence import CHANCE, DIGIT, NUMBER
 from longball.judge.edits.expression import (
-    NONE,
     M,
     Node,
     S,
@@ -146,7 +145,9 @@ FAIR = Tree(
 MODE = Tree(
     "impact.mode",
     (
-        Test("frictionless", (switch("bat.friction", {"none": constant(1.0), "given": -I["μ_f"]}),)),
+        Test(
+            "frictionless", (switch("bat.friction", {"none": constant(1.0), "given": -I["μ_f"]}),)
+        ),
         Test("slide", (-OWN["impact.friction_margin"],), after=("friction margin",)),
     ),
     dict.fromkeys(_KINDS, "grip"),
@@ -298,7 +299,8 @@ class _Search:
                 points.append(evaluate(f, self.told.columns) + np.zeros(len(self.told)))
         slopes = [b - a for a, b in pairwise(points)]
         usable = np.isfinite(points[2])
-        if not usable.any() or not np.allclose(*(s[usable] for s in slopes), rtol=1e-9, atol=0.0):
+        first, second = (slope[usable] for slope in slopes)
+        if not usable.any() or not np.allclose(first, second, rtol=1e-9, atol=0.0):
             return None  # not linear in its number
         # With the test true, or false, is what is said possible?
         can = []
@@ -463,8 +465,8 @@ def _of_tree(tree: Tree, told: Told, before: Collection[str]) -> Iterator[Findin
         )  # fmt: skip
         left = left & ~best.fixed
     if left.any():
-        late = {stage for test in tree.tests for stage in test.after
-                if {test.says} & {said for pair in _pairs(told, left) for said in pair}}  # fmt: skip
+        says = {said for pair in _pairs(told, left) for said in pair}
+        late = {stage for test in tree.tests if test.says in says for stage in test.after}
         behind = [stage for stage in before if stage in late]
         remedy = f"see whether this is still so when {joined(behind)} is right" if behind else None
         yield _finding(
@@ -486,7 +488,7 @@ class _Way:
 
 
 def _ways(search: _Search, left: Bools, accounted: Bools) -> list[_Way]:
-    """Edits that explain all wrong outcomes of some kind, those of most first, the cheapest first."""
+    """Edits that explain a whole kind of wrong outcome: those of most first, then the cheapest."""
     found: dict[bytes, _Way] = {}
     moved = _moved(search.told)
     known = {_fingerprint(search.tree, i, test, moved) for i, test in enumerate(search.tree.tests)}
@@ -539,8 +541,8 @@ def _moved(told: Told) -> Told:
                 moved[name] = other * np.exp(2 * draw.normal(size=column.shape))
             else:
                 moved[name] = other + 2 * spread * draw.normal(size=column.shape)
-    fields = {"said": (), "right": (), "plates": (), "ids": np.repeat(told.ids, count)}
-    return replace(told, columns=moved, kinds=np.repeat(told.kinds, count), **fields)
+    ids = [name for name in told.ids for _ in range(count)]
+    return replace(told, columns=moved, kinds=np.repeat(told.kinds, count), ids=ids)
 
 
 def _fingerprint(tree: Tree, i: int, test: Test, moved: Told) -> bytes:
@@ -574,7 +576,9 @@ def _following(tree: Tree, told: Told, some: Bools, before: Collection[str]) -> 
 
 
 def _pairs(told: Told, some: Bools) -> list[tuple[object, object]]:
-    return [(told.said[i], told.right[i]) for i in np.flatnonzero(some)]
+    return [
+        (said, right) for said, right, here in zip(told.said, told.right, some, strict=True) if here
+    ]
 
 
 def _finding(tree: Tree, told: Told, some: Bools, **said: Any) -> Finding:
@@ -617,7 +621,8 @@ def _superfluous(
     for (name, outcome), ids in found.items():
         same = sum(str(cases[i].expected.outcome) == outcome for i in agreed)
         what = name if "." in name else f"a block {name}"
-        belongs = "" if same == len(ids) else f"; with that outcome {same - len(ids)} others have it"
+        others = same - len(ids)
+        belongs = f"; in {others} others with that outcome it belongs there" if others else ""
         yield Finding(
             stage="outcome", quantity=name, kind="located", wrong=len(ids), checked=same, worst=1.0,
             sentence=f"{many(len(ids), 'answer')} with the outcome {outcome} "

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from longball.judge.edits.chain import OWN, Stage
+from longball.judge.edits.chain import INPUTS, OWN, Stage
 from longball.judge.edits.expression import NONE, M, S
 from longball.judge.edits.findings import Finding, joined, many
 from longball.judge.edits.operators import AXES, BITS, FACTORS
@@ -38,6 +38,10 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "positions": tuple(q for q, node in OWN.items() if node.vector and node.dimension == M),
     "velocities": tuple(q for q, node in OWN.items() if node.vector and node.dimension == SPEED),
 }
+
+
+# By name and kind of a stage, and quantity: the largest relative error, and 1 if one is wrong.
+Errors = Mapping[tuple[str, str, str], tuple[float, int]]
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,7 @@ def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
     findings: list[Finding] = []
     errors = _errors(data, chain)
     while len(findings) < MOST and sum(wrong for _, wrong in errors.values()) > 1:
-        found: list[tuple[int, float, Conversion, dict[tuple[str, str, str], tuple[float, int]]]] = []
+        found: list[tuple[int, float, Conversion, Errors]] = []
         for one in _conversions(data):
             after = _errors(replace(data, given={**data.given, **one.given}), chain)
             mended = _mended(errors, after)
@@ -84,10 +88,10 @@ def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
     return data, findings
 
 
-def _errors(data: Data, chain: Sequence[Stage]) -> dict[tuple[str, str, str], tuple[float, int]]:
+def _errors(data: Data, chain: Sequence[Stage]) -> Errors:
     """The largest relative error of each stage and quantity, and 1 if one is wrong."""
     _, followed = follow(chain, data)
-    found = {}
+    found: dict[tuple[str, str, str], tuple[float, int]] = {}
     for one in followed:
         rows = np.nan_to_num(np.abs(one.off) / one.scale)
         wrong = np.abs(one.off) > one.tolerance
@@ -99,10 +103,7 @@ def _errors(data: Data, chain: Sequence[Stage]) -> dict[tuple[str, str, str], tu
     return found
 
 
-def _mended(
-    before: Mapping[tuple[str, str, str], tuple[float, int]],
-    after: Mapping[tuple[str, str, str], tuple[float, int]],
-) -> int:
+def _mended(before: Errors, after: Errors) -> int:
     """How many stages and quantities are mended; 0 if one is broken."""
     count = 0
     for key, (error, wrong) in before.items():
@@ -120,8 +121,8 @@ def _finding(found: Conversion, data: Data) -> Finding:
     return Finding(
         stage="all" if len(found.outputs) > 1 else "output", quantity=found.outputs[0],
         kind="named", edit=found.words, remedy=found.remedy, wrong=count, checked=count, worst=1.0,
-        sentence=f"{found.words}, in {many(count, 'scene')}; the stages follow from each other once "
-        "this is undone.",
+        sentence=f"{found.words}, in {many(count, 'scene')}. Converted back, they follow from each "
+        "other.",
         example=data.cases[int(np.flatnonzero(some)[0])].id,
     )  # fmt: skip
 
@@ -132,17 +133,14 @@ def _finding(found: Conversion, data: Data) -> Finding:
 def _conversions(data: Data) -> Iterator[Conversion]:
     """Conversions of all outputs that one comes much nearer to than the contract's units do."""
     known = [q for q in OWN if np.isfinite(data.given[q]).any()]
-    for factor, meaning in FACTORS.items():
+    for factor, words, remedy, bits in _factors(data):
         own = tuple(q for q in known if _fits(data, q, factor * data.expected[q]))
-        if not own:
-            continue
-        subject, verb = _named(own, known)
-        times = "the negative of" if factor == -1 else f"{factor:.6g} times"
-        note = f" ({meaning})" if meaning and factor != -1 else ""
-        text = f"{subject} {verb} {times} what {verb} right{note}"
-        given = {q: data.given[q] / factor for q in own}
-        bits = BITS["factor"] + math.log2(len(FACTORS))
-        yield Conversion(own, text, bits, _remedy(own), given)
+        if own:
+            subject, verb = _named(own, known)
+            right = "what is right" if verb == "is" else "the right ones"
+            text = f"{subject} {verb} {words.format(right)}"
+            given = {q: data.given[q] / factor for q in own}
+            yield Conversion(own, text, bits, remedy or _remedy(own), given)
     vectors = [q for q in known if OWN[q].vector]
     for axes, rows in AXES.items():
         matrix = np.array(rows)
@@ -152,8 +150,24 @@ def _conversions(data: Data) -> Iterator[Conversion]:
             text = f"{subject} {verb} given as {axes}"
             bits = BITS["axes"] + math.log2(len(AXES))
             given = {q: matrix.T @ data.given[q] for q in own}
-            yield Conversion(own, text, bits, "give [x, y, z] with the axes of docs/model.md", given)
+            yield Conversion(own, text, bits, "give [x, y, z] with the model's axes", given)
     yield from _others(data)
+
+
+def _factors(data: Data) -> Iterator[tuple[Array | float, str, str | None, float]]:
+    """Factors of outputs: numbers, and inputs; with words, remedies and bits."""
+    for factor, meaning in FACTORS.items():
+        words = "the negative of {}" if factor == -1 else f"{factor:.6g} times {{}}"
+        note = f" ({meaning})" if meaning and factor != -1 else ""
+        remedy = "turn the sign" if factor == -1 else None
+        bits = BITS["factor"] + math.log2(len(FACTORS))
+        yield factor, words + note, remedy, bits
+    for one in INPUTS:
+        name, column = one.symbol.data, data.columns[one.symbol.data]
+        if not one.symbol.vector and (column > 0).all():
+            bits = BITS["factor"] + 1 + math.log2(len(INPUTS))
+            yield column, f"{{}} times {name}", f"do not multiply by {name}", bits
+            yield 1.0 / column, f"{{}} divided by {name}", f"do not divide by {name}", bits
 
 
 def _fits(data: Data, quantity: str, converted: Array) -> bool:
