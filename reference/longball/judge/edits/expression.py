@@ -486,4 +486,6 @@ def words(node: Node) -> str:
             return f"table({args[0]})"
         case "sum" if args[1].startswith("-"):
             return f"{args[0]} - {args[1][1:]}"
-    return _FORMATS.get(node.op, node.op + "({})").format(*args)
+        case "product" if args[0] == "-1":
+            return f"-{args[1]}"
+    return _FORMATS.get(node.op, f"{node.op}({', '.join(args)})").format(*args)

@@ -358,6 +358,9 @@ def _siblings(site: Site) -> Iterator[Option]:
                     f"takes the length of {name} of {words(a.args[0])} for {words(a)}",
                     (),
                 )
+        case "abs":
+            for b in (a.args[0], -a.args[0]):
+                yield b, cost, f"takes {words(b)} for {words(a)}", ()
         case "sin" | "cos":
             angle = a.args[0]
             yield (

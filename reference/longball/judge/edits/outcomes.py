@@ -1,0 +1,636 @@
+"""What a candidate tells besides numbers, as predicates: outcomes, fair balls, modes of impact.
+
+A `Tree` is a list of tests in the order in which a scene meets them: the first that holds says the
+outcome. A test holds if all its conditions are positive. Conditions are expressions over inputs and
+the candidate's own quantities, so that mistakes are edits of them, by the operators of any formula.
+What a test needs may be unknown, such as a time that nobody reaches; then several outcomes are
+possible, and an edit that leaves them so is no evidence.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.judge.answers import Answer
+from longball.judge.cases import Case
+from longball.judge.edits.chain import (
+    OWN,
+    I,
+    Stage,
+    at_fence,
+    fence_time,
+    friction_margin,
+    hang,
+    landing,
+    landing_time,
+    plate,
+    plate_time,
+    reach,
+    w,
+    y,
+)
+from longball.judge.edits.evidence import CHANCE, DIGIT, NUMBER
+from longball.judge.edits.expression import (
+    M,
+    Node,
+    S,
+    component,
+    constant,
+    evaluate,
+    function,
+    named,
+    norm,
+    ordered,
+    specialised,
+    substitute,
+    switch,
+    symbol,
+    where,
+    words,
+)
+from longball.judge.edits.findings import Finding, joined, many, outcomes_wrong
+from longball.judge.edits.operators import BITS, FACTORS, FREE, Edit, edits
+from longball.judge.edits.residual import ROUNDING
+from longball.judge.edits.search import defaults
+from longball.judge.quantities import QUANTITIES, superfluous, told_by, untrue
+from longball.model.arrays import Array
+
+Bools = NDArray[np.bool_]
+
+ALIKE = DIGIT  # bits: edits that cost no more than the cheapest one and these are as likely
+MOST = 2  # edits that are told beside the cheapest one
+
+time_limit, floor = symbol("time_limit", S), symbol("landing height", M)
+margin, clearance = OWN["contact.margin"], OWN["fence.clearance"]
+
+
+def _fair(place: Node) -> Node:
+    return component(place, 0) - function("abs", component(place, 1), dimension=M)
+
+
+# Conditions that have words of their own; a time is positive of a ball that gets there.
+passes = named("the ball reaches the fence", fence_time)
+fair = named(
+    "the ball is fair",
+    switch("fence", {"radius": constant(1.0, M), "polyline": _fair(at_fence)}),
+)
+_place = named("place", where(fence_time, at_fence, landing))
+
+
+@dataclass(frozen=True)
+class Test:
+    """What is said of a scene if all conditions are positive."""
+
+    says: object
+    conditions: tuple[Node, ...]
+    kinds: tuple[str, ...] = ("flight", "pitch", "impact", "at-bat")
+    after: tuple[str, ...] = ()  # stages on whose values it depends
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Tests in order, and what is said of a scene of a kind that meets none."""
+
+    name: str
+    tests: tuple[Test, ...]
+    otherwise: Mapping[str, object]
+    pool: tuple[Node, ...] = ()  # what else is at hand
+
+    def options(self) -> list[object]:
+        """All that may be said."""
+        return list(dict.fromkeys([*(t.says for t in self.tests), *self.otherwise.values()]))
+
+
+_KINDS = "flight", "pitch", "impact", "at-bat"
+_THROWN, _STRUCK, _FLOWN = ("pitch", "at-bat"), ("impact", "at-bat"), ("flight", "at-bat")
+_PITCHED = ("pitch", "plate")
+_TOUCHED = (*_PITCHED, "touching")
+_LEFT = (*_TOUCHED, "velocity after", "flight")
+OUTCOMES = Tree(
+    "outcome",
+    (
+        Test("airborne", (plate_time - time_limit,), _THROWN, _PITCHED),
+        Test("grounded", (floor - component(plate, 2),), _THROWN, _PITCHED),
+        Test("missed", (-margin,), ("at-bat",), _TOUCHED),
+        Test(
+            "beyond_bat",
+            (function("abs", y, dimension=M) - I["L"] / 2.0,), _STRUCK, _TOUCHED,
+        ),
+        Test("separating", (w,), _STRUCK, (*_TOUCHED, "normal", "bat velocity", "normal speed")),
+        # A ball that is over the fence at the limit has no landing, and no hang time.
+        Test("airborne", (hang - time_limit,), _FLOWN, _LEFT),
+        Test("wall", (passes, -clearance), _FLOWN, (*_LEFT, "fence", "clearance")),
+        Test("home_run", (passes, fair), _FLOWN, (*_LEFT, "fence", "clearance")),
+    ),
+    {"flight": "landed", "pitch": "crossed", "impact": "struck", "at-bat": "batted"},
+    (
+        *(component(OWN["contact.position"], i) for i in range(3)), *(I[s] for s in ("R", "r_b")),
+        reach, landing_time, component(at_fence, 0), component(at_fence, 1),
+        norm(OWN["contact.velocity"]),
+    ),
+)  # fmt: skip
+FAIR = Tree(
+    "landing.fair",
+    (Test(True, (_fair(_place),), after=_LEFT),),
+    dict.fromkeys(_KINDS, False),
+    tuple(component(place, i) for place in (landing, at_fence) for i in (0, 1)),
+)
+MODE = Tree(
+    "impact.mode",
+    (
+        Test(
+            "frictionless", (switch("bat.friction", {"none": constant(1.0), "given": -I["μ_f"]}),)
+        ),
+        Test("slide", (-OWN["impact.friction_margin"],), after=("friction margin",)),
+    ),
+    dict.fromkeys(_KINDS, "grip"),
+    (friction_margin,),
+)
+TOLD = {tree.name: tree for tree in (FAIR, MODE)}
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is said of scenes and what is right, beside the values that decide it.
+
+    Attributes
+    ----------
+    ids, kinds, columns
+        Of the scenes.
+    said, right
+        What the candidate says, and the truth.
+    plates
+        True of scenes whose truth has a plate: a second `airborne` is meant there.
+    """
+
+    ids: Sequence[str]
+    kinds: Any
+    columns: Mapping[str, Any]
+    said: Sequence[object]
+    right: Sequence[object]
+    plates: Bools
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    @property
+    def wrong(self) -> Bools:
+        """True where another thing is said than is right."""
+        pairs = zip(self.said, self.right, strict=True)
+        return np.array([said != right for said, right in pairs], dtype=bool)
+
+
+def _held(test: Test, told: Told, without: Node | None = None) -> Array:
+    """1 where a test holds, 0 where it does not, NaN where that is not known."""
+    found = np.ones(len(told))
+    for condition in test.conditions:
+        if condition is without:
+            continue
+        with np.errstate(all="ignore"):
+            value = np.asarray(evaluate(condition, told.columns), float) + 0.0 * found
+        unsure = np.isnan(value)
+        if condition.op != "constant":
+            unsure |= np.abs(value) <= ROUNDING
+        holds = np.where(unsure, np.nan, value > 0)
+        found = np.where((found == 0) | (holds == 0), 0.0, found * holds)
+    return np.where(np.isin(told.kinds, test.kinds), found, 0.0)
+
+
+def _known(tree: Tree, told: Told) -> list[Array]:
+    """Of each test, 1 or 0 where the truth says that it holds or not; else NaN."""
+    met = np.zeros(len(told), dtype=bool)
+    found = []
+    for test in tree.tests:
+        here = np.array([right == test.says for right in told.right]) & ~met
+        if test.says == "airborne" and test.kinds == _THROWN:
+            here &= ~told.plates | (told.kinds == "pitch")
+        here &= np.isin(told.kinds, test.kinds)
+        met = met | here
+        found.append(np.where(here, 1.0, np.where(met, np.nan, 0.0)))
+    return found
+
+
+@dataclass
+class _Search:
+    """A tree beside what a candidate says."""
+
+    tree: Tree
+    told: Told
+    options: list[object] = field(init=False)
+
+    def __post_init__(self) -> None:
+        said = [*self.tree.options(), *self.told.said, *self.told.right]
+        self.options = list(dict.fromkeys(said))
+        self.truth = _known(self.tree, self.told)
+        self.values = [self.filled(i, test) for i, test in enumerate(self.tree.tests)]
+
+    def filled(self, i: int, test: Test, edited: bool = False) -> Array:
+        """Whether a test holds by the candidate's values, or by the truth where they are silent."""
+        held, truth = _held(test, self.told), self.truth[i]
+        if edited:  # beyond what is known, only that nothing got there stays
+            truth = np.where(truth == 1, np.nan, truth)
+        return np.where(np.isnan(held), truth, held)
+
+    def possible(self, values: Sequence[Array]) -> Bools:
+        """Options by scenes: True where one may be said."""
+        found = np.zeros((len(self.options), len(self.told)), dtype=bool)
+        waiting = np.ones(len(self.told), dtype=bool)
+        for test, value in zip(self.tree.tests, values, strict=True):
+            found[self.options.index(test.says)] |= waiting & (value != 0)
+            waiting = waiting & (value != 1)
+        for kind, option in self.tree.otherwise.items():
+            found[self.options.index(option)] |= waiting & (self.told.kinds == kind)
+        return found
+
+    def agrees(self, possible: Bools, said: Sequence[object] | None = None) -> Bools:
+        """True where what is said is possible, or what is right."""
+        rows = [self.options.index(x) for x in said or self.told.said]
+        return np.asarray(possible[rows, np.arange(len(rows))])
+
+    def with_(self, i: int, held: Array) -> Bools:
+        """What may be said where a test holds otherwise."""
+        values = [*self.values]
+        values[i] = held
+        return self.possible(values)
+
+    def ways(self) -> Iterator[tuple[int, Test, Edit | None, float, str]]:
+        """Other tests: the place, the test, an edit that made it, bits, and words."""
+        for i, test in enumerate(self.tree.tests):
+            choice = math.log2(len(self.tree.tests))
+            yield (
+                i, replace(test, conditions=(constant(0.0),)), None, BITS["zero"] + choice,
+                f"never says {_text(test.says)}",
+            )  # fmt: skip
+            for condition in test.conditions:
+                left = tuple(c for c in test.conditions if c is not condition)
+                said = _is_positive(condition)
+                if left:
+                    cost = BITS["zero"] + choice + math.log2(len(test.conditions))
+                    text = f"says {_text(test.says)} whether or not {said}"
+                    yield i, replace(test, conditions=left), None, cost, text
+                stage = Stage("", (test_name(test),), "formula", {"value": condition},
+                              pool=self.tree.pool)  # fmt: skip
+                usual = {**defaults(), "time_limit": 60.0}
+                for edit in edits((stage,), stage, usual):
+                    (other,) = edit.apply((stage,))
+                    new = specialised(other.roots["value"], self.told.columns, {})
+                    if new is condition or new.op == "constant" or _is_coincidence(edit):
+                        continue
+                    conditions = tuple(new if c is condition else c for c in test.conditions)
+                    text = f"says {_text(test.says)} if {_is_positive(new)}, not if {said}"
+                    yield i, replace(test, conditions=conditions), edit, edit.bits + choice, text
+
+    def settled(self, i: int, test: Test, old: Test) -> tuple[Test, float, float, float] | None:
+        """A test with the roundest free number that the outcomes allow; its cost and limits."""
+        (c,) = {n for f in test.conditions for n in ordered([f]) if n.data == FREE}
+        (at,) = (k for k, f in enumerate(test.conditions) if f is not old.conditions[k])
+        edited = test.conditions[at]
+        points = []
+        for x in (0.0, 1.0, 2.0):
+            with np.errstate(all="ignore"):
+                f = substitute(edited, c, constant(x, c.dimension))
+                points.append(evaluate(f, self.told.columns) + np.zeros(len(self.told)))
+        slopes = [b - a for a, b in pairwise(points)]
+        usable = np.isfinite(points[2])
+        first, second = (slope[usable] for slope in slopes)
+        if not usable.any() or not np.allclose(first, second, rtol=1e-9, atol=0.0):
+            return None  # not linear in its number
+        # With the test true, or false, is what is said possible?
+        can = []
+        for x in (1.0, 0.0):
+            values = [*self.values]
+            rest = _held(test, self.told, without=edited)
+            values[i] = np.where(rest == 0, 0.0, np.where(np.isnan(rest), np.nan, x))
+            values[i] = np.where(usable, values[i], self.filled(i, old, edited=True))
+            can.append(self.agrees(self.possible(values)))
+        must = np.where(usable & (can[0] ^ can[1]), np.where(can[0], 1.0, -1.0), 0.0)
+        with np.errstate(all="ignore"):
+            limit, way = -points[0] / slopes[0], np.sign(slopes[0]) * must
+        low = float(limit[way > 0].max(initial=-np.inf))
+        high = float(limit[way < 0].min(initial=np.inf))
+        if not (low < high and math.isfinite(low) and math.isfinite(high)):
+            return None
+        for digits in range(1, 13):
+            x = float(f"{(low + high) / 2:.{digits}g}")
+            if low < x < high:
+                break
+        conditions = tuple(substitute(f, c, constant(x, c.dimension)) for f in test.conditions)
+        return replace(test, conditions=conditions), NUMBER + DIGIT * digits, low, high
+
+    def cost(self, possible: Bools, some: Bools) -> float:
+        """Bits that outcomes cost where several are possible."""
+        return float(np.log2(np.maximum(possible.sum(0), 1))[some].sum())
+
+    def nothing(self, wrong: int) -> float:
+        """Bits of so many wrong outcomes, which might be any others in any scenes."""
+        scenes = len(self.told)
+        some = min(wrong, scenes // 2)  # that all are wrong by chance is not more likely
+        among = math.log2(math.comb(scenes, some))
+        return among + wrong * math.log2(max(len(self.options) - 1, 1))
+
+
+# A limit that is off by a factor of 3 is another limit.
+_COINCIDENCES = {FREE, *(x for x, meaning in FACTORS.items() if not meaning)} - {2.0, 0.5}
+
+
+def _is_coincidence(edit: Edit) -> bool:
+    return any(n.op == "product" and n.args[0].data in _COINCIDENCES for n in ordered([edit.by]))
+
+
+def test_name(test: Test) -> str:
+    """What a test is called: by what it says."""
+    return str(test.says)
+
+
+def _text(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _is_positive(condition: Node) -> str:
+    """A condition as people write it: a > b for a - b > 0."""
+    if condition in (passes, fair):
+        return words(condition)
+    body = condition.args[0] if condition.op == "named" else condition
+    if body.op == "negative" or (body.op == "product" and body.args[0].data == -1):
+        return f"{words(body.args[-1])} ≤ 0"
+    if body.op == "sum" and body.args[1].op == "negative":
+        return f"{words(body.args[0])} > {words(body.args[1].args[0])}"
+    return f"{words(condition)} > 0"
+
+
+# --- findings -------------------------------------------------------------------------------------
+
+
+def outcome_findings(
+    cases: Sequence[Case],
+    answers: Mapping[str, Answer],
+    columns: Mapping[str, Any],
+    named_stages: Collection[str],
+) -> list[Finding]:
+    """What is behind wrong outcomes and other things that are told and not measured.
+
+    `columns` are those of all the cases, also of those whose outcome is wrong, by the chain with
+    the edits found; `named_stages` are the stages that are wrong already.
+    """
+    scenes: list[Any] = [case.scene for case in cases]
+    known = {
+        **columns,
+        **_own(cases, answers, columns),
+        "time_limit": np.array([getattr(s, "time_limit", math.nan) for s in scenes], float),
+        "landing height": np.array([_floor(scene) for scene in scenes], float),
+    }
+    said = [answers[case.id].outcome for case in cases]
+    right = [case.expected.outcome for case in cases]
+    plates = np.array([case.expected.plate is not None for case in cases])
+
+    def told(some: Sequence[int], said: Sequence[Any], right: Sequence[Any]) -> Told:
+        at = np.array(some, dtype=int)
+        own = {name: column[..., at] for name, column in known.items()}
+        return Told([cases[i].id for i in some], own["kind"], own, said, right, plates[at])
+
+    some = [i for i, outcome in enumerate(said) if outcome is not None]
+    every = told(some, [said[i] for i in some], [right[i] for i in some])
+    found = [*_of_tree(OUTCOMES, every, named_stages)]
+    agreed = [i for i, case in enumerate(cases) if said[i] in (None, case.expected.outcome)]
+    false: dict[str, list[tuple[int, object, object]]] = {}
+    for i in agreed:
+        for name, true, given in untrue(cases[i].expected, answers[cases[i].id].told):
+            false.setdefault(name, []).append((i, given, true))
+    for name, facts in false.items():
+        both = [(i, answers[cases[i].id].told.get(name), told_by(cases[i].expected).get(name))
+                for i in agreed]  # fmt: skip
+        both = [(i, given, true) for i, given, true in both if given is not None]
+        if name in TOLD:
+            one = told([i for i, _, _ in both], *zip(*((a, b) for _, a, b in both), strict=True))
+            found += _of_tree(TOLD[name], one, named_stages)
+        else:
+            found.append(_untrue(name, facts, len(both), cases))
+    return [*found, *_superfluous(cases, answers, agreed)]
+
+
+def _own(
+    cases: Sequence[Case], answers: Mapping[str, Answer], columns: Mapping[str, Any]
+) -> dict[str, Array]:
+    """The candidate's own values also of what the truth does not have."""
+    found = {}
+    for quantity, node in OWN.items():
+        column = columns[node.data].copy()
+        for i, case in enumerate(cases):
+            if quantity in (values := answers[case.id].values):
+                column[..., i] = np.squeeze(np.array([float(x) for x in values[quantity]]))
+        found[str(node.data)] = column
+    return found
+
+
+def _floor(scene: Any) -> float:
+    ground = getattr(scene, "ground", None)
+    height = 0.0 if ground is None else ground.height
+    return float(height + scene.ball.radius * (scene.reading.ground_contact == "surface"))
+
+
+def _of_tree(tree: Tree, told: Told, before: Collection[str]) -> Iterator[Finding]:
+    """Findings of a tree: what follows from earlier ones, what edits explain, and the rest."""
+    left = told.wrong
+    if not left.any():
+        return
+    search = _Search(tree, told)
+    possible = search.possible(search.values)
+    # What is right is not possible by the candidate's own values.
+    follows = left & search.agrees(possible) & ~search.agrees(possible, told.right)
+    if follows.any():
+        yield _following(tree, told, follows, before)
+        left = left & ~follows
+    accounted = ~left & search.agrees(possible)  # what no edit may make wrong
+    while left.any():
+        ways = _ways(search, left, accounted)
+        if not ways:
+            break
+        best, *others = ways
+        near = [o for o in others if o.spent < best.spent + ALIKE and (o.fixed == best.fixed).all()]
+        near = near[:MOST] if best.changed else []
+        sentence = f"{outcomes_wrong(_pairs(told, best.fixed), tree.name)}: "
+        sentence += f"your program {best.edit}"
+        if near:
+            sentence += f". The same outcomes follow if it {' or '.join(w.edit for w in near)}"
+        yield _finding(
+            tree, told, best.fixed, kind="named", edit=best.edit, bits=round(best.evidence, 1),
+            sentence=f"{sentence}.", remedy=best.right,
+        )  # fmt: skip
+        left = left & ~best.fixed
+    if left.any():
+        says = {said for pair in _pairs(told, left) for said in pair}
+        late = {stage for test in tree.tests if test.says in says for stage in test.after}
+        behind = [stage for stage in before if stage in late]
+        remedy = f"see whether this is still so when {joined(behind)} is right" if behind else None
+        yield _finding(
+            tree, told, left, kind="located", remedy=remedy,
+            sentence=f"{outcomes_wrong(_pairs(told, left), tree.name)}.",
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Way:
+    """An edit that makes wrong outcomes, and no right one wrong."""
+
+    fixed: Bools
+    spent: float  # bits
+    evidence: float
+    edit: str
+    right: str
+    changed: bool  # and not left out
+
+
+def _ways(search: _Search, left: Bools, accounted: Bools) -> list[_Way]:
+    """Edits that explain a whole kind of wrong outcome: those of most first, then the cheapest."""
+    found: dict[bytes, _Way] = {}
+    moved = _moved(search.told)
+    known = {_fingerprint(search.tree, i, test, moved) for i, test in enumerate(search.tree.tests)}
+    pairs = np.array([hash(pair) for pair in _pairs(search.told, left | True)])
+    for i, test, edit, bits, text in search.ways():
+        old, within = search.tree.tests[i], ""
+        if edit is not None and edit.starts:
+            settled = search.settled(i, test, old)
+            if settled is None:
+                continue
+            test, more, low, high = settled
+            bits += more
+            ((new, was),) = ((a, b) for a, b in zip(test.conditions, old.conditions, strict=True)
+                             if a is not b)  # fmt: skip
+            text = f"says {_text(test.says)} if {_is_positive(new)}, not if {_is_positive(was)}"
+            within = f" (the number lies between {low:.4g} and {high:.4g})"
+        held = search.filled(i, test, edited=True)
+        possible = search.with_(i, held)
+        agrees = search.agrees(possible)
+        if not agrees[accounted].all():
+            continue
+        fixed = left & agrees
+        fixed &= ~np.isin(pairs, pairs[left & ~agrees])  # a kind of mistake is explained whole
+        if not fixed.any():
+            continue
+        spent = bits + search.cost(possible, fixed)
+        evidence = search.nothing(int((fixed & ~np.isnan(held)).sum())) - spent
+        key = _fingerprint(search.tree, i, test, moved)
+        if evidence < CHANCE or key in known:
+            continue
+        if key not in found or spent < found[key].spent:
+            right = f"say {_text(old.says)} if {_all_positive(old)}"
+            found[key] = _Way(fixed, spent, evidence, f"{text}{within}", right, edit is not None)
+    return sorted(found.values(), key=lambda way: (-way.fixed.sum(), way.spent))
+
+
+def _moved(told: Told) -> Told:
+    """Scenes whose values are moved at random, in which edits that come to the same are found."""
+    draw = np.random.default_rng(0)
+    moved: dict[str, Any] = {}
+    count = max(4, 400 // max(len(told), 1))
+    for name, column in told.columns.items():
+        column = np.repeat(column, count, axis=-1)
+        moved[name] = column
+        if column.dtype.kind == "f":
+            known = column[np.isfinite(column)]
+            middle, spread = (np.median(known), known.std()) if known.size else (1.0, 1.0)
+            other = np.where(np.isfinite(column), column, middle)
+            if (known > 0).all():  # so widely that a limit of 60 s is passed by some pitches
+                moved[name] = other * np.exp(2 * draw.normal(size=column.shape))
+            else:
+                moved[name] = other + 2 * spread * draw.normal(size=column.shape)
+    ids = [name for name in told.ids for _ in range(count)]
+    return replace(told, columns=moved, kinds=np.repeat(told.kinds, count), ids=ids)
+
+
+def _fingerprint(tree: Tree, i: int, test: Test, moved: Told) -> bytes:
+    """What becomes of moved scenes with another test in place of one."""
+    tests = [*tree.tests]
+    tests[i] = test
+    found = np.full(len(moved), -1, dtype=np.int8)
+    for code, one in enumerate(tests):
+        found[(found < 0) & (_held(one, moved) == 1)] = code
+    return found.tobytes()
+
+
+def _all_positive(test: Test) -> str:
+    return " and ".join(map(_is_positive, test.conditions))
+
+
+def _following(tree: Tree, told: Told, some: Bools, before: Collection[str]) -> Finding:
+    """Outcomes that are right by the candidate's own values."""
+    says = {said for pair in _pairs(told, some) for said in pair}
+    tests = [test for test in tree.tests if says & {test.says}]
+    needed = {node for test in tests for node in ordered(test.conditions)}
+    own = [name for name, node in OWN.items() if node in needed]
+    sentence = f"{outcomes_wrong(_pairs(told, some), tree.name)}"
+    if any(stage in before for test in tests for stage in test.after):
+        sentence = sentence.replace(" wrong (", " wrong too (", 1)
+        sentence += ", probably for the same reason"
+    else:
+        sentence += f": this follows from your own {joined(own)}, which "
+        sentence += "is wrong" if len(own) == 1 else "are wrong"
+    return _finding(tree, told, some, kind="located", sentence=f"{sentence}.")
+
+
+def _pairs(told: Told, some: Bools) -> list[tuple[object, object]]:
+    return [
+        (said, right) for said, right, here in zip(told.said, told.right, some, strict=True) if here
+    ]
+
+
+def _finding(tree: Tree, told: Told, some: Bools, **said: Any) -> Finding:
+    return Finding(
+        stage="outcome", quantity=tree.name,
+        wrong=int(some.sum()), checked=len(told), worst=1.0,
+        example=told.ids[int(np.flatnonzero(some)[0])], **said,
+    )  # fmt: skip
+
+
+def _untrue(
+    name: str, facts: Sequence[tuple[int, Any, Any]], checked: int, cases: Sequence[Case]
+) -> Finding:
+    """What is told without a tree: another number by always as much, or some other word."""
+    sentence = outcomes_wrong([(given, true) for _, given, true in facts], name)
+    edit = None
+    if all(type(x) is int for _, *both in facts for x in both):
+        shifts = {given - true for _, given, true in facts}
+        if len(shifts) == 1 and len(facts) == checked > 2 and (shift := shifts.pop()):
+            edit = f"{name} is {abs(shift)} too {'large' if shift > 0 else 'small'}"
+            sentence = f"{edit} in all {many(checked, 'scene')}"
+    return Finding(
+        stage="outcome", quantity=name, kind="named" if edit else "located", edit=edit,
+        sentence=f"{sentence}.", wrong=len(facts), checked=checked, worst=1.0,
+        example=cases[facts[0][0]].id,
+    )  # fmt: skip
+
+
+def _superfluous(
+    cases: Sequence[Case], answers: Mapping[str, Answer], agreed: Sequence[int]
+) -> Iterator[Finding]:
+    """Blocks and quantities that no such outcome has."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for i in agreed:
+        case = cases[i]
+        outcome, given = str(case.expected.outcome), answers[case.id].values
+        true = [n for n in QUANTITIES if _is_there(case, n)]
+        for name in superfluous(outcome, true, given):
+            found.setdefault((name, outcome), []).append(case.id)
+    for (name, outcome), ids in found.items():
+        same = sum(str(cases[i].expected.outcome) == outcome for i in agreed)
+        what = name if "." in name else f"a block {name}"
+        others = same - len(ids)
+        belongs = f"; in {others} others with that outcome it belongs there" if others else ""
+        yield Finding(
+            stage="outcome", quantity=name, kind="located", wrong=len(ids), checked=same, worst=1.0,
+            sentence=f"{many(len(ids), 'answer')} with the outcome {outcome} "
+            f"{'has' if len(ids) == 1 else 'have'} {what}, which should be left out{belongs}.",
+            example=ids[0],
+        )  # fmt: skip
+
+
+def _is_there(case: Case, name: str) -> bool:
+    block, _, key = name.partition(".")
+    return getattr(getattr(case.expected, block, None), key, None) is not None

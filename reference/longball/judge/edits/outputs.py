@@ -1,0 +1,211 @@
+"""Values in other units or axes than the contract's, or of another quantity.
+
+Such values are wrong at every stage that gives or takes them, although no formula is. A conversion
+of some outputs is accepted if it mends at least two stages, or two quantities of one, and breaks
+none: a formula that is wrong would be followed by stages that are right.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from longball.judge.edits.chain import INPUTS, OWN, Stage
+from longball.judge.edits.expression import NONE, M, S
+from longball.judge.edits.findings import Finding, joined, many
+from longball.judge.edits.operators import AXES, BITS, FACTORS
+from longball.judge.edits.residual import Data, follow
+from longball.model.arrays import Array
+
+# The largest relative error falls at least so much where a conversion mends: what a scheme of long
+# steps leaves is less than a hundredth of what another unit makes.
+MENDED = 1e-2
+BROKEN = 2.0  # a stage whose error grows more is broken
+CLOSE = 0.3  # of the error, what a conversion may leave of it where another mistake is beside it
+NOTHING = 1e-6  # m, m/s: what is off by less is not in another unit
+MOST = 3  # conversions, one after another
+
+SPEED = (1, 0, -1)
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "lengths": tuple(q for q, node in OWN.items() if node.dimension == M),
+    "lengths and speeds": tuple(q for q, node in OWN.items() if node.dimension in (M, SPEED)),
+    "speeds": tuple(q for q, node in OWN.items() if node.dimension == SPEED),
+    "times": tuple(q for q, node in OWN.items() if node.dimension == S),
+    "vectors": tuple(q for q, node in OWN.items() if node.vector),
+    "positions": tuple(q for q, node in OWN.items() if node.vector and node.dimension == M),
+    "velocities": tuple(q for q, node in OWN.items() if node.vector and node.dimension == SPEED),
+}
+
+
+# By name and kind of a stage, and quantity: the largest relative error, and 1 if one is wrong.
+Errors = Mapping[tuple[str, str, str], tuple[float, int]]
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What the candidate gives for some quantities.
+
+    Attributes
+    ----------
+    outputs
+        The quantities.
+    words
+        What is given, as a clause: "lengths are 3.28 times the right ones (feet)".
+    bits
+        What it costs.
+    remedy
+        What should be given.
+    given
+        The right values as far as they follow from those given, by quantity.
+    """
+
+    outputs: tuple[str, ...]
+    words: str
+    bits: float
+    remedy: str
+    given: Mapping[str, Array]
+
+
+def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
+    """Values converted back where a conversion mends stages, and findings of those."""
+    findings: list[Finding] = []
+    errors = _errors(data, chain)
+    while len(findings) < MOST and sum(wrong for _, wrong in errors.values()) > 1:
+        found: list[tuple[int, float, Conversion, Errors]] = []
+        for one in _conversions(data):
+            after = _errors(replace(data, given={**data.given, **one.given}), chain)
+            mended = _mended(errors, after)
+            if mended >= 2:
+                found.append((-mended, one.bits, one, after))
+        if not found:
+            break
+        _, _, best, errors = min(found, key=lambda way: way[:2])
+        findings.append(_finding(best, data))
+        data = replace(data, given={**data.given, **best.given})
+    return data, findings
+
+
+def _errors(data: Data, chain: Sequence[Stage]) -> Errors:
+    """The largest relative error of each stage and quantity, and 1 if one is wrong."""
+    _, followed = follow(chain, data)
+    found: dict[tuple[str, str, str], tuple[float, int]] = {}
+    for one in followed:
+        rows = np.nan_to_num(np.abs(one.off) / one.scale)
+        wrong = np.abs(one.off) > one.tolerance
+        width = len(rows) // len(one.stage.quantities) if one.stage.kind == "flight" else len(rows)
+        for i in range(len(rows) // width):
+            some = slice(i * width, (i + 1) * width)
+            key = one.stage.name, one.stage.kind, one.stage.quantities[i]
+            found[key] = float(rows[some].max(initial=0.0)), int(wrong[some].any())
+    return found
+
+
+def _mended(before: Errors, after: Errors) -> int:
+    """How many stages and quantities are mended; 0 if one is broken."""
+    count = 0
+    for key, (error, wrong) in before.items():
+        left, still = after[key]
+        if still and left > BROKEN * error:
+            return 0
+        count += wrong and (not still or left <= MENDED * error)
+    return count
+
+
+def _finding(found: Conversion, data: Data) -> Finding:
+    told = [np.atleast_2d(np.isfinite(data.given[q])).any(axis=0) for q in found.outputs]
+    some = np.logical_or.reduce(told)
+    count = int(some.sum())
+    return Finding(
+        stage="all" if len(found.outputs) > 1 else "output", quantity=found.outputs[0],
+        kind="named", edit=found.words, remedy=found.remedy, wrong=count, checked=count, worst=1.0,
+        sentence=f"{found.words}, in {many(count, 'scene')}. Converted back, they follow from each "
+        "other.",
+        example=data.cases[int(np.flatnonzero(some)[0])].id,
+    )  # fmt: skip
+
+
+# --- conversions ----------------------------------------------------------------------------------
+
+
+def _conversions(data: Data) -> Iterator[Conversion]:
+    """Conversions of all outputs that one comes much nearer to than the contract's units do."""
+    known = [q for q in OWN if np.isfinite(data.given[q]).any()]
+    for factor, words, remedy, bits in _factors(data):
+        own = tuple(q for q in known if _fits(data, q, factor * data.expected[q]))
+        if own:
+            subject, verb = _named(own, known)
+            right = "what is right" if verb == "is" else "the right ones"
+            text = f"{subject} {verb} {words.format(right)}"
+            given = {q: data.given[q] / factor for q in own}
+            yield Conversion(own, text, bits, remedy or _remedy(own), given)
+    vectors = [q for q in known if OWN[q].vector]
+    for axes, rows in AXES.items():
+        matrix = np.array(rows)
+        own = tuple(q for q in vectors if _fits(data, q, matrix @ data.expected[q]))
+        if own and abs(np.linalg.det(matrix)) == 1:  # no part is lost
+            subject, verb = _named(own, known)
+            text = f"{subject} {verb} given as {axes}"
+            bits = BITS["axes"] + math.log2(len(AXES))
+            given = {q: matrix.T @ data.given[q] for q in own}
+            yield Conversion(own, text, bits, "give [x, y, z] with the model's axes", given)
+    yield from _others(data)
+
+
+def _factors(data: Data) -> Iterator[tuple[Array | float, str, str | None, float]]:
+    """Factors of outputs: numbers, and inputs; with words, remedies and bits."""
+    for factor, meaning in FACTORS.items():
+        words = "the negative of {}" if factor == -1 else f"{factor:.6g} times {{}}"
+        note = f" ({meaning})" if meaning and factor != -1 else ""
+        remedy = "turn the sign" if factor == -1 else None
+        bits = BITS["factor"] + math.log2(len(FACTORS))
+        yield factor, words + note, remedy, bits
+    for one in INPUTS:
+        name, column = one.symbol.data, data.columns[one.symbol.data]
+        if not one.symbol.vector and (column > 0).all():
+            bits = BITS["factor"] + 1 + math.log2(len(INPUTS))
+            yield column, f"{{}} times {name}", f"do not multiply by {name}", bits
+            yield 1.0 / column, f"{{}} divided by {name}", f"do not divide by {name}", bits
+
+
+def _fits(data: Data, quantity: str, converted: Array) -> bool:
+    """True if what is given is much nearer to a converted value than to the right one."""
+    given, true = data.given[quantity], data.expected[quantity]
+    off, plain = (np.sqrt(np.square(np.atleast_2d(given - x)).sum(0)) for x in (converted, true))
+    known = np.isfinite(off) & (plain > NOTHING)
+    return bool(known.any() and np.median(off[known] / plain[known]) < CLOSE)
+
+
+def _named(own: Sequence[str], known: Sequence[str]) -> tuple[str, str]:
+    """Outputs in words, with their verb."""
+    for name, group in GROUPS.items():
+        if len(own) > 1 and {*own} == {*group} & {*known}:
+            return f"all {name}", "are"
+    return joined(own), "is" if len(own) == 1 else "are"
+
+
+def _others(data: Data) -> Iterator[Conversion]:
+    """Another of the candidate's own quantities in place of one."""
+    for q, mine in data.given.items():
+        for other, theirs in data.given.items():
+            if q == other or (OWN[q].dimension, mine.ndim) != (OWN[other].dimension, theirs.ndim):
+                continue
+            both = np.isfinite(mine) & np.isfinite(theirs)
+            apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6
+            if (both & apart).any() and (mine == theirs)[both].all():
+                wrong = {q: np.where(both, np.nan, mine)}
+                if q == "landing.hang_time":  # which follows from the other times
+                    begun = np.nan_to_num(data.given["contact.time"])
+                    wrong = {q: data.given["landing.time"] - begun}
+                bits = BITS["other"] + 2 * math.log2(len(OWN))
+                yield Conversion(
+                    (q,), f"{q} equals your {other}", bits, f"give {q}, not {other}", wrong
+                )
+
+
+def _remedy(own: Sequence[str]) -> str:
+    units = {M: "m", S: "s", SPEED: "m/s", (0, 0, -1): "rad/s", NONE: "its own"}
+    kinds = dict.fromkeys(units.get(OWN[q].dimension, "SI units") for q in own)
+    return f"give {joined(own) if len(own) < 3 else 'them'} in {joined(list(kinds))}"
