@@ -16,6 +16,7 @@ from pydantic import Field
 
 from longball.convergence.report import Frozen
 from longball.judge.edits.chain import Stage
+from longball.judge.edits.clocks import Scheme
 from longball.judge.edits.expression import Node, ordered, specialised, substitute, words
 from longball.judge.edits.operators import Edit
 from longball.judge.edits.residual import HUGE, Data, Followed
@@ -120,13 +121,14 @@ def named(
     stage: Stage, found: Named, one: Followed, data: Data, scenes: str | None = None
 ) -> Finding:
     """The finding of an edit that explains a stage; the stage is as it was before the edit."""
-    same = [w for w in dict.fromkeys(e.words for e in found.same) if w != found.edit.words]
-    sentence = f"{stage.name}: your program {found.edit.words}. It is wrong {_where(one)}."
+    edit = joined([edit.words for edit in found.edits])
+    same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
+    sentence = f"{stage.name}: your program {edit}. It is wrong {_where(one)}."
     if same:
         sentence += f" These give the same numbers in these scenes: {'; '.join(same)}."
     return _finding(
-        one, data, kind="named", edit=found.edit.words, sentence=sentence, scenes=scenes,
-        remedy=formulas(stage, found.edit, data), bits=round(found.evidence, 1),
+        one, data, kind="named", edit=edit, sentence=sentence, scenes=scenes,
+        remedy=formulas(stage, found.edits[0], data), bits=round(found.evidence, 1),
     )  # fmt: skip
 
 
@@ -140,8 +142,8 @@ def located(
         kind: Kind = "located"
     else:
         kind = "nearest"
-        sentence += f" No single mistake explains it: if your program {found.nearest.words}, "
-        sentence += f"{size(found.left)} is left in {many(found.scenes, 'scene')}."
+        sentence += f" No single mistake explains it. The nearest, that it {found.nearest.words}, "
+        sentence += f"leaves {100 * found.left:.0f}% of the evidence against the right formula."
     right = words(_body(stage.roots["value"])) if stage.kind == "formula" else "⟨"
     return _finding(
         one, data, kind=kind, edit=None, scenes=scenes,
@@ -149,6 +151,27 @@ def located(
         # A formula that readings choose is several.
         remedy=None if "⟨" in right else f"{stage.quantities[0]} should be {right}",
     )  # fmt: skip
+
+
+def scheme(
+    stage: Stage, found: Scheme, one: Followed, data: Data, scenes: str | None = None
+) -> Finding:
+    """The finding of a stage that the candidate's steps explain, or are like."""
+    sentence = f"{stage.name}: your program {found.words}. It is wrong {_where(one)}."
+    return _finding(
+        one, data, kind="named" if found.adequate else "nearest", sentence=sentence, scenes=scenes,
+        edit=found.words if found.adequate else None, bits=round(found.evidence, 1),
+        step=found.step,
+    )  # fmt: skip
+
+
+def digits(words: str, followed: Iterable[Followed], data: Data) -> Finding:
+    """The finding that all errors are those of the digits that the candidate writes."""
+    wrong = [one for one in followed if one.wrong.any()]
+    worst = max(wrong, key=_worst)
+    sentence = f"Your program {words}; its errors are those of rounding."
+    found = _finding(worst, data, kind="named", edit=words, sentence=sentence)
+    return found.model_copy(update={"stage": "all"})
 
 
 def _finding(one: Followed, data: Data, **said: Any) -> Finding:

@@ -506,9 +506,10 @@ def edits(
     stage: Stage,
     defaults: Mapping[str, float | tuple[float, ...]],
     columns: Columns,
+    more: Iterable[Node] = (),
 ) -> Iterator[Edit]:
-    """Every edit of a stage's formulas in scenes with some options of switches."""
-    pool = pool_of(chain, stage, columns)
+    """Every edit of a stage's formulas, with `more` at hand, in scenes with options of switches."""
+    pool = (*pool_of(chain, stage, columns), *more)
     for name, root in stage.roots.items():
         if name == "through":
             continue

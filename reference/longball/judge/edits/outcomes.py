@@ -275,10 +275,9 @@ class _Search:
                     cost = BITS["zero"] + choice + math.log2(len(test.conditions))
                     text = f"says {_text(test.says)} whether or not {said}"
                     yield i, replace(test, conditions=left), None, cost, text
-                stage = Stage("", (test_name(test),), "formula", {"value": condition},
-                              pool=self.tree.pool)  # fmt: skip
+                stage = Stage("", (test_name(test),), "formula", {"value": condition})
                 usual = {**defaults(), "time_limit": 60.0}
-                for edit in edits((stage,), stage, usual):
+                for edit in edits((stage,), stage, usual, self.told.columns, self.tree.pool):
                     (other,) = edit.apply((stage,))
                     new = specialised(other.roots["value"], self.told.columns, {})
                     if new is condition or new.op == "constant" or _is_coincidence(edit):

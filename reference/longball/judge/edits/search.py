@@ -7,7 +7,6 @@ stages inherit the mistake.
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -39,7 +38,6 @@ from longball.judge.edits.residual import (
     data_of,
     follow,
     inputs,
-    specialised_to,
     switches,
     take,
     values,
@@ -78,39 +76,6 @@ class Located:
 
     nearest: Edit | None = None
     left: float = 1.0  # of the cost of the errors, what that leaves
-
-
-@dataclass(frozen=True)
-class Step:
-    """A stage that was wrong, and what was found."""
-
-    followed: Followed
-    found: Named | Located
-
-
-@dataclass(frozen=True)
-class Reasoned:
-    """What a search has found.
-
-    Attributes
-    ----------
-    chain
-        The chain with every edit that was named.
-    first
-        The stages beside the candidate's values, before any edit.
-    steps
-        The stages that were wrong, in the order in which they were explained.
-    last
-        The stages under the edited chain.
-    columns
-        The candidate's own values, with what stands for those that it does not give.
-    """
-
-    chain: tuple[Stage, ...]
-    first: tuple[Followed, ...]
-    steps: tuple[Step, ...]
-    last: tuple[Followed, ...]
-    columns: Mapping[str, Any]
 
 
 @cache
@@ -398,61 +363,6 @@ def asking(data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]]) -
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
 PAIRS = {"flight": 1, "formula": 4, "event": 2}
 BESIDE = 0.7  # of the cost of the errors, what an edit may leave for a second one
-# Of the errors of a stage, what an edit may leave in a few scenes: the last digits of its number.
-LAST = 1e-7
-ROUNDS = 3  # explanations at one stage, each for what the one before has left
-
-
-def reason(
-    data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]] | None = None
-) -> Reasoned:
-    """Explain the candidate's errors, stage by stage; `solve` runs the candidate again."""
-    ask = None if solve is None else asking(data, solve)
-    chain = specialised_to(data)
-    columns, first = follow(chain, data)
-    last = first
-    steps: list[Step] = []
-    located: list[Stage] = []
-    unknown: Index = np.zeros(0, dtype=int)  # scenes whose pitch does not follow
-    tried: Counter[tuple[str, str]] = Counter()
-    begun_at: defaultdict[tuple[str, str], float] = defaultdict(float)
-    while True:
-        wrong = [
-            (stage, one)
-            for stage, one in zip(chain, last, strict=True)
-            if one.relative[one.wrong].max(initial=0.0) > LAST * begun_at[stage.name, stage.kind]
-            and tried[stage.name, stage.kind] < ROUNDS
-        ]
-        if not wrong:
-            return Reasoned(chain, tuple(first), tuple(steps), tuple(last), columns)
-        stage, one = wrong[0]
-        if any(_same_flight(stage, other) for other in located):
-            tried[stage.name, stage.kind] = ROUNDS
-            continue
-        explanation = Explanation(chain, stage, data, columns, one)
-        found = explanation.explain(ask, PAIRS[stage.kind])
-        steps.append(Step(one, found))
-        begun_at[stage.name, stage.kind] = max(
-            begun_at[stage.name, stage.kind], float(one.relative.max())
-        )
-        tried[stage.name, stage.kind] += 1
-        if isinstance(found, Located):
-            tried[stage.name, stage.kind] = ROUNDS
-            located.append(stage)
-            if stage.kind == "flight" and stage.name in ("pitch", "touching"):
-                unknown = np.union1d(unknown, one.some[one.wrong])
-                columns, last = follow(chain, data, unknown)
-            continue
-        for edit in found.edits:
-            chain = edit.apply(chain)
-        columns, last = follow(chain, data, unknown)
-
-
-def _same_flight(a: Stage, b: Stage) -> bool:
-    """True for flights of one ball, such as to the fence and to the ground."""
-    if a.kind != "flight" or b.kind != "flight":
-        return False
-    return all(a.roots[name] is b.roots[name] for name in ("place", "velocity", "spin", "law"))
 
 
 def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:

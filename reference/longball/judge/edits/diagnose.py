@@ -1,0 +1,183 @@
+"""The diagnosis of a candidate, from its answers to findings."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from longball.judge.answers import Answer
+from longball.judge.cases import Case, decidable
+from longball.judge.edits import findings as told
+from longball.judge.edits.chain import Stage
+from longball.judge.edits.clocks import Scheme
+from longball.judge.edits.digits import explain_digits, with_digits
+from longball.judge.edits.findings import Diagnosis, Finding
+from longball.judge.edits.outcomes import outcome_findings
+from longball.judge.edits.outputs import outputs
+from longball.judge.edits.residual import Data, Followed, Index, data_of, follow, specialised_to
+from longball.judge.edits.schemes import explain_scheme
+from longball.judge.edits.search import PAIRS, Explanation, Located, Named, asking
+from longball.judge.rules import rule
+
+# Runs a candidate again: from scenes to answers by id.
+Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
+
+
+def diagnose(
+    cases: Sequence[Case],
+    answers: Mapping[str, Answer],
+    dt: float | None = None,
+    *,
+    flies: bool = True,
+    causes: bool = True,
+    granted: float = 0.0,
+    solve: Solve | None = None,
+) -> Diagnosis:
+    """Find out what is wrong with a candidate's answers to cases.
+
+    Parameters
+    ----------
+    cases, answers
+        Scenes with their truth, and what the candidate says, by id.
+    dt
+        s, the candidate's time step; None if it is not known.
+    flies
+        False if what counts as true flies by a scheme: then flights are not followed.
+    causes
+        False if no cause is sought, as of answers that change from run to run.
+    granted
+        The error of a quantity that passes, in its SI unit.
+    solve
+        Runs the candidate again, to tell edits apart that agree in these cases.
+    """
+    known = [
+        case
+        for case in cases
+        if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
+    ]
+    same = [case for case in known if answers[case.id].outcome in (None, case.expected.outcome)]
+    if not known:
+        return told.diagnosis((), (), data_of((), {}))
+    data = with_digits(data_of(same, answers, granted), answers) if same else data_of((), {})
+    found: list[Finding] = []
+    chain = specialised_to(data) if same else ()
+    if not flies:
+        chain = tuple(stage for stage in chain if stage.kind == "formula")
+    _, first = follow(chain, data)
+    if not causes:
+        return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
+    short = explain_digits(chain, data, answers)
+    mended, found = outputs(data, chain)
+    found += [_finding(step, mended) for step in reason(mended, chain, dt, solve).steps]
+    every = data_of(known, answers, granted)
+    columns, _ = follow(specialised_to(every), every)
+    stages = {finding.stage for finding in found}
+    found += outcome_findings(known, answers, columns, stages)
+    if short is not None and not any(f.kind == "named" for f in found):
+        found.insert(0, told.digits(short, first, data))
+    found.sort(key=lambda finding: finding.kind != "named")
+    return told.diagnosis(first, found, data)
+
+
+# --- stage by stage -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage that was wrong, and what was found."""
+
+    followed: Followed
+    found: Named | Located | Scheme
+
+
+@dataclass(frozen=True)
+class Reasoned:
+    """The chain with every edit that was named, and the stages in the order of explanation."""
+
+    chain: tuple[Stage, ...]
+    steps: tuple[Step, ...]
+
+
+# Of the errors of a stage, what an edit may leave in a few scenes: the last digits of its number.
+LAST = 1e-7
+ROUNDS = 3  # explanations at one stage, each for what the one before has left
+
+
+def reason(
+    data: Data, chain: tuple[Stage, ...], dt: float | None = None, solve: Solve | None = None
+) -> Reasoned:
+    """Explain the candidate's errors stage by stage.
+
+    The chain is the only thing that changes: an edit that is named is applied to it, and later
+    stages inherit the mistake. After a stage that is only located the candidate's own values go
+    on.
+    """
+    ask = None if solve is None else asking(data, solve)
+    columns, last = follow(chain, data)
+    steps: list[Step] = []
+    tried: Counter[tuple[str, str]] = Counter()
+    begun: defaultdict[tuple[str, str], float] = defaultdict(float)
+    located: list[Stage] = []
+    unknown: Index = np.zeros(0, dtype=int)  # scenes whose pitch does not follow
+    while True:
+        wrong = [
+            (stage, one)
+            for stage, one in zip(chain, last, strict=True)
+            if one.relative[one.wrong].max(initial=0.0) > LAST * begun[stage.name, stage.kind]
+            and tried[stage.name, stage.kind] < ROUNDS
+        ]
+        if not wrong:
+            return Reasoned(chain, tuple(steps))
+        stage, one = wrong[0]
+        at = stage.name, stage.kind
+        tried[at] += 1
+        begun[at] = max(begun[at], float(one.relative.max()))
+        if any(_is_same_flight(stage, other) for other in located):
+            tried[at] = ROUNDS
+            continue
+        found = Explanation(chain, stage, data, columns, one).explain(ask, PAIRS[stage.kind])
+        if isinstance(found, Named):
+            steps.append(Step(one, found))
+            for edit in found.edits:
+                chain = edit.apply(chain)
+            columns, last = follow(chain, data, unknown)
+            continue
+        scheme = explain_scheme(chain, stage, data, columns, one, dt)
+        steps.append(Step(one, scheme or found))
+        tried[at] = ROUNDS
+        located.append(stage)
+        if stage.kind == "flight" and stage.name in ("pitch", "touching"):
+            unknown = np.union1d(unknown, one.some[one.wrong])
+            columns, last = follow(chain, data, unknown)
+
+
+def _is_same_flight(a: Stage, b: Stage) -> bool:
+    """True for flights of one ball, such as to the fence and to the ground."""
+    if a.kind != "flight" or b.kind != "flight":
+        return False
+    return all(a.roots[name] is b.roots[name] for name in ("place", "velocity", "spin", "law"))
+
+
+def _is_wrong(one: Followed) -> bool:
+    return bool(one.wrong.any())
+
+
+def _where(data: Data) -> Callable[[Followed], Finding]:
+    return lambda one: told.located(one.stage, Located(), one, data)
+
+
+def _finding(step: Step, data: Data) -> Finding:
+    """The finding of a stage, with the rule that its wrong scenes follow."""
+    one = step.followed
+    wrong = [data.cases[i] for i in one.some[one.wrong]]
+    right = [data.cases[i] for i in one.some[one.checked & ~one.wrong]]
+    scenes = rule(wrong, right)
+    if isinstance(step.found, Named):
+        return told.named(one.stage, step.found, one, data, scenes)
+    if isinstance(step.found, Located):
+        return told.located(one.stage, step.found, one, data, scenes)
+    return told.scheme(one.stage, step.found, one, data, scenes)
