@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from longball.judge.answers import Answer
 from longball.judge.cases import Case
 from longball.judge.edits.chain import (
+    CHAIN,
     OWN,
     I,
     Stage,
@@ -156,6 +157,9 @@ MODE = Tree(
 TOLD = {tree.name: tree for tree in (FAIR, MODE)}
 
 
+_FLIGHTS = {stage.name for stage in CHAIN if stage.kind == "flight"}
+
+
 @dataclass(frozen=True)
 class Told:
     """What is said of scenes and what is right, beside the values that decide it.
@@ -168,6 +172,11 @@ class Told:
         What the candidate says, and the truth.
     plates
         True of scenes whose truth has a plate: a second `airborne` is meant there.
+    given
+        By symbol, True where a value is the candidate's own.
+    before
+        Stages that are wrong. Where the outcome is wrong too, a value that depends on them is known
+        only if it is the candidate's own.
     """
 
     ids: Sequence[str]
@@ -176,9 +185,16 @@ class Told:
     said: Sequence[object]
     right: Sequence[object]
     plates: Bools
+    given: Mapping[str, Bools]
+    before: Collection[str]
 
     def __len__(self) -> int:
         return len(self.ids)
+
+    @property
+    def suspect(self) -> set[str]:
+        """Stages that are wrong; all flights if one is, since they have one law."""
+        return {*self.before} | (_FLIGHTS if _FLIGHTS & {*self.before} else set())
 
     @property
     def wrong(self) -> Bools:
@@ -196,6 +212,9 @@ def _held(test: Test, told: Told, without: Node | None = None) -> Array:
         with np.errstate(all="ignore"):
             value = np.asarray(evaluate(condition, told.columns), float) + 0.0 * found
         unsure = np.isnan(value)
+        if not told.suspect.isdisjoint(test.after):
+            own = [told.given[n.data] for n in ordered([condition]) if n.data in told.given]
+            unsure |= told.wrong & ~np.logical_and.reduce([unsure | True, *own])
         if condition.op != "constant":
             unsure |= np.abs(value) <= ROUNDING
         holds = np.where(unsure, np.nan, value > 0)
@@ -236,6 +255,8 @@ class _Search:
         held, truth = _held(test, self.told), self.truth[i]
         if edited:  # beyond what is known, only that nothing got there stays
             truth = np.where(truth == 1, np.nan, truth)
+        if not self.told.suspect.isdisjoint(test.after):
+            truth = np.where(self.told.wrong, np.nan, truth)
         return np.where(np.isnan(held), truth, held)
 
     def possible(self, values: Sequence[Array]) -> Bools:
@@ -379,9 +400,10 @@ def outcome_findings(
     the edits found; `named_stages` are the stages that are wrong already.
     """
     scenes: list[Any] = [case.scene for case in cases]
+    own, given = _own(cases, answers, columns)
     known = {
         **columns,
-        **_own(cases, answers, columns),
+        **own,
         "time_limit": np.array([getattr(s, "time_limit", math.nan) for s in scenes], float),
         "landing height": np.array([_floor(scene) for scene in scenes], float),
     }
@@ -391,24 +413,26 @@ def outcome_findings(
 
     def told(some: Sequence[int], said: Sequence[Any], right: Sequence[Any]) -> Told:
         at = np.array(some, dtype=int)
-        own = {name: column[..., at] for name, column in known.items()}
-        return Told([cases[i].id for i in some], own["kind"], own, said, right, plates[at])
+        here = {name: column[..., at] for name, column in known.items()}
+        mine = {name: mask[at] for name, mask in given.items()}
+        ids = [cases[i].id for i in some]
+        return Told(ids, here["kind"], here, said, right, plates[at], mine, named_stages)
 
     some = [i for i, outcome in enumerate(said) if outcome is not None]
     every = told(some, [said[i] for i in some], [right[i] for i in some])
-    found = [*_of_tree(OUTCOMES, every, named_stages)]
+    found = [*_of_tree(OUTCOMES, every)]
     agreed = [i for i, case in enumerate(cases) if said[i] in (None, case.expected.outcome)]
     false: dict[str, list[tuple[int, object, object]]] = {}
     for i in agreed:
-        for name, true, given in untrue(cases[i].expected, answers[cases[i].id].told):
-            false.setdefault(name, []).append((i, given, true))
+        for name, true, obtained in untrue(cases[i].expected, answers[cases[i].id].told):
+            false.setdefault(name, []).append((i, obtained, true))
     for name, facts in false.items():
         both = [(i, answers[cases[i].id].told.get(name), told_by(cases[i].expected).get(name))
                 for i in agreed]  # fmt: skip
-        both = [(i, given, true) for i, given, true in both if given is not None]
+        both = [(i, obtained, true) for i, obtained, true in both if obtained is not None]
         if name in TOLD:
             one = told([i for i, _, _ in both], *zip(*((a, b) for _, a, b in both), strict=True))
-            found += _of_tree(TOLD[name], one, named_stages)
+            found += _of_tree(TOLD[name], one)
         else:
             found.append(_untrue(name, facts, len(both), cases))
     return [*found, *_superfluous(cases, answers, agreed)]
@@ -416,16 +440,17 @@ def outcome_findings(
 
 def _own(
     cases: Sequence[Case], answers: Mapping[str, Answer], columns: Mapping[str, Any]
-) -> dict[str, Array]:
-    """The candidate's own values also of what the truth does not have."""
-    found = {}
+) -> tuple[dict[str, Array], dict[str, Bools]]:
+    """The candidate's own values, also of what the truth does not have, and where they are."""
+    values, given = {}, {}
     for quantity, node in OWN.items():
-        column = columns[node.data].copy()
+        column, mask = columns[node.data].copy(), np.zeros(len(cases), dtype=bool)
         for i, case in enumerate(cases):
-            if quantity in (values := answers[case.id].values):
-                column[..., i] = np.squeeze(np.array([float(x) for x in values[quantity]]))
-        found[str(node.data)] = column
-    return found
+            if (said := answers[case.id].values.get(quantity)) is not None:
+                column[..., i] = np.squeeze(np.array([float(x) for x in said]))
+                mask[i] = True
+        values[str(node.data)], given[str(node.data)] = column, mask
+    return values, given
 
 
 def _floor(scene: Any) -> float:
@@ -434,7 +459,7 @@ def _floor(scene: Any) -> float:
     return float(height + scene.ball.radius * (scene.reading.ground_contact == "surface"))
 
 
-def _of_tree(tree: Tree, told: Told, before: Collection[str]) -> Iterator[Finding]:
+def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
     """Findings of a tree: what follows from earlier ones, what edits explain, and the rest."""
     left = told.wrong
     if not left.any():
@@ -444,11 +469,12 @@ def _of_tree(tree: Tree, told: Told, before: Collection[str]) -> Iterator[Findin
     # What is right is not possible by the candidate's own values.
     follows = left & search.agrees(possible) & ~search.agrees(possible, told.right)
     if follows.any():
-        yield _following(tree, told, follows, before)
+        yield _following(tree, told, follows)
         left = left & ~follows
     accounted = ~left & search.agrees(possible)  # what no edit may make wrong
+    unknown = left & search.agrees(possible)  # what may be so without any
     while left.any():
-        ways = _ways(search, left, accounted)
+        ways = _ways(search, left, accounted, unknown)
         if not ways:
             break
         best, *others = ways
@@ -466,8 +492,9 @@ def _of_tree(tree: Tree, told: Told, before: Collection[str]) -> Iterator[Findin
     if left.any():
         says = {said for pair in _pairs(told, left) for said in pair}
         late = {stage for test in tree.tests if test.says in says for stage in test.after}
-        behind = [stage for stage in before if stage in late]
-        remedy = f"see whether this is still so when {joined(behind)} is right" if behind else None
+        behind = [stage for stage in told.before if stage in late | _FLIGHTS]
+        behind = behind if late & told.suspect else []
+        remedy = f"see whether this is still so when {behind[0]} is right" if behind else None
         yield _finding(
             tree, told, left, kind="located", remedy=remedy,
             sentence=f"{outcomes_wrong(_pairs(told, left), tree.name)}.",
@@ -486,7 +513,7 @@ class _Way:
     changed: bool  # and not left out
 
 
-def _ways(search: _Search, left: Bools, accounted: Bools) -> list[_Way]:
+def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> list[_Way]:
     """Edits that explain a whole kind of wrong outcome: those of most first, then the cheapest."""
     found: dict[bytes, _Way] = {}
     moved = _moved(search.told)
@@ -514,7 +541,10 @@ def _ways(search: _Search, left: Bools, accounted: Bools) -> list[_Way]:
         if not fixed.any():
             continue
         spent = bits + search.cost(possible, fixed)
-        evidence = search.nothing(int((fixed & ~np.isnan(held)).sum())) - spent
+        sure = fixed & ~np.isnan(held) & ~unknown
+        if not search.told.suspect.isdisjoint(old.after):
+            sure &= ~np.isnan(_held(old, search.told))
+        evidence = search.nothing(int(sure.sum())) - spent
         key = _fingerprint(search.tree, i, test, moved)
         if evidence < CHANCE or key in known:
             continue
@@ -541,7 +571,8 @@ def _moved(told: Told) -> Told:
             else:
                 moved[name] = other + 2 * spread * draw.normal(size=column.shape)
     ids = [name for name in told.ids for _ in range(count)]
-    return replace(told, columns=moved, kinds=np.repeat(told.kinds, count), ids=ids)
+    kinds = np.repeat(told.kinds, count)
+    return replace(told, columns=moved, kinds=kinds, ids=ids, given={}, before=())
 
 
 def _fingerprint(tree: Tree, i: int, test: Test, moved: Told) -> bytes:
@@ -558,14 +589,14 @@ def _all_positive(test: Test) -> str:
     return " and ".join(map(_is_positive, test.conditions))
 
 
-def _following(tree: Tree, told: Told, some: Bools, before: Collection[str]) -> Finding:
+def _following(tree: Tree, told: Told, some: Bools) -> Finding:
     """Outcomes that are right by the candidate's own values."""
     says = {said for pair in _pairs(told, some) for said in pair}
     tests = [test for test in tree.tests if says & {test.says}]
     needed = {node for test in tests for node in ordered(test.conditions)}
     own = [name for name, node in OWN.items() if node in needed]
     sentence = f"{outcomes_wrong(_pairs(told, some), tree.name)}"
-    if any(stage in before for test in tests for stage in test.after):
+    if any(stage in told.before for test in tests for stage in test.after):
         sentence = sentence.replace(" wrong (", " wrong too (", 1)
         sentence += ", probably for the same reason"
     else:

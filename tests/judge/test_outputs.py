@@ -1,0 +1,115 @@
+"""Outputs in other units and axes: converted back, and told apart from wrong formulas."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from longball import golden
+from longball.judge.answers import Answer
+from longball.judge.cases import decidable
+from longball.judge.edits.chain import OWN
+from longball.judge.edits.expression import M, S
+from longball.judge.edits.outputs import outputs
+from longball.judge.edits.residual import Data, data_of, follow, specialised_to
+from longball.judge.quantities import values_of
+
+
+@pytest.fixture(scope="module")
+def truth() -> Data:
+    """Every third at-bat and flight, in which every answer is the truth."""
+    families = ("flight-both", "at-bat")
+    cases = [c for f in families for c in golden.load(f) if decidable(c)][::3]
+    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
+    return data_of(cases, answers)
+
+
+def changed(data: Data, **given):
+    return replace(data, given={**data.given, **given})
+
+
+def wrong(data: Data) -> list[str]:
+    return [f.stage.name for f in follow(specialised_to(data), data)[1] if f.wrong.any()]
+
+
+def scaled(data: Data, factor: float, dimension) -> Data:
+    own = [q for q, node in OWN.items() if node.dimension == dimension]
+    return changed(data, **{q: factor * data.given[q] for q in own})
+
+
+def test_the_truth_is_in_its_own_units(truth):
+    data, found = outputs(truth, specialised_to(truth))
+    assert found == []
+    assert data is truth
+
+
+def test_lengths_in_feet(truth):
+    feet = scaled(truth, 1 / 0.3048, M)
+    assert len(wrong(feet)) > 4
+    data, (found,) = outputs(feet, specialised_to(feet))
+    assert found.edit == "all lengths are 3.28084 times the right ones (feet)"
+    assert found.remedy == "give them in m"
+    assert wrong(data) == []
+
+
+def test_times_in_milliseconds(truth):
+    late = scaled(truth, 1e3, S)
+    data, (found,) = outputs(late, specialised_to(late))
+    assert found.edit == "all times are 1000 times the right ones (thousands)"
+    assert wrong(data) == []
+
+
+def test_vectors_with_two_axes_exchanged(truth):
+    turned = changed(truth, **{q: truth.given[q][[0, 2, 1]] for q in OWN if OWN[q].vector})
+    data, (found,) = outputs(turned, specialised_to(turned))
+    assert found.edit == "all vectors are given as (x, z, y)"
+    assert wrong(data) == []
+
+
+def test_one_output_that_equals_another(truth):
+    late = changed(truth, **{"landing.hang_time": truth.given["landing.time"]})
+    data, (found,) = outputs(late, specialised_to(late))
+    assert found.edit == "landing.hang_time equals your landing.time"
+    assert wrong(data) == []
+
+
+def test_one_output_divided_by_an_input(truth):
+    light = changed(truth, **{"impact.impulse": truth.given["impact.impulse"] / truth.columns["m"]})
+    data, (found,) = outputs(light, specialised_to(light))
+    assert found.edit == "impact.impulse is what is right divided by m"
+    assert wrong(data) == []
+
+
+def test_another_mistake_beside_it_stays(truth):
+    energy = truth.given["impact.energy_change"]
+    both = changed(scaled(truth, 1 / 0.3048, M), **{"impact.energy_change": 2 * energy})
+    data, (found,) = outputs(both, specialised_to(both))
+    assert found.sentence.startswith("all lengths are 3.28084 times")
+    assert wrong(data) == ["energy"]
+
+
+@pytest.mark.parametrize("quantity", ["landing.distance", "impact.energy_change"])
+def test_a_value_that_nothing_follows_from_is_left_to_its_formula(truth, quantity):
+    other = changed(truth, **{quantity: 2 * truth.given[quantity]})
+    data, found = outputs(other, specialised_to(other))
+    assert found == []
+    assert data is other
+
+
+def test_a_wrong_value_that_later_ones_follow_from_is_a_formula(truth):
+    """A doubled impulse that the ball gets too is no other unit of the output."""
+    J, n, m = truth.given["impact.impulse"], truth.given["contact.normal"], truth.columns["m"]
+    struck = truth.given["impact.velocity"] + J * n / m
+    other = changed(truth, **{"impact.impulse": 2 * J, "impact.velocity": struck})
+    _, found = outputs(other, specialised_to(other))
+    assert found == []
+
+
+def test_wrong_values_of_no_rule_are_no_conversion(truth):
+    draw = np.random.default_rng(3)
+    position = truth.given["landing.position"]
+    other = changed(truth, **{"landing.position": position * draw.uniform(0.5, 2, position.shape)})
+    _, found = outputs(other, specialised_to(other))
+    assert found == []
