@@ -76,6 +76,31 @@ def test_digits_that_are_missed_are_said_to_be():
     assert found.engine == "enclosure digits=21"
 
 
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ('{"kind":"at-bat","swing":{"height_offset":3}}', "contact.margin"),
+        (
+            '{"kind":"flight","launch":{"position":[0,0,1],"velocity":[40,0,25]},'
+            '"fence":{"polyline":[[90,80,1e9],[90,-80,1e9]]}}',
+            "fence.clearance",
+        ),
+    ],
+    ids=["a bat far above", "a high fence"],
+)
+@pytest.mark.parametrize("digits", [6, 20])
+def test_differences_of_lengths_are_no_more_exact_than_themselves(line, name, digits):
+    scene = parse_scene(line)
+    found = solve(scene, Enclosure(digits))
+    assert found.error is None
+    assert found.engine == f"enclosure digits={digits}"
+    # This engine shares neither steps nor bounds with that of proofs.
+    truth = Decimal(dict(numbers_of(solve(scene, Multiprecision(40))))[name].value)
+    number = dict(numbers_of(found))[name]
+    assert Decimal(number.radius) <= abs(truth) * Decimal(10) ** -digits
+    assert abs(Decimal(number.value) - truth) <= Decimal(number.radius)
+
+
 class Tired(Enclosure):
     def finer(self):
         yield Brief(self.digits + 20)

@@ -213,10 +213,10 @@ def test_radii_are_what_the_header_promises():
             assert number.radius is not None
             size = math.hypot(*(case.quantities[part].double for part in vector_of(name)))
             if name == "contact.margin" and case.scene.kind == "at-bat":
-                size = case.scene.ball.radius + case.scene.bat.radius
+                size = max(size, case.scene.ball.radius + case.scene.bat.radius)
             elif name in ("fence.clearance", "fence.margin"):
                 place = vector_of("fence.position[0]")
-                size = math.hypot(*(case.quantities[part].double for part in place))
+                size = max(size, math.hypot(*(case.quantities[part].double for part in place)))
             elif name == "impact.friction_margin":
                 size = max(1.0, size)
             allowed = Decimal("1.001e-30") * Decimal(size)

@@ -101,8 +101,10 @@ def shortened(number: Bounded, digits: int) -> Bounded:
 def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
     """Return the size of each quantity of a result, in its unit: what errors are relative to.
 
-    Of a component, that is the length of its vector; of margins and of the clearance of a fence,
-    which are differences, what they are differences of; of other numbers, their absolute value.
+    Of a component, that is the length of its vector; of other numbers, their absolute value; of
+    margins and of the clearance of a fence, which are differences, at least one of the two things
+    that they are differences of. No number is larger than its size, so that `shortened`, which
+    counts digits of the number, keeps what is promised.
     """
     value = {name: Decimal(number.value) for name, number in numbers_of(result)}
     with localcontext(prec=_PREC):
@@ -110,12 +112,9 @@ def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
             name: sum((value[part] ** 2 for part in vector_of(name)), Decimal(0)).sqrt()
             for name in value
         }
-        if isinstance(scene, AtBatScene) and "contact.margin" in size:
-            size["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
-        if "impact.friction_margin" in size:
-            size["impact.friction_margin"] = max(Decimal(1), size["impact.friction_margin"])
         place = size.get("fence.position[0]", Decimal(0))
-        for name in ("fence.clearance", "fence.margin"):
-            if name in size:
-                size[name] = place
-    return size
+        least = {"fence.clearance": place, "fence.margin": place}
+        least["impact.friction_margin"] = Decimal(1)
+        if isinstance(scene, AtBatScene):
+            least["contact.margin"] = Decimal(scene.ball.radius) + Decimal(scene.bat.radius)
+        return {name: max(length, least.get(name, length)) for name, length in size.items()}
