@@ -318,6 +318,7 @@ spin_after = own("impact.spin", "ω⁺", RATE, True)
 own("impact.friction_margin", "friction_margin")
 own("impact.energy_change", "ΔE", ENERGY)
 hang = own("landing.hang_time", "landing.hang_time", S)
+flown = symbol("time of flight", S)  # by the two clocks, or by the one that is nearer to the truth
 landing_time = own("landing.time", "landing.time", S)
 landing = own("landing.position", "landing.position", M, True)
 own("landing.velocity", "landing.velocity", SPEED, True)
@@ -673,7 +674,7 @@ CHAIN = (
     ),
     Stage(
         "flight", ("landing.position", "landing.velocity", "landing.spin"), "flight",
-        _batted(hang), _forms,
+        _batted(flown), _forms,
     ),
     Stage(
         "fence", ("fence.position", "fence.velocity"), "flight", _batted(fence_time - _begun),

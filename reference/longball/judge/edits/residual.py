@@ -474,7 +474,8 @@ def begun(data: Data) -> dict[str, Any]:
     # Of two times that contradict each other the flight lasts the one that is nearer to the truth.
     true = data.expected["landing.hang_time"]
     nearer = np.abs(told - true) <= np.abs(since - true)
-    columns["landing.hang_time"] = np.where(nearer | ~np.isfinite(since), told, since)
+    columns["time of flight"] = np.where(nearer | ~np.isfinite(since), told, since)
+    columns["landing.hang_time"] = np.where(np.isfinite(told), told, since)
     # An impact scene gives what a pitch brings.
     for own, given in (
         ("contact.position", "position"),
