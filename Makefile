@@ -8,7 +8,7 @@ INSTALLED := $(VENV)/.installed
 # The tests start hundreds of processes, which would each compile the package's sources.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report paper docs test nightly coverage lint bench mutants clean
+.PHONY: report paper docs test nightly coverage lint bench mutants planted clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
@@ -38,6 +38,9 @@ lint: $(INSTALLED)  ## run the linters
 
 mutants: $(INSTALLED)  ## plant small faults at random and count those that the tests notice; takes hours
 	$(BIN)/python tests/mutants.py --sample 300
+
+planted: $(INSTALLED)  ## measure how often the judge names a mistake rightly; takes hours
+	$(BIN)/python -m tests.planted.measure --jobs 2
 
 bench: $(INSTALLED)  ## time the engines side by side, with the peers that are installed
 	$(BIN)/python -m analysis.bench

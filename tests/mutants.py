@@ -145,11 +145,11 @@ def mutants(module: str) -> Iterator[Mutant]:
             reach = range(node.lineno, (node.end_lineno or node.lineno) + 1)
             words = where, change, lines[node.lineno - 1].strip()
             numbers[words] += 1
-            new = _replaced(source, node, changed)
+            new = replaced(source, node, changed)
             yield Mutant(module, reach, change, words[2], where, numbers[words], new)
 
 
-def _replaced(source: str, node: ast.expr, other: ast.expr) -> str:
+def replaced(source: str, node: ast.expr, other: ast.expr) -> str:
     """Return a source with another expression; the lines before it do not move."""
     lines = source.encode().splitlines(keepends=True)
     last = (node.end_lineno or node.lineno) - 1

@@ -12,10 +12,11 @@ from longball.judge.answers import Answer
 from longball.judge.cases import decidable
 from longball.judge.edits.chain import μ
 from longball.judge.edits.expression import norm, ordered, symbol
-from longball.judge.edits.findings import diagnosis, located, named, outcomes_wrong, size
+from longball.judge.edits.findings import size
 from longball.judge.edits.operators import Edit
 from longball.judge.edits.residual import Data, data_of, follow, specialised_to
 from longball.judge.edits.search import Located, Named
+from longball.judge.edits.sentences import diagnosis, located, named, outcomes_wrong
 from longball.judge.quantities import values_of
 
 
@@ -39,7 +40,7 @@ def test_a_named_mistake_has_the_right_formula_beside_its_own():
     data, one, followed = wrong(data, **{"impact.impulse": 1.5 * given})
     (place,) = (n for n in ordered(one.stage.roots.values()) if n.data == μ.data)
     m = next(n for n in ordered([place]) if n.data == "m")
-    found = named(one.stage, Named(Edit(place, m, 5.0, "takes m for μ"), 40.0), one, data)
+    found = named(one.stage, Named((Edit(place, m, 5.0, "takes m for μ"),), 40.0), one, data)
     count = int(one.checked.sum())
     assert found.sentence.startswith(f"impulse: your program takes m for μ. It is wrong in {count}")
     assert f"of {count} scenes, given your own earlier values (off by up to" in found.sentence
@@ -56,7 +57,7 @@ def test_an_edit_inside_a_definition_is_shown_there():
     data, one, _ = wrong(data, **{"contact.bat_velocity": 2 * data.given["contact.bat_velocity"]})
     (half,) = (n for n in ordered(one.stage.roots.values()) if repr(n) == "L/2")
     (length,) = half.args[:1]
-    found = named(one.stage, Named(Edit(half, length, 5.0, "takes L for L/2"), 40.0), one, data)
+    found = named(one.stage, Named((Edit(half, length, 5.0, "takes L for L/2"),), 40.0), one, data)
     assert found.remedy == "r̃ should be L/2 - contact.position_y; yours is L - contact.position_y"
 
 
@@ -89,9 +90,9 @@ def test_the_nearest_mistake_is_no_name():
     data = truth("impact")
     data, one, _ = wrong(data, **{"impact.restitution": 1.1 * data.given["impact.restitution"]})
     edit = Edit(norm(symbol("V", vector=True)), symbol("x"), 1.0, "takes x")
-    found = located(one.stage, Located(edit, 0.02, 17), one, data)
+    found = located(one.stage, Located(edit, 0.02), one, data)
     assert (found.kind, found.edit) == ("nearest", None)
-    assert "if your program takes x, 2% is left in 17 scenes" in found.sentence
+    assert "The nearest, that it takes x, leaves 2% of the evidence" in found.sentence
 
 
 @pytest.mark.parametrize(

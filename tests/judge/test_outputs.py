@@ -68,13 +68,6 @@ def test_vectors_with_two_axes_exchanged(truth):
     assert wrong(data) == []
 
 
-def test_one_output_that_equals_another(truth):
-    late = changed(truth, **{"landing.hang_time": truth.given["landing.time"]})
-    data, (found,) = outputs(late, specialised_to(late))
-    assert found.edit == "landing.hang_time equals your landing.time"
-    assert wrong(data) == []
-
-
 def test_one_output_divided_by_an_input(truth):
     light = changed(truth, **{"impact.impulse": truth.given["impact.impulse"] / truth.columns["m"]})
     data, (found,) = outputs(light, specialised_to(light))

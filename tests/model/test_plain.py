@@ -60,7 +60,7 @@ def test_every_type_of_numpy_is_handled_or_refused(data):
         assert column.dtype == object
     for cell in array:
         assert not is_number(cell)
-        if array.dtype.kind in "bU":  # truth values and texts, which JSON has
+        if array.dtype.kind in ("b", "U"):  # truth values and texts, which JSON has
             assert type(plain(cell)) in (bool, str, np.str_)
             continue
         with pytest.raises(TypeError, match=rf"^pitch\.speed: must be .*{type(cell).__name__}"):

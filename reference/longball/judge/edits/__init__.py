@@ -8,7 +8,3 @@ located, not named. A candidate that moves in steps may be explained by its sche
 that writes few digits by those (`digits`), one that answers in other units or axes by these
 (`outputs`), and its outcomes by edits of the conditions for them (`outcomes`).
 """
-
-from longball.judge.edits.diagnose import diagnose
-
-__all__ = ["diagnose"]

@@ -318,7 +318,7 @@ spin_after = own("impact.spin", "ω⁺", RATE, True)
 own("impact.friction_margin", "friction_margin")
 own("impact.energy_change", "ΔE", ENERGY)
 hang = own("landing.hang_time", "landing.hang_time", S)
-flown = symbol("time of flight", S)  # by the two clocks, or by the one that is nearer to the truth
+flown = symbol("hang_time", S)  # of two clocks that disagree, the one that is nearer
 landing_time = own("landing.time", "landing.time", S)
 landing = own("landing.position", "landing.position", M, True)
 own("landing.velocity", "landing.velocity", SPEED, True)
@@ -479,17 +479,19 @@ fence_side = switch(
 )
 _clear = switch("reading.fence_clearance", {"centre": constant(0.0, M), "surface": I["R"]})
 _surface = switch("reading.ground_contact", {"centre": constant(0.0, M), "surface": I["R"]})
+_launched_at = switch("kind", {"flight": I["launch.position"], "at-bat": place})
 _origin = switch(
     "reading.distance_origin",
     {
         "plate": constant(0.0, M, True),
-        "launch": switch("kind", {"flight": I["launch.position"], "at-bat": place}),
+        "launch": _launched_at,
     },
 )
 
 # What people define otherwise: formulas that no small edit of the right one makes.
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
+_from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
 OTHERWISE = {
     "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)), e_x, e_z),
     "bat velocity": (named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y),
@@ -517,7 +519,9 @@ OTHERWISE = {
         named("the ball's energy, m(V⁺² - V²)/2", _sizes), norm(V), norm(Ṽ), dot(V, n), _with_bat,
         _with_effective, I["e"],
     ),
-    "distance": (norm(landing), component(landing, 0), place, I["launch.position"]),
+    "distance": (
+        _from_launch, norm(landing), component(landing, 0), place, I["launch.position"],
+    ),
     "time": (plate_time,),
     "landing": (I["R"],),
     "plate": (reach,),

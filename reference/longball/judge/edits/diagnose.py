@@ -11,7 +11,7 @@ import numpy as np
 
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
-from longball.judge.edits import findings as told
+from longball.judge.edits import sentences as told
 from longball.judge.edits.chain import Stage
 from longball.judge.edits.clocks import Scheme
 from longball.judge.edits.digits import explain_digits, with_digits
@@ -27,6 +27,7 @@ from longball.judge.rules import rule
 Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
 
 
+@np.errstate(all="ignore")  # a wrong number may be of any size
 def diagnose(
     cases: Sequence[Case],
     answers: Mapping[str, Answer],
@@ -60,17 +61,16 @@ def diagnose(
         if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
     ]
     same = [case for case in known if answers[case.id].outcome in (None, case.expected.outcome)]
-    if not known:
-        return told.diagnosis((), (), data_of((), {}))
-    data = with_digits(data_of(same, answers, granted), answers) if same else data_of((), {})
+    plain = data_of(same, answers, granted)
+    data = with_digits(plain, answers)
     found: list[Finding] = []
-    chain = specialised_to(data) if same else ()
+    chain = specialised_to(data)
     if not flies:
         chain = tuple(stage for stage in chain if stage.kind == "formula")
     _, first = follow(chain, data)
     if not causes:
         return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
-    short = explain_digits(chain, data, answers)
+    short = explain_digits(chain, plain, answers)
     mended, found = outputs(data, chain)
     found += [_finding(step, mended) for step in reason(mended, chain, dt, solve).steps]
     every = data_of(known, answers, granted)
@@ -127,7 +127,7 @@ def reason(
         wrong = [
             (stage, one)
             for stage, one in zip(chain, last, strict=True)
-            if one.relative[one.wrong].max(initial=0.0) > LAST * begun[stage.name, stage.kind]
+            if one.relative[one.beyond].max(initial=0.0) > LAST * begun[stage.name, stage.kind]
             and tried[stage.name, stage.kind] < ROUNDS
         ]
         if not wrong:

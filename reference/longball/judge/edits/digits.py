@@ -133,6 +133,8 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
             name = str(OWN[quantity].data)
             unit = absolute + relative * np.abs(own[name])
             moved[name] = own[name] + unit * draw.uniform(-1.0, 1.0, np.shape(unit))
+            if quantity in ("landing.hang_time", "landing.time"):  # so long the ball flies
+                moved["hang_time"] = moved["hang_time"] + moved[name] - own[name]
         for quantity, value in values(stage, moved).items():
             most[quantity] = np.fmax(most[quantity], np.abs(value - right[quantity]))
     return np.concatenate([np.atleast_2d(np.nan_to_num(x)) for x in most.values()])

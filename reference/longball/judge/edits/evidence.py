@@ -15,6 +15,7 @@ import numpy as np
 
 from longball.model.arrays import Array
 
+BEYOND = 1e12  # floors: errors that are larger cost no more
 ADEQUATE = 4.0  # floors: no number of any scene may be farther off
 CHANCE = 20.0  # bits beyond chance: one in a million
 ROUGH = 0.05  # of the numbers, what may be farther off where an edit has jumps or kinks
@@ -25,7 +26,7 @@ DIGIT, NUMBER = math.log2(10), 3.0
 
 def cost(r: Array) -> float:
     """Bits that errors cost, in units of their floors."""
-    known = r[np.isfinite(r)]
+    known = np.clip(r[np.isfinite(r)], -BEYOND, BEYOND)
     return float(np.log2(1.0 + known * known).sum()) / 2.0
 
 

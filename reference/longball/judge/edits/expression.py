@@ -275,7 +275,7 @@ def _folded(node: Node) -> Node:
 
 def _cross(a: Array, b: Array) -> Array:
     (ax, ay, az), (bx, by, bz) = a, b
-    found = np.empty((3, max(a.shape[1], b.shape[1])))
+    found = np.empty((3, *np.broadcast_shapes(a.shape[1:], b.shape[1:])))
     found[0], found[1], found[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
     return found
 

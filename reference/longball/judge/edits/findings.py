@@ -1,26 +1,13 @@
-"""The diagnosis as it is published, and the sentences that edits make.
-
-A sentence says what is wrong, where and by how much; a remedy puts the right formula beside the
-candidate's.
-"""
+"""The diagnosis as it is published."""
 
 from __future__ import annotations
 
-import json
-from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection
 from typing import Any, Literal
 
-import numpy as np
 from pydantic import Field
 
 from longball.convergence.report import Frozen
-from longball.judge.edits.chain import Stage
-from longball.judge.edits.clocks import Scheme
-from longball.judge.edits.expression import Node, ordered, specialised, substitute, words
-from longball.judge.edits.operators import Edit
-from longball.judge.edits.residual import HUGE, Data, Followed
-from longball.judge.edits.search import Located, Named
 
 Kind = Literal["named", "nearest", "located"]
 
@@ -77,224 +64,11 @@ class Diagnosis(Frozen):
         return [f.edit for f in self.findings if f.kind == "named" and f.edit]
 
 
-def diagnosis(followed: Iterable[Followed], findings: Sequence[Finding], data: Data) -> Diagnosis:
-    """The diagnosis of a candidate from its stages, as they are without any edit."""
-    rows: dict[str, StageRow] = {}
-    for one in followed:
-        row, before = _row(one, data), rows.get(one.stage.name)
-        if row.checked and (before is None or row.wrong > before.wrong):
-            rows[row.stage] = row
-    wrong = [row for row in rows.values() if row.wrong]
-    first = findings[0].stage if findings else wrong[0].stage if wrong else None
-    if findings:
-        sentence = findings[0].sentence
-    elif first:
-        sentence = f"{first} is the first step that is wrong"
-    else:
-        sentence = "every step follows from the one before it"
-    clean = [row.stage for row in rows.values() if not row.wrong]
-    return Diagnosis(
-        sentence=sentence, first=first, stages=[*rows.values()], clean=clean,
-        findings=[*findings],
-    )  # fmt: skip
-
-
-def _row(one: Followed, data: Data) -> StageRow:
-    counted = {"checked": int(one.checked.sum()), "wrong": int(one.wrong.sum())}
-    return StageRow(stage=one.stage.name, worst=_worst(one), example=_example(one, data), **counted)
-
-
-def _worst(one: Followed) -> float:
-    return float(one.relative.max(initial=0.0))
-
-
-def _example(one: Followed, data: Data) -> str | None:
-    if not one.wrong.any():
-        return None
-    return data.cases[int(one.some[one.relative.argmax()])].id
-
-
-# --- sentences ------------------------------------------------------------------------------------
-
-
-def named(
-    stage: Stage, found: Named, one: Followed, data: Data, scenes: str | None = None
-) -> Finding:
-    """The finding of an edit that explains a stage; the stage is as it was before the edit."""
-    edit = joined([edit.words for edit in found.edits])
-    same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
-    sentence = f"{stage.name}: your program {edit}. It is wrong {_where(one)}."
-    if same:
-        sentence += f" These give the same numbers in these scenes: {'; '.join(same)}."
-    return _finding(
-        one, data, kind="named", edit=edit, sentence=sentence, scenes=scenes,
-        remedy=formulas(stage, found.edits[0], data), bits=round(found.evidence, 1),
-    )  # fmt: skip
-
-
-def located(
-    stage: Stage, found: Located, one: Followed, data: Data, scenes: str | None = None
-) -> Finding:
-    """The finding of a stage that no edit explains."""
-    sentence = f"{stage.name} is wrong {_where(one)}."
-    seen = [*_equal(stage, data), *_beside_surface(one)]
-    if found.nearest is None:
-        kind: Kind = "located"
-    else:
-        kind = "nearest"
-        sentence += f" No single mistake explains it. The nearest, that it {found.nearest.words}, "
-        sentence += f"leaves {100 * found.left:.0f}% of the evidence against the right formula."
-    right = words(_body(stage.roots["value"])) if stage.kind == "formula" else "⟨"
-    return _finding(
-        one, data, kind=kind, edit=None, scenes=scenes,
-        sentence=" ".join((sentence, *(f"{text}." for text in seen))),
-        # A formula that readings choose is several.
-        remedy=None if "⟨" in right else f"{stage.quantities[0]} should be {right}",
-    )  # fmt: skip
-
-
-def scheme(
-    stage: Stage, found: Scheme, one: Followed, data: Data, scenes: str | None = None
-) -> Finding:
-    """The finding of a stage that the candidate's steps explain, or are like."""
-    sentence = f"{stage.name}: your program {found.words}. It is wrong {_where(one)}."
-    return _finding(
-        one, data, kind="named" if found.adequate else "nearest", sentence=sentence, scenes=scenes,
-        edit=found.words if found.adequate else None, bits=round(found.evidence, 1),
-        step=found.step,
-    )  # fmt: skip
-
-
-def digits(words: str, followed: Iterable[Followed], data: Data) -> Finding:
-    """The finding that all errors are those of the digits that the candidate writes."""
-    wrong = [one for one in followed if one.wrong.any()]
-    worst = max(wrong, key=_worst)
-    sentence = f"Your program {words}; its errors are those of rounding."
-    found = _finding(worst, data, kind="named", edit=words, sentence=sentence)
-    return found.model_copy(update={"stage": "all"})
-
-
-def _finding(one: Followed, data: Data, **said: Any) -> Finding:
-    return Finding(
-        stage=one.stage.name, quantity=one.stage.quantities[0], wrong=int(one.wrong.sum()),
-        checked=int(one.checked.sum()), worst=_worst(one), example=_example(one, data), **said,
-    )  # fmt: skip
-
-
-def _where(one: Followed) -> str:
-    """In how many scenes a stage is wrong, and by how much."""
-    scenes = f"in {one.wrong.sum()} of {many(int(one.checked.sum()), 'scene')}"
-    if (np.abs(one.off) >= HUGE).any():
-        return f"{scenes}, and is no finite number in some of them"
-    if one.stage.kind == "event":
-        return scenes
-    return f"{scenes}, given your own earlier values (off by up to {size(_worst(one))})"
-
-
 def size(relative: float) -> str:
     """A relative error in words: "2%", "1.8 times its size"."""
     if relative >= 1:
         return f"{relative:.2g} times its size"
     return f"{100 * relative:.2g}%" if relative >= 1e-3 else f"{relative:.0e} of its size"
-
-
-# A stage's expressions in words; others are called by the quantity.
-_ROOTS = {
-    "law": "the acceleration",
-    "zero": "the quantity that is zero there",
-    "place": "the starting position",
-    "velocity": "the starting velocity",
-    "spin": "the starting spin",
-    "duration": "the duration",
-    "spin_left": "the remaining share of the spin",
-}
-
-
-def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
-    """The right formula beside that of an edit: the smallest definition that contains its place."""
-    for key, root in stage.roots.items():
-        around = [
-            node
-            for node in ordered([root])
-            if node.op == "named" and node is not edit.place and edit.place in ordered([node])
-        ]
-        for node in (*around, root):  # arguments come first
-            right = _body(node)
-            other = _simple(substitute(right, edit.place, edit.by), stage, data)
-            if words(other) != words(right):
-                name = words(node) if node.op == "named" else _ROOTS.get(key, stage.quantities[0])
-                return f"{name} should be {words(right)}; yours is {words(other)}"
-    return None
-
-
-def _simple(node: Node, stage: Stage, data: Data) -> Node:
-    """An expression without terms that are 0 and factors that are 1."""
-    columns = {**data.columns, "spin": data.columns[stage.spins]}
-    return specialised(node, columns, {})
-
-
-def _body(node: Node) -> Node:
-    return node.args[0] if node.op == "named" else node
-
-
-# --- what is seen without an edit -----------------------------------------------------------------
-
-
-def _equal(stage: Stage, data: Data) -> Iterable[str]:
-    """Values of a stage that equal others of the candidate's own, which differ in truth."""
-    block = stage.quantities[0].partition(".")[0]
-    for quantity in (*stage.quantities, f"{block}.time"):
-        if quantity not in data.given:
-            continue
-        mine, true = data.given[quantity], data.expected[quantity]
-        for other, theirs in data.given.items():
-            if other == quantity or theirs.ndim != mine.ndim:
-                continue
-            apart = np.abs(true - data.expected[other]) > 1e-6 * (1.0 + np.abs(true))
-            both = np.isfinite(mine) & np.isfinite(theirs) & apart
-            if both.sum() >= 3 * mine.ndim and (mine == theirs)[both].all():
-                yield f"{quantity} equals your {other}"
-
-
-# What ends a flight, what it is to be looked for by, and its sides.
-_SURFACES = {
-    "plate.position": ("x = 0", "plane", "in front of", "behind"),
-    "contact.position": ("the surface where ball and bat touch", "distance", "outside", "inside"),
-    "landing.position": ("the ground", "height", "above", "below"),
-    "fence.position": ("the fence", "line", "behind", "in front of"),
-}
-
-
-def _beside_surface(one: Followed) -> Iterable[str]:
-    """How far the point of an event lies from its surface."""
-    quantity = one.stage.quantities[0]
-    off = np.where(np.abs(one.off) > one.tolerance, one.off, 0.0)
-    if one.stage.kind != "event" or not off.any() or quantity not in _SURFACES:
-        return
-    surface, noun, *sides = _SURFACES[quantity]
-    far = [
-        f"up to {distance:.2g} m {side} {surface}"
-        for side, distance in zip(sides, (float(off.max()), float(-off.min())), strict=True)
-        if distance > 0
-    ]
-    block = quantity.partition(".")[0]
-    yield f"Your {block} point lies {' and '.join(far)}: check which {noun} you stop at"
-
-
-def outcomes_wrong(pairs: Iterable[tuple[object, object]], quantity: str = "outcome") -> str:
-    """The wrong outcomes, from what was said and what is right: '5 outcomes are wrong (…)'."""
-    kinds = Counter(pairs).most_common()
-    listed = ", ".join(
-        f"{count} " * (len(kinds) > 1) + f"{_shown(said)} instead of {_shown(right)}"
-        for (said, right), count in kinds
-    )
-    total = sum(count for _, count in kinds)
-    what = many(total, "outcome" if quantity == "outcome" else f"{quantity} value")
-    return f"{what} {'is' if total == 1 else 'are'} wrong ({listed})"
-
-
-def _shown(value: object) -> str:
-    return "none" if value is None else json.dumps(value)
 
 
 def joined(names: Collection[str]) -> str:

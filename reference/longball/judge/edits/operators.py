@@ -259,7 +259,9 @@ def _numbers(site: Site) -> Iterator[Option]:
         return
     said = words(a)
     summand = not site.parents or site.under("sum")
-    if summand or (a.data in INPUT_NAMES) or (a.op == "named" and a.dimension != NONE):
+    divides = any(p.op == "quotient" and p.args[1] is a for p in site.parents)
+    known = a.data in INPUT_NAMES or (a.op == "named" and (a.dimension != NONE or not a.vector))
+    if (summand or known) and not divides:
         cost = BITS["zero"] + (0.0 if summand or a.op == "named" else 1.0)
         yield constant(0.0, a.dimension, a.vector), cost, f"leaves out {said}", ()
     if site.under("product", "quotient", "dot") and not a.vector:

@@ -56,10 +56,11 @@ from longball.judge.edits.expression import (
     where,
     words,
 )
-from longball.judge.edits.findings import Finding, joined, many, outcomes_wrong
+from longball.judge.edits.findings import Finding, joined, many
 from longball.judge.edits.operators import BITS, FACTORS, FREE, Edit, edits
 from longball.judge.edits.residual import ROUNDING
 from longball.judge.edits.search import defaults
+from longball.judge.edits.sentences import outcomes_wrong
 from longball.judge.quantities import QUANTITIES, superfluous, told_by, untrue
 from longball.model.arrays import Array
 

@@ -20,6 +20,7 @@ from longball.engines.fence import chords
 from longball.judge.answers import Answer
 from longball.judge.cases import SLACK, Case, attainable
 from longball.judge.edits.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage
+from longball.judge.edits.evidence import ADEQUATE
 from longball.judge.edits.expression import (
     Evaluator,
     M,
@@ -126,7 +127,7 @@ def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
         laws = [value_at(scene, key) if _has(scene, "air") else None for scene in scenes]
         for part in ("at", "values"):
             rows = [getattr(law, part, (0.0, 1.0)) for law in laws]
-            longest = max(map(len, rows))
+            longest = max(map(len, rows), default=2)
             filled = [(*row, *[row[-1]] * (longest - len(row))) for row in rows]
             found[f"{key}.{part}"] = np.array(filled, dtype=float).T
     return found
@@ -156,7 +157,7 @@ SWITCHES = frozenset(
 def switches(scenes: Sequence[Any]) -> dict[str, Array]:
     """The options of scenes by switch of the chain."""
     rows = [_options(scene) for scene in scenes]
-    return {key: np.array([row[key] for row in rows]) for key in rows[0]}
+    return {key: np.array([row[key] for row in rows]) for key in (rows[0] if rows else SWITCHES)}
 
 
 def _options(scene: Any) -> dict[str, str]:
@@ -390,6 +391,11 @@ class Followed:
         return np.asarray((np.abs(self.off) > self.tolerance).any(axis=0))
 
     @property
+    def beyond(self) -> NDArray[np.bool_]:
+        """True for each scene in which a number is wrong by more than noise may be."""
+        return np.asarray(self.wrong & (np.abs(self.off) > ADEQUATE * self.floor).any(axis=0))
+
+    @property
     def relative(self) -> Array:
         """The largest relative error in each scene; 0 where nothing is given."""
         return np.asarray(np.nan_to_num(np.abs(self.off) / self.scale).max(axis=0, initial=0.0))
@@ -398,6 +404,7 @@ class Followed:
 HUGE = 1e12  # in SI units: what exceeds it is no state of a ball
 
 
+@np.errstate(all="ignore")  # a wrong number may be of any size
 def compared(
     stage: Stage, data: Data, columns: Columns, some: Index, longest: float = FINE,
     doubt: Array | None = None, rough: bool = False,
@@ -474,7 +481,7 @@ def begun(data: Data) -> dict[str, Any]:
     # Of two times that contradict each other the flight lasts the one that is nearer to the truth.
     true = data.expected["landing.hang_time"]
     nearer = np.abs(told - true) <= np.abs(since - true)
-    columns["time of flight"] = np.where(nearer | ~np.isfinite(since), told, since)
+    columns["hang_time"] = np.where(nearer | ~np.isfinite(since), told, since)
     columns["landing.hang_time"] = np.where(np.isfinite(told), told, since)
     # An impact scene gives what a pitch brings.
     for own, given in (

@@ -26,7 +26,7 @@ from longball.judge.edits.evidence import (
     rounded,
     slope_of,
 )
-from longball.judge.edits.expression import Evaluator, Node, Values, evaluate
+from longball.judge.edits.expression import Evaluator, Node, Values, evaluate, ordered
 from longball.judge.edits.operators import FACTORS, FREE, Edit, edits
 from longball.judge.edits.residual import (
     COARSE,
@@ -118,8 +118,8 @@ class Explanation:
 
     def __post_init__(self) -> None:
         f = self.followed
-        wrong, right = f.some[f.wrong], f.some[~f.wrong & f.checked]
-        sizes = f.relative[f.wrong]
+        wrong, right = f.some[f.beyond], f.some[~f.beyond & f.checked]
+        sizes = f.relative[f.beyond]
         order = wrong[np.argsort(-sizes, kind="stable")]
         self.few = np.concatenate([_evenly(order, WRONG), _evenly(right, RIGHT)])
         self.all = np.concatenate([_evenly(order, MOST_WRONG), _evenly(right, MOST_RIGHT)])
@@ -177,13 +177,16 @@ class Explanation:
 
         Also the number of groups that were tried.
         """
-        probe = Values(_moved_at_random(self.stage, take(self.columns, _evenly(self.all, PROBES))))
+        some = take(self.columns, _evenly(self.all, PROBES))
+        probe = self.probe = Values(_moved_at_random(self.stage, some))
         options = {**self.data.columns, "spin": self.data.columns[self.stage.spins]}
         known: dict[bytes, list[Edit]] = {_fingerprint(self.stage, probe): []}
         same = known.copy()
         for edit in edits(self.chain, self.stage, defaults(), options):
             stage = self.edited(edit)
             if stage.kind == "event" and _vanishes(stage, probe):  # then it would hold anywhere
+                continue
+            if edit.by.op == "constant" and not _is_finite(stage, probe):
                 continue
             known.setdefault(_fingerprint(stage, probe), []).append(edit)
         tried = [
@@ -263,6 +266,8 @@ class Explanation:
             edit, twins = group[0], group[1:TWINS]
             if edit.starts:
                 edit, r, more = self.settled(edit)
+                if self.stage.kind == "event" and _vanishes(self.edited(edit), self.probe):
+                    continue
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
             else:
                 r = self._in_floors(self.edited(edit), self.all, edit.rough)
@@ -290,7 +295,7 @@ class Explanation:
         chain = replace(edit, only=self.stage).apply(self.chain)
         (stage,) = [s for s, was in zip(chain, self.chain, strict=True) if was is self.stage]
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
-        if not f.wrong.any():
+        if not f.beyond.any():
             return None
         second = Explanation(chain, stage, self.data, self.columns, f).explain()
         if isinstance(second, Located):
@@ -389,9 +394,20 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
     return moved
 
 
+ANYWHERE = 0.1  # of scenes moved at random: where an event holds in more, it is none
+
+
 def _vanishes(stage: Stage, probe: Values) -> bool:
+    """True if an event would hold nearly anywhere, so that it explains every end."""
     with np.errstate(all="ignore"):
-        return not np.any(np.abs(probe.of(stage.roots["zero"])) > 1e-9)
+        return bool(np.mean(np.abs(probe.of(stage.roots["zero"])) < 1e-9) > ANYWHERE)
+
+
+def _is_finite(stage: Stage, probe: Values) -> bool:
+    """True if all parts of a stage's formulas are numbers: nobody divides by 0."""
+    with np.errstate(all="ignore"):
+        parts = (np.asarray(probe.of(node)) for node in ordered(stage.roots.values()))
+        return all(bool(np.isfinite(x).any()) for x in parts)
 
 
 def _fingerprint(stage: Stage, probe: Values) -> bytes:

@@ -1,0 +1,94 @@
+"""What the diagnosis says of a program that shares nothing with longball, with one mistake or two.
+
+The program (`tests/candidates/mistaken.py`) is right to 1e-12 without a mistake.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from longball.engines.chain import solve
+from longball.engines.ivp import Ivp
+from longball.golden import load
+from longball.judge.answers import Answer, Collector
+from longball.judge.cases import Case, decidable
+from longball.judge.edits.diagnose import diagnose, reason
+from longball.judge.edits.residual import data_of, specialised_to
+from longball.judge.edits.search import Named
+from longball.judge.quantities import values_of
+from tests.candidates.mistaken import solve as simulate
+from tests.candidates.mistaken import switches
+
+
+@pytest.fixture(scope="module")
+def gold() -> list[Case]:
+    """Every eighth golden case of those that the other program's model has, without time limits."""
+    return [
+        case
+        for case in load()
+        if decidable(case)
+        and case.family != "hard"
+        and not case.scene.reading.model_dump()
+        and case.expected.outcome != "airborne"
+    ][::8]
+
+
+def answers(cases: Sequence[Case], *names: str) -> dict[str, Answer]:
+    collector = Collector([case.id for case in cases])
+    for number, case in enumerate(cases, 1):
+        result = simulate(json.loads(case.scene.line()), switches(*names))
+        collector.take_line(number, json.dumps(result).encode())
+    return collector.answers
+
+
+def test_right_answers_have_no_finding(gold: list[Case]):
+    collector = Collector([case.id for case in gold])
+    for number, case in enumerate(gold, 1):
+        collector.take_line(number, solve(case.scene, Ivp()).line().encode())
+    found = diagnose(gold, collector.answers)
+    assert (found.first, found.findings) == (None, [])
+
+
+# The stage at which each is made, and the edit that it is.
+EXPECTED = {
+    "nathan": ("restitution", "leaves out m/M_eff"),
+    "bat-at-rest": ("normal speed", "leaves out -V_b"),
+    "over-bat-mass": ("velocity after", "takes M for m"),
+    "distance-in-feet": ("distance", "takes 3.2808399 times landing.position (feet)"),
+    "axes-exchanged": ("output", "landing.position is given as (y, x, z)"),
+}
+
+
+@pytest.mark.parametrize(("mistake", "stage", "edit"), [(m, *e) for m, e in EXPECTED.items()])
+def test_a_mistake_is_named_where_it_is_made(gold: list[Case], mistake: str, stage: str, edit: str):
+    first = diagnose(gold, answers(gold, mistake)).findings[0]
+    assert (first.stage, first.kind, first.edit) == (stage, "named", edit), first.sentence
+
+
+def test_two_mistakes_at_different_stages_are_both_named(gold: list[Case]):
+    found = diagnose(gold, answers(gold, "nathan", "distance-in-feet"))
+    named = {f.stage: f.edit for f in found.findings if f.kind == "named"}
+    assert named["restitution"] == "leaves out m/M_eff"
+    assert "3.2808399 times" in (named["distance"] or "")
+
+
+def test_no_cause_is_sought_in_answers_that_change_from_run_to_run(gold: list[Case]):
+    found = diagnose(gold, answers(gold, "over-bat-mass"), causes=False)
+    assert {f.kind for f in found.findings} == {"located"}
+
+
+def test_noise_has_no_name():
+    """Numbers that no formula makes: each off by another share of itself."""
+    cases = [case for case in load("impact") if decidable(case)]
+    draw = np.random.default_rng(1)
+    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    noise = 1 + 1e-3 * draw.normal(size=len(cases))
+    given = {**data.given, "impact.energy_change": data.given["impact.energy_change"] * noise}
+    reasoned = reason(replace(data, given=given), specialised_to(data))
+    assert [step.followed.stage.name for step in reasoned.steps] == ["energy"]
+    assert not isinstance(reasoned.steps[0].found, Named)

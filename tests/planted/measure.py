@@ -1,0 +1,347 @@
+"""How often the judge's diagnosis is right: named, located, false names, false reassurance.
+
+    python -m tests.planted.measure [--source planted mutants edits right] [--half open]
+                                    [--sample 40] [--seed 1] [--cases 60] [--fresh 500]
+                                    [--jobs 2] [--out build/planted]
+
+Four sources of programs that are known to be wrong, or known to be right:
+
+planted
+    Independent programs with mistakes that authors make (mistakes.csv), in two halves: the closed
+    one is not looked at while the judge is changed.
+mutants
+    The candidates of the tests with one place of their source changed at random (mutator.py).
+edits
+    longball's own chain with one of its edits: what the diagnosis can name, it has to find.
+right
+    A right program at many levels of accuracy (right.py): no name is right.
+
+Nobody grades by reading. A name is right if the chain with the edits of the diagnosis makes the
+program's numbers, from the program's own earlier values, in scenes that neither has seen; a place
+is right if there the unedited chain fails first. Whatever was judged is kept as JSON in `--out`,
+and not judged again.
+"""
+
+import argparse
+import json
+import multiprocessing
+import random
+import sys
+import time
+import traceback
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest
+
+from longball.judge.cases import Case, Converged, Exact
+from longball.judge.edits.diagnose import reason
+from longball.judge.edits.digits import with_digits
+from longball.judge.edits.evidence import ADEQUATE, ROUGH
+from longball.judge.edits.outputs import outputs
+from longball.judge.edits.residual import Data, data_of, follow, specialised_to, switches
+from longball.judge.edits.search import Located, Named
+from longball.judge.verdict import compare
+from tests.planted import sources
+from tests.planted.sources import Answers, Crashed, Subject, fresh, golden
+
+SOURCES = ("planted", "mutants", "edits", "right")
+SAME = 1e-11  # relative: values of a mutant that differ by less are those of the original
+SOLVED = Converged(0.1)
+
+
+# --- the judge ------------------------------------------------------------------------------------
+
+
+def known(cases: Sequence[Case], answers: Answers) -> list[Case]:
+    """Cases with a right outcome, of which numbers are compared."""
+    given = [(case, answers[case.id]) for case in cases if case.id in answers]
+    return [c for c, a in given if not a.error and a.outcome in (None, c.expected.outcome)]
+
+
+def like(cases: Sequence[Case], others: Sequence[Case]) -> list[Case]:
+    """Cases with the same options as one of some others: what a chain was specialised to."""
+
+    def rows(cases: Sequence[Case]) -> list[tuple[str, ...]]:
+        columns = switches([case.scene for case in cases]) if cases else {}
+        return [*zip(*columns.values())]
+
+    seen = {*rows(others)}
+    return [case for case, row in zip(cases, rows(cases)) if row in seen]
+
+
+def diagnose(cases: Sequence[Case], answers: Answers) -> Any:
+    """The chain with its edits, and what is named, near or located, as the judge finds it."""
+    data = with_digits(data_of(cases, answers), answers)
+    data, converted = outputs(data, specialised_to(data))
+    reasoned = reason(data, specialised_to(data))
+    findings = [
+        SimpleNamespace(stage=f.stage, kind=f.kind, edit=None, sentence=f.sentence)
+        for f in converted
+    ]
+    for step in reasoned.steps:
+        stage, found = step.followed.stage.name, step.found
+        told: list[tuple[str, Any]] = [("located", None)]
+        if isinstance(found, Named):
+            told = [("named", edit) for edit in found.edits]
+        elif isinstance(found, Located) and found.nearest is not None:
+            told = [("nearest", found.nearest)]
+        findings += [
+            SimpleNamespace(stage=stage, kind=kind, edit=edit, sentence=edit.words if edit else "")
+            for kind, edit in told
+        ]
+    return SimpleNamespace(chain=reasoned.chain, findings=findings)
+
+
+# --- grading --------------------------------------------------------------------------------------
+
+
+def differ(cases: Sequence[Case], a: Answers, b: Answers) -> bool:
+    """True if two programs do not answer the same."""
+    for case in cases:
+        one, other = a.get(case.id), b.get(case.id)
+        if one is None or other is None:
+            if one is not other:
+                return True
+            continue
+        if one.outcome != other.outcome or one.values.keys() != other.values.keys():
+            return True
+        for quantity, value in one.values.items():
+            x, y = (np.array([float(p) for p in z.values[quantity]]) for z in (one, other))
+            if not np.abs(x - y).max() <= SAME * max(1.0, np.abs(y).max()) or len(value) != len(y):
+                return True
+    return False
+
+
+def solves(case: Case, answers: Answers) -> bool:
+    """True if a program solves a case, be it by long steps."""
+    answer = answers.get(case.id)
+    return answer is not None and not answer.error and compare(case, answer, SOLVED).passed
+
+
+def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
+    """What the judge makes of a program, by so many cases a family, and what is true of it."""
+    began = time.process_time()
+    families = tuple(subject.families)
+    cases, new = golden(families, most), fresh(families, count)
+    said: dict[str, Any] = {"source": subject.source, "name": subject.name}
+    try:
+        answers, again = subject.answers(cases), subject.answers(new)
+    except Crashed as error:
+        return said | {"status": "crashed", "why": str(error)}
+    if subject.original:
+        before, later = subject.original(cases), subject.original(new)
+        if not (differ(new, again, later) or differ(cases, answers, before)):
+            return said | {"status": "same"}
+        # What the original does not solve says nothing of the mutation.
+        cases = [c for c in cases if solves(c, before)]
+        new = [c for c in new if solves(c, later)]
+    right = [c for c in known(cases, answers) if answers[c.id].values]
+    unseen = like([c for c in known(new, again) if again[c.id].values], right)
+    wrong = [c.id for c in right if not compare(c, answers[c.id], Exact()).passed]
+    beyond = [c.id for c in unseen if not compare(c, again[c.id], Exact()).passed]
+    passed = all(c.id in answers and compare(c, answers[c.id], Exact()).passed for c in cases)
+    if not wrong and not (passed and beyond):
+        return said | {"status": "other", "passed": passed}
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            told = diagnose(right, answers)
+    except Exception:
+        return said | {"status": "failed", "why": traceback.format_exc()[-1500:]}
+    first, everywhere, followed, shaken = [], [], [], []
+    if unseen:
+        data = data_of(unseen, again)
+        first, everywhere = _wrong(follow(specialised_to(data), data)[1])
+        followed = follow(told.chain, data)[1]
+        shaken = follow(told.chain, _shaken(data))[1]
+    findings = [
+        {
+            "stage": x.stage, "kind": x.kind, "sentence": x.sentence, "is_edit": x.edit is not None,
+            "rough": bool(x.edit and x.edit.rough), "off": _off(followed, shaken, x.stage),
+        }
+        for x in told.findings
+    ]  # fmt: skip
+    return said | {
+        "status": "judged", "passed": passed, "wrong": len(wrong), "known": len(right),
+        "fresh": len(unseen), "fresh_wrong": len(beyond), "first": first,
+        "everywhere": everywhere, "findings": findings,
+        "seconds": time.process_time() - began,
+    }  # fmt: skip
+
+
+def _wrong(followed: Sequence[Any]) -> tuple[list[str], list[str]]:
+    """Stages that are wrong in a scene where nothing before them is; and all that are wrong."""
+    first, every, before = list[str](), list[str](), set[int]()
+    for f in followed:
+        wrong = {int(i) for i in f.some[f.wrong]}
+        first += [f.stage.name] if wrong - before else []
+        every += [f.stage.name] if wrong else []
+        before |= wrong
+    return [*dict.fromkeys(first)], [*dict.fromkeys(every)]
+
+
+def _shaken(data: Data) -> Data:
+    """The same with values that no event ends at."""
+    given = {quantity: 1.01 * value + 0.01 for quantity, value in data.given.items()}
+    return replace(data, given=given)
+
+
+def _off(followed: Sequence[Any], shaken: Sequence[Any], stage: str) -> list[int]:
+    """How many numbers of a stage are more than `ADEQUATE` floors off, and of how many.
+
+    An event that values shaken at random satisfy as well is no event: it is off everywhere.
+    """
+    off = every = 0
+    for f, other in zip(followed, shaken):
+        if f.stage.name == stage:
+            given = int(np.isfinite(f.off).sum())
+            vacuous = f.stage.kind == "event" and not _beyond(other)
+            off += given if vacuous else _beyond(f)
+            every += given
+    return [off, every]
+
+
+def _beyond(f: Any) -> int:
+    with np.errstate(all="ignore"):
+        return int((np.abs(f.off) > ADEQUATE * f.floor).sum())
+
+
+@dataclass(frozen=True)
+class Grade:
+    """What a diagnosis did."""
+
+    named: bool  # a name, and every name right
+    located: bool  # the stage first found wrong is one that is, and so is every other
+    false: tuple[str, ...]  # names that are not
+    reassured: bool
+
+
+def grade(row: Mapping[str, Any]) -> Grade:
+    """Grade what was judged."""
+    names = [f for f in row["findings"] if f["kind"] == "named" and f["is_edit"]]
+    false = [f"{f['stage']} {f['sentence']}" for f in names if not is_right(row, f)]
+    findings = row["findings"]
+    return Grade(
+        bool(names) and not false,
+        bool(findings)
+        and findings[0]["stage"] in row["first"]
+        and all(f["stage"] in row["everywhere"] for f in findings),
+        tuple(false),
+        row["passed"] or not findings,
+    )
+
+
+def is_right(row: Mapping[str, Any], finding: Mapping[str, Any]) -> bool:
+    """True if a named edit makes the program's numbers in the scenes that neither has seen."""
+    off, every = finding["off"]
+    return row["source"] != "right" and off <= (ROUGH if finding["rough"] else 0.0) * every
+
+
+def wilson(count: int, of: int) -> tuple[float, float]:
+    """The 95 % interval of a share (Wilson)."""
+    low, high = binomtest(count, of).proportion_ci(method="wilson")
+    return float(low), float(high)
+
+
+def with_interval(count: int, of: int) -> str:
+    """A count with its share and the interval of that."""
+    if not of:
+        return "-"
+    low, high = wilson(count, of)
+    return f"{count} ({count / of:.1%}; {low:.1%} to {high:.1%})"
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The four figures of each source, in Markdown."""
+    head = ["source", "judged", "named", "located", "false names", "false reassurance", "crashed",
+            "same", "other"]  # fmt: skip
+    lines = [head, ["---"] * len(head)]
+    for source in SOURCES:
+        own = [row for row in rows if row["source"] == source]
+        grades = [grade(row) for row in own if row["status"] == "judged"]
+        counts = [sum(map(bool, of)) for of in zip(*(vars(g).values() for g in grades))]
+        told = [with_interval(n, len(grades)) for n in counts] or ["-"] * 4
+        status = [row["status"] for row in own]
+        rest = [status.count(x) for x in ("crashed", "same")]
+        rest.append(status.count("other") + status.count("failed"))
+        lines.append([source, len(grades), *told, *rest])
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+
+
+# --- the run --------------------------------------------------------------------------------------
+
+CHOSEN: list[Subject] = []  # what the processes share
+
+
+def kept(number: int, folder: Path, most: int, count: int) -> dict[str, Any]:
+    """Judge a subject, or read what was judged before."""
+    subject = CHOSEN[number]
+    file = subject.file(folder)
+    if not file.exists():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(judged(subject, most, count)), encoding="utf-8")
+    return json.loads(file.read_text(encoding="utf-8"))
+
+
+def chosen(options: argparse.Namespace) -> Iterator[Subject]:
+    """The subjects of a run."""
+    folder = options.out / "programs"
+    folder.mkdir(parents=True, exist_ok=True)
+    makers = {
+        "planted": lambda: sources.planted(options.half, folder),
+        "mutants": lambda: sources.mutants(options.seed, folder),
+        "edits": lambda: sources.own_edits(options.seed, options.cases),
+        "right": sources.right,
+    }
+    for source in options.source:
+        every = makers[source]()
+        if source in ("planted", "right"):
+            every = [*every]
+            random.Random(options.seed).shuffle(every)
+        yield from (subject for subject, _ in zip(every, range(options.sample)))
+
+
+def main() -> None:
+    """Measure, and print the table with every false name."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--source", nargs="*", choices=SOURCES, default=SOURCES)
+    parser.add_argument("--half", choices=("open", "closed", "both"), default="open")
+    parser.add_argument("--sample", type=int, default=1000, help="at most so many of each source")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cases", type=int, default=60, help="at most so many of each family")
+    parser.add_argument("--fresh", type=int, default=500, help="scenes that a name is held against")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=sources.ROOT / "build" / "planted")
+    options = parser.parse_args()
+    CHOSEN[:] = chosen(options)
+    context = multiprocessing.get_context("fork")  # edits are not pickled
+    with ProcessPoolExecutor(options.jobs, context) as pool:
+        asked = [
+            pool.submit(kept, number, options.out, options.cases, options.fresh)
+            for number in range(len(CHOSEN))
+        ]
+        rows = []
+        for future in asked:
+            rows.append(row := future.result())
+            print(_line_of(row), file=sys.stderr, flush=True)
+    print(table(rows))
+    for row in rows:
+        if row["status"] == "judged" and (false := grade(row).false):
+            print(f"false name: {row['name']}: {'; '.join(false)}")
+
+
+def _line_of(row: Mapping[str, Any]) -> str:
+    if row["status"] != "judged":
+        return f"{row['status']}: {row['name']}"
+    said = [f"{f['stage']} {f['kind']} {f['sentence']} {f['off']}" for f in row["findings"]]
+    return f"{row['name']}: {grade(row)} first {row['first']} {said} {row['seconds']:.0f} s"
+
+
+if __name__ == "__main__":
+    main()
