@@ -1,4 +1,4 @@
-"""Digits that are promised, and whether a proven result has them.
+"""The digits that an engine promises, and the check that a proven result has them.
 
 The promise is relative to the size of a quantity. Where a calculation loses digits, so that radii
 come out larger, an engine that proves them does it again with more (`Proving`).
@@ -63,7 +63,7 @@ def to_digits(
 
 
 def are_reached(scene: Scene, result: Result, digits: int) -> bool:
-    """Tell whether all radii of a result are what is promised; next to zero that is absolute."""
+    """True if every radius of a result is as small as promised; absolute next to zero."""
     return not _missed(scene, result, digits)
 
 

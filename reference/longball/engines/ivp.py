@@ -79,7 +79,7 @@ class Ivp(PathEngine[float]):
 
     @property
     def tolerances(self) -> dict[str, float]:
-        """What solve_ivp takes as tolerances."""
+        """Tolerances of solve_ivp, by name."""
         if self.method == "Taylor":
             return {}
         default = 5e-14
@@ -303,7 +303,7 @@ _SETTLED = 1e-14  # of gravity
 
 
 def _has_settled(law: Law[float], state: Array) -> bool:
-    """Tell whether a ball moves uniformly from here on."""
+    """True if a ball moves uniformly from here on."""
     if law.gravity is None or any(
         node.kind == "variable" and node.args[0] in "syz" for node in law.program.nodes
     ):

@@ -1,4 +1,4 @@
-"""What is wrong with a candidate, by edits of the model.
+"""The diagnosis of a candidate by edits of the model.
 
 A mistake is a small edit of the reference: another symbol of the same unit, a sign, a factor, a
 term that is left out, a state that is frozen at the launch. The diagnosis generates such edits

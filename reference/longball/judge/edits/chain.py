@@ -42,7 +42,7 @@ DENSITY, IMPULSE, ENERGY = (-3, 1, 0), (1, 1, -1), (2, 1, -2)
 
 
 class Input(NamedTuple):
-    """A number or a vector of a scene: its symbol, its path of keys, and what null stands for."""
+    """A number or a vector of a scene: its symbol, its path of keys, and the value of null."""
 
     symbol: Node
     path: str
@@ -114,7 +114,7 @@ INPUTS = (
 )
 I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
 
-# What moves during a flight, and what it starts from.
+# The variables of a flight, and its launch.
 MOVING = frozenset(("r", "v", "t", "path"))
 r, v = symbol("r", M, True), symbol("v", SPEED, True)
 t, path = symbol("t", S), symbol("path", M)
@@ -302,7 +302,7 @@ def own(quantity: str, name: str, dimension: Dimension = NONE, vector: bool = Fa
 OWN: dict[str, Node] = {}
 plate_time = own("plate.time", "plate.time", S)
 plate = own("plate.position", "plate.position", M, True)
-plate_velocity = own("plate.velocity", "plate.velocity", SPEED, True)
+own("plate.velocity", "plate.velocity", SPEED, True)
 contact_time = own("contact.time", "contact.time", S)
 place = own("contact.position", "contact.position", M, True)
 V = own("contact.velocity", "V", SPEED, True)  # no candidate reports these two
@@ -344,28 +344,25 @@ lever = named("r̃", I["L"] / 2.0 - y)
 _third = I["L"] * I["L"] / 3.0
 _twelfth = I["L"] * I["L"] / 12.0
 _quarter = I["r_b"] * I["r_b"] / 4.0
-inertia = named(
-    "I",
-    switch(
-        "reading.inertia",
-        {
-            "solid_cylinder": I["M"] * (_third + _quarter),
-            "thin_rod": I["M"] * _third,
-            "about_centre": I["M"] * (_twelfth + _quarter),
-        },
-    ),
-)
-_free_inertia = named(
-    "J_free",
-    switch(
-        "reading.inertia",
-        {
-            "solid_cylinder": I["M"] * (_twelfth + _quarter),
-            "thin_rod": I["M"] * _twelfth,
-            "about_centre": I["M"] * (_twelfth + _quarter),
-        },
-    ),
-)
+
+
+def _moment(name: str, about: Node) -> Node:
+    """The bat's moment of inertia M (about + r_b²/4), or as the reading has it."""
+    return named(
+        name,
+        switch(
+            "reading.inertia",
+            {
+                "solid_cylinder": I["M"] * (about + _quarter),
+                "thin_rod": I["M"] * about,
+                "about_centre": I["M"] * (_twelfth + _quarter),
+            },
+        ),
+    )
+
+
+inertia = _moment("I", _third)
+_free_inertia = _moment("J_free", _twelfth)
 # As printed, I/r̃ is no mass: the constant gives it the unit.
 _printed = inertia / (lever * constant(1.0, M))
 effective = named(
@@ -422,7 +419,7 @@ slip_across = named("g_t", slip - dot(slip, n) * n)
 
 
 def _mobility(a: Node) -> Node:
-    """K applied to a vector, but for what stands in place of n·K n."""
+    """K applied to a vector, before 1/μ replaces n·K n."""
     turned = cross(arm, a)
     shaken = vector(
         component(turned, 0) / _across,
@@ -568,7 +565,7 @@ class Stage:
 
     @property
     def pool(self) -> tuple[Node, ...]:
-        """What people take there otherwise; see `OTHERWISE`."""
+        """Formulas that people take there instead; see `OTHERWISE`."""
         return OTHERWISE.get(self.name, ())
 
     @property

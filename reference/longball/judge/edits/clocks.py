@@ -23,7 +23,7 @@ from longball.model.arrays import Array
 
 @dataclass(frozen=True)
 class Scheme:
-    """What the steps of a candidate explain.
+    """Errors that the steps of a candidate explain.
 
     Attributes
     ----------

@@ -54,7 +54,7 @@ class Digits:
 
     @property
     def words(self) -> str:
-        """What the candidate does, as a clause without its subject."""
+        """The style as a clause without its subject."""
         if self.kind == "single":
             return "writes numbers in single precision"
         noun = "significant digit" if self.kind == "digits" else "decimal"
@@ -122,7 +122,7 @@ def with_digits(data: Data, answers: Mapping[str, Answer]) -> Data:
 
 
 def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
-    """What rounding a candidate's own values does to each number of a stage."""
+    """Errors of each number of a stage by the rounding of the candidate's own values."""
     own = take(columns, some)
     draw = np.random.default_rng(0)
     right = values(stage, own)
@@ -153,7 +153,7 @@ def said(found: Mapping[str, Digits], told: Collection[str]) -> str:
 def explain_digits(
     chain: Sequence[Stage], data: Data, answers: Mapping[str, Answer]
 ) -> str | None:  # fmt: skip
-    """How the candidate writes or computes numbers, if that explains all its errors."""
+    """The style in which the candidate writes numbers, if it explains all errors."""
     found = styles(answers)
     _, before = follow(chain, data)
     if not found or not any(one.wrong.any() for one in before):

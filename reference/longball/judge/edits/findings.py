@@ -36,7 +36,7 @@ class Finding(Frozen):
 
 
 class StageRow(Frozen):
-    """How often a stage follows from the stages before."""
+    """Counts of a stage: scenes that have it, and those in which it is wrong."""
 
     stage: str
     checked: int
@@ -46,7 +46,7 @@ class StageRow(Frozen):
 
 
 class Diagnosis(Frozen):
-    """What is wrong, stage by stage."""
+    """The findings of a candidate, stage by stage."""
 
     sentence: str
     first: str | None = Field(description="the first stage with errors that matter")

@@ -137,7 +137,6 @@ BITS = {
     "launch": 4.0,
     "condition": 6.0,
     "sum": 5.0,
-    "previous": 6.0,
     "rounded": 5.0,
 }
 
@@ -421,7 +420,7 @@ def _directions(site: Site) -> Iterator[Option]:
 
 
 def _states(site: Site) -> Iterator[Option]:
-    """What moves, frozen at the launch; or acting only where a condition holds."""
+    """A part that moves, frozen at the launch or acting only under a condition."""
     a, said = site.node, words(site.node)
     if not site.flies or not depends(a, frozenset(("r", "v"))):
         return
@@ -464,15 +463,6 @@ def _options(site: Site) -> Iterator[Option]:
                 yield rebuilt(a, args), BITS["option"] + 2, text, ()
 
 
-def _earlier(site: Site) -> Iterator[Option]:
-    """An input of the scene before, or of the first one."""
-    a = site.node
-    if a.op == "symbol" and a.data in site.defaults:
-        for which in ("before", "first"):
-            kept = symbol(f"{a.data} of the scene {which}", a.dimension, a.vector)
-            yield kept, BITS["previous"], f"keeps {a.data} of the scene {which}", ()
-
-
 OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
     _others, _numbers, _factors, _terms, _shapes, _siblings, _directions, _states, _options,
 )  # fmt: skip
@@ -487,7 +477,7 @@ IN_FLIGHT = MOVING | {"v0", "ω0"}
 
 
 def pool_of(chain: Iterable[Stage], stage: Stage, columns: Columns) -> tuple[Node, ...]:
-    """What is at hand at a stage: its own pool, and inputs and definitions of its formulas."""
+    """Nodes at hand at a stage: its own pool, and inputs and definitions of its formulas."""
     found: dict[int, Node] = {}
     kin = [s for s in chain if (s.kind == "flight") == (stage.kind == "flight")]
     near = [stage] if stage.kind == "flight" else kin[: kin.index(stage) + 1]

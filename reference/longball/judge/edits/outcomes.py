@@ -1,4 +1,4 @@
-"""What a candidate tells besides numbers, as predicates: outcomes, fair balls, modes of impact.
+"""Facts that a candidate reports besides numbers: outcomes, fair balls, modes of impact.
 
 A `Tree` is a list of tests in the order in which a scene meets them: the first that holds says the
 outcome. A test holds if all its conditions are positive. Conditions are expressions over inputs and
@@ -88,7 +88,7 @@ _place = named("place", where(fence_time, at_fence, landing))
 
 @dataclass(frozen=True)
 class Test:
-    """What is said of a scene if all conditions are positive."""
+    """A fact about a scene that holds if all conditions are positive."""
 
     says: object
     conditions: tuple[Node, ...]
@@ -163,7 +163,7 @@ _FLIGHTS = {stage.name for stage in CHAIN if stage.kind == "flight"}
 
 @dataclass(frozen=True)
 class Told:
-    """What is said of scenes and what is right, beside the values that decide it.
+    """Reported and right facts of scenes, beside the values that decide them.
 
     Attributes
     ----------
@@ -252,7 +252,7 @@ class _Search:
         self.values = [self.filled(i, test) for i, test in enumerate(self.tree.tests)]
 
     def filled(self, i: int, test: Test, edited: bool = False) -> Array:
-        """Whether a test holds by the candidate's values, or by the truth where they are silent."""
+        """Truth of a test by the candidate's values, or by the true ones where it gives none."""
         held, truth = _held(test, self.told), self.truth[i]
         if edited:  # beyond what is known, only that nothing got there stays
             truth = np.where(truth == 1, np.nan, truth)
@@ -277,7 +277,7 @@ class _Search:
         return np.asarray(possible[rows, np.arange(len(rows))])
 
     def with_(self, i: int, held: Array) -> Bools:
-        """What may be said where a test holds otherwise."""
+        """Facts that are possible where a test is changed."""
         values = [*self.values]
         values[i] = held
         return self.possible(values)
@@ -366,7 +366,7 @@ def _is_coincidence(edit: Edit) -> bool:
 
 
 def test_name(test: Test) -> str:
-    """What a test is called: by what it says."""
+    """The name of a test: the fact that it reports."""
     return str(test.says)
 
 
@@ -395,7 +395,7 @@ def outcome_findings(
     columns: Mapping[str, Any],
     named_stages: Collection[str],
 ) -> list[Finding]:
-    """What is behind wrong outcomes and other things that are told and not measured.
+    """Findings about wrong outcomes and other reported facts.
 
     `columns` are those of all the cases, also of those whose outcome is wrong, by the chain with
     the edits found; `named_stages` are the stages that are wrong already.
@@ -577,7 +577,7 @@ def _moved(told: Told) -> Told:
 
 
 def _fingerprint(tree: Tree, i: int, test: Test, moved: Told) -> bytes:
-    """What becomes of moved scenes with another test in place of one."""
+    """Facts of the moved scenes with another test in place of one."""
     tests = [*tree.tests]
     tests[i] = test
     found = np.full(len(moved), -1, dtype=np.int8)
@@ -623,7 +623,7 @@ def _finding(tree: Tree, told: Told, some: Bools, **said: Any) -> Finding:
 def _untrue(
     name: str, facts: Sequence[tuple[int, Any, Any]], checked: int, cases: Sequence[Case]
 ) -> Finding:
-    """What is told without a tree: another number by always as much, or some other word."""
+    """A finding about a fact without a tree: a number that is shifted, or another word."""
     sentence = outcomes_wrong([(given, true) for _, given, true in facts], name)
     edit = None
     if all(type(x) is int for _, *both in facts for x in both):

@@ -46,7 +46,7 @@ Errors = Mapping[tuple[str, str, str], tuple[float, int]]
 
 @dataclass(frozen=True)
 class Conversion:
-    """What the candidate gives for some quantities.
+    """Another form in which the candidate gives some quantities.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def _errors(data: Data, chain: Sequence[Stage]) -> Errors:
 
 
 def _mended(before: Errors, after: Errors) -> int:
-    """How many stages and quantities are mended; 0 if one is broken."""
+    """Number of stages and quantities that are mended; 0 if one is broken."""
     count = 0
     for key, (error, wrong) in before.items():
         left, still = after[key]

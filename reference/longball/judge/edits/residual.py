@@ -1,4 +1,4 @@
-"""How far a candidate's values are from what its own earlier values give, stage by stage.
+"""Residuals of a candidate, stage by stage: its values less those that its earlier values give.
 
 All that flies a ball for the diagnosis is in this module: flights of any edited law, all scenes at
 once, by fixed steps of an eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving

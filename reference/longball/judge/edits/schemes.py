@@ -109,7 +109,7 @@ class _Search:
         )
 
     def errors(self, one: Integrator, h: float, chord: bool, some: Index) -> tuple[Array, Array]:
-        """What a scheme makes other than the exact path does, and the doubt of it."""
+        """Difference of a scheme from the exact path, and its doubt."""
         with np.errstate(all="ignore"):
             found, doubt = steps(self.stage, self.columns_of(some), one, h, chord)
             given = self.rows({q: self.data.given[q][..., self.followed.some[some]] for q in found})
@@ -117,7 +117,7 @@ class _Search:
             return self.rows(found) - exact, self.rows(doubt)
 
     def left(self, one: Integrator, h: float, chord: bool, some: Index) -> Array:
-        """What a scheme leaves of the candidate's errors, in floors."""
+        """Errors that a scheme leaves unexplained, in floors."""
         made, doubt = self.errors(one, h, chord, some)
         off = self.followed.off[:, some]
         r = (off - made) / (self.followed.floor[:, some] + doubt)
@@ -134,7 +134,7 @@ class _Search:
         return share, float(np.square(a - share * b).sum()) / max(square, 1e-300)
 
     def fitting(self) -> list[tuple[float, float, Integrator]]:
-        """What integrators leave, the steps that fit them, and themselves; the best first."""
+        """Integrators with their best step and the error that they leave, the best first."""
         found = []
         for one, h in product(INTEGRATORS, TRIALS):
             share, left = self.ratio(one, h)

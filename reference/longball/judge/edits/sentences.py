@@ -212,7 +212,7 @@ _SURFACES = {
 
 
 def _beside_surface(one: Followed) -> Iterable[str]:
-    """How far the point of an event lies from its surface."""
+    """The distance of an event's point from its surface, in words."""
     quantity = one.stage.quantities[0]
     off = np.where(np.abs(one.off) > one.tolerance, one.off, 0.0)
     if one.stage.kind != "event" or not off.any() or quantity not in _SURFACES:
