@@ -18,8 +18,8 @@ from longball.convergence import PowerLaw, fit_power_law
 from longball.convergence.order import typical
 from longball.golden import load
 from longball.judge.cases import Case, Exact
+from longball.judge.diagnosis.findings import Diagnosis
 from longball.judge.evaluation import Evaluation, Judge
-from longball.judge.findings import Diagnosis
 from longball.judge.fresh import proven
 from longball.judge.serve import serve
 from longball.judge.step_sweep import sample

@@ -6,9 +6,9 @@ import pytest
 from longball import golden
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.edits.chain import CHAIN, OWN
-from longball.judge.edits.expression import NONE, ordered
-from longball.judge.edits.residual import data_of, follow, specialised_to
+from longball.judge.diagnosis.chain import CHAIN, OWN
+from longball.judge.diagnosis.expression import NONE, ordered
+from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import values_of
 
 FAMILIES = [

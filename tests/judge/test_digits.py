@@ -10,8 +10,8 @@ import pytest
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.edits.digits import digits_of, explain_digits, with_digits
-from longball.judge.edits.residual import data_of, follow, specialised_to
+from longball.judge.diagnosis.digits import digits_of, explain_digits, with_digits
+from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import values_of
 
 WAYS = {

@@ -17,8 +17,8 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.candidate import Limits
 from longball.judge.cases import Known, profile, solved
+from longball.judge.diagnosis.scenes import TURNED
 from longball.judge.evaluation import Evaluation, Judge
-from longball.judge.rules import TURNED
 from longball.judge.text import render
 from tests.judge.material import at_bats, flights, impacts, pitches
 

@@ -10,13 +10,13 @@ import pytest
 from longball import golden
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.edits.chain import μ
-from longball.judge.edits.expression import norm, ordered, symbol
-from longball.judge.edits.findings import size
-from longball.judge.edits.operators import Edit
-from longball.judge.edits.residual import Data, data_of, follow, specialised_to
-from longball.judge.edits.search import Located, Named
-from longball.judge.edits.sentences import diagnosis, located, named, outcomes_wrong
+from longball.judge.diagnosis.chain import μ
+from longball.judge.diagnosis.expression import norm, ordered, symbol
+from longball.judge.diagnosis.findings import size
+from longball.judge.diagnosis.operators import Edit
+from longball.judge.diagnosis.residual import Data, data_of, follow, specialised_to
+from longball.judge.diagnosis.search import Located, Named
+from longball.judge.diagnosis.sentences import diagnosis, located, named, outcomes_wrong
 from longball.judge.quantities import values_of
 
 

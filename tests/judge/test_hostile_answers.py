@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 import longball as lb
 from longball import golden
 from longball.golden import reader
-from longball.judge import evaluation, relations
+from longball.judge import evaluation
 from longball.judge.answers import Collector, line_of
 from longball.judge.cases import Exact
+from longball.judge.diagnosis.diagnose import diagnose
 from longball.judge.evaluation import DEFECT, Judge, usable
-from longball.judge.stages import NONE, Check, trial_of
 from longball.judge.verdict import Verdict
 from longball.model.scene import Scene
 
@@ -157,7 +157,7 @@ def test_the_right_answers_pass_and_others_do_not(folder: Path, family: str) -> 
 
 
 def test_a_search_that_breaks_off_is_told_and_costs_no_verdict(folder: Path, monkeypatch) -> None:
-    def broken(*arguments: object) -> None:
+    def broken(*arguments: object, **options: object) -> None:
         raise ZeroDivisionError("division by zero")
 
     monkeypatch.setattr(evaluation, "diagnose", broken)
@@ -188,6 +188,4 @@ def test_a_contact_at_the_end_that_the_bat_turns_about_is_no_reason_to_break_off
     data["contact"]["position"][1] = case.scene.bat.length / 2
     collector = Collector([case.id])
     collector.take_line(1, line_of(case.id, data))
-    trial = trial_of(case, collector.answers[case.id])
-    check = Check("restitution", "impact.restitution", (0.5,), (0.4,), 1e-9, 1.0)
-    assert [*relations.by_speed([(trial, [check])], NONE)] == []
+    assert diagnose([case], collector.answers).first is not None

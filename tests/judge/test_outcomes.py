@@ -11,9 +11,9 @@ import pytest
 from longball import golden
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.edits.findings import Finding
-from longball.judge.edits.outcomes import outcome_findings
-from longball.judge.edits.residual import data_of, follow, specialised_to
+from longball.judge.diagnosis.findings import Finding
+from longball.judge.diagnosis.outcomes import outcome_findings
+from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import told_by, values_of
 
 BATS = ("impact", "at-bat", "hard", "at-bat-real")

@@ -10,10 +10,10 @@ import pytest
 from longball import golden
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.edits.chain import OWN
-from longball.judge.edits.expression import M, S
-from longball.judge.edits.outputs import outputs
-from longball.judge.edits.residual import Data, data_of, follow, specialised_to
+from longball.judge.diagnosis.chain import OWN
+from longball.judge.diagnosis.expression import M, S
+from longball.judge.diagnosis.outputs import outputs
+from longball.judge.diagnosis.residual import Data, data_of, follow, specialised_to
 from longball.judge.quantities import values_of
 
 
@@ -65,6 +65,13 @@ def test_vectors_with_two_axes_exchanged(truth):
     turned = changed(truth, **{q: truth.given[q][[0, 2, 1]] for q in OWN if OWN[q].vector})
     data, (found,) = outputs(turned, specialised_to(turned))
     assert found.edit == "all vectors are given as (x, z, y)"
+    assert wrong(data) == []
+
+
+def test_one_output_that_equals_another(truth):
+    late = changed(truth, **{"landing.velocity": truth.given["impact.velocity"]})
+    data, (found,) = outputs(late, specialised_to(late))
+    assert found.edit == "landing.velocity equals your impact.velocity"
     assert wrong(data) == []
 
 

@@ -16,11 +16,11 @@ from longball.engines.verlet import Verlet
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.edits.chain import I
-from longball.judge.edits.clocks import lattice
-from longball.judge.edits.operators import Edit
-from longball.judge.edits.residual import data_of, follow, specialised_to
-from longball.judge.edits.schemes import explain_scheme, with_edit
+from longball.judge.diagnosis.chain import I
+from longball.judge.diagnosis.clocks import lattice
+from longball.judge.diagnosis.operators import Edit
+from longball.judge.diagnosis.residual import data_of, follow, specialised_to
+from longball.judge.diagnosis.schemes import explain_scheme, with_edit
 from longball.judge.quantities import values_of
 
 # The documentation's RK4, whose last step is shorter.

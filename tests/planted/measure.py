@@ -41,12 +41,12 @@ import numpy as np
 from scipy.stats import binomtest
 
 from longball.judge.cases import Case, Converged, Exact
-from longball.judge.edits.diagnose import reason
-from longball.judge.edits.digits import with_digits
-from longball.judge.edits.evidence import ADEQUATE, ROUGH
-from longball.judge.edits.outputs import outputs
-from longball.judge.edits.residual import Data, data_of, follow, specialised_to, switches
-from longball.judge.edits.search import Located, Named
+from longball.judge.diagnosis.diagnose import reason
+from longball.judge.diagnosis.digits import with_digits
+from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
+from longball.judge.diagnosis.outputs import outputs
+from longball.judge.diagnosis.residual import Data, data_of, follow, specialised_to, switches
+from longball.judge.diagnosis.search import Located, Named
 from longball.judge.verdict import compare
 from tests.planted import sources
 from tests.planted.sources import Answers, Crashed, Subject, fresh, golden

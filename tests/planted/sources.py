@@ -25,11 +25,11 @@ from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, decidable, solved
-from longball.judge.edits.chain import OWN
-from longball.judge.edits.expression import Node, evaluate
-from longball.judge.edits.operators import edits
-from longball.judge.edits.residual import Data, begun, data_of, specialised_to, take, values
-from longball.judge.edits.search import defaults
+from longball.judge.diagnosis.chain import OWN
+from longball.judge.diagnosis.expression import Node, evaluate
+from longball.judge.diagnosis.operators import edits
+from longball.judge.diagnosis.residual import Data, begun, data_of, specialised_to, take, values
+from longball.judge.diagnosis.search import defaults
 from longball.judge.quantities import values_of
 from longball.model.scene import KINDS, Scene
 from tests.planted.mutator import c_mutants, python_mutants

@@ -73,7 +73,7 @@ def judge(
     ValueError
         If there is no such family or profile.
     """
-    from longball.judge.evaluation import Judge  # brings all that is known of mistakes
+    from longball.judge.evaluation import Judge  # brings the diagnosis with it
 
     truth = "golden data" if golden is None else f"golden data, {golden}"
     held = Judge(cases(golden, folder), profile_of(profile), truth, partial=partial, dt=dt)

@@ -17,13 +17,13 @@ from longball.engines.ivp import Ivp
 from longball.judge.answers import Answer, Collector, line_of, read_results
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Profile, decidable, solved
-from longball.judge.diagnosis import diagnose
-from longball.judge.findings import Diagnosis
+from longball.judge.diagnosis.diagnose import diagnose
+from longball.judge.diagnosis.findings import Diagnosis
+from longball.judge.diagnosis.scenes import shrunk
 from longball.judge.paths import as_written
 from longball.judge.quantities import difference, length, values_of
-from longball.judge.rules import shrunk
 from longball.judge.sampling import Sampling
-from longball.judge.step_sweep import FAMILIES, StepSweep, filled, order_of, sample
+from longball.judge.step_sweep import FAMILIES, StepSweep, filled, sample
 from longball.judge.verdict import Comparison, Submission, Verdict, compare, verdict
 from longball.model.scene import Scene
 
@@ -210,7 +210,7 @@ class Judge:
     ) -> Diagnosis:  # fmt: skip
         """Return what is wrong, and a small scene that shows it; or why that is not known."""
         try:
-            diagnosis = self._diagnosed(truths, wrong, submission, conduct)
+            diagnosis = self._diagnosed(truths, wrong, submission, conduct, ask)
             if not ask or conduct or self.profile.scheme() is not None:
                 return diagnosis
             smallest = self._smallest(ask, [c.case.scene for c in wrong])
@@ -227,16 +227,15 @@ class Judge:
 
     def _diagnosed(
         self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
-        conduct: list[str],
+        conduct: list[str], ask: Ask | None,
     ) -> Diagnosis:  # fmt: skip
         answers = submission.collected.answers
         written = {
             c.id: as_written(c.scene, usable(a)) for c in self.cases if (a := answers.get(c.id))
         }
-        report = submission.convergence if self.dt else None
         diagnosis = diagnose(
-            truths, written, self.dt, self.profile.scheme(), not conduct,
-            [c.case.id for c in wrong], self.profile.error, order_of(report) if report else None,
+            truths, written, self.dt, flies=self.profile.scheme() is None, causes=not conduct,
+            granted=self.profile.error, solve=ask,
         )  # fmt: skip
         more: dict[str, Any] = {"conduct": conduct}
         if wrong and not diagnosis.findings:

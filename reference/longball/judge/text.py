@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -11,7 +10,7 @@ from contextlib import suppress
 
 from longball.convergence import ConvergenceReport
 from longball.judge.answers import printable, quoted
-from longball.judge.findings import Diagnosis, Finding, many
+from longball.judge.diagnosis.findings import Diagnosis, Finding, many, size
 from longball.judge.quantities import OPTIONAL
 from longball.judge.sampling import Sampling
 from longball.judge.verdict import Fault, Row, Verdict
@@ -112,10 +111,7 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     for sentence in diagnosis.conduct:
         yield f"run twice: {sentence}"
     if diagnosis.first:
-        wrong = [row.stage for row in diagnosis.stages if row.wrong]
-        before = wrong[: wrong.index(diagnosis.first)] if diagnosis.first in wrong else []
-        less = f" (its errors are large beside those of {', '.join(before)})" if before else ""
-        yield f"where first: {diagnosis.first}{less}"
+        yield f"where first: {diagnosis.first}"
     yield from stage_sentences(diagnosis)
     if not (diagnosis.stages or diagnosis.findings):
         yield f"diagnosis: {diagnosis.sentence}"
@@ -126,39 +122,21 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
 
 
 def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield what follows from the candidate's own earlier values, and what does not."""
+    """Yield the stages that are wrong, given earlier values, and those that are right."""
     for row in (row for row in diagnosis.stages if row.wrong):
-        where = f"in {row.wrong} of {many(row.checked, 'scene')}, by up to {row.worst:.1e}"
-        yield (f"  {row.stage} does not follow from what comes before it {where} of the quantity "
-               f"({row.example})")  # fmt: skip
+        where = f"in {row.wrong} of {many(row.checked, 'scene')}"
+        yield f"  {row.stage} is wrong {where} (off by up to {size(row.worst)}; {row.example})"
     if diagnosis.clean:
-        coarse = any(f.stage == "all" and f.names for f in diagnosis.findings)
-        far = ", as far as its digits tell" if coarse else ""
-        yield f"  follows in every scene{far}: {', '.join(diagnosis.clean)}"
-
-
-# A sentence about the candidate begins with what it does: "flies", "takes", "acts".
-_VERB = re.compile(r"(?!as |its |axes |times )[a-z]+s ")
-
-
-FEW = 2  # scenes of which another mistake might have made the same
+        yield f"  right in every scene, given your own earlier values: {', '.join(diagnosis.clean)}"
 
 
 def finding_sentences(finding: Finding) -> Iterator[str]:
     """Yield what is behind the errors of a stage."""
-    sentence = finding.beside_stage
-    subject = "it " if _VERB.match(sentence) else ""
-    word = {"named": subject, "probably": f"probably {subject}", "unexplained": "not explained: "}
-    has_share = finding.share and finding.stage != "outcome"  # an outcome has no size
-    few = f", in {many(finding.wrong, 'scene')} only" if finding.wrong <= FEW else ""
-    share = f" (explains {finding.share:.2%} of the error{few})" if has_share else ""
-    yield f"diagnosis: {finding.stage}: {word[finding.kind]}{sentence}{share}"
+    yield f"{finding.kind}: {finding.sentence}"
     if finding.remedy:
         yield f"  {finding.remedy}"
     if finding.scenes:
         yield f"  exactly the scenes with {finding.scenes}"
-        if finding.kind == "unexplained" and " and " in finding.scenes:
-            yield "  (so in the scenes that were judged: what they share need not be the cause)"
 
 
 def _convergence(report: ConvergenceReport) -> Iterator[str]:

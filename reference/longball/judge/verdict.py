@@ -25,7 +25,7 @@ from longball.convergence import ConvergenceReport
 from longball.convergence.report import Frozen
 from longball.judge.answers import Answer, Collector, Issue
 from longball.judge.cases import FRAGILE, Case, Exact, Profile, attainable, decidable
-from longball.judge.findings import Diagnosis, many
+from longball.judge.diagnosis.findings import Diagnosis, many
 from longball.judge.quantities import (
     OPTIONAL,
     PATH,

@@ -2,7 +2,7 @@
 
 A candidate takes steps of one length h in all scenes and makes its last step in one of a few ways.
 An integrator is named if that makes every number of every scene
-(`longball.judge.edits.evidence`); otherwise the order of the errors may be told.
+(`longball.judge.diagnosis.evidence`); otherwise the order of the errors may be told.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.edits.chain import Stage
-from longball.judge.edits.clocks import LONGEST, Scheme, clock, event
-from longball.judge.edits.evidence import (
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.clocks import LONGEST, Scheme, clock, event
+from longball.judge.diagnosis.evidence import (
     ADEQUATE,
     CHANCE,
     DIGIT,
@@ -28,10 +28,10 @@ from longball.judge.edits.evidence import (
     is_adequate,
     rounded,
 )
-from longball.judge.edits.expression import Evaluator
-from longball.judge.edits.integrators import EXACT, INTEGRATORS, Integrator, steps
-from longball.judge.edits.operators import FACTORS, Edit
-from longball.judge.edits.residual import Data, Followed, Index, compared, is_rough, take
+from longball.judge.diagnosis.expression import Evaluator
+from longball.judge.diagnosis.integrators import EXACT, INTEGRATORS, Integrator, steps
+from longball.judge.diagnosis.operators import FACTORS, Edit
+from longball.judge.diagnosis.residual import Data, Followed, Index, compared, is_rough, take
 from longball.model.arrays import Array
 
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first

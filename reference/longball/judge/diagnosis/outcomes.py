@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from longball.judge.answers import Answer
 from longball.judge.cases import Case
-from longball.judge.edits.chain import (
+from longball.judge.diagnosis.chain import (
     CHAIN,
     OWN,
     I,
@@ -37,8 +37,8 @@ from longball.judge.edits.chain import (
     w,
     y,
 )
-from longball.judge.edits.evidence import CHANCE, DIGIT, NUMBER
-from longball.judge.edits.expression import (
+from longball.judge.diagnosis.evidence import CHANCE, DIGIT, NUMBER
+from longball.judge.diagnosis.expression import (
     M,
     Node,
     S,
@@ -56,11 +56,11 @@ from longball.judge.edits.expression import (
     where,
     words,
 )
-from longball.judge.edits.findings import Finding, joined, many
-from longball.judge.edits.operators import BITS, FACTORS, FREE, Edit, edits
-from longball.judge.edits.residual import ROUNDING
-from longball.judge.edits.search import defaults
-from longball.judge.edits.sentences import outcomes_wrong
+from longball.judge.diagnosis.findings import Finding, joined, many
+from longball.judge.diagnosis.operators import BITS, FACTORS, FREE, Edit, edits
+from longball.judge.diagnosis.residual import ROUNDING
+from longball.judge.diagnosis.search import defaults
+from longball.judge.diagnosis.sentences import outcomes_wrong
 from longball.judge.quantities import QUANTITIES, superfluous, told_by, untrue
 from longball.model.arrays import Array
 

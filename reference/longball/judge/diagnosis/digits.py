@@ -14,9 +14,9 @@ from typing import Any, Literal
 import numpy as np
 
 from longball.judge.answers import Answer
-from longball.judge.edits.chain import OWN, Stage
-from longball.judge.edits.evidence import CHANCE, DIGIT, is_adequate
-from longball.judge.edits.residual import Data, Index, follow, is_rough, take, values
+from longball.judge.diagnosis.chain import OWN, Stage
+from longball.judge.diagnosis.evidence import CHANCE, DIGIT, is_adequate
+from longball.judge.diagnosis.residual import Data, Index, follow, is_rough, take, values
 from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
-from longball.judge.edits.expression import (
+from longball.judge.diagnosis.expression import (
     KG,
     NONE,
     Dimension,

@@ -3,7 +3,7 @@
 An operator takes a place in a formula and yields what may stand there instead, with a cost in
 bits: how surprising that mistake is. The prior is one table, `BITS`: a key that is ignored or a
 sign costs less than a coincidence of values. Whatever comes to the same numbers counts once, by
-the cheapest edit (`longball.judge.edits.search`).
+the cheapest edit (`longball.judge.diagnosis.search`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from longball.judge.edits.chain import (
+from longball.judge.diagnosis.chain import (
     INPUTS,
     MOVING,
     Stage,
@@ -26,7 +26,7 @@ from longball.judge.edits.chain import (
     v,
     v0,
 )
-from longball.judge.edits.expression import (
+from longball.judge.diagnosis.expression import (
     NONE,
     Columns,
     Dimension,

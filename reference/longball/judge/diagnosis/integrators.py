@@ -1,7 +1,7 @@
 """Integrators in fixed steps as data, and flights by them.
 
 An integrator is a step from one state to the next: place, velocity, and the path through the air
-(`longball.judge.edits.residual.Launched`).
+(`longball.judge.diagnosis.residual.Launched`).
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.edits.chain import Stage
-from longball.judge.edits.expression import ordered, substitute
-from longball.judge.edits.residual import START, Index, Launched, Step, flown, launched, stepped
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.expression import ordered, substitute
+from longball.judge.diagnosis.residual import START, Index, Launched, Step, flown, launched, stepped
 from longball.model.arrays import Array
 
 Rows = Sequence[Sequence[float]]

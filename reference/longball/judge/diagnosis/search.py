@@ -17,8 +17,8 @@ import numpy as np
 from longball.engines.ivp import Ivp
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
-from longball.judge.edits.chain import Stage
-from longball.judge.edits.evidence import (
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.evidence import (
     CHANCE,
     cost,
     fitted,
@@ -26,9 +26,9 @@ from longball.judge.edits.evidence import (
     rounded,
     slope_of,
 )
-from longball.judge.edits.expression import Evaluator, Node, Values, evaluate, ordered
-from longball.judge.edits.operators import FACTORS, FREE, Edit, edits
-from longball.judge.edits.residual import (
+from longball.judge.diagnosis.expression import Evaluator, Node, Values, evaluate, ordered
+from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
+from longball.judge.diagnosis.residual import (
     COARSE,
     FINE,
     Data,

@@ -19,9 +19,9 @@ from scipy.integrate import DOP853
 from longball.engines.fence import chords
 from longball.judge.answers import Answer
 from longball.judge.cases import SLACK, Case, attainable
-from longball.judge.edits.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage
-from longball.judge.edits.evidence import ADEQUATE
-from longball.judge.edits.expression import (
+from longball.judge.diagnosis.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage
+from longball.judge.diagnosis.evidence import ADEQUATE
+from longball.judge.diagnosis.expression import (
     Evaluator,
     M,
     Node,

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from longball.judge.edits.chain import INPUTS, OWN, Stage
-from longball.judge.edits.expression import NONE, M, S
-from longball.judge.edits.findings import Finding, joined, many
-from longball.judge.edits.operators import AXES, BITS, FACTORS
-from longball.judge.edits.residual import Data, follow
+from longball.judge.diagnosis.chain import INPUTS, OWN, Stage
+from longball.judge.diagnosis.expression import NONE, M, S
+from longball.judge.diagnosis.findings import Finding, joined, many
+from longball.judge.diagnosis.operators import AXES, BITS, FACTORS
+from longball.judge.diagnosis.residual import Data, follow
 from longball.model.arrays import Array
 
 # The largest relative error falls at least so much where a conversion mends: what a scheme of long

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.judge.edits.chain import OWN, Stage
-from longball.judge.edits.evidence import CHANCE, DIGIT, NUMBER, cost, is_adequate
-from longball.judge.edits.expression import Evaluator, words
-from longball.judge.edits.residual import Followed, Launched, flown, is_rough, launched, take
+from longball.judge.diagnosis.chain import OWN, Stage
+from longball.judge.diagnosis.evidence import CHANCE, DIGIT, NUMBER, cost, is_adequate
+from longball.judge.diagnosis.expression import Evaluator, words
+from longball.judge.diagnosis.residual import Followed, Launched, flown, is_rough, launched, take
 from longball.model.arrays import Array
 
 

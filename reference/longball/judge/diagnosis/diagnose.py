@@ -11,17 +11,17 @@ import numpy as np
 
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
-from longball.judge.edits import sentences as told
-from longball.judge.edits.chain import Stage
-from longball.judge.edits.clocks import Scheme
-from longball.judge.edits.digits import explain_digits, with_digits
-from longball.judge.edits.findings import Diagnosis, Finding
-from longball.judge.edits.outcomes import outcome_findings
-from longball.judge.edits.outputs import outputs
-from longball.judge.edits.residual import Data, Followed, Index, data_of, follow, specialised_to
-from longball.judge.edits.schemes import explain_scheme
-from longball.judge.edits.search import PAIRS, Explanation, Located, Named, asking
-from longball.judge.rules import rule
+from longball.judge.diagnosis import sentences as told
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.clocks import Scheme
+from longball.judge.diagnosis.digits import explain_digits, with_digits
+from longball.judge.diagnosis.findings import Diagnosis, Finding
+from longball.judge.diagnosis.outcomes import outcome_findings
+from longball.judge.diagnosis.outputs import outputs
+from longball.judge.diagnosis.residual import Data, Followed, Index, data_of, follow, specialised_to
+from longball.judge.diagnosis.scenes import rule
+from longball.judge.diagnosis.schemes import explain_scheme
+from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
 
 # Runs a candidate again: from scenes to answers by id.
 Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]

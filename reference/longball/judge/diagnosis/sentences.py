@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from longball.judge.edits.chain import Stage
-from longball.judge.edits.clocks import Scheme
-from longball.judge.edits.expression import Node, ordered, specialised, substitute, words
-from longball.judge.edits.findings import (
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.clocks import Scheme
+from longball.judge.diagnosis.expression import Node, ordered, specialised, substitute, words
+from longball.judge.diagnosis.findings import (
     Diagnosis,
     Finding,
     Kind,
@@ -25,9 +25,9 @@ from longball.judge.edits.findings import (
     many,
     size,
 )
-from longball.judge.edits.operators import Edit
-from longball.judge.edits.residual import HUGE, Data, Followed
-from longball.judge.edits.search import Located, Named
+from longball.judge.diagnosis.operators import Edit
+from longball.judge.diagnosis.residual import HUGE, Data, Followed
+from longball.judge.diagnosis.search import Located, Named
 
 
 def diagnosis(followed: Iterable[Followed], findings: Sequence[Finding], data: Data) -> Diagnosis:
