@@ -234,7 +234,7 @@ class Judge:
             c.id: as_written(c.scene, usable(a)) for c in self.cases if (a := answers.get(c.id))
         }
         diagnosis = diagnose(
-            truths, written, self.dt, flies=self.profile.scheme() is None, causes=not conduct,
+            truths, written, self.dt, scheme=self.profile.scheme(), causes=not conduct,
             granted=self.profile.error, solve=ask,
         )  # fmt: skip
         more: dict[str, Any] = {"conduct": conduct}

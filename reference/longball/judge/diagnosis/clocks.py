@@ -6,7 +6,7 @@ A step is mentioned only where times lie on a lattice of steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -35,6 +35,8 @@ class Scheme:
         What it costs, and the bits beyond chance.
     adequate
         True if it makes all numbers of all scenes: only then it is a name.
+    way
+        How the candidate flies, if that is named.
     """
 
     words: str
@@ -43,6 +45,7 @@ class Scheme:
     bits: float
     evidence: float
     adequate: bool
+    way: Callable[..., Any] | None = None
 
 
 ON_LATTICE = 1e-4  # of a step: times that are nearer to whole steps lie on them

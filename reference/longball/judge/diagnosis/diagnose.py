@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis import sentences as told
@@ -16,11 +17,20 @@ from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.findings import Diagnosis, Finding
+from longball.judge.diagnosis.integrators import ways_of
 from longball.judge.diagnosis.outcomes import outcome_findings
 from longball.judge.diagnosis.outputs import outputs
-from longball.judge.diagnosis.residual import Data, Followed, Index, data_of, follow, specialised_to
+from longball.judge.diagnosis.residual import (
+    Data,
+    Followed,
+    Index,
+    compared,
+    data_of,
+    follow,
+    specialised_to,
+)
 from longball.judge.diagnosis.scenes import rule
-from longball.judge.diagnosis.schemes import explain_scheme
+from longball.judge.diagnosis.schemes import explain_scheme, with_edit
 from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
 
 # Runs a candidate again: from scenes to answers by id.
@@ -33,7 +43,7 @@ def diagnose(
     answers: Mapping[str, Answer],
     dt: float | None = None,
     *,
-    flies: bool = True,
+    scheme: Verlet | None = None,
     causes: bool = True,
     granted: float = 0.0,
     solve: Solve | None = None,
@@ -46,8 +56,8 @@ def diagnose(
         Scenes with their truth, and what the candidate says, by id.
     dt
         s, the candidate's time step; None if it is not known.
-    flies
-        False if what counts as true flies by a scheme: then flights are not followed.
+    scheme
+        What computes what counts as true, if that is not exact.
     causes
         False if no cause is sought, as of answers that change from run to run.
     granted
@@ -65,8 +75,14 @@ def diagnose(
     data = with_digits(plain, answers)
     found: list[Finding] = []
     chain = specialised_to(data)
-    if not flies:
-        chain = tuple(stage for stage in chain if stage.kind == "formula")
+    if scheme is not None:  # flights are followed by it, but for batted balls, which are pushed
+        chain = tuple(
+            replace(stage, scenes=tuple(kind for kind in stage.scenes if kind != "at-bat"))
+            if stage.kind == "flight" and stage.name in ("flight", "fence")
+            else stage
+            for stage in chain
+        )
+        data = replace(data, ways=ways_of(scheme))
     _, first = follow(chain, data)
     if not causes:
         return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
@@ -116,7 +132,7 @@ def reason(
     stages inherit the mistake. After a stage that is only located the candidate's own values go
     on.
     """
-    ask = None if solve is None else asking(data, solve)
+    ask = None if solve is None or data.ways else asking(data, solve)
     columns, last = follow(chain, data)
     steps: list[Step] = []
     tried: Counter[tuple[str, str]] = Counter()
@@ -146,13 +162,40 @@ def reason(
                 chain = edit.apply(chain)
             columns, last = follow(chain, data, unknown)
             continue
-        scheme = explain_scheme(chain, stage, data, columns, one, dt)
-        steps.append(Step(one, scheme or found))
         tried[at] = ROUNDS
+        scheme = None
+        if data.way(stage) is None:
+            scheme = explain_scheme(chain, stage, data, columns, one, dt)
+            if stage.kind == "flight" and not (scheme and scheme.adequate):
+                both = with_edit(stage, data, columns, one, found.near, dt)
+                if both is not None:
+                    edit, scheme = both
+                    steps.append(Step(one, Named((edit,), scheme.evidence)))
+                    chain = edit.apply(chain)
+        steps.append(Step(one, scheme or found))
+        if scheme is not None and scheme.way is not None:
+            data = _flown(scheme.way, chain, data, columns)
+            columns, last = follow(chain, data, unknown)
+            continue
         located.append(stage)
         if stage.kind == "flight" and stage.name in ("pitch", "touching"):
             unknown = np.union1d(unknown, one.some[one.wrong])
             columns, last = follow(chain, data, unknown)
+
+
+def _flown(
+    way: Callable[..., Any], chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]
+) -> Data:
+    """Data whose flights go by a way, wherever less is wrong by it than on exact paths."""
+    ways = dict(data.ways)
+    for stage in chain:
+        some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
+        if stage.kind == "flight" and stage.name not in ways and some.size:
+            other = replace(data, ways={stage.name: way})
+            before, after = (compared(stage, each, columns, some)[0] for each in (data, other))
+            if after.beyond.sum() < before.beyond.sum():
+                ways[stage.name] = way
+    return replace(data, ways=ways)
 
 
 def _is_same_flight(a: Stage, b: Stage) -> bool:

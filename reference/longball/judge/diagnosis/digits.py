@@ -16,13 +16,13 @@ import numpy as np
 from longball.judge.answers import Answer
 from longball.judge.diagnosis.chain import OWN, Stage
 from longball.judge.diagnosis.evidence import CHANCE, DIGIT, is_adequate
+from longball.judge.diagnosis.expression import ordered
 from longball.judge.diagnosis.residual import Data, Index, follow, is_rough, take, values
 from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
 # Single-precision roundings that a calculation may add up, such as one in each of so many steps.
 ROUNDINGS = 1e3
-DRAWS = 6  # times that own values are moved by rounding
 
 
 @dataclass(frozen=True)
@@ -90,9 +90,9 @@ def styles(answers: Mapping[str, Answer]) -> dict[str, Digits]:
     """
     told: dict[str, list[Decimal]] = {}
     for answer in answers.values():
-        for quantity in OWN.keys() & answer.values.keys():
+        for quantity in OWN:
             told.setdefault(quantity, []).extend(
-                x.normalize() for x in answer.values[quantity] if x
+                x.normalize() for x in answer.values.get(quantity, ()) if x
             )
     common = digits_of(x for numbers in told.values() for x in numbers)
     found = {}
@@ -122,22 +122,29 @@ def with_digits(data: Data, answers: Mapping[str, Answer]) -> Data:
 
 
 def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
-    """Errors of each number of a stage by the rounding of the candidate's own values."""
+    """Errors of each number of a stage by the rounding of the candidate's own values.
+
+    The roundings are independent: the squares of what each does to a number add up.
+    """
     own = take(columns, some)
-    draw = np.random.default_rng(0)
+    used = frozenset(str(node.data) for node in ordered(stage.roots.values()))
     right = values(stage, own)
-    most = {quantity: np.zeros(np.shape(value)) for quantity, value in right.items()}
-    for _ in range(DRAWS):
-        moved = dict(own)
-        for quantity, (absolute, relative) in data.cut.items():
-            name = str(OWN[quantity].data)
-            unit = absolute + relative * np.abs(own[name])
-            moved[name] = own[name] + unit * draw.uniform(-1.0, 1.0, np.shape(unit))
-            if quantity in ("landing.hang_time", "landing.time"):  # so long the ball flies
-                moved["hang_time"] = moved["hang_time"] + moved[name] - own[name]
-        for quantity, value in values(stage, moved).items():
-            most[quantity] = np.fmax(most[quantity], np.abs(value - right[quantity]))
-    return np.concatenate([np.atleast_2d(np.nan_to_num(x)) for x in most.values()])
+    squares = {quantity: np.zeros(np.shape(value)) for quantity, value in right.items()}
+    for quantity, (absolute, relative) in data.cut.items():
+        name = str(OWN[quantity].data)
+        time = quantity in ("landing.hang_time", "landing.time")  # so long the ball flies
+        if name not in used and not (time and "hang_time" in used):
+            continue
+        unit = absolute + relative * np.abs(own[name])
+        for part in range(len(unit)) if OWN[quantity].vector else (...,):
+            by = np.zeros_like(unit)
+            by[part] = unit[part]
+            moved = {**own, name: own[name] + by}
+            if time:
+                moved["hang_time"] = own["hang_time"] + by
+            for number, value in values(stage, moved).items():
+                squares[number] += np.nan_to_num(value - right[number]) ** 2
+    return np.concatenate([np.atleast_2d(np.sqrt(x)) for x in squares.values()])
 
 
 def said(found: Mapping[str, Digits], told: Collection[str]) -> str:

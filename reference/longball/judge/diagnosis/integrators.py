@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from longball.engines.verlet import TREATMENTS, Treatment, Verlet
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.expression import ordered, substitute
 from longball.judge.diagnosis.residual import START, Index, Launched, Step, flown, launched, stepped
@@ -46,6 +47,12 @@ def _place_first(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tup
     moved[:3] += h * y[3:6]
     new = moved + h * f(moved, t, y)
     new[:3] = moved[:3]
+    return new, None
+
+
+def _straight(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
+    new = y.copy()
+    new[:3] += h * y[3:6]
     return new, None
 
 
@@ -121,6 +128,18 @@ _FORCES = {
     1.0: ("the force at a predicted velocity", 2),
 }
 EXACT = Integrator("an exact path", 99)
+VERLET = {
+    Treatment(ahead, False, carries): Integrator(
+        f"velocity Verlet with {words}{', which the next step begins with' * carries}",
+        order if ahead != 0.5 or carries else 2,
+        partial(_verlet, ahead, carries, 1),
+    )
+    for (ahead, (words, order)), carries in product(_FORCES.items(), (False, True))
+} | {
+    Treatment(1.0, True, False): Integrator(
+        "velocity Verlet with an implicit velocity", 2, partial(_verlet, 1.0, False, 8)
+    )
+}
 INTEGRATORS = (
     Integrator("explicit Euler", 1, _runge_kutta((), (1,))),
     Integrator("semi-implicit Euler, velocity first", 1, _runge_kutta((), (1,), "new")),
@@ -130,15 +149,7 @@ INTEGRATORS = (
     Integrator("the midpoint method", 2, _runge_kutta(((0.5,),), (0, 1))),
     Integrator("Heun's method", 2, _runge_kutta(((1,),), (1, 1))),
     Integrator("Ralston's method", 2, _runge_kutta(((2 / 3,),), (1, 3))),
-    *(
-        Integrator(
-            f"velocity Verlet with {words}{', which the next step begins with' * carries}",
-            order if ahead != 0.5 or carries else 2,
-            partial(_verlet, ahead, carries, 1),
-        )
-        for (ahead, (words, order)), carries in product(_FORCES.items(), (False, True))
-    ),
-    Integrator("velocity Verlet with an implicit velocity", 2, partial(_verlet, 1.0, False, 8)),
+    *VERLET.values(),
     Integrator("the Adams-Bashforth method of order 2", 2, partial(_adams_bashforth, False)),
     Integrator(
         "the Adams-Bashforth method of order 2 for the velocity", 2, partial(_adams_bashforth, True)
@@ -218,12 +229,44 @@ def _reached(balls: Launched, one: Integrator, h: float, counts: Index) -> tuple
     return y, drawn(slopes, -1), doubt
 
 
+@dataclass(frozen=True)
+class Way:
+    """A flight in steps of h, s; its last step is shorter, maybe of another kind, or a chord."""
+
+    one: Integrator
+    h: float
+    chord: bool = False
+    last: Integrator | None = None
+
+    def __call__(
+        self, stage: Stage, columns: Mapping[str, Any]
+    ) -> tuple[dict[str, Array], dict[str, Array]]:
+        """A stage's quantities and their doubt."""
+        return steps(stage, columns, self.one, self.h, self.chord, self.last)
+
+
+def ways_of(engine: Verlet) -> dict[str, Way]:
+    """How the paper's scheme flies: to the line between two steps, and straight on to the bat."""
+    one = VERLET[TREATMENTS[engine.forces]]
+    to_line = Way(one, engine.dt, chord=True)
+    return {
+        **dict.fromkeys(("pitch", "flight", "fence"), to_line),
+        "touching": Way(one, engine.dt, last=Integrator("a straight line", 1, _straight)),
+    }
+
+
 def steps(
-    stage: Stage, columns: Mapping[str, Any], one: Integrator, h: float, chord: bool
+    stage: Stage,
+    columns: Mapping[str, Any],
+    one: Integrator,
+    h: float,
+    chord: bool,
+    last: Integrator | None = None,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """A stage's quantities, flown in steps of h, and their doubt.
 
-    The last step is shorter, or the state lies on the chord between two steps.
+    The last step is shorter, and may be that of another integrator, or the state lies on the chord
+    between two steps.
     """
     balls = launched(one.law(stage), columns)
     counts = np.floor(np.nan_to_num(balls.duration) / h + ON_STEP).astype(int).clip(0)
@@ -234,7 +277,8 @@ def steps(
     elif chord:
         new = y + rest / h * (one.step(balls.rates, y, counts * h, h, left, h)[0] - y)
     else:
-        new, _ = one.step(balls.rates, y, counts * h, rest, left, h)
+        step = one.step if last is None or last.step is None else last.step
+        new, _ = step(balls.rates, y, counts * h, rest, left, h)
     found = balls.ended(new)
     doubts = {q: np.zeros_like(x) for q, x in found.items()}
     return found, {**doubts, stage.quantities[0]: doubt[:3], stage.quantities[1]: doubt[3:6]}

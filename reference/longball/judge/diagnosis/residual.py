@@ -71,6 +71,9 @@ class Data:
         A function that finds what those roundings do to each number of a stage.
     granted
         The error of a quantity that passes, in its SI unit.
+    ways
+        How the candidate flies a stage, by its name: from a stage and columns to quantities and
+        their doubt. Stages without one are flown exactly.
     """
 
     cases: Sequence[Case]
@@ -81,6 +84,11 @@ class Data:
     cut: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     slips: Callable[..., Array] | None = None
     granted: float = 0.0
+    ways: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+
+    def way(self, stage: Stage) -> Callable[..., Any] | None:
+        """How the candidate flies a stage; None for an exact flight, or what is none."""
+        return self.ways.get(stage.name) if stage.kind == "flight" else None
 
 
 def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float = 0.0) -> Data:
@@ -415,10 +423,13 @@ def compared(
     not given. A `rough` law has jumps or kinks.
     """
     own = take(columns, some)
-    found = values(stage, own, longest)
-    again = found
-    if stage.kind == "flight" and doubt is None:
-        again = values(stage, own, longest, share=2)
+    if (way := data.way(stage)) is not None:
+        found, unsure_by = way(stage, {**own, "spin": own[stage.spins]})
+        again = {quantity: found[quantity] + unsure_by[quantity] for quantity in found}
+    else:
+        again = found = values(stage, own, longest)
+        if stage.kind == "flight" and doubt is None:
+            again = values(stage, own, longest, share=2)
     rows = []
     for quantity in stage.quantities:
         if quantity not in found:

@@ -29,7 +29,7 @@ from longball.judge.diagnosis.evidence import (
     rounded,
 )
 from longball.judge.diagnosis.expression import Evaluator
-from longball.judge.diagnosis.integrators import EXACT, INTEGRATORS, Integrator, steps
+from longball.judge.diagnosis.integrators import EXACT, INTEGRATORS, Integrator, Way, steps
 from longball.judge.diagnosis.operators import FACTORS, Edit
 from longball.judge.diagnosis.residual import Data, Followed, Index, compared, is_rough, take
 from longball.model.arrays import Array
@@ -232,7 +232,7 @@ class _Search:
                 if alike and one is not EXACT:
                     said += f" (in these scenes the same as {' and '.join(dict.fromkeys(alike))})"
                 order = None if one is EXACT else one.order
-                return Scheme(said, order, h, bits, evidence, adequate=True)
+                return Scheme(said, order, h, bits, evidence, True, Way(one, h, chord))
         return None
 
     def _order(self, found: Sequence[tuple[float, float, Integrator]], tried: int) -> Scheme | None:

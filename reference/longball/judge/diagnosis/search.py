@@ -31,6 +31,7 @@ from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
     FINE,
+    HUGE,
     Data,
     Followed,
     Index,
@@ -54,8 +55,9 @@ TWINS = 5  # edits that come to the same at a stage, of which one may explain ot
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = 16  # edits that are held against all of these
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
-# Of what an edit moves, what long steps leave in it.
-STEPS = 1e-3
+NEARER = 0.97  # and what it may leave if steps are to explain the rest
+# Of what an edit moves, what long steps leave in it, and what a candidate's own steps do.
+STEPS, OWN_STEPS = 1e-3, 0.05
 
 
 LOST = 1e12  # floors: what an edit leaves that makes no number
@@ -76,6 +78,7 @@ class Located:
 
     nearest: Edit | None = None
     left: float = 1.0  # of the cost of the errors, what that leaves
+    near: tuple[Edit, ...] = ()  # edits that leave least in the first scenes
 
 
 @cache
@@ -126,17 +129,19 @@ class Explanation:
         self._base = self._compared(self.stage, self.few)
         coarse = COARSE if self.stage.kind == "flight" else FINE
         self._coarse = self._rows(values(self.stage, take(self.columns, self.few), coarse))
+        self._given = np.concatenate(
+            [np.atleast_2d(self.data.given[q][..., self.few]) for q in self.stage.quantities]
+        )[: len(self._coarse)]
         # Long steps leave a share of what an edit moves, which is the error if it explains it.
         steps = STEPS if self.stage.kind == "flight" else 0.0
+        if self.data.way(self.stage) is not None:
+            steps = OWN_STEPS
         self._off = self._base.off
         if self.stage.kind != "event":
             # Without an edit the ball may fly where the law has no value, as below a wind's ground.
-            given = np.concatenate(
-                [np.atleast_2d(self.data.given[q][..., self.few]) for q in self.stage.quantities]
-            )[: len(self._coarse)]
             lost = ~np.isfinite(self._coarse)
             self._coarse = np.where(lost, 0.0, self._coarse)
-            self._off = np.where(lost, given, self._off)
+            self._off = np.where(lost, self._given, self._off)
         self._roughly = self._base.floor + steps * np.abs(self._off)
         self.null = cost(self._off / self._roughly)
         self.null_all = cost(self._in_floors(self.stage, self.all))
@@ -160,8 +165,13 @@ class Explanation:
     def screened(self, stage: Stage, columns: Mapping[str, Any]) -> Array:
         """Errors in the first scenes by long steps, whose own errors cancel."""
         coarse = COARSE if stage.kind == "flight" else FINE
-        moved = self._rows(values(stage, columns, coarse)) - self._coarse
+        found = self._rows(values(stage, columns, coarse))
+        moved = found - self._coarse
         off = self._off + moved if stage.kind == "event" else self._off - moved
+        lost = ~(np.abs(found) < HUGE).all(axis=0)
+        if stage.kind == "flight" and lost.any():  # where only long steps leave the path
+            some = {name: c[..., lost] if np.ndim(c) else c for name, c in columns.items()}
+            off[:, lost] = self._given[:, lost] - self._rows(values(stage, some, FINE))
         r = off / self._roughly
         return np.where(np.isfinite(self._off) & ~np.isfinite(r), LOST, r)
 
@@ -206,7 +216,7 @@ class Explanation:
                 group[0], left = self._fit(edit, self.edited(edit), few)
             else:
                 left = cost(self.screened(self.edited(edit), few))
-            if left <= HALF * self.null:
+            if left < NEARER * self.null:
                 found.append((left, group))
         found.sort(key=lambda one: one[0] + one[1][0].bits)
         return found, len(tried)
@@ -259,6 +269,8 @@ class Explanation:
         Of the edits that come nearest so many are tried with a second one.
         """
         found, tried = self.candidates()
+        near = tuple(group[0] for left, group in found[:KEPT])
+        found = [(left, group) for left, group in found if left <= HALF * self.null]
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
@@ -287,8 +299,9 @@ class Explanation:
             if (both := self._with_another(edit)) is not None:
                 return both
         if not partial:
-            return Located()
-        return Located(partial[0][1], (partial[0][0] - partial[0][1].bits) / self.null_all)
+            return Located(near=near)
+        left, edit = partial[0]
+        return Located(edit, (left - edit.bits) / self.null_all, near)
 
     def _with_another(self, edit: Edit) -> Named | None:
         """Two edits that explain the stage together, each of them better than chance."""
