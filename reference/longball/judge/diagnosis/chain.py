@@ -635,7 +635,8 @@ CHAIN = (
     ),
     _formula("touching", "contact.position", I["incoming.position"], ("impact",)),
     Stage(
-        "touching", ("contact.position",), "event", {"zero": norm(offset) - reach}, scenes=_STRUCK
+        "touching", ("contact.position",), "event", {"zero": norm(offset) - reach},
+        scenes=("at-bat",),
     ),
     _formula("normal", "contact.normal", unit(offset), _STRUCK),
     _formula(

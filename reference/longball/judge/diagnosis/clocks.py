@@ -6,7 +6,7 @@ A step is mentioned only where times lie on a lattice of steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from longball.judge.diagnosis.chain import OWN, Stage
 from longball.judge.diagnosis.evidence import CHANCE, DIGIT, NUMBER, cost, is_adequate
 from longball.judge.diagnosis.expression import Evaluator, words
+from longball.judge.diagnosis.integrators import Way
 from longball.judge.diagnosis.residual import Followed, Launched, flown, is_rough, launched, take
 from longball.model.arrays import Array
 
@@ -45,7 +46,7 @@ class Scheme:
     bits: float
     evidence: float
     adequate: bool
-    way: Callable[..., Any] | None = None
+    way: Way | None = None
 
 
 ON_LATTICE = 1e-4  # of a step: times that are nearer to whole steps lie on them

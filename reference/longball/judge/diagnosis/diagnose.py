@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from longball.engines.engine import Engine
+from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
@@ -17,7 +19,8 @@ from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.findings import Diagnosis, Finding
-from longball.judge.diagnosis.integrators import ways_of
+from longball.judge.diagnosis.integrators import Way, straight, ways_of
+from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outcomes import outcome_findings
 from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import (
@@ -30,7 +33,7 @@ from longball.judge.diagnosis.residual import (
     specialised_to,
 )
 from longball.judge.diagnosis.scenes import rule
-from longball.judge.diagnosis.schemes import explain_scheme, with_edit
+from longball.judge.diagnosis.schemes import explain_scheme, nearest_way, with_edit
 from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
 
 # Runs a candidate again: from scenes to answers by id.
@@ -86,15 +89,16 @@ def diagnose(
     _, first = follow(chain, data)
     if not causes:
         return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
-    short = explain_digits(chain, plain, answers)
     mended, found = outputs(data, chain)
-    found += [_finding(step, mended) for step in reason(mended, chain, dt, solve).steps]
+    plain = replace(plain, ways=data.ways)
+    short = explain_digits(chain, plain, answers)
+    found += [_finding(step, mended) for step in reason(mended, chain, dt, solve, scheme).steps]
     every = data_of(known, answers, granted)
     columns, _ = follow(specialised_to(every), every)
     stages = {finding.stage for finding in found}
     found += outcome_findings(known, answers, columns, stages)
     if short is not None and not any(f.kind == "named" for f in found):
-        found.insert(0, told.digits(short, first, data))
+        found = [told.digits(short, first, data), *(f for f in found if f.stage == "outcome")]
     found.sort(key=lambda finding: finding.kind != "named")
     return told.diagnosis(first, found, data)
 
@@ -124,7 +128,11 @@ ROUNDS = 3  # explanations at one stage, each for what the one before has left
 
 
 def reason(
-    data: Data, chain: tuple[Stage, ...], dt: float | None = None, solve: Solve | None = None
+    data: Data,
+    chain: tuple[Stage, ...],
+    dt: float | None = None,
+    solve: Solve | None = None,
+    engine: Engine[float] | None = None,
 ) -> Reasoned:
     """Explain the candidate's errors stage by stage.
 
@@ -132,7 +140,7 @@ def reason(
     stages inherit the mistake. After a stage that is only located the candidate's own values go
     on.
     """
-    ask = None if solve is None or data.ways else asking(data, solve)
+    ask = None if solve is None else asking(data, solve, engine or Ivp())
     columns, last = follow(chain, data)
     steps: list[Step] = []
     tried: Counter[tuple[str, str]] = Counter()
@@ -167,13 +175,15 @@ def reason(
         if data.way(stage) is None:
             scheme = explain_scheme(chain, stage, data, columns, one, dt)
             if stage.kind == "flight" and not (scheme and scheme.adequate):
-                both = with_edit(stage, data, columns, one, found.near, dt)
+                like = nearest_way(stage, data, columns, one)
+                near = _beside(like, chain, stage, data, columns, one) if like else found.near
+                both = with_edit(stage, data, columns, one, near, dt, like)
                 if both is not None:
                     edit, scheme = both
                     steps.append(Step(one, Named((edit,), scheme.evidence)))
                     chain = edit.apply(chain)
         steps.append(Step(one, scheme or found))
-        if scheme is not None and scheme.way is not None:
+        if scheme is not None and scheme.adequate and scheme.way is not None:
             data = _flown(scheme.way, chain, data, columns)
             columns, last = follow(chain, data, unknown)
             continue
@@ -183,18 +193,37 @@ def reason(
             columns, last = follow(chain, data, unknown)
 
 
-def _flown(
-    way: Callable[..., Any], chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]
-) -> Data:
+def _beside(
+    way: Way,
+    chain: tuple[Stage, ...],
+    stage: Stage,
+    data: Data,
+    columns: Mapping[str, Any],
+    one: Followed,
+) -> tuple[Edit, ...]:
+    """Edits that may explain what steps like the candidate's leave."""
+    data = replace(data, ways={**data.ways, stage.name: way})
+    one, _ = compared(stage, data, columns, one.some)
+    if not one.beyond.any():
+        return ()
+    found = Explanation(chain, stage, data, columns, one).explain()
+    return found.near if isinstance(found, Located) else found.edits
+
+
+def _flown(way: Way, chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]) -> Data:
     """Data whose flights go by a way, wherever less is wrong by it than on exact paths."""
     ways = dict(data.ways)
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         if stage.kind == "flight" and stage.name not in ways and some.size:
-            other = replace(data, ways={stage.name: way})
-            before, after = (compared(stage, each, columns, some)[0] for each in (data, other))
-            if after.beyond.sum() < before.beyond.sum():
-                ways[stage.name] = way
+            wrong: dict[Way | None, int] = {}
+            wrong[None] = int(compared(stage, data, columns, some)[0].beyond.sum())
+            for one in (way, straight(way)):
+                other = replace(data, ways={stage.name: one})
+                wrong[one] = int(compared(stage, other, columns, some)[0].beyond.sum())
+            best = min(wrong, key=wrong.__getitem__)
+            if best is not None:
+                ways[stage.name] = best
     return replace(data, ways=ways)
 
 

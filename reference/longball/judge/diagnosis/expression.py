@@ -13,6 +13,7 @@ is an array of three rows.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -261,6 +262,10 @@ def _folded(node: Node) -> Node:
             is_(b, 1.0) and b.dimension == NONE
         ):
             return b if is_(a, 1.0) else a
+        case "quotient", (a, _) if is_(a, 0.0):
+            return constant(0.0, node.dimension, node.vector)
+        case "product", (a, b) if is_(a, -1.0) and b.op == "product" and is_(b.args[0], -1.0):
+            return b.args[1]
         case (("negative" | "norm" | "named"), (a,)) if is_(a, 0.0):
             return constant(0.0, node.dimension, node.vector)
         case "cross", (a, b) if is_(a, 0.0) or is_(b, 0.0):
@@ -465,7 +470,7 @@ _WEAK = {"sum", "dot", "cross"}  # put in parentheses inside a product
 def words(node: Node) -> str:
     """An expression as people write it; definitions by their names."""
     if node.op == "constant":
-        return f"{node.data:.9g}"
+        return "π" if node.data == math.pi else f"{node.data:.9g}"
     if node.op in ("symbol", "named"):
         return str(node.data)
     args = [words(arg) for arg in node.args]

@@ -238,6 +238,14 @@ class Way:
     chord: bool = False
     last: Integrator | None = None
 
+    @property
+    def words(self) -> str:
+        """The way as a clause without its subject."""
+        if self.one is EXACT:
+            return f"puts the end of the flight on the chord between two steps of {self.h:.6g} s"
+        end = ", and ends on the chord between two of them" if self.chord else ""
+        return f"flies by {self.one.words} in steps of {self.h:.6g} s{end}"
+
     def __call__(
         self, stage: Stage, columns: Mapping[str, Any]
     ) -> tuple[dict[str, Array], dict[str, Array]]:
@@ -247,12 +255,13 @@ class Way:
 
 def ways_of(engine: Verlet) -> dict[str, Way]:
     """How the paper's scheme flies: to the line between two steps, and straight on to the bat."""
-    one = VERLET[TREATMENTS[engine.forces]]
-    to_line = Way(one, engine.dt, chord=True)
-    return {
-        **dict.fromkeys(("pitch", "flight", "fence"), to_line),
-        "touching": Way(one, engine.dt, last=Integrator("a straight line", 1, _straight)),
-    }
+    way = Way(VERLET[TREATMENTS[engine.forces]], engine.dt, chord=True)
+    return {**dict.fromkeys(("pitch", "flight", "fence"), way), "touching": straight(way)}
+
+
+def straight(way: Way) -> Way:
+    """A way whose last step is a straight line at the velocity of the step's start."""
+    return Way(way.one, way.h, last=Integrator("a straight line", 1, _straight))
 
 
 def steps(

@@ -73,7 +73,7 @@ def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
     """Values converted back where a conversion mends stages, and findings of those."""
     findings: list[Finding] = []
     errors = _errors(data, chain)
-    while len(findings) < MOST and sum(wrong for _, wrong in errors.values()) > 1:
+    while len(findings) < MOST and any(wrong for _, wrong in errors.values()):
         found: list[tuple[int, float, Conversion, Errors]] = []
         for one in _conversions(data):
             after = _errors(replace(data, given={**data.given, **one.given}), chain)

@@ -224,15 +224,12 @@ class _Search:
                     for other, x, side in options
                     if (x, side) == (h, chord) and other is not one and self._holds(other, h, chord)
                 ]
-                said = f"flies by {one.words} in steps of {h:.6g} s"
-                if one is EXACT:
-                    said = f"puts the end of the flight on the chord between two steps of {h:.6g} s"
-                elif chord:
-                    said += ", and ends on the chord between two of them"
+                way = Way(one, h, chord)
+                said = way.words
                 if alike and one is not EXACT:
                     said += f" (in these scenes the same as {' and '.join(dict.fromkeys(alike))})"
                 order = None if one is EXACT else one.order
-                return Scheme(said, order, h, bits, evidence, True, Way(one, h, chord))
+                return Scheme(said, order, h, bits, evidence, True, way)
         return None
 
     def _order(self, found: Sequence[tuple[float, float, Integrator]], tried: int) -> Scheme | None:
@@ -269,14 +266,28 @@ def explain_scheme(
     return found or _Search(stage, data, columns, followed).best(dt)
 
 
-VARIANTS = 3  # edits with a number that are tried with all schemes
+def nearest_way(
+    stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed
+) -> Way | None:
+    """The way whose errors are most like those of a flight, if some are."""
+    search = _Search(stage, data, columns, followed)
+    for left, h, one in search.fitting()[:1] if search.few.size else []:
+        if left < FITS:
+            return Way(one, h)
+    return None
+
+
+VARIANTS = 6  # edits with a number that are tried with all schemes
 
 
 def with_edit(
     stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed,
-    edits: Iterable[Edit], dt: float | None = None,
+    edits: Iterable[Edit], dt: float | None = None, like: Way | None = None,
 ) -> tuple[Edit, Scheme] | None:  # fmt: skip
-    """One of some edits, and the scheme by which the edited law is flown."""
+    """One of some edits, and the scheme by which the edited law is flown.
+
+    A way `like` the candidate's, if one is known, tells which edits are tried first.
+    """
     null = cost(followed.off / followed.floor)
     ways: list[tuple[float, Edit, _Search]] = []
     for edit in edits:
@@ -285,13 +296,15 @@ def with_edit(
             with np.errstate(all="ignore"):
                 after, _ = compared(other, data, columns, followed.some)
             search = _Search(other, data, columns, after)
-            if not (after.wrong.any() and search.null < null):
+            if not (after.wrong.any() and (like or search.null < null)):
                 continue
-            ratios = [search.ratio(one, TRIALS[0]) for one in INTEGRATORS]
+            tried = [like] if like else [Way(one, TRIALS[0]) for one in INTEGRATORS]
+            ratios = [search.ratio(way.one, way.h) for way in tried]
             left = min((left for share, left in ratios if share > 0.0), default=1.0)
             ways.append((left * search.square, variant, search))
-    ways.sort(key=lambda way: way[0])
-    for _, edit, search in ways[:VARIANTS]:
+    ways.sort(key=lambda way: (float(f"{way[0]:.6g}"), way[1].bits))
+    different = {f"{way[0]:.6g}": way for way in reversed(ways)}  # what comes to the same: once
+    for _, edit, search in [*different.values()][::-1][:VARIANTS]:
         scheme = search.best(dt)
         if scheme is not None and scheme.adequate:
             saved = null - search.null - edit.bits - math.log2(1 + len(ways))

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from longball.engines.ivp import Ivp
+from longball.engines.engine import Engine
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
 from longball.judge.diagnosis.chain import Stage
@@ -351,21 +351,25 @@ Ask = Callable[[tuple[Stage, ...], Stage, Edit], bool]
 FRESH = 24  # scenes that rivals are told apart in
 
 
-def asking(data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]]) -> Ask | None:
+def asking(
+    data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]], engine: Engine[float]
+) -> Ask | None:
     """Ask the candidate for scenes that nobody has seen, so that they tell edits apart.
+
+    An engine solves them, too.
 
     None if no random scenes are like those at hand: they name nothing beyond the paper's model.
     """
     kinds = sorted(set(data.columns["kind"]))
     scenes = list(random_scenes(FRESH, seed=1, kinds=kinds))
-    cases = solved(scenes, Ivp())
+    cases = solved(scenes, engine)
     fresh: list[tuple[Data, Mapping[str, Any]]] = []
 
     def holds(chain: tuple[Stage, ...], stage: Stage, edit: Edit) -> bool:
         if not fresh:
             answers = solve(scenes)
             known = [case for case in cases if case.id in answers and decidable(case)]
-            other = data_of(known, answers, data.granted)
+            other = replace(data_of(known, answers, data.granted), ways=data.ways)
             fresh.append((other, follow(chain, other)[0]))
         other, columns = fresh[0]
         (edited,) = edit.apply([stage])
