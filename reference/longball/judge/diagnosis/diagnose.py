@@ -33,7 +33,7 @@ from longball.judge.diagnosis.residual import (
     specialised_to,
 )
 from longball.judge.diagnosis.scenes import rule
-from longball.judge.diagnosis.schemes import explain_scheme, nearest_way, with_edit
+from longball.judge.diagnosis.schemes import Steps, explain_scheme, with_edit
 from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
 
 # Runs a candidate again: from scenes to answers by id.
@@ -173,9 +173,10 @@ def reason(
         tried[at] = ROUNDS
         scheme = None
         if data.way(stage) is None:
-            scheme = explain_scheme(chain, stage, data, columns, one, dt)
+            steps_of = Steps(stage, data, columns, one)
+            scheme = explain_scheme(chain, stage, data, columns, one, dt, steps_of)
             if stage.kind == "flight" and not (scheme and scheme.adequate):
-                like = nearest_way(stage, data, columns, one)
+                like = steps_of.nearest()
                 near = _beside(like, chain, stage, data, columns, one) if like else found.near
                 both = with_edit(stage, data, columns, one, near, dt, like)
                 if both is not None:

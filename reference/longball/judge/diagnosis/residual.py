@@ -44,7 +44,7 @@ NOISE = 2.5e-10
 
 # s, the longest step of a flight, fine and coarse. Over 400 batted balls the fine ones leave
 # 4e-13 of the landing, the coarse ones 1e-4.
-FINE, COARSE = 0.2, 1.2
+FINE, MIDDLE, COARSE = 0.2, 0.5, 1.2
 MOST_STEPS = 400  # a flight that takes more is followed no farther: its floor is its doubt
 
 

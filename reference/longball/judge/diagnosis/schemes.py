@@ -60,7 +60,7 @@ def _nearer(one: Integrator, h: float, share: float) -> float:
 
 
 @dataclass(frozen=True)
-class _Search:
+class Steps:
     """A flight stage whose errors are compared with those of schemes."""
 
     stage: Stage
@@ -78,12 +78,14 @@ class _Search:
 
     @cached_property
     def durations(self) -> Array:
+        """Times of flight, s."""
         root = self.stage.roots["duration"]
         found = Evaluator([root], take(self.columns, self.followed.some))()[0]
         return np.asarray(found + np.zeros(len(self.followed.some)))
 
     @cached_property
     def all(self) -> Index:
+        """Numbers of all of `followed.some`."""
         return np.arange(len(self.followed.some))
 
     @cached_property
@@ -133,6 +135,7 @@ class _Search:
         share = float(a @ b) / max(float(b @ b), 1e-300)
         return share, float(np.square(a - share * b).sum()) / max(square, 1e-300)
 
+    @cached_property
     def fitting(self) -> list[tuple[float, float, Integrator]]:
         """Integrators with their best step and the error that they leave, the best first."""
         found = []
@@ -155,11 +158,17 @@ class _Search:
             better.values(), key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words])
         )
 
+    def nearest(self) -> Way | None:
+        """The way whose errors are most like those of the flight, if some are."""
+        for left, h, one in self.fitting[:1] if self.few.size else []:
+            return Way(one, h) if left < FITS else None
+        return None
+
     def best(self, dt: float | None) -> Scheme | None:
         """The cheapest scheme that makes all numbers, or else the order that errors have."""
         if not self.few.size:
             return None
-        found = self.fitting()
+        found = self.fitting
         tried = 2 * (len(INTEGRATORS) + 1)
         usual = [*ROUND, *([dt] if dt else [])]
 
@@ -255,7 +264,7 @@ class _Search:
 
 def explain_scheme(
     chain: Sequence[Stage], stage: Stage, data: Data, columns: Mapping[str, Any],
-    followed: Followed, dt: float | None = None,
+    followed: Followed, dt: float | None = None, steps: Steps | None = None,
 ) -> Scheme | None:  # fmt: skip
     """The scheme, event at a step, or clock that explains a stage, or the order of its errors."""
     if stage.kind == "event":
@@ -263,18 +272,7 @@ def explain_scheme(
     if stage.kind == "formula" or not followed.wrong.any():
         return None
     found = clock(stage, columns, followed, dt)
-    return found or _Search(stage, data, columns, followed).best(dt)
-
-
-def nearest_way(
-    stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed
-) -> Way | None:
-    """The way whose errors are most like those of a flight, if some are."""
-    search = _Search(stage, data, columns, followed)
-    for left, h, one in search.fitting()[:1] if search.few.size else []:
-        if left < FITS:
-            return Way(one, h)
-    return None
+    return found or (steps or Steps(stage, data, columns, followed)).best(dt)
 
 
 VARIANTS = 6  # edits with a number that are tried with all schemes
@@ -289,13 +287,13 @@ def with_edit(
     A way `like` the candidate's, if one is known, tells which edits are tried first.
     """
     null = cost(followed.off / followed.floor)
-    ways: list[tuple[float, Edit, _Search]] = []
+    ways: list[tuple[float, Edit, Steps]] = []
     for edit in edits:
         for variant in _numbered(edit):
             (other,) = variant.apply([stage])
             with np.errstate(all="ignore"):
                 after, _ = compared(other, data, columns, followed.some)
-            search = _Search(other, data, columns, after)
+            search = Steps(other, data, columns, after)
             if not (after.wrong.any() and (like or search.null < null)):
                 continue
             tried = [like] if like else [Way(one, TRIALS[0]) for one in INTEGRATORS]

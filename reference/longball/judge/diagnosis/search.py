@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longball.engines.engine import Engine
 from longball.judge.answers import Answer
@@ -32,6 +33,7 @@ from longball.judge.diagnosis.residual import (
     COARSE,
     FINE,
     HUGE,
+    MIDDLE,
     Data,
     Followed,
     Index,
@@ -58,6 +60,7 @@ HALF = 0.6  # of the cost of the errors, what an edit may leave in the first sce
 NEARER = 0.97  # and what it may leave if steps are to explain the rest
 # Of what an edit moves, what long steps leave in it, and what a candidate's own steps do.
 STEPS, OWN_STEPS = 1e-3, 0.05
+NEARLY = 0.05  # of the size of a number, what long steps may leave in a scene of the first
 
 
 LOST = 1e12  # floors: what an edit leaves that makes no number
@@ -102,6 +105,11 @@ def defaults() -> Mapping[str, Any]:
     return found | {"T": 288.15, "z_0": 0.03}
 
 
+def _in_floors(f: Followed) -> Array:
+    r = f.off / f.floor
+    return np.where(np.isfinite(f.off) & ~np.isfinite(r), LOST, r)
+
+
 def _evenly(some: Index, most: int) -> Index:
     """At most so many of some scenes, evenly spread."""
     if len(some) <= most:
@@ -124,27 +132,38 @@ class Explanation:
         wrong, right = f.some[f.beyond], f.some[~f.beyond & f.checked]
         sizes = f.relative[f.beyond]
         order = wrong[np.argsort(-sizes, kind="stable")]
-        self.few = np.concatenate([_evenly(order, WRONG), _evenly(right, RIGHT)])
         self.all = np.concatenate([_evenly(order, MOST_WRONG), _evenly(right, MOST_RIGHT)])
-        self._base = self._compared(self.stage, self.few)
+        is_wrong = np.isin(self.all, wrong)
+        base = self._compared(self.stage, self.all)
         coarse = COARSE if self.stage.kind == "flight" else FINE
-        self._coarse = self._rows(values(self.stage, take(self.columns, self.few), coarse))
-        self._given = np.concatenate(
-            [np.atleast_2d(self.data.given[q][..., self.few]) for q in self.stage.quantities]
-        )[: len(self._coarse)]
+        rows = self._rows(values(self.stage, take(self.columns, self.all), coarse))
+        given = np.concatenate(
+            [np.atleast_2d(self.data.given[q][..., self.all]) for q in self.stage.quantities]
+        )[: len(rows)]
+        near = np.ones(len(self.all), dtype=bool)
+        if self.stage.kind == "flight":  # first those that long steps fly well
+            near = np.asarray(~(np.abs(given - base.off - rows) > NEARLY * base.scale).any(axis=0))
+            near &= np.isfinite(rows).all(axis=0)
+            near = near if near[is_wrong].any() else np.ones_like(near)
+        some = np.concatenate([
+            _evenly(np.flatnonzero(near & is_wrong), WRONG),
+            _evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
+        ])  # fmt: skip
+        self.few = self.all[some]
+        self._coarse, self._given = rows[:, some], given[:, some]
         # Long steps leave a share of what an edit moves, which is the error if it explains it.
         steps = STEPS if self.stage.kind == "flight" else 0.0
         if self.data.way(self.stage) is not None:
             steps = OWN_STEPS
-        self._off = self._base.off
+        self._off = base.off[:, some]
         if self.stage.kind != "event":
             # Without an edit the ball may fly where the law has no value, as below a wind's ground.
             lost = ~np.isfinite(self._coarse)
             self._coarse = np.where(lost, 0.0, self._coarse)
             self._off = np.where(lost, self._given, self._off)
-        self._roughly = self._base.floor + steps * np.abs(self._off)
+        self._roughly = base.floor[:, some] + steps * np.abs(self._off)
         self.null = cost(self._off / self._roughly)
-        self.null_all = cost(self._in_floors(self.stage, self.all))
+        self.null_all = cost(_in_floors(base))
 
     # --- residuals --------------------------------------------------------------------------------
 
@@ -153,9 +172,7 @@ class Explanation:
             return compared(stage, self.data, self.columns, some, rough=rough)[0]
 
     def _in_floors(self, stage: Stage, some: Index, rough: bool = False) -> Array:
-        f = self._compared(stage, some, rough)
-        r = f.off / f.floor
-        return np.where(np.isfinite(f.off) & ~np.isfinite(r), LOST, r)
+        return _in_floors(self._compared(stage, some, rough))
 
     def _rows(self, found: Mapping[str, Array]) -> Array:
         return np.concatenate(
@@ -168,12 +185,19 @@ class Explanation:
         found = self._rows(values(stage, columns, coarse))
         moved = found - self._coarse
         off = self._off + moved if stage.kind == "event" else self._off - moved
-        lost = ~(np.abs(found) < HUGE).all(axis=0)
-        if stage.kind == "flight" and lost.any():  # where only long steps leave the path
-            some = {name: c[..., lost] if np.ndim(c) else c for name, c in columns.items()}
-            off[:, lost] = self._given[:, lost] - self._rows(values(stage, some, FINE))
         r = off / self._roughly
+        lost = np.asarray(~(np.abs(found) < HUGE).all(axis=0))
+        if stage.kind == "flight" and lost.any() and self._is_explained(r, ~lost):
+            # Shorter steps tell whether only the long ones leave the path.
+            some = {name: c[..., lost] if np.ndim(c) else c for name, c in columns.items()}
+            again = self._rows(values(stage, some, MIDDLE))
+            r[:, lost] = (self._given[:, lost] - again) / self._roughly[:, lost]
         return np.where(np.isfinite(self._off) & ~np.isfinite(r), LOST, r)
+
+    def _is_explained(self, r: Array, some: NDArray[np.bool_]) -> bool:
+        """True if errors in some of the first scenes, which may be none, are roughly explained."""
+        before = cost((self._off / self._roughly)[:, some])
+        return cost(r[:, some]) <= HALF * before
 
     def edited(self, edit: Edit) -> Stage:
         """The stage with an edit."""
