@@ -31,6 +31,9 @@ ANGLES = (10, 20, 25, 30, 35, 40, 60)
 SPEEDS = (60, 80, 90, 95, 100, 105, 125)
 
 
+_ROWS_SHOWN = 20  # of predictions that are compared with nothing
+
+
 @dataclass(frozen=True)
 class Prediction:
     """What a model says of measured balls."""
@@ -51,6 +54,11 @@ class Prediction:
     def solved(self) -> Flags:
         """Which rows have a prediction, shape (n,)."""
         return ~np.isnan(self.predicted[:, 0])
+
+    @property
+    def compared(self) -> Flags:
+        """Which of them have a measurement too, shape (n,)."""
+        return ~np.isnan(self.error[:, 0])
 
 
 @dataclass(frozen=True)
@@ -129,8 +137,8 @@ def _place(result: Result) -> tuple[float, ...] | None:
 
 def summaries(prediction: Prediction) -> list[Summary]:
     """Return the errors of groups: pitches by type, flies by angle and speed; of all at the end."""
-    every = ("all", prediction.solved)
-    groups = [(name, which & prediction.solved) for name, which in _groups(prediction.measured)]
+    every = ("all", prediction.compared)
+    groups = [(name, which & prediction.compared) for name, which in _groups(prediction.measured)]
     return [_summary(*group, prediction.error) for group in (*groups, every) if group[1].any()]
 
 
@@ -190,6 +198,7 @@ def as_data(prediction: Prediction) -> dict[str, Any]:
         "rows_used": len(measured),
         "left_out": [each.model_dump() for each in measured.left_out],
         "without_prediction": dict(prediction.without),
+        "assumed": list(measured.assumed),
         "components": list(measured.components),
         "groups": [asdict(each) for each in summaries(prediction)],
     }
@@ -207,9 +216,19 @@ def _lines(prediction: Prediction, name: str, model: FlightModel) -> Iterator[st
     yield from (f"  no prediction: {n}, {why}" for why, n in prediction.without.items())
     if measured.weather_unknown:
         yield f"  weather not known: {measured.weather_unknown}; taken as 20 °C at sea level"
+    yield from (f"  {each}" for each in measured.assumed)
     yield f"model {name}: {model.source}"
     yield ""
     unit, label = measured.unit
+    if isinstance(measured, MeasuredFlies) and not prediction.compared.any():
+        yield _row("", "mph", "launch, °", f"distance, {label}")
+        for i in np.flatnonzero(prediction.solved)[:_ROWS_SHOWN]:
+            asked = measured.speed[i] / MPH, np.degrees(measured.angle[i])
+            values = *asked, prediction.predicted[i, 0] / unit
+            yield _row(f"row {measured.rows[i]}", *(f"{value:.1f}" for value in values))
+        if (more := int(prediction.solved.sum()) - _ROWS_SHOWN) > 0:
+            yield f"and {more} more"
+        return
     yield _row("", "n", *(f"{name}, {label}" for name, _ in measured.seen), f"RMS, {label}")
     for each in summaries(prediction):
         biases = zip(each.bias, measured.seen, strict=True)
