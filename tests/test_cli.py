@@ -180,6 +180,39 @@ class TestSolve:
         (result,) = results(longball("solve", stdin=FLIGHT))
         assert result["engine"] == f"longball {lb.__version__} ivp Taylor"
 
+    @pytest.mark.parametrize("indent", [None, 2])
+    @pytest.mark.parametrize("array", [False, True])
+    def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
+        scene = {"kind": "pitch"}
+        file = tmp_path / "scenes.json"
+        file.write_text(json.dumps([scene] if array else scene, indent=indent))
+        for arguments, text in (([str(file)], b""), ([], file.read_bytes())):
+            run = longball("solve", *arguments, stdin=text)
+            if indent is None and not array:
+                assert run.returncode == 0
+                continue
+            assert (run.returncode, run.stdout) == (2, b"")
+            (said,) = run.stderr.decode().splitlines()
+            assert f"a scene stands in one line: jq -c {chr(39) + '.[]' if array else '.'}" in said
+
+    def test_a_broken_first_line_is_one_line_without_an_answer(self):
+        run = longball("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')
+        assert [json.loads(line).get("outcome") for line in run.stdout.splitlines()] == [
+            None,
+            "crossed",
+        ]
+
+    def test_what_is_probably_not_meant_is_asked(self):
+        lines = b'{"kind":"pitch","ball":{"mass":145}}\n' * 2
+        run = longball("solve", stdin=lines)
+        assert run.returncode == 0
+        (said,) = run.stderr.decode().splitlines()
+        assert said == (
+            "longball: scene 1: ball.mass: 145 kg is more than in any game; is it in g or oz? "
+            "(and 1 more)"
+        )
+        assert longball("solve", "--quiet", stdin=lines).stderr == b""
+
     def test_an_empty_file_is_no_success(self):
         run = longball("solve", stdin=b"\n")
         assert run.returncode == 1

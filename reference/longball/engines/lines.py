@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, cast
 from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
+from longball.model.doubts import doubts
 from longball.model.jsonl import LONGEST_LINE, json_bytes
 from longball.model.numbers import N
 from longball.model.result import signed
@@ -25,11 +26,12 @@ Line = tuple[int, bytes]
 
 
 class Answer(NamedTuple):
-    """The result of a line: its id, why it failed if it did, and the whole as JSON."""
+    """The result of a line: its id, why it failed if it did, the whole as JSON, and doubts."""
 
     id: str | None
     failure: str | None
     text: bytes
+    doubts: tuple[tuple[str, str], ...] = ()  # keys of the scene, and questions about them
 
 
 def solve_lines(
@@ -124,8 +126,10 @@ def _solve_in_turn(
         else (solve(scene, engine).data() for scene in scenes)
     )
     for (number, _), scene in zip(chunk, read, strict=True):
-        data = refused(scene).data() if isinstance(scene, InvalidScene) else next(solved)
-        yield _answer(number, data)
+        if isinstance(scene, InvalidScene):
+            yield _answer(number, refused(scene).data())
+        else:
+            yield _answer(number, next(solved))._replace(doubts=tuple(doubts(scene)))
 
 
 def _read(line: bytes) -> Scene | InvalidScene:
