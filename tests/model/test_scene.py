@@ -218,6 +218,11 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             {"reading": {"inertia": "rod"}},
             "reading.inertia: must be 'solid_cylinder', 'thin_rod' or 'about_centre' (got 'rod')",
         ),
+        (
+            {"reading": {"inertia": "thin rod"}},
+            "reading.inertia: must be 'solid_cylinder', 'thin_rod' or 'about_centre' "
+            "(got 'thin rod'), did you mean thin_rod?",
+        ),
     ],
 )
 def test_a_refusal_names_the_key_and_says_what_it_takes(values, message):

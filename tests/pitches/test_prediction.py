@@ -169,7 +169,7 @@ def test_the_command_draws(tmp_path):
     [
         (("-", *COMMAND), "a,b\n1,2\n", 1, "the table has no such columns; its columns are a, b"),
         (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
-        (("--model", "best"), "", 2, "--model best: the models are vacuum, paper, constants,"),
+        (("--model", "best"), "", 2, "--model best: there is none; the models are vacuum, paper,"),
         (("--engine", "best"), "", 2, "there is no engine 'best'"),
         (("-", "--games", "nowhere.csv", *COMMAND), FLIES, 2, "nowhere.csv: cannot be read"),
     ],
@@ -216,6 +216,20 @@ def test_a_speed_and_an_angle_are_predicted(tmp_path):
     assert "there is no error to draw" in run.stderr
     assert not picture.exists()
     assert json.loads(longball("-", *COMMAND, "--json", stdin=what_if).stdout)["groups"] == []
+
+
+def test_a_what_if_changes_every_scene():
+    run = longball("-", *COMMAND, "--set", "air.drag_coefficient=0.5", "--json", stdin=FLIES)
+    flies = read_measured(io.StringIO(FLIES), "batted")
+    dragged = replace(MODELS["paper"], drag=0.5)
+    *_, every = summaries(predict(flies, dragged, engine=ENGINE))
+    assert json.loads(run.stdout)["groups"][-1]["rms"] == every.rms > 1.0
+
+
+def test_a_ball_over_the_fence_has_its_distance():
+    over = longball("-", *COMMAND, "--fence", "40", "--json", stdin=FLIES)
+    plain = longball("-", *COMMAND, "--json", stdin=FLIES)
+    assert json.loads(over.stdout)["groups"] == json.loads(plain.stdout)["groups"]
 
 
 def test_where_nothing_is_predicted_the_command_fails():

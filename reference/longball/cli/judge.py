@@ -206,6 +206,7 @@ def cases_of(
     from longball.cli.converge import read_scenes
     from longball.golden import load
     from longball.judge.fresh import DRAWN, USUAL, proven, random_scenes, usual_constants
+    from longball.model.names import one_of
     from longball.model.scene import KINDS
 
     if scenes:
@@ -215,7 +216,7 @@ def cases_of(
         chosen = list(dict.fromkeys(kinds or ()))
         for name in chosen:
             if name not in KINDS:
-                wrong_call(f"--kind {name}: the kinds are {', '.join(KINDS)}")
+                wrong_call(f"--kind {name}: there is none{one_of('the kinds are', name, KINDS)}")
         asked = list(random_scenes(random, seed, chosen or DRAWN))
         with progress_bar("proving", random) as advance:
             cases = proven(asked, progress=advance)

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
+from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.common import (
     Json,
     Quiet,
@@ -23,6 +24,7 @@ from longball.cli.common import (
     wrong_call,
 )
 from longball.model.csv_files import write_frame
+from longball.model.names import one_of
 from longball.model.scene import InvalidScene
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
@@ -56,6 +58,9 @@ def measured(
             help="What the table calls Statcast's column NAME, as vx0=VX0; repeatable.",
         ),
     ] = None,
+    set_: SetOption = None,
+    fence: FenceOption = None,
+    reading: ReadingOption = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
     scenes_file: Annotated[
         Path | None, to_file("Write the scenes here.", "--scenes", metavar="FILE")
@@ -77,9 +82,10 @@ def measured(
     """
     source = chosen_table(table, example)
     if model not in MODELS:
-        wrong_call(f"--model {model}: the models are {', '.join(MODELS)}")
+        wrong_call(f"--model {model}: there is none{one_of('the models are', model, MODELS)}")
     law = MODELS[model]
     names = dict(split_assignment("--column", text) for text in column or [])
+    change = chosen_changes(set_, fence, reading)
     with refusing():
         solver = engines.create(engine)
     with reading_table():
@@ -88,10 +94,12 @@ def measured(
         except NoSuchColumn as error:
             raise TableError(f"{error}{_instead(error.missing)}") from None
         if scenes_file:
-            asked = (one for one in scenes(rows, law) if not isinstance(one, InvalidScene))
+            asked = (
+                one for one in scenes(rows, law, change=change) if not isinstance(one, InvalidScene)
+            )
             lines = [scene.line() + "\n" for scene in asked]
             scenes_file.write_text("".join(lines), encoding="utf-8")
-        prediction = predict(rows, law, engine=solver)
+        prediction = predict(rows, law, engine=solver, change=change)
     if csv_file:
         write_frame(as_frame(prediction), csv_file)
     if figure and prediction.compared.any():

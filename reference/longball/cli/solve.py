@@ -19,6 +19,7 @@ from typing import Annotated, Any, BinaryIO
 import typer
 
 from longball import engines
+from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     EngineName,
@@ -132,6 +133,9 @@ def solve(
     certify: Annotated[
         bool, typer.Option("--certify", help="Give every number with a proven error.")
     ] = False,
+    set_: SetOption = None,
+    fence: FenceOption = None,
+    reading: ReadingOption = None,
     workers: Workers = 1,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
@@ -143,6 +147,7 @@ def solve(
         "dt": dt, "forces": forces, "landing": landing, "root": root,
     }
     # fmt: on
+    change = chosen_changes(set_, fence, reading)
     asked = (points or 201) if path or points else None
     if asked and output and ending(output) in TABLES:
         wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
@@ -174,7 +179,7 @@ def solve(
         results_to(output, source, lines) as write,
         progress_of(lines, output) as advance,
     ):
-        for result in solve_lines(lines, solver, -1 if scheduler else workers, asked):
+        for result in solve_lines(lines, solver, -1 if scheduler else workers, asked, change):
             write(result.text)
             solved += 1
             advance(solved)

@@ -19,6 +19,7 @@ from longball.golden.case import Case as GoldenCase
 from longball.judge.quantities import QUANTITIES, Value, length, radius_of, values_of
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
+from longball.model.names import one_of
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import number
 from longball.model.result import Result
@@ -252,5 +253,5 @@ def profile(
         raise ValueError(f"profile {given} takes no time step; only paper does")
     kinds: dict[str, type[Profile]] = {"exact": Exact, "converged": Converged, "paper": Paper}
     if given not in kinds:
-        raise ValueError(f"there is no profile {given!r}; the profiles are {', '.join(kinds)}")
+        raise ValueError(f"there is no profile {given!r}{one_of('the profiles are', given, kinds)}")
     return kinds[given](*(x for x in (tolerance, dt) if x is not None))

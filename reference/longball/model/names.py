@@ -13,14 +13,22 @@ def one_of(these_are: str, given: object, known: Iterable[str]) -> str:
     ', did you mean launch? The keys are launch, ball'
     """
     names = [*known]
-    near = difflib.get_close_matches(given, names, n=1) if isinstance(given, str) else []
-    # Names of the field are said in other cases and with other signs: At_Bat, pitch-speed.
-    alike = [name for name in names if _letters(name) == _letters(given)]
     shown = f"{these_are} {', '.join(names)}"
-    if meant := [*alike, *near][:1]:
-        return f", did you mean {meant[0]}? {shown[0].upper()}{shown[1:]}"
+    if hint := did_you_mean(given, names):
+        return f"{hint} {shown[0].upper()}{shown[1:]}"
     return f"; {shown}"
 
 
-def _letters(name: object) -> str:
-    return "".join(filter(str.isalnum, str(name).lower()))
+def did_you_mean(given: object, known: Iterable[str]) -> str:
+    """Return the question whether a name is meant that is near to what is given, or nothing."""
+    names = [*known]
+    if not isinstance(given, str):
+        return ""
+    near = difflib.get_close_matches(given, names, n=1)
+    # Names are said in other cases and with other signs: At_Bat, pitch-speed.
+    alike = [name for name in names if _letters(name) == _letters(given)]
+    return f", did you mean {[*alike, *near][0]}?" if alike or near else ""
+
+
+def _letters(name: str) -> str:
+    return "".join(filter(str.isalnum, name.lower()))

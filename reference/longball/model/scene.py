@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
@@ -24,6 +24,7 @@ from pydantic import (
     WithJsonSchema,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 
 from longball.model.air import Air as Air
 from longball.model.air import WindProfile
@@ -33,9 +34,10 @@ from longball.model.block import refuse as _refuse
 from longball.model.csv_files import not_utf8
 from longball.model.force import cross, plus, scaled
 from longball.model.jsonl import LONGEST_LINE, json_line
-from longball.model.names import one_of
+from longball.model.names import did_you_mean, one_of
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
+from longball.model.units import unit_of
 
 
 class InvalidScene(ValueError):
@@ -514,12 +516,20 @@ def ids_of(scenes: Sequence[Scene]) -> list[str]:
     return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
 
 
-def parse_scene(line: str | bytes) -> Scene:
-    """Return the scene written on a line of JSON; `InvalidScene` names the key at fault."""
+def parse_scene(
+    line: str | bytes, change: Callable[[dict[str, Any]], dict[str, Any]] | None = None
+) -> Scene:
+    """Return the scene written on a line of JSON, with a change to its data if there is one.
+
+    `InvalidScene` names the key at fault.
+    """
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):
         raise InvalidScene(f"not a scene: a JSON object is needed, this is {_short(data)}")
+    if change:
+        data = change(data)
+        text = json.dumps(data)
     scene_id = _text_of_whole(data.get("id"))
     scene_id = scene_id if _is_text(scene_id) else None
     kind = data.get("kind")
@@ -612,6 +622,10 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}.law: {what}{one_of('the laws are', given, laws)}"
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
+        case "literal_error":
+            words = re.findall(r"'([^']*)'", fault["ctx"]["expected"])
+            sentence = f"{in_our_words(fault['msg'])} (got {_short(fault['input'])})"
+            return f"{where}: {sentence}{did_you_mean(fault['input'], words)}"
         case "greater_than_equal" | "less_than_equal" as side:
             ((_, limit),) = fault["ctx"].items()
             bound = "at least" if side == "greater_than_equal" else "at most"
@@ -625,9 +639,9 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
 def _listed(annotation: Any, about: str) -> str:
     """Return the form of a list by its annotation and the description of its field."""
     numbers = next((x for x in map(get_args, _within(annotation)) if _is_vector(x)), ())
-    unit = re.match(r"(rad/s|m/s|m)\b", about)
+    unit = unit_of(about)
     places = ", ".join("xyz"[3 - len(numbers) :])  # a place on the plate's plane is [y, z]
-    return f"[{places}]{f' in {unit[0]}' if unit else ''}" if numbers else "a list"
+    return f"[{places}]{f' in {unit}' if unit else ''}" if numbers else "a list"
 
 
 def _is_vector(parts: tuple[Any, ...]) -> bool:
@@ -669,6 +683,24 @@ def _resolved(
             if field:
                 annotation, about = field.annotation, field.description or ""
     return steps, model, annotation, about
+
+
+def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
+    """Return the fields under keys inside a model, one for each form that a block may have."""
+    annotations: list[Any] = [model]
+    fields: list[FieldInfo] = []
+    for key in keys:
+        models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
+        fields = [each.model_fields[key] for each in models if key in each.model_fields]
+        annotations = [field.annotation for field in fields]
+    return fields
+
+
+def keys_of(model: type[BaseModel], keys: Sequence[str]) -> list[str]:
+    """Return the keys of the blocks under keys inside a model."""
+    annotations = [field.annotation for field in parts_of(model, keys)] if keys else [model]
+    models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
+    return [key for each in models for key in each.model_fields]
 
 
 def _forms(annotation: Any) -> dict[str | int, Any]:

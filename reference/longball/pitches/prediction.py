@@ -16,6 +16,7 @@ from longball.engines import chain
 from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags
+from longball.model.changes import Changes
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 from longball.pitches.models import FlightModel, expected_spin
@@ -73,13 +74,16 @@ class Summary:
 
 
 def scenes(
-    measured: Measured, model: FlightModel | Sequence[FlightModel], spin: Array | None = None
+    measured: Measured,
+    model: FlightModel | Sequence[FlightModel],
+    spin: Array | None = None,
+    change: Changes | None = None,
 ) -> Iterator[Scene | InvalidScene]:
     """Yield the scene of each measured ball, under one model, or under one for each.
 
     With a model that has spin it has `expected_spin`, unless another is given, rad/s, shape (n, 3).
-    Of a row that is no scene, such as a ball that is released below the ground, the error is
-    yielded, which names the row.
+    `change` changes the scenes. Of a row that is no scene, such as a ball that is released below
+    the ground, the error is yielded, which names the row.
     """
     spin = expected_spin(measured) if spin is None else spin
     models = repeat(model) if isinstance(model, FlightModel) else model
@@ -89,7 +93,7 @@ def scenes(
             scene["pitch" if "pitch" in scene else "launch"]["spin"] = spin[i].tolist()
         weather = float(measured.temperature[i]), float(measured.elevation[i])
         try:
-            yield parse_scene(json.dumps(scene | one.blocks(*weather)))
+            yield parse_scene(json.dumps(scene | one.blocks(*weather)), change)
         except InvalidScene as error:
             yield InvalidScene(f"row {row} below the header is no scene: {error}", scene["id"])
 
@@ -99,9 +103,10 @@ def solve(
     model: FlightModel | Sequence[FlightModel],
     spin: Array | None = None,
     engine: Engine[Any] | None = None,
+    change: Changes | None = None,
 ) -> list[Result]:
     """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
-    every = list(scenes(measured, model, spin))
+    every = list(scenes(measured, model, spin, change))
     valid = [scene for scene in every if not isinstance(scene, InvalidScene)]
     results = iter(chain.solve_each(valid, engine or engines.create("batch")))
     return [refused(one) if isinstance(one, InvalidScene) else next(results) for one in every]
@@ -112,9 +117,10 @@ def predict(
     model: FlightModel | Sequence[FlightModel],
     spin: Array | None = None,
     engine: Engine[Any] | None = None,
+    change: Changes | None = None,
 ) -> Prediction:
     """Predict measured balls; arguments as of `solve`."""
-    results = solve(measured, model, spin, engine)
+    results = solve(measured, model, spin, engine, change)
     predicted = np.full(measured.measured.shape, np.nan)
     without: Counter[str] = Counter()
     for i, result in enumerate(results):
@@ -130,7 +136,8 @@ def _place(result: Result) -> tuple[float, ...] | None:
     """Return y and z at the plate of a pitch, and the distance of a batted ball."""
     if result.outcome == "crossed" and result.plate is not None:
         return float(result.plate.position[1]), float(result.plate.position[2])
-    if result.outcome == "landed" and result.landing is not None:
+    # A ball that a fence stops has no distance, and one that flies over it has.
+    if result.outcome in ("landed", "home_run") and result.landing is not None:
         return (float(result.landing.distance),)
     return None
 

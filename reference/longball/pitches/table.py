@@ -21,6 +21,7 @@ from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
 from longball.model.csv_files import decoded, other_separators
 from longball.model.names import one_of
+from longball.model.units import UNITS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,9 +29,8 @@ if TYPE_CHECKING:
 DATA = Path(__file__).parents[1] / "data"
 EXAMPLE = DATA / "statcast_2023-06-11.csv"
 
-# m/s of one unit, m of one unit; all exact by definition.
-SPEED_UNITS = {"m/s": 1.0, "km/h": 1 / 3.6, "mph": 0.44704}
-LENGTH_UNITS = {"m": 1.0, "cm": 0.01, "ft": 0.3048, "in": 0.0254}
+# m/s of one unit, m of one unit.
+SPEED_UNITS, LENGTH_UNITS = UNITS["m/s"], UNITS["m"]
 
 # How many of the rows that are left out for one reason are named by their number.
 ROWS_NAMED = 10
