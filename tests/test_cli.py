@@ -180,6 +180,62 @@ class TestSolve:
         (result,) = results(longball("solve", stdin=FLIGHT))
         assert result["engine"] == f"longball {lb.__version__} ivp Taylor"
 
+    @pytest.mark.parametrize("indent", [None, 2])
+    @pytest.mark.parametrize("array", [False, True])
+    def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
+        scene = {"kind": "pitch"}
+        file = tmp_path / "scenes.json"
+        file.write_text(json.dumps([scene] if array else scene, indent=indent))
+        for arguments, text in (([str(file)], b""), ([], file.read_bytes())):
+            run = longball("solve", *arguments, stdin=text)
+            if indent is None and not array:
+                assert run.returncode == 0
+                continue
+            assert (run.returncode, run.stdout) == (2, b"")
+            (said,) = run.stderr.decode().splitlines()
+            assert f"a scene stands in one line: jq -c {chr(39) + '.[]' if array else '.'}" in said
+
+    def test_a_broken_first_line_is_one_line_without_an_answer(self):
+        run = longball("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')
+        assert [json.loads(line).get("outcome") for line in run.stdout.splitlines()] == [
+            None,
+            "crossed",
+        ]
+
+    @pytest.mark.parametrize("engine", ["ivp", "batch"])
+    def test_scenes_are_changed_by_options(self, tmp_path: Path, engine: str):
+        launch = {"position": [0, 0, 1], "velocity": [40, 0, 25]}
+        park = {"polyline": [[70, 70, 2], [70, -70, 2]]}
+        (tmp_path / "park.json").write_text(json.dumps(park))
+        scene = {"kind": "flight", "launch": launch}
+        changes = {"air": {"wind": [5, 0, 0]}, "reading": {"wind_acts_on": "drag"}, "fence": park}
+        run = longball(
+            "solve", "--engine", engine, "--set", "air.wind=[18, 0, 0] km/h",
+            "--reading", "wind_acts_on=drag", "--fence", str(tmp_path / "park.json"),
+            stdin=json.dumps(scene).encode(),
+        )  # fmt: skip
+        plain = longball("solve", "--engine", engine, stdin=json.dumps(scene | changes).encode())
+        assert json.loads(run.stdout)["outcome"] == "home_run"
+        assert run.stdout == plain.stdout
+
+    def test_a_change_reaches_workers(self):
+        lines = b'{"kind":"pitch"}\n' * 40
+        alone = longball("solve", "--set", "pitch.speed=95mph", stdin=lines)
+        many = longball("solve", "--set", "pitch.speed=95mph", "--workers", "2", stdin=lines)
+        assert many.stdout == alone.stdout
+        assert alone.stdout != longball("solve", stdin=lines).stdout
+
+    def test_what_is_probably_not_meant_is_asked(self):
+        lines = b'{"kind":"pitch","ball":{"mass":145}}\n' * 2
+        run = longball("solve", stdin=lines)
+        assert run.returncode == 0
+        (said,) = run.stderr.decode().splitlines()
+        assert said == (
+            "longball: scene 1: ball.mass: 145 kg is more than in any game; is it in g or oz? "
+            "(and 1 more)"
+        )
+        assert longball("solve", "--quiet", stdin=lines).stderr == b""
+
     def test_an_empty_file_is_no_success(self):
         run = longball("solve", stdin=b"\n")
         assert run.returncode == 1
@@ -204,7 +260,20 @@ class TestSolve:
     @pytest.mark.parametrize(
         ("arguments", "named"),
         [
+            (["sovle"], "no such command 'sovle', did you mean solve? The commands are solve,"),
+            (
+                ["solve", "--engine", "bach"],
+                "'enclosure', 'multiprecision', 'verlet', did you mean b",
+            ),
             (["solve", "--engine", "verne"], "'--engine': 'verne' is not one of"),
+            (["judge", "--golden", "flight-vacum", "--", "true"], "did you mean flight-vacuum?"),
+            (["judge", "--profile", "converge", "--", "true"], "did you mean converged?"),
+            (["judge", "--random", "3", "--kind", "fligth", "--", "true"], "did you mean flight?"),
+            (["measured", "--example", "--model", "natan"], "did you mean nathan? The models are"),
+            (
+                ["golden", "write", "x", "--family", "ptch"],
+                "--family ptch: there is none, did you mean",
+            ),
             (["measured", "--example", "--kind", "bat"], "'--kind': 'bat' is not one of"),
             (["solve", "--points", "1"], "'--points': must be greater than or equal to 2"),
             (["solve", "--points", "1000000001"], "'--points': must be less than or equal to"),
@@ -231,7 +300,18 @@ class TestSolve:
             (["homerun", "--reading", "fig7_parameters=x"], "caption, text"),
             (["homerun", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
             (["solve", "--engine", "verlet", "--root", "middle"], "'first', 'larger'"),
-            (["homerun", "--set", "bat.mess=1"], "bat.mess"),
+            (["homerun", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
+            (["solve", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
+            (["solve", "--set", "pitch.speed=95mhp"], "did you mean mph?"),
+            (["solve", "--reading", "inertial=thin_rod"], "did you mean inertia?"),
+            (
+                ["solve", "--reading", "sample_space=fair"],
+                "it changes no scene, but longball homer",
+            ),
+            (["solve", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
+            (["solve", "--fence", "120 feet"], "--fence 120 feet: fence.radius=120 feet: 'feet'"),
+            (["plot", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
+            (["measured", "--example", "--set", "bat.mess=1"], "bat.mess: no scene has this key"),
             (["homerun", "--set", "air.density.temperature=27"], "air.density.temperature: must"),
             (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
             (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
@@ -260,7 +340,10 @@ class TestSolve:
             (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
             (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
             (["solve", "-o", ""], "a file is needed"),
-            (["solve", "--digits", "20"], "--integrator, --rtol, --atol; not --digits"),
+            (
+                ["solve", "--digits", "20"],
+                "takes no --digits; it takes --integrator, --rtol, --atol",
+            ),
             (["solve", "--engine", "batch", "--landing-error", "0"], "--landing-error = 0.0 m"),
             (["solve", "--engine", "enclosure", "--digits", "501"], "--digits = 501"),
             (["homerun", "--pitches", "/no/such/fit.json"], "/no/such/fit.json"),

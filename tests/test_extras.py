@@ -103,7 +103,7 @@ def test_the_library():
     )
     run = light(code)
     assert (run.returncode, run.stderr) == (0, "")
-    assert run.stdout == 'this needs pandas: pip install "longball[tables]"\n'
+    assert run.stdout == 'this needs pandas: pip install ".[tables]"\n'
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_what_is_missing_is_named(extra: str, arguments: list[str], tmp_path: Pa
         names=tuple(name for name, its in EXTRAS.items() if its == extra),
     )
     assert run.returncode == 2, run.stderr
-    assert f'pip install "longball[{extra}]"' in run.stderr
+    assert f'pip install ".[{extra}]"' in run.stderr
     assert len(run.stderr.splitlines()) == 1
     assert "llvmlite" not in run.stderr  # which numba brings
 
@@ -146,7 +146,7 @@ def test_samples_are_struck_by_an_engine_that_needs_none():
 
 def test_a_module_that_is_run_names_what_is_missing():
     run = light("import runpy; runpy.run_module('longball.model.derivation', run_name='__main__')")
-    assert run.stderr == 'this needs sympy: pip install "longball[symbolic]"\n'
+    assert run.stderr == 'this needs sympy: pip install ".[symbolic]"\n'
 
 
 def test_several_workers_are_one_if_not_asked_for():

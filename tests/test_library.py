@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import doctest
 import json
+import math
 import pickle
 import re
 import subprocess
@@ -508,3 +509,44 @@ class TestJudge:
             lb.judge.assert_case(case, {"outcome": "batted", "landing": {"distance": 1.0}})
         with pytest.raises(TypeError, match="int"):
             lb.judge.assert_case(case, 3)
+
+
+def test_a_launch_is_what_trackers_measure():
+    # To the left at a right angle to centre field: all by hand.
+    launch = lb.launch(40.0, math.pi / 6, math.pi / 2, backspin=200.0, side_spin=30.0)
+    level, half = math.sqrt(3) / 2, 0.5
+    assert launch.velocity == pytest.approx((0.0, 40 * level, 40 * half), abs=1e-14)
+    # Backspin about +x, which lifts a ball that flies to +y; the rest in the plane of y and z.
+    assert launch.spin == pytest.approx((200.0, -30 * half, 30 * level), abs=1e-13)
+    assert lb.launch(40.0, 0.5).spin is None
+    with pytest.raises(lb.InvalidScene, match=r"speed: must be positive \(got -1\)"):
+        lb.launch(-1, 0.5)
+
+
+def test_a_scene_with_other_values_is_checked():
+    scene = lb.AtBat(pitch={"speed": 38.0}, swing={"tilt": 0.14})
+    other = scene.replace(**{"swing.tilt": 0.2, "pitch.aim[1]": 1.7, "air": None})
+    written = {"pitch": {"speed": 38.0, "aim": [0.0, 1.7]}, "swing": {"tilt": 0.2}, "air": None}
+    assert other == lb.AtBat(**written)
+    assert scene.swing.tilt == 0.14
+    with pytest.raises(lb.InvalidScene, match=r"swing.tlt: unknown key, did you mean tilt\?"):
+        scene.replace(**{"swing.tlt": 0.2})
+
+
+def test_quantities_have_names():
+    solution = lb.solve(lb.Pitch())
+    assert solution["plate.position[2]"] == solution.plate.position[2]
+    assert solution["landing.distance"] is None
+    assert solution.to_dict() == json.loads(solution.result.line(), object_hook=_tuples)
+    with pytest.raises(ValueError, match=r"landing.distnce: no result has it, did you mean"):
+        solution["landing.distnce"]
+
+
+def _tuples(block):
+    return {key: tuple(x) if isinstance(x, list) else x for key, x in block.items()}
+
+
+def test_blocks_are_exported_and_stand_in_scenes():
+    scene = lb.AtBat(ball=lb.Ball(mass=0.15), bat=lb.Bat(mass=1.0), swing=lb.Swing(tilt=0.1))
+    assert scene == lb.AtBat(ball={"mass": 0.15}, bat={"mass": 1.0}, swing={"tilt": 0.1})
+    assert all(getattr(lb, name).__name__ == name for name in ("Air", "Reading", "Weather"))

@@ -7,6 +7,7 @@ import json
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,8 @@ from hypothesis import strategies as st
 
 import longball as lb
 from longball import tables
+from longball.engines import create
+from longball.engines.lines import solve_lines
 from longball.judge.answers import read_results
 from longball.model.csv_files import guarded, unguarded
 from longball.model.quantities import flat, nested
@@ -81,7 +84,7 @@ def test_columns_have_the_answers_and_the_errors_of_their_scenes(data, engine: s
 def test_a_cell_that_contradicts_another_is_the_error_of_its_row(tmp_path: Path):
     columns = {"kind": "pitch", "air": ["null", None], "air.density": [1.2, 1.3]}
     table = lb.solve_many(columns)
-    said = "air.density: air is given whole already"
+    said = "air.density: unknown key; put it inside air"
     assert table.error[0] == said
     assert table.outcome[1] == "crossed"
     # Whichever stands first.
@@ -274,3 +277,30 @@ def test_ids_that_are_formulas_go_through_csv(tmp_path: Path):
         csv.writer(out).writerows([("kind", "id"), *(("pitch", cell) for cell in cells)])
     read = [json.loads(line)["id"] for line in tables.scene_lines(asked).splitlines() if line]
     assert read == FORMULAS
+
+
+def solved(path: Path) -> list[dict[str, Any]]:
+    lines = tables.scene_lines(path).split(b"\n")
+    return [json.loads(answer.text) for answer in solve_lines(lines, create("ivp"))]
+
+
+def test_tables_that_libraries_write_are_scenes_as_they_are(tmp_path: Path):
+    """An index, ids that are numbers, vectors in one column, UTF-16."""
+    speeds, names = [30.0, 35.0], [101, 102]
+    frame = pd.DataFrame({"id": names, "kind": "pitch", "pitch.speed": speeds})
+    aims = [[0.0, 2.5], [0.1, 2.0]]
+    frame.to_csv(tmp_path / "index.csv")
+    frame[frame.id > 101].to_csv(tmp_path / "filtered.csv")
+    pd.read_csv(tmp_path / "index.csv").to_csv(tmp_path / "again.csv", index=False)
+    frame.to_csv(tmp_path / "utf-16.csv", index=False, encoding="utf-16")
+    frame.assign(**{"pitch.aim": aims}).to_parquet(tmp_path / "listed.parquet")
+    frame.astype({"id": float}).to_parquet(tmp_path / "floats.parquet")
+    times = [lb.solve(lb.Pitch(pitch={"speed": speed})).plate.time for speed in speeds]
+    for file in ("index.csv", "again.csv", "utf-16.csv", "floats.parquet"):
+        answers = solved(tmp_path / file)
+        assert [x["id"] for x in answers] == ["101", "102"], file
+        assert [x["plate"]["time"] for x in answers] == times, file
+    assert [x["id"] for x in solved(tmp_path / "filtered.csv")] == ["102"]
+    for answer, speed, aim in zip(solved(tmp_path / "listed.parquet"), speeds, aims, strict=True):
+        scene = lb.Pitch(pitch={"speed": speed, "aim": aim})
+        assert answer["plate"]["position"] == [*lb.solve(scene).plate.position]

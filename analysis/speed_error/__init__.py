@@ -1,6 +1,6 @@
 """Speed against error: every engine at every setting, beside its peers, in one run.
 
-The peers are the extra ``peers`` of longball (``pip install 'longball[peers]'``); one that is not
+The peers are the extra ``peers`` of longball (``pip install '.[peers]'``); one that is not
 installed is left out, and named.
 """
 

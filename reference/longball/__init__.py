@@ -26,31 +26,70 @@ if TYPE_CHECKING:
         Solution,
         State,
         home_run_probability,
+        launch,
         solve,
     )
     from longball.engines.engine import CannotSolve
+    from longball.model.air import Air, Weather
     from longball.model.numbers import Undecided
-    from longball.model.scene import InvalidScene
+    from longball.model.readings import Reading
+    from longball.model.scene import (
+        Ball,
+        Bat,
+        Earth,
+        Fence,
+        Ground,
+        Incoming,
+        InvalidScene,
+        Launch,
+        Swing,
+    )
     from longball.tables import solve_many
 
 __version__ = "0.1.0"
 
+_BLOCKS = (
+    "Air",
+    "Ball",
+    "Bat",
+    "Earth",
+    "Fence",
+    "Ground",
+    "Incoming",
+    "Launch",
+    "Reading",
+    "Swing",
+    "Weather",
+)
+
 __all__ = [
+    "Air",
     "AtBat",
+    "Ball",
+    "Bat",
     "CannotSolve",
+    "Earth",
+    "Fence",
     "Flight",
+    "Ground",
     "Impact",
+    "Incoming",
     "InvalidScene",
+    "Launch",
     "Path",
     "Pitch",
+    "Reading",
     "Solution",
     "State",
+    "Swing",
     "Undecided",
+    "Weather",
     "__version__",
     "convergence",
     "golden",
     "home_run_probability",
     "judge",
+    "launch",
     "solve",
     "solve_many",
 ]
@@ -62,6 +101,9 @@ def __getattr__(name: str) -> Any:
     # Imported when first asked for: `import longball` alone loads no library.
     if name in _PACKAGES:
         return import_module(f"longball.{name}")
+    if name in _BLOCKS:
+        homes = {"Reading": "readings", "Weather": "air"}
+        return getattr(import_module(f"longball.model.{homes.get(name, 'scene')}"), name)
     if name in __all__:
         module = import_module("longball.tables" if name == "solve_many" else "longball.api")
         return getattr(module, name)

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import html
 import json
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,8 +26,11 @@ from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.arrays import Array
+from longball.model.changes import Changes
+from longball.model.names import one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of, plain
+from longball.model.quantities import at
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
     Bounded,
@@ -49,6 +53,11 @@ if TYPE_CHECKING:
     from longball.pitches import FittedPitches
 
 
+# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
+# Trajectory Calculator begins there.
+CONTACT = (0.6096, 0.0, 0.9144)
+
+
 # --- scenes ---------------------------------------------------------------------------------------
 
 
@@ -66,10 +75,34 @@ class _Written:
             raise InvalidScene(f"kind: must be {kind!r} here, and is {blocks['kind']!r}")
         super().__init__(**dict(as_scene(blocks)))
 
+    def replace(self, **values: object) -> Self:
+        """Return the scene with other values, under the names of keys or of components of vectors.
+
+        Raises
+        ------
+        InvalidScene
+            If it is none; the message names the key at fault.
+
+        Examples
+        --------
+        >>> import longball as lb
+        >>> scene = lb.AtBat(swing={"tilt": 0.14})
+        >>> scene.replace(**{"swing.tilt": 0.2, "pitch.aim[1]": 1.7}).pitch.aim
+        (0.0, 1.7)
+        """
+        scene = cast(Scene, self)
+        written = scene.model_dump(mode="json", exclude_defaults=True) | {"kind": scene.kind}
+        changed = Changes(tuple((name, plain(value, name)) for name, value in values.items()))
+        return type(self)(**changed(written))
+
     def __repr_args__(self) -> Iterator[tuple[str, Any]]:
         # What a caller need not write is not shown: a scene has some sixty numbers and switches.
         said = self.model_dump(exclude_defaults=True)  # type: ignore[attr-defined]
         yield from said.items()
+
+
+# A block as it may be written: a model of it, or a mapping with its keys.
+Written = Mapping[str, object]
 
 
 class Flight(_Written, models.FlightScene):
@@ -78,12 +111,44 @@ class Flight(_Written, models.FlightScene):
     Parameters are the blocks of the scene, by keyword; `launch` is needed. Raises `InvalidScene`.
     """
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            launch: models.Launch | Written,
+            id: str | int | None = ...,  # noqa: A002
+            ball: models.Ball | Written = ...,
+            air: models.Air | Written | None = ...,
+            gravity: float = ...,
+            time_limit: float = ...,
+            earth: models.Earth | Written | None = ...,
+            ground: models.Ground | Written = ...,
+            fence: models.Fence | Written | None = ...,
+            reading: Reading | Written = ...,
+        ) -> None: ...
+
 
 class Pitch(_Written, models.PitchScene):
     """A pitch from the release to the plane x = 0.
 
     Parameters are the blocks of the scene, by keyword. Raises `InvalidScene`.
     """
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            pitch: models.Pitch | Written = ...,
+            id: str | int | None = ...,  # noqa: A002
+            ball: models.Ball | Written = ...,
+            air: models.Air | Written | None = ...,
+            gravity: float = ...,
+            time_limit: float = ...,
+            earth: models.Earth | Written | None = ...,
+            reading: Reading | Written = ...,
+        ) -> None: ...
 
 
 class Impact(_Written, models.ImpactScene):
@@ -92,12 +157,100 @@ class Impact(_Written, models.ImpactScene):
     Parameters are the blocks of the scene, by keyword; `incoming` is needed. Raises `InvalidScene`.
     """
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            incoming: models.Incoming | Written,
+            id: str | int | None = ...,  # noqa: A002
+            ball: models.Ball | Written = ...,
+            bat: models.Bat | Written = ...,
+            swing: models.Rotation | Written = ...,
+            reading: Reading | Written = ...,
+        ) -> None: ...
+
 
 class AtBat(_Written, models.AtBatScene):
     """Pitch, swing, contact, impact and flight.
 
     Parameters are the blocks of the scene, by keyword. Raises `InvalidScene`.
     """
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            pitch: models.Pitch | Written = ...,
+            bat: models.Bat | Written = ...,
+            swing: models.Swing | Written = ...,
+            id: str | int | None = ...,  # noqa: A002
+            ball: models.Ball | Written = ...,
+            air: models.Air | Written | None = ...,
+            gravity: float = ...,
+            time_limit: float = ...,
+            earth: models.Earth | Written | None = ...,
+            ground: models.Ground | Written = ...,
+            fence: models.Fence | Written | None = ...,
+            reading: Reading | Written = ...,
+        ) -> None: ...
+
+
+def launch(
+    speed: float,
+    angle: float,
+    direction: float = 0.0,
+    *,
+    backspin: float | None = None,
+    side_spin: float | None = None,
+    position: Sequence[float] = CONTACT,
+) -> models.Launch:
+    """Return the launch of a batted ball from what trackers measure.
+
+    Parameters
+    ----------
+    speed
+        m/s, off the bat.
+    angle
+        rad, above the horizontal.
+    direction
+        rad, from centre field to the left.
+    backspin
+        rad/s, about the horizontal axis across the direction; it lifts the ball.
+    side_spin
+        rad/s, about the axis across both that and the velocity; it turns the ball to the left.
+    position
+        m, of the ball's centre; by default 2 ft in front of the plate's tip, 3 ft above the ground.
+
+    Raises
+    ------
+    InvalidScene
+        If a number is none that a scene may have.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> scene = lb.Flight(launch=lb.launch(speed=46.0, angle=0.5))
+    >>> round(lb.solve(scene).landing.distance, 3)
+    116.06
+    """
+    if not speed > 0.0:
+        raise InvalidScene(f"speed: must be positive (got {speed!r})")
+    level, ahead = math.cos(angle), (math.cos(direction), math.sin(direction))
+    rise = math.sin(angle)
+    block: dict[str, object] = {
+        "position": position,
+        "velocity": (speed * level * ahead[0], speed * level * ahead[1], speed * rise),
+    }
+    if backspin is not None or side_spin is not None:
+        back, side = backspin or 0.0, side_spin or 0.0
+        block["spin"] = (
+            back * ahead[1] - side * rise * ahead[0],
+            -back * ahead[0] - side * rise * ahead[1],
+            side * level,
+        )
+    return Flight(launch=block).launch
 
 
 def as_scene(written: object) -> Scene:
@@ -256,11 +409,12 @@ class Solution:
 
     id: str | None
     outcome: Outcome | None
-    plate: Plate | None
-    contact: Contact | None
-    impact: ImpactResult | None
-    fence: Fence | None
-    landing: Landing | None
+    # None where the outcome does not have it: who asks for a block knows the outcome.
+    plate: Plate
+    contact: Contact
+    impact: ImpactResult
+    fence: Fence
+    landing: Landing
     engine: str | None
     error: str | None
     code: ErrorCode | None
@@ -280,6 +434,22 @@ class Solution:
         if name in Result.model_fields:
             return getattr(self.result, name)
         raise AttributeError(f"a solution has no attribute {name!r}")
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a quantity by its name, such as ``landing.position[0]``; None if it is left out.
+
+        A ValueError says that no result has it, and names the nearest.
+        """
+        keys = re.sub(r"\[\d+\]", "", name).split(".")
+        if not models.parts_of(Result, keys):
+            blocks = chain.BLOCKS.items()
+            known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
+            raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
+        return at(self.result, name)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain data, without the quantities it does not have."""
+        return self.result.data()
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *Result.model_fields]

@@ -1,4 +1,4 @@
-"""What an installation may lack: libraries of the extras, ``pip install "longball[fast]"``."""
+"""What an installation may lack: libraries of the extras, ``pip install ".[fast]"``."""
 
 from __future__ import annotations
 
@@ -34,6 +34,4 @@ def naming_extras() -> Iterator[None]:
         if library not in EXTRAS:
             raise
         needed, extra = _BROUGHT_BY.get(library, library), EXTRAS[library]
-        raise MissingExtra(
-            f'this needs {needed}: pip install "longball[{extra}]"', name=library
-        ) from None
+        raise MissingExtra(f'this needs {needed}: pip install ".[{extra}]"', name=library) from None

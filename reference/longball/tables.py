@@ -31,7 +31,7 @@ from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import checked
 from longball.extras import naming_extras
-from longball.model.csv_files import not_utf8, other_separators, unguarded, write_frame
+from longball.model.csv_files import decoded, other_separators, unguarded, write_frame
 from longball.model.plain import column_of, is_missing, plain
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result, signed
@@ -429,10 +429,7 @@ def _written(cell: object) -> Any:
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     """Yield the rows of a .csv that are not blank, each with the number of its first line."""
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ValueError(not_utf8(error)) from None
+    text = decoded(path.read_bytes())
     reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
     begin, head = 1, None
     try:
@@ -446,11 +443,18 @@ def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
             if any(cells[len(head) :]):
                 told = f"{len(cells)} cells, and the head has {len(head)}"
                 raise ValueError(f"line {number}: {told}")
-            if unnamed := [x for name, x in zip(head, cells, strict=False) if x and not name]:
+            pairs = [(name, x) for name, x in zip(head, cells, strict=False) if x]
+            # pandas writes an index of row numbers into a first column without a name.
+            if pairs and cells[0].isdecimal() and head[0] in _INDEX:
+                del pairs[0]
+            if unnamed := [x for name, x in pairs if not name]:
                 raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
-            yield number, {name: unguarded(x) for name, x in zip(head, cells, strict=False) if x}
+            yield number, {name: unguarded(x) for name, x in pairs}
     except csv.Error as error:
         raise ValueError(f"line {begin}: {error}") from None
+
+
+_INDEX = ("", "Unnamed: 0")  # names of a column that holds an index: in a file, and once read
 
 
 def _head(cells: Sequence[str]) -> list[str]:

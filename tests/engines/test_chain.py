@@ -261,7 +261,7 @@ def test_engines_are_made_by_name():
     assert engines.create("ivp", method="RK45", rtol=1e-9) == Ivp("RK45", rtol=1e-9)
     with pytest.raises(ValueError, match="no engine 'x'"):
         engines.create("x")
-    with pytest.raises(ValueError, match="takes method, rtol, atol; not dt"):
+    with pytest.raises(ValueError, match="takes no dt; it takes method, rtol, atol"):
         engines.create("ivp", dt=0.1)
 
 

@@ -48,7 +48,11 @@ def test_scenes_and_results_obey_the_schemas(line: bytes):
         {"id": "x", "kind": "pitch", "ball": {"mass": -1}},
         {"id": "x", "kind": "pitch", "bat": {}},
         {"id": "x", "kind": "flight"},
-        {"id": 1, "kind": "pitch"},
+        {"id": 1.5, "kind": "pitch"},
+        {"kind": "pitch", "pitch": {"speed": 40, "velocity": [-40, 0, 0]}},
+        {"kind": "pitch", "pitch": {"aim": [0, 1], "velocity": [-40, 0, 0]}},
+        {"kind": "at-bat", "fence": {"radius": 120, "polyline": [[67, 67, 3], [67, -67, 3]]}},
+        {"kind": "at-bat", "fence": {}},
         {"id": "x", "kind": "pitch", "reading": {"inertia": "rod"}},
     ],
 )
@@ -56,6 +60,20 @@ def test_the_schema_refuses_what_the_code_refuses(scene: dict):
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(scene, schemas()["scene.schema.json"])
     assert solve_line(1, json.dumps(scene).encode(), Ivp()).failure is not None
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        {"id": 1, "kind": "pitch", "pitch": {"velocity": [-40, 0, 0]}},
+        {"kind": "pitch", "pitch": {"velocity": None, "speed": 40}},
+        {"kind": "at-bat", "fence": {"radius": None, "polyline": [[67, 67, 3], [67, -67, 3]]}},
+        {"kind": "at-bat", "fence": {"radius": 120}},
+    ],
+)
+def test_the_schema_accepts_what_the_code_accepts(scene: dict):
+    jsonschema.validate(scene, schemas()["scene.schema.json"])
+    assert parse_scene(json.dumps(scene))
 
 
 def test_lines_are_numbered_as_in_the_file():

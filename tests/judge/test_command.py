@@ -56,7 +56,7 @@ def test_the_reference_passes_and_so_does_its_file(called, tmp_path: Path):
     assert said.stdout.startswith(f"PASSED: {shlex.join([*LONGBALL, 'solve'])}\n")
     said = called("judge", "--golden", "pitch", "--results", results(tmp_path))
     assert said.returncode == 0, said.stdout
-    assert said.stdout.startswith("PASSED: results.jsonl\nprofile exact")
+    assert said.stdout.startswith("PASSED: results.jsonl\nprofile converged")
 
 
 def test_a_verdict_in_every_form(called, tmp_path: Path):
@@ -191,7 +191,7 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         (["--samples", "/no/such/file"], "/no/such/file"),
         (["--golden", "nonsense", "--", "true"], "nonsense"),
         (["--profile", "nonsense", "--", "true"], "exact, converged, paper"),
-        (["--tolerance", "1", "--", "true"], "takes no tolerance"),
+        (["--profile", "exact", "--tolerance", "1", "--", "true"], "takes no tolerance"),
         (["--knob", "n=1,2,3", "--", "true"], "{n}"),
         (["--knob", "n=3,1,2", "--", "true", "{n}"], "from coarse to fine"),
         (["--random", "3", "--golden", "pitch", "--", "true"], "not two of them"),
@@ -200,7 +200,8 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         (["--steps", "0.1:0.01:5", "--", "true"], "{dt}"),
         (["--steps", "0.1:0.01:5", "--knob", "n=1,2,3", "--", "true", "{n}"], "not both"),
         (["--seed", "2", "--", "true"], "--random"),
-        (["--kind", "flight", "--", "true"], "--random"),
+        (["--golden", "pitch", "--kind", "flight", "--", "true"], "no golden case is of these"),
+        (["--readings", "--random", "3", "--", "true"], "--readings is that of golden cases"),
         (["--random", "3", "--kind", "fly", "--", "true"], "flight, pitch"),
         (["--steps", "0.01:0.1:5", "--", "true", "{dt}"], "from coarse to fine"),
         (["--", "/no/such/program"], "/no/such/program"),
@@ -214,6 +215,43 @@ def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: st
     assert named in said.stderr
     assert "Traceback" not in said.stderr
     assert "unexpected" not in said.stderr
+
+
+# --- what is asked ------------------------------------------------------------------------------
+
+
+EXAMPLE = [sys.executable, str(Path(__file__).parents[2] / "docs" / "candidate.py")]
+
+
+def test_the_first_command_finds_a_right_flight_right_and_says_what_is_left(called):
+    said = called("judge", "--", *EXAMPLE)
+    lines = said.stdout.splitlines()
+    assert lines[0].startswith("PARTIAL ")
+    assert "0 wrong" in lines[3]
+    assert "and no at-bat, no impact, no pitch; --partial judges what there is" in lines[4]
+    assert lines[-1].startswith("further: to the last digits ")
+    assert "are right (--profile exact); not tried: hard, impact-oblique, fence," in lines[-1]
+    flights = called("judge", "--kind", "flight", "--", *EXAMPLE)
+    assert flights.returncode == 0
+    assert flights.stdout.startswith("PASSED: ")
+
+
+def test_other_readings_and_rows_are_shown_if_asked_for(called, tmp_path: Path):
+    default = [case for case in load("at-bat") if "reading" not in case.flags]
+    answers = [json.loads(solve(case.scene, Ivp()).line()) for case in load("at-bat")]
+    path = tmp_path / "results.jsonl"
+    path.write_text("".join(json.dumps(answer) + "\n" for answer in answers), encoding="utf-8")
+    arguments = ("judge", "--golden", "at-bat", "--results", path)
+    every = called(*arguments, "--readings", "--table")
+    assert f"\n{len(answers)} scenes, " in every.stdout
+    assert "\nat-bat  landing.distance" in every.stdout
+    ids = {case.id for case in default}
+    kept = [answer for answer in answers if answer["id"] in ids]
+    path.write_text("".join(json.dumps(answer) + "\n" for answer in kept), encoding="utf-8")
+    first = called(*arguments)
+    assert f"\n{len(default)} scenes, {len(default)} answers judged" in first.stdout
+    assert first.returncode == 0
+    assert "landing.distance" not in first.stdout
 
 
 # --- CSV, and few digits --------------------------------------------------------------------------
@@ -235,7 +273,7 @@ def test_a_candidate_that_takes_csv_converges(called):
 @pytest.mark.parametrize("step", ["0.01", "0.001"])
 def test_six_digits_hide_no_method_of_order_one(called, step: str):
     said = called(
-        "judge", "--golden", "flight-both", "--partial", "--as-csv", "--", *EULER, step, "6"
-    )
+        "judge", "--golden", "flight-both", "--profile", "exact", "--partial", "--as-csv",
+        "--", *EULER, step, "6",
+    )  # fmt: skip
     assert f"flight: your program flies by explicit Euler in steps of {step} s" in said.stdout
-    assert "writes its numbers with 6 digits only" in said.stdout

@@ -219,7 +219,10 @@ def test_other_contradictions_of_the_air() -> None:
             "cannot both be 0",
         ),
         ({"wind": {"velocity": [1, 0, 1], "height": 10}}, r"velocity\[2\] must be 0"),
-        ({"wind": {"velocity": [1, 0, 0]}}, r"must be \[x, y, z\]; or have velocity and above; or"),
+        (
+            {"wind": {"velocity": [1, 0, 0]}},
+            r"must be \[x, y, z\] in m/s; or have velocity and above; or",
+        ),
         ({"density": {"pressure": 1013}}, "10000 Pa; 1013 hPa are 101300 Pa"),
         ({"density": {"humidity": 50}}, "50.0 is not a fraction from 0 to 1; 50 % is written 0.5"),
     ):

@@ -169,7 +169,7 @@ def test_the_command_draws(tmp_path):
     [
         (("-", *COMMAND), "a,b\n1,2\n", 1, "the table has no such columns; its columns are a, b"),
         (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
-        (("--model", "best"), "", 2, "--model best: the models are vacuum, paper, constants,"),
+        (("--model", "best"), "", 2, "--model best: there is none; the models are vacuum, paper,"),
         (("--engine", "best"), "", 2, "there is no engine 'best'"),
         (("-", "--games", "nowhere.csv", *COMMAND), FLIES, 2, "nowhere.csv: cannot be read"),
     ],
@@ -196,6 +196,63 @@ def test_a_row_that_is_no_scene_is_named_and_costs_the_others_nothing(tmp_path):
     assert why.startswith("row 4 below the header is no scene: launch.velocity[0]: must be")
     assert said["groups"] == alone["groups"]
     assert len(lines.read_text().splitlines()) == alone["rows_used"]
+
+
+def test_a_speed_and_an_angle_are_predicted(tmp_path):
+    picture = tmp_path / "errors.png"
+    what_if = "launch_speed,launch_angle\n103,28\n90,30\n"
+    run = longball("-", *COMMAND, "--figure", str(picture), stdin=what_if)
+    assert run.exit_code == 0
+    speed, angle = 103 * 0.44704, math.radians(28)
+    launch = {
+        "position": [0.6096, 0, 0.9144],
+        "velocity": [speed * math.cos(angle), 0, speed * math.sin(angle)],
+    }
+    scene = parse_scene(json.dumps({"kind": "flight", "launch": launch}))
+    feet = solve(scene, ENGINE).landing.distance / 0.3048
+    lines = run.stdout.splitlines()
+    assert "  no column hc_x: hit to centre field" in lines
+    assert lines[-2].split() == ["row", "1", "103.0", "28.0", f"{feet:.1f}"]
+    assert "there is no error to draw" in run.stderr
+    assert not picture.exists()
+    assert json.loads(longball("-", *COMMAND, "--json", stdin=what_if).stdout)["groups"] == []
+
+
+def test_a_what_if_changes_every_scene():
+    run = longball("-", *COMMAND, "--set", "air.drag_coefficient=0.5", "--json", stdin=FLIES)
+    flies = read_measured(io.StringIO(FLIES), "batted")
+    dragged = replace(MODELS["paper"], drag=0.5)
+    *_, every = summaries(predict(flies, dragged, engine=ENGINE))
+    assert json.loads(run.stdout)["groups"][-1]["rms"] == every.rms > 1.0
+
+
+def test_a_ball_over_the_fence_has_its_distance():
+    over = longball("-", *COMMAND, "--fence", "40", "--json", stdin=FLIES)
+    plain = longball("-", *COMMAND, "--json", stdin=FLIES)
+    assert json.loads(over.stdout)["groups"] == json.loads(plain.stdout)["groups"]
+
+
+def test_where_nothing_is_predicted_the_command_fails():
+    run = longball("-", *COMMAND, stdin=table(batted_row((80, 15, -20), "paper")))
+    assert run.exit_code == 0
+    # Thrown so slowly, at 60 ft/s and downwards, that it comes down before the plate.
+    pitch = {
+        "pitch_type": "EP", "release_pos_x": 0, "release_pos_y": 55, "release_pos_z": 1,
+        "vx0": 0, "vy0": -61, "vz0": -20, "ax": 0, "ay": 0, "az": -32, "plate_x": 0, "plate_z": 1,
+    }  # fmt: skip
+    run = longball("-", "--model", "paper", "--engine", "ivp", stdin=table(pitch))
+    assert run.exit_code == 1
+    assert "no ball could be predicted" in run.stderr
+
+
+def test_a_missing_column_comes_with_what_helps():
+    run = longball("-", stdin="pitch_type\nFF\n")
+    assert "; Statcast's tables have spin_axis from 2020 on, and the models vacuum, " in run.stderr
+    run = longball("-", "--model", "paper", stdin="pitch_type\nFF\n")
+    assert "--column NAME=COLUMN says what the table calls it" in run.stderr
+    renamed = FLIES.replace("launch_speed", "ExitSpeed")
+    run = longball("-", *COMMAND, "--column", "launch_speed=ExitSpeed", stdin=renamed)
+    assert run.exit_code == 0
 
 
 def test_scenes_have_the_weather_of_the_game():

@@ -107,6 +107,42 @@ def test_pitches_that_cannot_be_used_are_left_out_with_the_reason():
     assert pitch.rows.tolist() == [1]
 
 
+def test_without_a_spin_its_columns_are_not_needed():
+    spun = ("p_throws", "release_spin_rate", "spin_axis", "game_pk")
+    rest = {name: x for name, x in PITCH.items() if name not in spun}
+    pitch = read_measured(table(rest), "pitch", spin=False)
+    assert pitch.velocity.tolist() == pitches().velocity.tolist()
+    with pytest.raises(TableError, match="p_throws, release_spin_rate, spin_axis: the table has"):
+        read_measured(table(rest), "pitch")
+
+
+def test_a_release_is_an_extension_in_front_of_the_rubber():
+    extended = {name: x for name, x in PITCH.items() if name != "release_pos_y"}
+    pitch = read_measured(table(extended | {"release_extension": 5.5}), "pitch")
+    assert pitch.release.tolist() == pitches(release_pos_y=55).release.tolist()
+    with pytest.raises(TableError, match="no such column, nor release_extension"):
+        read_measured(table(extended), "pitch")
+
+
+def test_columns_may_have_names_of_their_own():
+    renamed = {"RelSpeedY" if name == "vy0" else name: x for name, x in PITCH.items()}
+    pitch = read_measured(table(renamed), "pitch", names={"vy0": "RelSpeedY"})
+    assert pitch.velocity.tolist() == pitches().velocity.tolist()
+    with pytest.raises(TableError, match=r"vy: no column that is read, did you mean vy0\?"):
+        read_measured(table(renamed), "pitch", names={"vy": "RelSpeedY"})
+    with pytest.raises(TableError, match="Tilt: the table has no such column"):
+        read_measured(table(renamed), "pitch", names={"game_pk": "Tilt", "vy0": "RelSpeedY"})
+
+
+def test_hands_may_be_words():
+    assert pitches(p_throws="Left").hand.tolist() == pitches(p_throws="L").hand.tolist()
+
+
+def test_no_spin_at_all_was_not_measured():
+    rows = read_measured(table(PITCH, PITCH | {"release_spin_rate": 0}), "pitch")
+    assert [each.reason for each in rows.left_out] == ["release_spin_rate is 0: not measured"]
+
+
 # ---- batted balls --------------------------------------------------------------------------------
 
 
@@ -169,6 +205,40 @@ def test_what_is_no_fly_is_left_out():
     }
 
 
+@pytest.mark.parametrize(
+    ("hc_x", "hc_y", "hit_distance_sc", "reason"),
+    [
+        (135, 215, 60, "the direction is not between the foul lines, by over 15°"),
+        (60, 205, 100, "the direction is not between the foul lines, by over 15°"),
+        (0, 0, 400, "hc_x and hc_y are 0: not measured"),
+        (125.42, 48.27, 0, "hit_distance_sc is 0: not measured"),
+    ],
+)
+def test_a_ball_that_no_fielder_of_the_field_took_is_left_out(hc_x, hc_y, hit_distance_sc, reason):
+    row = BATTED | {"hc_x": hc_x, "hc_y": hc_y, "hit_distance_sc": hit_distance_sc}
+    fly = read_measured(table(BATTED, row), "batted")
+    assert [each.reason for each in fly.left_out] == [reason]
+
+
+def test_a_speed_and_an_angle_are_enough():
+    alone = {name: BATTED[name] for name in ("launch_speed", "launch_angle")}
+    fly = read_measured(table(alone), "batted")
+    assert fly.velocity.tolist() == flies().velocity.tolist()  # which goes to centre field
+    assert np.isnan(fly.measured).all()
+    assert [each.partition(":")[0] for each in fly.assumed] == [
+        "no column stand",
+        "no column hc_x",
+        "no column hit_distance_sc",
+    ]
+    # Nobody's side: halfway between a left-handed and a right-handed batter's.
+    both = sum(regression_spin(flies(stand=stand)) for stand in "RL") / 2
+    assert regression_spin(fly)[0] == close(both[0], abs=1e-12)
+    with pytest.raises(
+        TableError, match="hc_y: the table has no such column, and it has the other"
+    ):
+        read_measured(table(alone | {"hc_x": 100}), "batted")
+
+
 # ---- both ----------------------------------------------------------------------------------------
 
 
@@ -186,6 +256,36 @@ def test_games_of_ones_own():
     games = io.StringIO("game_pk,temperature,park\n1,50,Fenway Park\n")
     fly = read_measured(table(BATTED | {"game_pk": 1}), "batted", games)
     assert (fly.temperature[0], fly.elevation[0]) == (283.15, close(21 * 0.3048))
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells"), [("park,elevation", "Fenway Park,7349"), ("elevation", "7349")]
+)
+def test_an_elevation_counts_more_than_a_park(columns, cells):
+    games = io.StringIO(f"game_pk,temperature,{columns}\n1,72,{cells}\n")
+    fly = read_measured(table(BATTED | {"game_pk": 1}), "batted", games)
+    assert fly.elevation[0] == close(7349 * 0.3048)
+
+
+def test_games_have_a_park_or_an_elevation():
+    with pytest.raises(TableError, match="has a column park, or elevation, in ft"):
+        read_measured(table(BATTED), "batted", io.StringIO("game_pk,temperature\n1,72\n"))
+
+
+def test_a_park_keeps_its_elevation_under_a_new_name():
+    heights = []
+    for park in ("Minute Maid Park", "Daikin Park"):
+        games = io.StringIO(f"game_pk,temperature,park\n1,75,{park}\n")
+        heights += [read_measured(table(BATTED | {"game_pk": 1}), "batted", games).elevation[0]]
+    assert heights == [45 * 0.3048] * 2
+
+
+def test_a_table_in_other_units_is_asked_about():
+    metres = {name: PITCH[name] * 0.3048 for name in ("vx0", "vy0", "vz0")}
+    with pytest.raises(TableError, match=r"vy0: the median is -39\.62, and in ft/s it would"):
+        pitches(**metres)
+    with pytest.raises(TableError, match="launch_speed: the median is 160, and in mph it would"):
+        flies(launch_speed=160)
 
 
 def test_the_day_that_is_shipped():
@@ -206,8 +306,7 @@ def test_the_day_that_is_shipped():
 WRONG = {
     "no column": (
         table({"stand": "R", "launch_speed": 100}),
-        "game_pk, launch_angle, hit_distance_sc, hc_x, hc_y: the table has no such columns; "
-        "its columns are stand, launch_speed",
+        "launch_angle: the table has no such column; its columns are stand, launch_speed",
     ),
     "odd side": (
         table(BATTED, BATTED | {"stand": "S"}),
@@ -239,7 +338,13 @@ def test_wrong_tables(fault):
         ("1,warm,Fenway Park", "temperature: row 1 below the header has 'warm'"),
         ("1,,Fenway Park", "a game has no game_pk or no temperature"),
         ("1,50,", "a game has no park"),
-        ("1,50,Fenway", "'Fenway' is not one whose elevation is known; they are American Family"),
+        (
+            "1,50,Fenway",
+            "the elevation of 'Fenway' is not known; give it in a column elevation, in ft, did you "
+            "mean Fenway Park",
+        ),
+        ("1,50,Fenway Park\n1.0,60,Coors Field", "game_pk: row 2 below the header has 1, which"),
+        ("1,10,Fenway Park", "temperature: the median is 10, and in °F it would lie between"),
     ],
 )
 def test_wrong_games(games, sentence):

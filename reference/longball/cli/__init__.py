@@ -5,6 +5,7 @@ Exit status: 0 success, 1 a line or a verdict failed, 2 the call itself was wron
 
 from __future__ import annotations
 
+import re
 from importlib import import_module
 from typing import Annotated, Any
 
@@ -12,6 +13,7 @@ import typer
 from typer.core import TyperGroup
 
 from longball import __version__
+from longball.model.names import did_you_mean, one_of
 
 # Each command is a module of its own, which is imported when the command is asked for.
 EXAMPLES = {
@@ -43,6 +45,9 @@ class Commands(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command, None if there is none of that name."""
         if cmd_name not in COMMANDS:
+            if not (ctx.resilient_parsing or cmd_name.startswith("-")):
+                known = one_of("the commands are", cmd_name, COMMANDS)
+                ctx.fail(f"no such command {cmd_name!r}{known}")
             return None
         module = module_of(cmd_name)
         if cmd_name == "golden":  # which has commands of its own
@@ -60,6 +65,9 @@ class Commands(TyperGroup):
             from longball.model.scene import in_our_words
 
             error.message = in_our_words(error.message)
+            if choice := re.fullmatch(r"'(.*)' is not one of (.*)\.", error.message):
+                hint = did_you_mean(choice[1], re.findall(r"'([^']*)'", choice[2]))
+                error.message = f"{error.message[:-1]}{hint or '.'}"
             raise
 
 

@@ -20,8 +20,8 @@ Scheduler = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Work on the Dask cluster of this scheduler, tcp:// or tls://HOST:PORT; needs "
-        "longball[dask].",
+        help="Work on the Dask cluster of this scheduler, tcp:// or tls://HOST:PORT; needs the "
+        "extra dask.",
     ),
 ]
 
@@ -39,7 +39,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        wrong_call('--scheduler: Dask is not installed; pip install "longball[dask]"')
+        wrong_call('--scheduler: Dask is not installed; pip install ".[dask]"')
     from joblib import parallel_config
 
     option = f"--scheduler {address}"

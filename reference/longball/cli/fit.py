@@ -34,7 +34,8 @@ def fit(
         typer.Option(
             metavar="NAME=VALUE",
             help="How to read the table; repeatable. NAME is one of "
-            f"{', '.join(Columns.model_fields)}. Without it, Statcast's names and units.",
+            f"{', '.join(Columns.model_fields)}. Without it, Statcast's names and units. "
+            "height=null leaves heights out.",
         ),
     ] = None,
     straight: Annotated[
@@ -69,5 +70,10 @@ def fit(
                 table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed
             )
         except NoSuchColumn as error:
-            raise TableError(f"{error}; --column NAME=VALUE names others, see --help") from None
+            # What only a height needs can be done without.
+            of_height = {columns.height, columns.top, columns.bottom} & {*error.missing}
+            without = ", or --column height=null leaves heights out" if of_height else ""
+            raise TableError(
+                f"{error}; --column NAME=VALUE names others, see --help{without}"
+            ) from None
     print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())

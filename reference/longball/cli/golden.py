@@ -19,6 +19,7 @@ from longball.cli.common import (
     wrong_call,
 )
 from longball.golden import Header, files, reader
+from longball.model.names import one_of
 
 app = typer.Typer(
     help="The golden data: list, locate, export, check or generate them.",
@@ -95,8 +96,8 @@ def write(
 
     families = reader.header().families
     if unknown := set(family or []) - families.keys():
-        known = ", ".join(families)
-        wrong_call(f"--family {unknown.pop()}: there is none; the families are {known}")
+        name = min(unknown)
+        wrong_call(f"--family {name}: there is none{one_of('the families are', name, families)}")
     if part != "probability":
         with progress_bar("cases", 1) as advance:
             count = writer.write(folder, only=family or None, workers=workers, progress=advance)

@@ -12,18 +12,23 @@ from typing import Annotated, Any, Literal, cast
 import typer
 
 from longball import engines, home_run
+from longball.cli.changes import (
+    FenceOption,
+    ReadingOption,
+    SetOption,
+    chosen_changes,
+    chosen_switches,
+)
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     Json,
     Quiet,
     Seed,
     Workers,
-    option_value,
     parsed,
     progress_bar,
     refusing,
     show,
-    split_assignment,
     tell,
     to_file,
     to_picture,
@@ -32,23 +37,12 @@ from longball.cli.common import (
 from longball.home_run import AtBats, Curve, Estimate, Fit, Integral
 from longball.model.readings import (
     FIGURE_SWITCH,
-    LEDGER,
-    SCHEME_OPTIONS,
-    Belongs,
     Fig7Parameters,
     SamplingReading,
 )
 from longball.model.scene import AtBatScene, Fence, parse_scene
 from longball.pitches import load_fitted
 
-ReadingOption = Annotated[
-    list[str] | None,
-    typer.Option("--reading", metavar="NAME=OPTION", help="A switch of the ledger; repeatable."),
-]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="BLOCK.KEY=VALUE", help="A value of the scene; repeatable."),
-]
 Method = Literal["monte-carlo", "quadrature"]
 Engine = Literal["batch", "ivp"]  # those in double precision that report what they cannot decide
 Rows = Sequence[Estimate] | Sequence[Integral]
@@ -76,13 +70,7 @@ def homerun(
     ] = None,
     method: Annotated[Method, typer.Option(help="How P(e) is computed.")] = "monte-carlo",
     engine: Annotated[Engine, typer.Option(help="What solves the at-bats.")] = "batch",
-    fence: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE|RADIUS",
-            help="What home runs fly over, instead of 150 m: a scene's fence block, or m.",
-        ),
-    ] = None,
+    fence: FenceOption = None,
     quiet: Quiet = False,
 ) -> None:
     """Compute the probability of a home run.
@@ -165,23 +153,6 @@ def _is_given(ctx: typer.Context, option: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
-    """Return the switches that options set, by what they belong to."""
-    ledger = {entry.switch: entry for entry in LEDGER if entry.is_switch}
-    switches: dict[Belongs, dict[str, Any]] = {"scene": {}, "sampling": {}, "figure": {}}
-    for text in readings:
-        name, option = split_assignment("--reading", text)
-        if name not in ledger:
-            wrong_call(f"--reading {name}: not in the ledger, which has {', '.join(ledger)}")
-        if ledger[name].belongs == "scheme":
-            wrong_call(
-                f"--reading {name}: of the paper's scheme, which does not compute P(e) here; it is "
-                f"longball solve --engine verlet --{SCHEME_OPTIONS[name]}"
-            )
-        switches[ledger[name].belongs][name] = option_value(option)
-    return switches
-
-
 def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
     """Return which of the paper's curves P(e) is held against."""
     chosen = str(switches.get(FIGURE_SWITCH, "caption"))
@@ -194,39 +165,14 @@ def base_scene(
     reading: Mapping[str, Any], values: Sequence[str], fence: str | None = None
 ) -> AtBatScene:
     """Return the at-bat that options describe, with everything that is not drawn at random."""
-    scene: dict[str, Any] = {"id": "base", "kind": "at-bat", "reading": reading}
-    if fence is not None:
-        scene["fence"] = fence_block(fence)
-    for text in values:
-        name, value = split_assignment("--set", text)
-        *way, key = name.split(".")
-        block = scene
-        for step in way:
-            block = block.setdefault(step, {})
-            if not isinstance(block, dict):
-                wrong_call(f"--set {name}: {step} is set to {block} already")
-        block[key] = option_value(value)
+    change = chosen_changes(values, fence)
     with refusing():
-        found = parse_scene(json.dumps(scene))
+        line = json.dumps({"id": "base", "kind": "at-bat", "reading": reading})
+        found = parse_scene(line, change)
     assert isinstance(found, AtBatScene)
     with refusing("--set "):
         home_run.refuse_drawn(found)
     return found
-
-
-def fence_block(text: str) -> Any:
-    """Return the fence that an option names: a radius in m, or a file that holds the block."""
-    try:
-        return {"radius": float(text)}
-    except ValueError:
-        pass
-    try:
-        return json.loads(Path(text).read_text(encoding="utf-8"))
-    except ValueError:
-        wrong_call(
-            f"--fence {text}: neither a radius in m nor a file with the block of a fence in JSON, "
-            'such as {"radius": 120}'
-        )
 
 
 def parse_restitutions(text: str) -> list[float]:

@@ -28,7 +28,8 @@ from longball.cli.common import (
 )
 
 if TYPE_CHECKING:
-    from longball.judge.cases import Case
+    from longball.judge.cases import Case, Profile
+    from longball.judge.evaluation import Evaluation
 
 
 def judge(
@@ -45,8 +46,8 @@ def judge(
         list[str] | None,
         typer.Option(
             metavar="SET",
-            help="Judge by one family of the golden data, or by usual-constants. May be given "
-            "several times. Default: all families of the paper's model.",
+            help="Judge by one family of the golden data, by all, or by usual-constants. May be "
+            "given several times. Default: all of the paper's model but hard.",
         ),
     ] = None,
     scenes: Annotated[
@@ -68,10 +69,14 @@ def judge(
         list[str] | None,
         typer.Option(
             metavar="KIND",
-            help="Draw random scenes of this kind only: flight, pitch, impact or at-bat. May be "
-            "given several times. Default: all kinds.",
+            help="Judge by scenes of this kind only: flight, pitch, impact or at-bat. May be given "
+            "several times. Default: all kinds.",
         ),
     ] = None,
+    readings: Annotated[
+        bool,
+        typer.Option("--readings", help="Judge by golden cases of other readings as well."),
+    ] = False,
     partial: Annotated[
         bool, typer.Option("--partial", help="Scenes and quantities may be left out.")
     ] = False,
@@ -104,7 +109,7 @@ def judge(
             "errors below --tolerance; paper: the same as the paper's scheme at its time step, "
             "0.05 s or --dt."
         ),
-    ] = "exact",
+    ] = "converged",
     tolerance: Annotated[
         float | None,
         typer.Option(help="The error that profile converged allows, in SI units. Default: 1e-6."),
@@ -119,6 +124,9 @@ def judge(
     timeout: Timeout = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
     as_json: Json = False,
+    rows: Annotated[
+        bool, typer.Option("--table", help="Print a table of the errors of each quantity.")
+    ] = False,
     junit: Annotated[Path | None, to_file("Write the verdict to this file as JUnit XML.")] = None,
     html: Annotated[
         Path | None, to_file("Write the verdict to this file as a page with pictures.")
@@ -138,8 +146,8 @@ def judge(
         wrong_call("--column names the columns of --results FILE.csv")
     if seed is not None and not random:
         wrong_call("--seed is that of the scenes of --random N")
-    if kind and not random:
-        wrong_call("--kind is that of the scenes of --random N")
+    if readings and (scenes or random):
+        wrong_call("--readings is that of golden cases")
     if knob and steps:
         wrong_call("either --steps or --knob, not both: one of them takes its values in turn")
     if sum(map(bool, (golden, scenes, random))) > 1:
@@ -156,6 +164,7 @@ def judge(
     from longball.judge.evaluation import Judge
     from longball.judge.sampling import judge_samples, read_samples
     from longball.judge.step_sweep import sweep_of
+    from longball.judge.text import render
     from longball.judge.verdict import Submission
 
     with refusing():
@@ -166,7 +175,9 @@ def judge(
         if stepped and dt is None:
             dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps)
         cases, truth = (
-            cases_of(golden, scenes, random, seed, kind) if command or results else ([], "")
+            cases_of(golden, scenes, random, seed, kind, readings)
+            if command or results
+            else ([], "")
         )
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
@@ -192,7 +203,32 @@ def judge(
     if html:
         html.write_text(page.page(found), encoding="utf-8")
     with failing_unless(found.verdict.passed):
-        print(found.verdict.line() if as_json else str(found.verdict).rstrip())
+        if as_json:
+            print(found.verdict.line())
+            return
+        print(render(found.verdict, table=rows).rstrip())
+        if further := further_options(found, rule, golden, scenes or random):
+            print(f"\nfurther: {further}")
+
+
+def further_options(
+    found: Evaluation, rule: Profile, golden: Sequence[str] | None, others: object
+) -> str:
+    """Return what the candidate was not asked, with the options that ask it."""
+    from longball.golden import reader
+    from longball.judge.cases import Converged, Exact
+    from longball.judge.verdict import compare
+
+    said = []
+    judged = [c for c in found.comparisons if c.judged and c.answer and not c.refused]
+    if judged and isinstance(rule, Converged):
+        right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
+        said.append(f"to the last digits {right} of {len(judged)} are right (--profile exact)")
+    if judged and not others:
+        tried = {case.case.family for case in found.comparisons}
+        more = [name for name in reader.header().families if name not in tried]
+        said += [f"not tried: {', '.join(more)} (--golden all)"] if more else []
+    return "; ".join(said)
 
 
 def cases_of(
@@ -201,29 +237,35 @@ def cases_of(
     random: int | None,
     seed: int | None,
     kinds: Sequence[str] | None,
+    readings: bool,
 ) -> tuple[list[Case], str]:
     """Return the cases to judge by, and where they are from."""
     from longball.cli.converge import read_scenes
     from longball.golden import load
+    from longball.judge.cases import asked as asked_of
     from longball.judge.fresh import DRAWN, USUAL, proven, random_scenes, usual_constants
+    from longball.model.names import one_of
     from longball.model.scene import KINDS
 
+    chosen = list(dict.fromkeys(kinds or ()))
+    for name in chosen:
+        if name not in KINDS:
+            wrong_call(f"--kind {name}: there is none{one_of('the kinds are', name, KINDS)}")
     if scenes:
-        return list(proven(read_scenes(scenes))), f"proven values of {scenes}"
+        given = [x for x in read_scenes(scenes) if not chosen or x.kind in chosen]
+        return list(proven(given)), f"proven values of {scenes}"
     if random:
         seed = 1 if seed is None else seed
-        chosen = list(dict.fromkeys(kinds or ()))
-        for name in chosen:
-            if name not in KINDS:
-                wrong_call(f"--kind {name}: the kinds are {', '.join(KINDS)}")
         asked = list(random_scenes(random, seed, chosen or DRAWN))
         with progress_bar("proving", random) as advance:
             cases = proven(asked, progress=advance)
         drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
         return list(cases), f"proven values of {random} random {drawn}, seed {seed}"
-    if not golden:
-        return list(load()), "golden data"
-    found: list[Case] = []
-    for name in dict.fromkeys(golden):
+    found: list[Case] = [] if golden else [*load()]
+    for name in dict.fromkeys(golden or ()):
         found += proven(usual_constants(), USUAL) if name == USUAL else load(name)
-    return found, f"golden data, {', '.join(golden)}"
+    found = [case for case in found if not chosen or case.scene.kind in chosen]
+    found = asked_of(found, readings, hard=bool(golden))
+    if not found:
+        wrong_call("no golden case is of these families and kinds")
+    return found, ", ".join(["golden data", *(golden or ()), *chosen])

@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from longball import engines
+from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.common import (
     Json,
     Quiet,
     chosen_table,
     reading_table,
     refusing,
+    split_assignment,
     tell,
     to_file,
     to_picture,
     wrong_call,
 )
 from longball.model.csv_files import write_frame
+from longball.model.names import one_of
 from longball.model.scene import InvalidScene
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
 from longball.pitches.statcast import GAMES, Kind, read_measured
+from longball.pitches.table import NoSuchColumn, TableError
 
 
 def measured(
@@ -42,10 +47,20 @@ def measured(
         Path | None,
         typer.Option(
             metavar="GAMES.csv",
-            help="game_pk, temperature (°F) and park of each game; by default those of the "
-            "example. Other games are played at 20 °C at sea level.",
+            help="game_pk, temperature (°F), and elevation (ft) or park of each game; by default "
+            "those of the example. Other games are played at 20 °C at sea level.",
         ),
     ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=COLUMN",
+            help="What the table calls Statcast's column NAME, as vx0=VX0; repeatable.",
+        ),
+    ] = None,
+    set_: SetOption = None,
+    fence: FenceOption = None,
+    reading: ReadingOption = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
     scenes_file: Annotated[
         Path | None, to_file("Write the scenes here.", "--scenes", metavar="FILE")
@@ -67,20 +82,27 @@ def measured(
     """
     source = chosen_table(table, example)
     if model not in MODELS:
-        wrong_call(f"--model {model}: the models are {', '.join(MODELS)}")
+        wrong_call(f"--model {model}: there is none{one_of('the models are', model, MODELS)}")
     law = MODELS[model]
+    names = dict(split_assignment("--column", text) for text in column or [])
+    change = chosen_changes(set_, fence, reading)
     with refusing():
         solver = engines.create(engine)
     with reading_table():
-        rows = read_measured(source, kind, games or GAMES)
+        try:
+            rows = read_measured(source, kind, games or GAMES, spin=law.spin, names=names)
+        except NoSuchColumn as error:
+            raise TableError(f"{error}{_instead(error.missing)}") from None
         if scenes_file:
-            asked = (one for one in scenes(rows, law) if not isinstance(one, InvalidScene))
+            asked = (
+                one for one in scenes(rows, law, change=change) if not isinstance(one, InvalidScene)
+            )
             lines = [scene.line() + "\n" for scene in asked]
             scenes_file.write_text("".join(lines), encoding="utf-8")
-        prediction = predict(rows, law, engine=solver)
+        prediction = predict(rows, law, engine=solver, change=change)
     if csv_file:
         write_frame(as_frame(prediction), csv_file)
-    if figure:
+    if figure and prediction.compared.any():
         from longball.pictures import save_prediction
 
         save_prediction(figure, prediction)
@@ -90,4 +112,20 @@ def measured(
         print(as_text(prediction, model, law).rstrip())
     if prediction.failed:
         tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
+    if nothing := not prediction.solved.any():
+        tell("no ball could be predicted: are all columns in Statcast's units, ft, mph and rpm?")
+    elif figure and not prediction.compared.any():
+        tell("--figure: there is no error to draw, as no distance was measured")
+    if prediction.failed or nothing:
         raise typer.Exit(1)
+
+
+def _instead(missing: Sequence[str]) -> str:
+    """Return what helps where columns are missing."""
+    if {"spin_axis", "release_spin_rate"} & {*missing}:
+        without = ", ".join(name for name, law in MODELS.items() if not law.spin)
+        return (
+            f"; Statcast's tables have spin_axis from 2020 on, and the models {without} "
+            "(--model) do without a spin"
+        )
+    return "; --column NAME=COLUMN says what the table calls it"

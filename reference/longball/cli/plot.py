@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from longball import engines
+from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.common import EngineName, Quiet, named, note, tell, to_picture
 from longball.cli.solve import Source, scenes_from
 from longball.engines.chain import solve_with_path
@@ -20,6 +21,9 @@ def plot(
     output: Annotated[Path, to_picture("The picture: .png, .svg, .pdf.", "-o", "--output")] = Path(
         "paths.png"
     ),
+    set_: SetOption = None,
+    fence: FenceOption = None,
+    reading: ReadingOption = None,
     engine: EngineName = "ivp",
     quiet: Quiet = False,
 ) -> None:
@@ -30,22 +34,23 @@ def plot(
     from longball.pictures import drawn, save_paths
 
     solver = engines.create(engine)
+    change = chosen_changes(set_, fence, reading)
     pictured, failed = [], 0
     with scenes_from(source) as lines:
         for number, line in enumerate(lines, 1):
             if not line.strip():
                 continue
             try:
-                scene = parse_scene(line)
+                scene = parse_scene(line, change)
             except InvalidScene as error:
                 tell(f"line {number}: {error}")
                 failed += 1
                 continue
             result, trajectory = solve_with_path(scene, solver)
             if result.error is None and trajectory.legs:
-                fence = getattr(scene, "fence", None)
                 label = _label(scene.id or str(number), result)
-                pictured.append(drawn(label, trajectory, fence=fence, reached=result.fence))
+                around = getattr(scene, "fence", None)
+                pictured.append(drawn(label, trajectory, fence=around, reached=result.fence))
             else:
                 tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
                 failed += 1

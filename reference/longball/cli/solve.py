@@ -5,18 +5,21 @@ from __future__ import annotations
 import gc
 import os
 import re
+import shlex
 import stat
 import sys
+from codecs import BOM_UTF8
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
-from io import BytesIO
+from io import BufferedReader, BytesIO
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO
 
 import typer
 
 from longball import engines
+from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.cluster import Scheduler, on_cluster
 from longball.cli.common import (
     EngineName,
@@ -130,6 +133,9 @@ def solve(
     certify: Annotated[
         bool, typer.Option("--certify", help="Give every number with a proven error.")
     ] = False,
+    set_: SetOption = None,
+    fence: FenceOption = None,
+    reading: ReadingOption = None,
     workers: Workers = 1,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
@@ -141,6 +147,7 @@ def solve(
         "dt": dt, "forces": forces, "landing": landing, "root": root,
     }
     # fmt: on
+    change = chosen_changes(set_, fence, reading)
     asked = (points or 201) if path or points else None
     if asked and output and ending(output) in TABLES:
         wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
@@ -165,13 +172,14 @@ def solve(
     solved = failed = 0
     ids: set[str | None] = set()
     repeated: set[str] = set()
+    doubtful: dict[str, list[str]] = {}
     with (
         on_cluster(scheduler),
         scenes_from(source) as lines,
         results_to(output, source, lines) as write,
         progress_of(lines, output) as advance,
     ):
-        for result in solve_lines(lines, solver, -1 if scheduler else workers, asked):
+        for result in solve_lines(lines, solver, -1 if scheduler else workers, asked, change):
             write(result.text)
             solved += 1
             advance(solved)
@@ -179,6 +187,10 @@ def solve(
             if result.id is not None and result.id in ids:
                 repeated.add(result.id)
             ids.add(result.id)
+            for key, question in result.doubts:
+                doubtful.setdefault(key, []).append(f"scene {result.id}: {key}: {question}")
+    for first, *others in doubtful.values():
+        note(f"{first}{f' (and {len(others)} more)' if others else ''}")
     if solved == 0:
         tell(f"no scenes in {named(source)}")
     elif failed:
@@ -216,6 +228,8 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
     """Open scenes as lines of JSON, whatever the file holds."""
     if ending(source) not in TABLES:
         with reading_from(source) as file:
+            if isinstance(file, BufferedReader) and not file.isatty():
+                _require_lines(file.peek(1), source)
             yield file
         return
     with refusing(f"{source}: "):
@@ -223,6 +237,20 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
 
         lines = scene_lines(Path(source))
     yield BytesIO(lines)
+
+
+def _require_lines(beginning: bytes, source: str) -> None:
+    """Refuse JSON that stands in several lines, or in one array, before each line is an error."""
+    first, _, more = beginning.removeprefix(BOM_UTF8).lstrip().partition(b"\n")
+    is_array = re.match(rb"\[\s*(\{|$)", first.strip())
+    if is_array or (first.strip() == b"{" and more):
+        what = "an array" if is_array else "one object over several lines"
+        each = "-c '.[]'" if is_array else "-c ."
+        file = "" if source == "-" else f" {shlex.quote(source)}"
+        wrong_call(
+            f"{named(source)} is JSON, but {what}; a scene stands in one line: jq {each}{file} "
+            "writes it so"
+        )
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args, get_type_hints
 
 from longball.engines.engine import Engine
 from longball.extras import naming_extras
+from longball.model.names import one_of
 
 Name = Literal["ivp", "batch", "enclosure", "multiprecision", "verlet"]
 
@@ -35,7 +36,7 @@ def create(name: str, **options: object) -> Engine[Any]:
         If it needs a library that is not installed.
     """
     if name not in ENGINES:
-        raise ValueError(f"there is no engine {name!r}; the engines are {', '.join(ENGINES)}")
+        raise ValueError(f"there is no engine {name!r}{one_of('the engines are', name, ENGINES)}")
     module, attribute = ENGINES[name]
     with naming_extras():
         family = getattr(import_module(module), attribute)
@@ -43,7 +44,7 @@ def create(name: str, **options: object) -> Engine[Any]:
     types = get_type_hints(family) if options else {}
     for option in options:
         if option not in takes:
-            raise ValueError(f"engine {name} takes {', '.join(takes)}; not {option}")
+            raise ValueError(f"engine {name} takes no {option}{one_of('it takes', option, takes)}")
     values = {option: of_type(types[option], option, options[option]) for option in options}
     engine: Engine[Any] = family(**values)
     return engine

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple, cast
 from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
+from longball.model.changes import Changes
+from longball.model.doubts import doubts
 from longball.model.jsonl import LONGEST_LINE, json_bytes
 from longball.model.numbers import N
 from longball.model.result import signed
@@ -25,11 +27,12 @@ Line = tuple[int, bytes]
 
 
 class Answer(NamedTuple):
-    """The result of a line: its id, why it failed if it did, and the whole as JSON."""
+    """The result of a line: its id, why it failed if it did, the whole as JSON, and doubts."""
 
     id: str | None
     failure: str | None
     text: bytes
+    doubts: tuple[tuple[str, str], ...] = ()  # keys of the scene, and questions about them
 
 
 def solve_lines(
@@ -37,10 +40,11 @@ def solve_lines(
     engine: Engine[N] | ManyAtOnce,
     workers: int = 1,
     points: int | None = None,
+    change: Changes | None = None,
 ) -> Iterator[Answer]:
     """Yield the answer to each line that is not blank, in order.
 
-    With `points` each has so many points of its path.
+    With `points` each has so many points of its path, with `change` each scene is changed first.
 
     With one worker no line waits for another one that is not there yet, so that two programs can
     talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line
@@ -49,12 +53,12 @@ def solve_lines(
     at_once = isinstance(engine, ManyAtOnce) and not points
     if workers == 1:
         for chunk in _numbered(_as_they_come(lines)):
-            yield from (_solve_chunk if at_once else _solve_in_turn)(chunk, engine, points)
+            yield from (_solve_chunk if at_once else _solve_in_turn)(chunk, engine, points, change)
         return
     size = CHUNK_AT_ONCE if at_once else CHUNK
     numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
-    tasks = ((chunk, engine, points) for chunk in chunks)
+    tasks = ((chunk, engine, points, change) for chunk in chunks)
     for results in in_parallel(_solve_chunk, tasks, workers):
         yield from results
 
@@ -92,10 +96,13 @@ def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answ
 
 
 def _solve_chunk(
-    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
+    chunk: list[Line],
+    engine: Engine[N] | ManyAtOnce,
+    points: int | None = None,
+    change: Changes | None = None,
 ) -> list[Answer]:
     with _no_collections():
-        return list(_solve_in_turn(chunk, engine, points))
+        return list(_solve_in_turn(chunk, engine, points, change))
 
 
 @contextmanager
@@ -111,10 +118,13 @@ def _no_collections() -> Iterator[None]:
 
 
 def _solve_in_turn(
-    chunk: list[Line], engine: Engine[N] | ManyAtOnce, points: int | None = None
+    chunk: list[Line],
+    engine: Engine[N] | ManyAtOnce,
+    points: int | None = None,
+    change: Changes | None = None,
 ) -> Iterator[Answer]:
     """Yield the answers to lines, each as soon as the engine has it."""
-    read = [_read(line) for _, line in chunk]
+    read = [_read(line, change) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
     solved = iter(
         (solve_with_points(scene, cast(Engine[N], engine), points).data() for scene in scenes)
@@ -124,13 +134,15 @@ def _solve_in_turn(
         else (solve(scene, engine).data() for scene in scenes)
     )
     for (number, _), scene in zip(chunk, read, strict=True):
-        data = refused(scene).data() if isinstance(scene, InvalidScene) else next(solved)
-        yield _answer(number, data)
+        if isinstance(scene, InvalidScene):
+            yield _answer(number, refused(scene).data())
+        else:
+            yield _answer(number, next(solved))._replace(doubts=tuple(doubts(scene)))
 
 
-def _read(line: bytes) -> Scene | InvalidScene:
+def _read(line: bytes, change: Changes | None) -> Scene | InvalidScene:
     try:
-        return parse_scene(line)
+        return parse_scene(line, change)
     except InvalidScene as error:
         return error
 

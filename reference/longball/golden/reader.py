@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from longball.golden.case import Case, Draft, Drafts, Header, Probabilities
+from longball.model.names import one_of
 
 DATA = Path(__file__).parent / "data"
 
@@ -47,7 +48,9 @@ def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:
     folder = Path(folder)
     families = header(folder).families
     if family is not None and family not in (*families, "all"):
-        raise ValueError(f"there is no family {family!r}; the families are {', '.join(families)}")
+        raise ValueError(
+            f"there is no family {family!r}{one_of('the families are', family, families)}"
+        )
     chosen = [family] if family not in (None, "all") else list(families)
     if family is None:
         chosen = [name for name in chosen if name not in EXTENDED]

@@ -19,8 +19,10 @@ from longball.golden.case import Case as GoldenCase
 from longball.judge.quantities import QUANTITIES, Value, length, radius_of, values_of
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
+from longball.model.names import one_of
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import number
+from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import FlightScene, Scene, landing_height
 
@@ -69,6 +71,19 @@ def attainable(case: Case, quantity: str) -> float:
     return error
 
 
+def asked(cases: Iterable[Case], readings: bool = False, hard: bool = True) -> list[Case]:
+    """Return the cases that a program is asked: of other readings and hard ones only if wished.
+
+    Hard are those of the family of that name: grazes, ties, extreme numbers.
+    """
+    return [
+        case
+        for case in cases
+        if (readings or case.scene.reading == Reading()) and (hard or case.family != HARD)
+    ]
+
+
+HARD = "hard"
 # Flags of the golden data (header.json): of an outcome that a few ulps of an input decide, so that
 # another one need not be wrong; of a ball that meets the ground or a fence at a small angle.
 FRAGILE, TANGENTIAL = "fragile", "tangential"
@@ -252,5 +267,5 @@ def profile(
         raise ValueError(f"profile {given} takes no time step; only paper does")
     kinds: dict[str, type[Profile]] = {"exact": Exact, "converged": Converged, "paper": Paper}
     if given not in kinds:
-        raise ValueError(f"there is no profile {given!r}; the profiles are {', '.join(kinds)}")
+        raise ValueError(f"there is no profile {given!r}{one_of('the profiles are', given, kinds)}")
     return kinds[given](*(x for x in (tolerance, dt) if x is not None))

@@ -21,10 +21,13 @@ LOOSEST = 1.0  # a tolerance (m, s, m/s, J) by which nobody would judge says not
 LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
 
 
-def render(verdict: Verdict, shown: int = SHOWN) -> str:
-    """Return a verdict as text of at most `shown` failed cases, issues and so on."""
+def render(verdict: Verdict, shown: int = SHOWN, table: bool = False) -> str:
+    """Return a verdict as text of at most `shown` failed cases, issues and so on.
+
+    The `table` has a row for each quantity.
+    """
     sections = [
-        *(_head(verdict), _errors(verdict), _contacts(verdict)),
+        *(_head(verdict), _errors(verdict) if table else (), _contacts(verdict)),
         _diagnosis(verdict.diagnosis) if verdict.diagnosis else (),
         _convergence(verdict.convergence) if verdict.convergence else (),
         _sampling(verdict.sampling) if verdict.sampling else (),

@@ -370,8 +370,12 @@ def verdict(
     complete = sum(c.complete for c in whole)
     status: Literal["PASSED", "PARTIAL", "FAILED"] = "FAILED" if reasons else "PASSED"
     if complete < len(whole) and not partial:
-        reasons.append(f"{complete} of {len(whole)} scenes are answered with all their quantities; "
-                       "--partial judges what there is")  # fmt: skip
+        kinds = {c.case.scene.kind for c in whole} - {
+            c.case.scene.kind for c in whole if c.complete
+        }
+        none = f", and no {', no '.join(sorted(kinds))}" if kinds and complete else ""
+        reasons.append(f"{complete} of {len(whole)} scenes are answered with all their quantities"
+                       f"{none}; --partial judges what there is")  # fmt: skip
         status = "PARTIAL" if status == "PASSED" else status
     return Verdict(
         status=status, passed=not reasons, reasons=reasons, candidate=submission.candidate,

@@ -183,8 +183,8 @@ Wind = Annotated[
     Discriminator(
         _wind_form,
         custom_error_type="wind_form",
-        custom_error_message="must be [x, y, z]; or have velocity and above; or velocity, height "
-        "and roughness",
+        custom_error_message="must be [x, y, z] in m/s; or have velocity and above; or velocity, "
+        "height and roughness",
     ),
 ]
 Density = Annotated[

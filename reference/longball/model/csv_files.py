@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 from collections.abc import Sequence
@@ -19,6 +20,18 @@ def other_separators(head: Sequence[str]) -> str:
         if any(sign in cell for cell in head):
             return f"; its head has {name} where commas must separate the cells"
     return ""
+
+
+def decoded(data: bytes) -> str:
+    """Return the text of a file: UTF-8, or UTF-16 where its first bytes say so.
+
+    A ValueError says where it is in another encoding, or what it is instead.
+    """
+    utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        return data.decode("utf-16" if utf16 else "utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(not_utf8(error)) from None
 
 
 def not_utf8(error: UnicodeDecodeError) -> str:

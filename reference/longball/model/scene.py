@@ -10,11 +10,21 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
-from pydantic import BaseModel, Field, Tag, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Tag,
+    ValidationError,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
 
 from longball.model.air import Air as Air
 from longball.model.air import WindProfile
@@ -24,8 +34,10 @@ from longball.model.block import refuse as _refuse
 from longball.model.csv_files import not_utf8
 from longball.model.force import cross, plus, scaled
 from longball.model.jsonl import LONGEST_LINE, json_line
+from longball.model.names import did_you_mean, one_of
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
+from longball.model.units import unit_of
 
 
 class InvalidScene(ValueError):
@@ -59,6 +71,11 @@ class Ball(_Block):
     )
 
 
+def _gives(key: str, form: str) -> dict[str, Any]:
+    """Return the JSON Schema of a block that gives a key in a form: null is left out."""
+    return {"required": [key], "properties": {key: {"type": form}}}
+
+
 Spin = Annotated[Point | None, Field(description="rad/s, ω; left out: none is computed")]
 
 
@@ -88,6 +105,12 @@ class Launch(_Block):
 class Pitch(_Block):
     """A throw towards a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
 
+    model_config = ConfigDict(
+        json_schema_extra={
+            "not": _gives("velocity", "array")
+            | {"anyOf": [_gives("speed", "number"), _gives("aim", "array")]}
+        }
+    )
     speed: Positive = Field(
         default=36.9125,
         description="m/s; default: the mean of Eq. 3, 0.45 · 139.1 + 0.55 · 127.8 = 132.885 km/h",
@@ -223,6 +246,9 @@ class Fence(_Block):
     given twice.
     """
 
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [_gives("radius", "number"), _gives("polyline", "array")]}
+    )
     radius: Positive | None = Field(
         default=None, description="m, of a fence of height 0 all around the plate"
     )
@@ -279,11 +305,30 @@ def _meet(
     return _turn(a, b, c) * _turn(a, b, d) <= 0 and _turn(c, d, a) * _turn(c, d, b) <= 0
 
 
+_MOST_DIGITS = 40  # of an id that is a number: a hash of 128 bits has 39
+
+
+def _text_of_whole(value: Any) -> Any:
+    """Return a whole number as its text: ids in data frames are numbers."""
+    if isinstance(value, float) and value.is_integer() and abs(value) <= 2**53:
+        value = int(value)
+    is_whole = isinstance(value, int) and not isinstance(value, bool)
+    return str(value) if is_whole and abs(value) < 10**_MOST_DIGITS else value
+
+
+Id = Annotated[
+    str,
+    Field(min_length=1),
+    BeforeValidator(_text_of_whole),
+    WithJsonSchema({"type": ["string", "integer"], "minLength": 1}),
+]
+
+
 class _Scene(_Block):
-    id: str | None = Field(
+    id: Id | None = Field(
         default=None,
-        min_length=1,
-        description="returned with the result; if left out, that bears the number of the line",
+        description="returned with the result, a whole number as its text; if left out, that "
+        "bears the number of the line",
     )
     ball: Ball = Ball()
     reading: Reading = Reading()
@@ -471,17 +516,26 @@ def ids_of(scenes: Sequence[Scene]) -> list[str]:
     return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
 
 
-def parse_scene(line: str | bytes) -> Scene:
-    """Return the scene written on a line of JSON; `InvalidScene` names the key at fault."""
+def parse_scene(
+    line: str | bytes, change: Callable[[dict[str, Any]], dict[str, Any]] | None = None
+) -> Scene:
+    """Return the scene written on a line of JSON, with a change to its data if there is one.
+
+    `InvalidScene` names the key at fault.
+    """
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):
         raise InvalidScene(f"not a scene: a JSON object is needed, this is {_short(data)}")
-    scene_id = data["id"] if _is_text(data.get("id")) else None
+    if change:
+        data = change(data)
+        text = json.dumps(data)
+    scene_id = _text_of_whole(data.get("id"))
+    scene_id = scene_id if _is_text(scene_id) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
-        raise InvalidScene(f"kind: {given}; it is one of {', '.join(KINDS)}", scene_id)
+        raise InvalidScene(f"kind: {given}{one_of('the kinds are', kind, KINDS)}", scene_id)
     try:
         return KINDS[kind].model_validate_json(text)
     except ValidationError as error:
@@ -530,22 +584,23 @@ def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 # Python refuses to convert whole numbers of thousands of digits, as a protection.
-_DECODER = json.JSONDecoder(object_pairs_hook=_each_key_once, parse_int=float)
+_DECODER = json.JSONDecoder(
+    object_pairs_hook=_each_key_once,
+    parse_int=lambda digits: int(digits) if len(digits) <= _MOST_DIGITS else float(digits),
+)
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
     location = fault["loc"]
-    where = "".join(
-        f"[{step}]" if isinstance(step, int) else f".{step}"
-        for step in location
-        if not _is_form(step)
-    ).removeprefix(".")
+    steps, block, annotation, about = _resolved(model, location)
+    where = "".join(f"[{x}]" if isinstance(x, int) else f".{x}" for x in steps).removeprefix(".")
     match fault["type"]:
         case "extra_forbidden":
-            block = _block(model, location[:-1])
-            if "." in str(location[-1]):  # of a table
-                return f"{where}: {str(location[-1]).partition('.')[0]} is given whole already"
-            return f"{where}: unknown key; the keys here are {', '.join(block.model_fields)}"
+            key, keys = str(location[-1]), [*block.model_fields]
+            outer = re.split(r"[.\[]", key)[0]
+            if outer != key and outer in keys:  # also of a table that gives the block whole
+                return f"{where}: unknown key; put it inside {outer}"
+            return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
         case "missing":
             return f"{where}: is missing"
         case "float_type" if fault["input"] is None and isinstance(location[-1], int):
@@ -555,24 +610,42 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             limit, given = fault["ctx"][key], fault["ctx"]["actual_length"]
             return f"{where}: takes at {bound} {limit} values, and has {given}"
         case "tuple_type" | "list_type":
-            return f"{where}: must be a list (got {_short(fault['input'])})"
+            return f"{where}: must be {_listed(annotation, about)} (got {_short(fault['input'])})"
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
         case "union_tag_invalid":
             forms = re.findall(r"<(\w+)>", fault["ctx"]["expected_tags"])
-            laws = ", ".join(name for name in forms if name != "number")
+            laws = [name for name in forms if name != "number"]
             given = fault["input"].get("law")
             what = "is missing" if given is None else f"{_short(given)} is not a law here"
-            return f"{where}.law: {what}; the laws are {laws}"
+            return f"{where}.law: {what}{one_of('the laws are', given, laws)}"
         case "json_invalid":  # pydantic's parser is stricter than Python's
             return f"not JSON: {fault['ctx']['error']}"
-    sentence = in_our_words(fault["msg"])
-    for limit in fault.get("ctx", {}).values():
-        if isinstance(limit, float):
-            unit = _UNITS.get(str(location[-1]), "")
-            sentence = re.sub(r"\S+$", f"{limit:g}{unit}", sentence)  # 1e-30, not all its zeros
-    return f"{where}: {sentence} (got {_short(fault['input'])})"
+        case "literal_error":
+            words = re.findall(r"'([^']*)'", fault["ctx"]["expected"])
+            sentence = f"{in_our_words(fault['msg'])} (got {_short(fault['input'])})"
+            return f"{where}: {sentence}{did_you_mean(fault['input'], words)}"
+        case "greater_than_equal" | "less_than_equal" as side:
+            ((_, limit),) = fault["ctx"].items()
+            bound = "at least" if side == "greater_than_equal" else "at most"
+            sentence = f"must be {bound} {limit:g}{_UNITS.get(str(location[-1]), '')}"
+            if side == "greater_than_equal" and limit in (SMALLEST, 0.0):
+                sentence = "must be positive" if limit else "must not be negative"
+            return f"{where}: {sentence} (got {_short(fault['input'])})"
+    return f"{where}: {in_our_words(fault['msg'])} (got {_short(fault['input'])})"
+
+
+def _listed(annotation: Any, about: str) -> str:
+    """Return the form of a list by its annotation and the description of its field."""
+    numbers = next((x for x in map(get_args, _within(annotation)) if _is_vector(x)), ())
+    unit = unit_of(about)
+    places = ", ".join("xyz"[3 - len(numbers) :])  # a place on the plate's plane is [y, z]
+    return f"[{places}]{f' in {unit}' if unit else ''}" if numbers else "a list"
+
+
+def _is_vector(parts: tuple[Any, ...]) -> bool:
+    return len(parts) in (2, 3) and all(part == Quantity for part in parts)
 
 
 def in_our_words(message: str) -> str:
@@ -588,32 +661,57 @@ _UNITS = {
 }
 
 
-def _is_form(step: str | int) -> bool:
-    """Tell whether a step of a location says which of several forms a value has."""
-    return isinstance(step, str) and step.startswith("<")
+def _resolved(
+    model: type[BaseModel], location: tuple[str | int, ...]
+) -> tuple[list[str | int], type[BaseModel], Any, str]:
+    """Return a location as it is written, the innermost block, and its field's type and words.
 
-
-def _block(model: type[BaseModel], location: tuple[str | int, ...]) -> type[BaseModel]:
-    """Return the model of the block at a location inside a model."""
+    Pydantic puts the tag of a union's form among the keys. The annotations tell the two apart, so
+    that a key may have any name.
+    """
     annotation: Any = model
+    steps: list[str | int] = []
+    about = ""
     for step in location:
-        if _is_form(step):
-            forms = [o for o in _within(annotation) if get_origin(o) is Annotated]
-            annotation = next(o for o in forms if step in [_tag(part) for part in get_args(o)])
+        forms = _forms(annotation)
+        if step in forms:
+            annotation = forms[step]
         else:
-            (model, *_) = filter(_is_model, _within(annotation))
-            annotation = model.model_fields[str(step)].annotation
-    found: type[BaseModel] = next(filter(_is_model, _within(annotation)))
-    return found
+            steps.append(step)
+            model = next(filter(_is_model, _within(annotation)), model)
+            field = None if isinstance(step, int) else model.model_fields.get(step)
+            if field:
+                annotation, about = field.annotation, field.description or ""
+    return steps, model, annotation, about
+
+
+def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
+    """Return the fields under keys inside a model, one for each form that a block may have."""
+    annotations: list[Any] = [model]
+    fields: list[FieldInfo] = []
+    for key in keys:
+        models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
+        fields = [each.model_fields[key] for each in models if key in each.model_fields]
+        annotations = [field.annotation for field in fields]
+    return fields
+
+
+def keys_of(model: type[BaseModel], keys: Sequence[str]) -> list[str]:
+    """Return the keys of the blocks under keys inside a model."""
+    annotations = [field.annotation for field in parts_of(model, keys)] if keys else [model]
+    models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
+    return [key for each in models for key in each.model_fields]
+
+
+def _forms(annotation: Any) -> dict[str | int, Any]:
+    """Return the forms of a union by their tags."""
+    parts = [get_args(x) for x in _within(annotation) if get_origin(x) is Annotated]
+    return {tag.tag: form for form, *rest in parts for tag in rest if isinstance(tag, Tag)}
 
 
 def _within(annotation: Any) -> list[Any]:
     """Return an annotation and all that it is made of."""
     return [annotation, *(x for part in get_args(annotation) for x in _within(part))]
-
-
-def _tag(part: Any) -> str | None:
-    return part.tag if isinstance(part, Tag) else None
 
 
 def _is_model(option: Any) -> bool:

@@ -16,6 +16,7 @@ from longball.engines import chain
 from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags
+from longball.model.changes import Changes
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 from longball.pitches.models import FlightModel, expected_spin
@@ -29,6 +30,9 @@ Measured = MeasuredPitches | MeasuredFlies
 # Bounds of the groups that flies are told by: degrees and mph.
 ANGLES = (10, 20, 25, 30, 35, 40, 60)
 SPEEDS = (60, 80, 90, 95, 100, 105, 125)
+
+
+_ROWS_SHOWN = 20  # of predictions that are compared with nothing
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,11 @@ class Prediction:
         """Which rows have a prediction, shape (n,)."""
         return ~np.isnan(self.predicted[:, 0])
 
+    @property
+    def compared(self) -> Flags:
+        """Which of them have a measurement too, shape (n,)."""
+        return ~np.isnan(self.error[:, 0])
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -65,13 +74,16 @@ class Summary:
 
 
 def scenes(
-    measured: Measured, model: FlightModel | Sequence[FlightModel], spin: Array | None = None
+    measured: Measured,
+    model: FlightModel | Sequence[FlightModel],
+    spin: Array | None = None,
+    change: Changes | None = None,
 ) -> Iterator[Scene | InvalidScene]:
     """Yield the scene of each measured ball, under one model, or under one for each.
 
     With a model that has spin it has `expected_spin`, unless another is given, rad/s, shape (n, 3).
-    Of a row that is no scene, such as a ball that is released below the ground, the error is
-    yielded, which names the row.
+    `change` changes the scenes. Of a row that is no scene, such as a ball that is released below
+    the ground, the error is yielded, which names the row.
     """
     spin = expected_spin(measured) if spin is None else spin
     models = repeat(model) if isinstance(model, FlightModel) else model
@@ -81,7 +93,7 @@ def scenes(
             scene["pitch" if "pitch" in scene else "launch"]["spin"] = spin[i].tolist()
         weather = float(measured.temperature[i]), float(measured.elevation[i])
         try:
-            yield parse_scene(json.dumps(scene | one.blocks(*weather)))
+            yield parse_scene(json.dumps(scene | one.blocks(*weather)), change)
         except InvalidScene as error:
             yield InvalidScene(f"row {row} below the header is no scene: {error}", scene["id"])
 
@@ -91,9 +103,10 @@ def solve(
     model: FlightModel | Sequence[FlightModel],
     spin: Array | None = None,
     engine: Engine[Any] | None = None,
+    change: Changes | None = None,
 ) -> list[Result]:
     """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
-    every = list(scenes(measured, model, spin))
+    every = list(scenes(measured, model, spin, change))
     valid = [scene for scene in every if not isinstance(scene, InvalidScene)]
     results = iter(chain.solve_each(valid, engine or engines.create("batch")))
     return [refused(one) if isinstance(one, InvalidScene) else next(results) for one in every]
@@ -104,9 +117,10 @@ def predict(
     model: FlightModel | Sequence[FlightModel],
     spin: Array | None = None,
     engine: Engine[Any] | None = None,
+    change: Changes | None = None,
 ) -> Prediction:
     """Predict measured balls; arguments as of `solve`."""
-    results = solve(measured, model, spin, engine)
+    results = solve(measured, model, spin, engine, change)
     predicted = np.full(measured.measured.shape, np.nan)
     without: Counter[str] = Counter()
     for i, result in enumerate(results):
@@ -122,15 +136,16 @@ def _place(result: Result) -> tuple[float, ...] | None:
     """Return y and z at the plate of a pitch, and the distance of a batted ball."""
     if result.outcome == "crossed" and result.plate is not None:
         return float(result.plate.position[1]), float(result.plate.position[2])
-    if result.outcome == "landed" and result.landing is not None:
+    # A ball that a fence stops has no distance, and one that flies over it has.
+    if result.outcome in ("landed", "home_run") and result.landing is not None:
         return (float(result.landing.distance),)
     return None
 
 
 def summaries(prediction: Prediction) -> list[Summary]:
     """Return the errors of groups: pitches by type, flies by angle and speed; of all at the end."""
-    every = ("all", prediction.solved)
-    groups = [(name, which & prediction.solved) for name, which in _groups(prediction.measured)]
+    every = ("all", prediction.compared)
+    groups = [(name, which & prediction.compared) for name, which in _groups(prediction.measured)]
     return [_summary(*group, prediction.error) for group in (*groups, every) if group[1].any()]
 
 
@@ -190,6 +205,7 @@ def as_data(prediction: Prediction) -> dict[str, Any]:
         "rows_used": len(measured),
         "left_out": [each.model_dump() for each in measured.left_out],
         "without_prediction": dict(prediction.without),
+        "assumed": list(measured.assumed),
         "components": list(measured.components),
         "groups": [asdict(each) for each in summaries(prediction)],
     }
@@ -207,9 +223,19 @@ def _lines(prediction: Prediction, name: str, model: FlightModel) -> Iterator[st
     yield from (f"  no prediction: {n}, {why}" for why, n in prediction.without.items())
     if measured.weather_unknown:
         yield f"  weather not known: {measured.weather_unknown}; taken as 20 °C at sea level"
+    yield from (f"  {each}" for each in measured.assumed)
     yield f"model {name}: {model.source}"
     yield ""
     unit, label = measured.unit
+    if isinstance(measured, MeasuredFlies) and not prediction.compared.any():
+        yield _row("", "mph", "launch, °", f"distance, {label}")
+        for i in np.flatnonzero(prediction.solved)[:_ROWS_SHOWN]:
+            asked = measured.speed[i] / MPH, np.degrees(measured.angle[i])
+            values = *asked, prediction.predicted[i, 0] / unit
+            yield _row(f"row {measured.rows[i]}", *(f"{value:.1f}" for value in values))
+        if (more := int(prediction.solved.sum()) - _ROWS_SHOWN) > 0:
+            yield f"and {more} more"
+        return
     yield _row("", "n", *(f"{name}, {label}" for name, _ in measured.seen), f"RMS, {label}")
     for each in summaries(prediction):
         biases = zip(each.bias, measured.seen, strict=True)

@@ -19,6 +19,7 @@ for the direction of the launch (Petti's transformation, baseballwithr.wordpress
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TextIO
@@ -27,15 +28,18 @@ import numpy as np
 
 from longball.home_run.at_bats import Arrays
 from longball.model.arrays import Array, Flags, Integers
+from longball.model.names import one_of
 from longball.pitches.table import (
     DATA,
     LENGTH_UNITS,
     SPEED_UNITS,
+    NoSuchColumn,
     Omission,
     TableError,
     numbers,
     read_table,
     refuse_rows,
+    require_usual,
     select_rows,
     texts,
 )
@@ -71,6 +75,20 @@ USUAL_TEMPERATURE, SEA_LEVEL = 293.15, 0.0
 # where it bounces or is stopped, and a slower one hardly flies.
 LOWEST, HIGHEST, SLOWEST = np.radians(10.0), np.radians(60.0), 60.0 * MPH
 
+# rad: the foul lines, 45°, and by what a place on a drawing may differ from the direction of the
+# launch. The spin's regression is one of fair balls.
+WIDEST = np.radians(60.0)
+
+# Between which numbers medians lie in Statcast's units, and in no other unit that is in use.
+USUAL = {
+    "vy0": (-200.0, -60.0, "ft/s"),
+    "release_pos_y": (25.0, 62.0, "ft"),
+    "release_spin_rate": (400.0, 5000.0, "rpm"),
+    "launch_speed": (60.0, 125.0, "mph"),
+    "temperature": (25.0, 130.0, "°F"),
+}
+RUBBER = 60.5  # ft, from the plate's tip to the pitcher's rubber, where an extension begins
+
 
 @dataclass(frozen=True)
 class Rows(Arrays):
@@ -91,6 +109,7 @@ class Rows(Arrays):
     temperature: Array
     elevation: Array
     weather_unknown: int  # for how many the usual values stand there
+    assumed: tuple[str, ...]  # sentences: what stands for columns that are not in the table
 
     def __len__(self) -> int:
         """Return how many rows there are."""
@@ -141,8 +160,8 @@ class MeasuredFlies(Rows):
     speed: Array  # m/s, off the bat
     angle: Array  # rad, of the launch above the horizontal
     bearing: Array  # rad, positive to right field
-    side: Array  # 1 for a right-handed batter, -1 for a left-handed one
-    measured: Array  # `hit_distance_sc`, m, shape (n, 1)
+    side: Array  # 1 for a right-handed batter, -1 for a left-handed one, 0 if nothing is known
+    measured: Array  # `hit_distance_sc`, m, shape (n, 1); NaN if the table does not have it
 
     @property
     def velocity(self) -> Array:
@@ -175,41 +194,66 @@ def directions(angle: Array, bearing: Array) -> Array:
 
 
 def read_measured(
-    table: str | Path | TextIO | pd.DataFrame, kind: Kind, games: str | Path | pd.DataFrame = GAMES
+    table: str | Path | TextIO | pd.DataFrame,
+    kind: Kind,
+    games: str | Path | TextIO | pd.DataFrame = GAMES,
+    *,
+    spin: bool = True,
+    names: Mapping[str, str] | None = None,
 ) -> MeasuredPitches | MeasuredFlies:
     """Read the pitches of a table in Statcast's columns, or the flies among its batted balls.
 
-    A table is a CSV file by its path, an open one, or a pandas DataFrame. `games` has ``game_pk``,
-    ``temperature`` (°F) and ``park``; the rows of other games get the usual temperature, at sea
-    level. A `TableError` says which column or row cannot be used, and why.
+    A table is a .csv or .parquet by its path, an open one, or a pandas DataFrame; `names` has its
+    own names of Statcast's columns. Without `spin` nothing is asked of a pitch's spin. `games` has
+    ``game_pk``, ``temperature`` (°F), and ``elevation`` (ft) or ``park``; the rows of other games
+    get the usual temperature, at sea level. A `TableError` says which column or row cannot be used,
+    and why.
     """
-    return _pitches(table, games) if kind == "pitch" else _flies(table, games)
+    if kind == "pitch":
+        return _pitches(table, games, spin, names)
+    return _flies(table, games, names)
 
 
 # --- pitches --------------------------------------------------------------------------------------
 
+_SPIN = ("release_spin_rate", "spin_axis")
 _PITCH_NUMBERS = (
-    "release_spin_rate", "spin_axis", "release_pos_x", "release_pos_y", "release_pos_z",
-    "vx0", "vy0", "vz0", "ax", "ay", "az", "plate_x", "plate_z",
+    "release_pos_x", "release_pos_z", "vx0", "vy0", "vz0", "ax", "ay", "az", "plate_x", "plate_z",
 )  # fmt: skip
 
 
-def _pitches(table: Any, games: Any) -> MeasuredPitches:
-    source, frame = read_table(table, ["game_pk", "pitch_type", "p_throws", *_PITCH_NUMBERS])
-    kind, hand = texts(frame["pitch_type"]), _side(frame["p_throws"])
-    values = {name: numbers(frame[name]) for name in _PITCH_NUMBERS}
+def _pitches(
+    table: Any, games: Any, spin: bool, names: Mapping[str, str] | None
+) -> MeasuredPitches:
+    needed = ["pitch_type", *_PITCH_NUMBERS, *(("p_throws", *_SPIN) if spin else ())]
+    optional = ["game_pk", "release_pos_y", "release_extension"]
+    source, frame = read_table(table, needed, optional, names)
+    if "release_pos_y" not in frame:
+        if "release_extension" not in frame:
+            raise NoSuchColumn(
+                "release_pos_y: the table has no such column, nor release_extension",
+                ["release_pos_y"],
+            )
+        frame["release_pos_y"] = RUBBER - numbers(frame["release_extension"])
+    kind = texts(frame["pitch_type"])
+    nothing = np.full(len(frame), np.nan)
+    hand = _side(frame["p_throws"]) if spin else nothing
+    asked = (*(_SPIN if spin else ()), "release_pos_y", *_PITCH_NUMBERS)
+    values = {name: numbers(frame[name]) for name in asked}
     lacks = [
         ("pitch_type is missing", kind.isna().to_numpy(dtype=bool)),
-        ("p_throws is missing", np.isnan(hand)),
+        ("p_throws is missing", np.isnan(hand) & spin),
         *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
+        ("release_spin_rate is 0: not measured", values.get(_SPIN[0], nothing) == 0.0),
         ("plate_z is below the ground: it bounced first", values["plate_z"] < 0.0),
     ]
     left_out, keep = select_rows(lacks, len(frame))
-    kept = {name: column[keep] for name, column in values.items()}
+    kept = {name: values.get(name, nothing)[keep] for name in (*_SPIN, *values)}
     rows = np.flatnonzero(keep) + 1
     refuse_rows(kept["vy0"] >= 0.0, kept["vy0"], rows, "vy0", "a pitch flies towards the plate")
     before = kept["release_pos_y"] * FOOT <= PLATE_FRONT
     refuse_rows(before, kept["release_pos_y"], rows, "release_pos_y", "behind the plate's front")
+    _require_usual(kept if spin else {name: kept[name] for name in values})
 
     def vector(*names: str) -> Array:
         return np.stack([kept[name] for name in names], axis=1) * FOOT
@@ -221,7 +265,7 @@ def _pitches(table: Any, games: Any) -> MeasuredPitches:
     angle = np.radians(kept["spin_axis"])
     axis = _in_our_frame(np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
     return MeasuredPitches(
-        **_common(source, frame, left_out, keep, games),
+        **_common(source, frame, left_out, keep, games, ()),
         labels=kind[keep].to_numpy(dtype=str),
         release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
         velocity=at_release,
@@ -258,29 +302,48 @@ def _across(axis: Array, velocity: Array) -> Array:
 
 # --- batted balls ---------------------------------------------------------------------------------
 
-_BATTED_NUMBERS = ("launch_speed", "launch_angle", "hit_distance_sc", "hc_x", "hc_y")
+_PLACE = ("hc_x", "hc_y")
 
 
-def _flies(table: Any, games: Any) -> MeasuredFlies:
-    source, frame = read_table(table, ["game_pk", "stand", *_BATTED_NUMBERS])
-    side = _side(frame["stand"])
-    values = {name: numbers(frame[name]) for name in _BATTED_NUMBERS}
+def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredFlies:
+    optional = ["game_pk", "stand", "hit_distance_sc", *_PLACE]
+    source, frame = read_table(table, ["launch_speed", "launch_angle"], optional, names)
+    here = [name for name in ("hit_distance_sc", *_PLACE) if name in frame]
+    values = {name: numbers(frame[name]) for name in ("launch_speed", "launch_angle", *here)}
+    if (odd := [name for name in _PLACE if name not in frame]) and len(odd) == 1:
+        raise NoSuchColumn(f"{odd[0]}: the table has no such column, and it has the other", odd)
+    nothing = np.full(len(frame), np.nan)
+    side = _side(frame["stand"]) if "stand" in frame else np.zeros(len(frame))
     speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
+    x, y = (values.get(name, nothing) for name in _PLACE)
+    bearing = np.arctan2(x - DRAWN_PLATE[0], DRAWN_PLATE[1] - y) if "hc_x" in here else 0.0 * speed
     lacks = [
         *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
         ("stand is missing", np.isnan(side)),
+        ("hc_x and hc_y are 0: not measured", (x == 0.0) & (y == 0.0)),
+        ("hit_distance_sc is 0: not measured", values.get("hit_distance_sc", nothing) == 0.0),
         ("launch_angle is not between 10° and 60°", ~((angle >= LOWEST) & (angle <= HIGHEST))),
         ("launch_speed is not above 60 mph", ~(speed > SLOWEST)),
+        ("the direction is not between the foul lines, by over 15°", ~(abs(bearing) <= WIDEST)),
     ]
     left_out, keep = select_rows(lacks, len(frame))
-    x, y = values["hc_x"][keep] - DRAWN_PLATE[0], DRAWN_PLATE[1] - values["hc_y"][keep]
+    _require_usual({name: column[keep] for name, column in values.items()})
+    assumed = tuple(
+        f"no column {name}: {stands}"
+        for name, stands in (
+            ("stand", "no spin that depends on the batter's side"),
+            ("hc_x", "hit to centre field"),
+            ("hit_distance_sc", "predicted, and compared with nothing"),
+        )
+        if name not in frame
+    )
     return MeasuredFlies(
-        **_common(source, frame, left_out, keep, games),
+        **_common(source, frame, left_out, keep, games, assumed),
         speed=speed[keep],
         angle=angle[keep],
-        bearing=np.arctan2(x, y),
+        bearing=bearing[keep],
         side=side[keep],
-        measured=values["hit_distance_sc"][keep, None] * FOOT,
+        measured=values.get("hit_distance_sc", nothing)[keep, None] * FOOT,
     )
 
 
@@ -288,8 +351,11 @@ def _flies(table: Any, games: Any) -> MeasuredFlies:
 
 
 def _side(column: pd.Series) -> Array:
-    """Return 1 for R, -1 for L, NaN where there is nothing; a `TableError` names what else is."""
-    text = texts(column)
+    """Return 1 for R, -1 for L, NaN where there is nothing; a `TableError` names what else is.
+
+    Right and Left are words for the same.
+    """
+    text = texts(column).replace({"Right": "R", "Left": "L"})
     odd = text.notna() & ~text.isin(["R", "L"])
     if odd.any():
         raise TableError(
@@ -299,10 +365,22 @@ def _side(column: pd.Series) -> Array:
     return np.asarray(text.map({"R": 1.0, "L": -1.0}), dtype=np.float64)
 
 
+def _require_usual(values: Mapping[str, Array]) -> None:
+    for name, usual in USUAL.items():
+        if name in values:
+            require_usual(values[name], name, *usual)
+
+
 def _common(
-    source: str, frame: pd.DataFrame, left_out: tuple[Omission, ...], keep: Flags, games: Any
+    source: str,
+    frame: pd.DataFrame,
+    left_out: tuple[Omission, ...],
+    keep: Flags,
+    games: Any,
+    assumed: tuple[str, ...],
 ) -> dict[str, Any]:
-    game = numbers(frame["game_pk"])[keep]
+    nothing = np.full(len(frame), np.nan)
+    game = (numbers(frame["game_pk"]) if "game_pk" in frame else nothing)[keep]
     temperature, elevation = (
         np.array([known.get(pk, np.nan) for pk in game.tolist()]) for known in _weather(games)
     )
@@ -316,26 +394,47 @@ def _common(
         "temperature": np.where(unknown, USUAL_TEMPERATURE, temperature),
         "elevation": np.where(unknown, SEA_LEVEL, elevation),
         "weather_unknown": int(unknown.sum()),
+        "assumed": assumed,
     }
 
 
 def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
     """Return the temperature of each game, K, and the elevation of its park, m."""
-    _, parks = read_table(PARKS, ["park", "elevation"])
-    height = dict(zip(texts(parks["park"]), numbers(parks["elevation"]) * FOOT, strict=True))
-    source, frame = read_table(games, ["game_pk", "temperature", "park"])
-    game, park = numbers(frame["game_pk"]), texts(frame["park"])
-    celsius = (numbers(frame["temperature"]) - 32.0) * FAHRENHEIT
-    if np.isnan(game).any() or np.isnan(celsius).any():
+    source, frame = read_table(games, ["game_pk", "temperature"], ["park", "elevation"])
+    game, fahrenheit = numbers(frame["game_pk"]), numbers(frame["temperature"])
+    if np.isnan(game).any() or np.isnan(fahrenheit).any():
         raise TableError(f"{source}: a game has no game_pk or no temperature")
-    if strange := sorted(set(park.dropna()) - set(height)):
+    again = np.flatnonzero(frame.assign(game_pk=game).duplicated("game_pk"))
+    if again.size:
         raise TableError(
-            f"{source}: park: {strange[0]!r} is not one whose elevation is known; they are "
-            f"{', '.join(height)}"
+            f"{source}: game_pk: row {again[0] + 1} below the header has {game[again[0]]:.0f}, "
+            "which another row has already; a game must be there once"
         )
-    if park.isna().any():
-        raise TableError(f"{source}: a game has no park")
+    require_usual(fahrenheit, "temperature", *USUAL["temperature"])
+    celsius = (fahrenheit - 32.0) * FAHRENHEIT
+    height = _elevations(source, frame)
     return (
         dict(zip(game.tolist(), (celsius + 273.15).tolist(), strict=True)),
-        dict(zip(game.tolist(), [float(height[name]) for name in park], strict=True)),
+        dict(zip(game.tolist(), height.tolist(), strict=True)),
     )
+
+
+def _elevations(source: str, games: pd.DataFrame) -> Array:
+    """Return the elevation of each game, m: as the table has it, or that of its park."""
+    if not {"park", "elevation"} & {*games}:
+        raise TableError(f"{source}: a table of games has a column park, or elevation, in ft")
+    _, parks = read_table(PARKS, ["park", "elevation"])
+    known = dict(zip(texts(parks["park"]), numbers(parks["elevation"]), strict=True))
+    nothing = np.full(len(games), np.nan)
+    feet = numbers(games["elevation"]) if "elevation" in games else nothing
+    for i in np.flatnonzero(np.isnan(feet)):
+        park = texts(games["park"]).iloc[i] if "park" in games else None
+        if not isinstance(park, str):
+            raise TableError(f"{source}: a game has no park")
+        if park not in known:
+            raise TableError(
+                f"{source}: park: the elevation of {park!r} is not known; give it in a column "
+                f"elevation, in ft{one_of('the parks are', park, known)}"
+            )
+        feet[i] = known[park]
+    return feet * FOOT

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import csv
+import gzip
+import zlib
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from io import BytesIO, StringIO
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -12,7 +19,9 @@ from pydantic import Field
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
-from longball.model.csv_files import not_utf8, other_separators
+from longball.model.csv_files import decoded, other_separators
+from longball.model.names import one_of
+from longball.model.units import UNITS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,9 +29,8 @@ if TYPE_CHECKING:
 DATA = Path(__file__).parents[1] / "data"
 EXAMPLE = DATA / "statcast_2023-06-11.csv"
 
-# m/s of one unit, m of one unit; all exact by definition.
-SPEED_UNITS = {"m/s": 1.0, "km/h": 1 / 3.6, "mph": 0.44704}
-LENGTH_UNITS = {"m": 1.0, "cm": 0.01, "ft": 0.3048, "in": 0.0254}
+# m/s of one unit, m of one unit.
+SPEED_UNITS, LENGTH_UNITS = UNITS["m/s"], UNITS["m"]
 
 # How many of the rows that are left out for one reason are named by their number.
 ROWS_NAMED = 10
@@ -33,7 +41,11 @@ class TableError(ValueError):
 
 
 class NoSuchColumn(TableError):
-    """A table that lacks a column."""
+    """A table that lacks columns."""
+
+    def __init__(self, message: str, missing: Sequence[str]) -> None:
+        super().__init__(message)
+        self.missing = missing
 
 
 class Omission(Strict):
@@ -53,33 +65,49 @@ class Omission(Strict):
 
 
 def read_table(
-    table: str | Path | TextIO | pd.DataFrame, columns: Iterable[str]
+    table: str | Path | TextIO | pd.DataFrame,
+    columns: Iterable[str],
+    optional: Iterable[str] = (),
+    names: Mapping[str, str] | None = None,
 ) -> tuple[str, pd.DataFrame]:
     """Return the name of a table and some of its columns, as they are written.
 
-    It is a CSV file by its path, an open one, or a pandas DataFrame. A `TableError` says that it
-    cannot be read, is empty, or lacks a column or has one twice.
+    The table is a .csv or .parquet by its path, an open one, or a pandas DataFrame. `names` has the
+    table's own names of columns that are called otherwise. `optional` columns are returned if the
+    table has them. A `TableError` says that the table cannot be read, is empty, or lacks a column
+    or has one twice.
     """
-    source, frame = _frame(table)
-    names = [str(each) for each in frame.columns]
-    columns = list(dict.fromkeys(columns))
-    for name in columns:
-        if names.count(name) > 1:
-            raise TableError(f"{name}: the table has {names.count(name)} columns of this name")
-    if missing := [name for name in columns if name not in names]:
-        shown = ", ".join(names[:20]) + (", …" if len(names) > 20 else "")
+    its = dict(names or {})
+    needed = {name: its.get(name, name) for name in columns}
+    wanted = needed | {name: its.get(name, name) for name in optional}
+    for name in its.keys() - wanted.keys():
+        raise TableError(f"{name}: no column that is read{one_of('they are', name, wanted)}")
+    source, frame = _frame(table, wanted.values())
+    found = [str(each) for each in frame.columns]
+    for name in wanted.values():
+        if found.count(name) > 1:
+            raise TableError(f"{name}: the table has {found.count(name)} columns of this name")
+    # A name that is given is meant, also of a column that is optional.
+    if missing := [x for name, x in wanted.items() if x not in found and name in needed | its]:
+        shown = ", ".join(found[:20]) + (", …" if len(found) > 20 else "")
         none = "no such column" if len(missing) == 1 else "no such columns"
         raise NoSuchColumn(
             f"{', '.join(missing)}: the table has {none}; its columns are {shown}"
-            f"{other_separators(names)}"
+            f"{other_separators(found)}",
+            missing,
         )
     if not len(frame):
         raise TableError(f"{source}: the table has a header, and nothing below it")
-    return source, frame.set_axis(names, axis="columns")[columns]
+    here = {name: x for name, x in wanted.items() if x in found}
+    return source, frame.set_axis(found, axis="columns")[[*here.values()]].set_axis(
+        [*here], axis="columns"
+    )
 
 
 @naming_extras()
-def _frame(table: str | Path | TextIO | pd.DataFrame) -> tuple[str, pd.DataFrame]:
+def _frame(
+    table: str | Path | TextIO | pd.DataFrame, wanted: Iterable[str]
+) -> tuple[str, pd.DataFrame]:
     import pandas as pd
 
     if isinstance(table, pd.DataFrame):
@@ -87,21 +115,61 @@ def _frame(table: str | Path | TextIO | pd.DataFrame) -> tuple[str, pd.DataFrame
     path = table if isinstance(table, str | Path) else getattr(table, "name", "table")
     source = Path(path).name
     try:
+        data = _content(table)
+    except (OSError, EOFError, zlib.error) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise TableError(f"{path}: cannot be read: {reason}") from error
+    try:
+        if data.startswith(b"PAR1"):
+            return source, pd.read_parquet(BytesIO(data))
+        text = decoded(data)
+        above, head = _head(text, names := {*wanted})
+        if not names & {*head} and (hint := other_separators(head)):
+            raise ValueError(f"not a table in CSV{hint}")
+        lines = StringIO(text, newline="")
+        deque(islice(lines, above), maxlen=0)
         # The header is read as a row: pandas would rename a column that is there twice, and take
         # the first column for an index where rows are longer than the header.
-        # An open text file, like standard input, has decided on an encoding: its bytes are read.
-        raw = getattr(table, "buffer", table)
-        lines = pd.read_csv(raw, header=None, dtype="string", encoding="utf-8-sig")
+        rows = pd.read_csv(lines, header=None, dtype="string", na_values=_MISSING)
     except pd.errors.EmptyDataError:
         raise TableError(f"{source}: the table is empty") from None
     except pd.errors.ParserError as error:
         raise TableError(f"{source}: not a table in CSV: {str(error).strip()}") from None
-    except UnicodeDecodeError as error:
-        raise TableError(f"{source}: {not_utf8(error)}") from None
-    except OSError as error:
-        raise TableError(f"{path}: cannot be read: {error.strerror}") from error
-    header = [str(name).strip() for name in lines.iloc[0].fillna("")]
-    return source, lines.iloc[1:].set_axis(header, axis="columns").reset_index(drop=True)
+    except ValueError as error:
+        raise TableError(f"{source}: {error}") from None
+    header = [str(name).strip() for name in rows.iloc[0].fillna("")]
+    return source, rows.iloc[1:].set_axis(header, axis="columns").reset_index(drop=True)
+
+
+def _content(table: str | Path | TextIO) -> bytes:
+    """Return the bytes of a file, unpacked; of an open text file those below its encoding."""
+    if isinstance(table, str | Path):
+        data = Path(table).read_bytes()
+    else:
+        read: str | bytes = getattr(table, "buffer", table).read()
+        data = read.encode() if isinstance(read, str) else read
+    return gzip.decompress(data) if data.startswith(b"\x1f\x8b") else data
+
+
+def _head(text: str, wanted: set[str]) -> tuple[int, list[str]]:
+    """Return the number of lines above the head of a table, and its cells.
+
+    The head is the row, of the first ones, that has the most of the columns that are wanted:
+    measuring devices write names and dates above it.
+    """
+    reader = csv.reader(StringIO(text, newline=""), skipinitialspace=True)
+    rows: list[tuple[int, list[str]]] = []
+    above = 0
+    with suppress(csv.Error):
+        for cells in islice(reader, _LINES_ABOVE):
+            rows.append((above, [cell.strip() for cell in cells]))
+            above = reader.line_num
+    return max(rows, key=lambda row: len(wanted & {*row[1]}), default=(0, []))
+
+
+_LINES_ABOVE = 50
+# What devices write for what they did not measure, beside what pandas knows.
+_MISSING = ["-", "--", "—"]
 
 
 def texts(column: pd.Series) -> pd.Series:
@@ -155,6 +223,16 @@ def refuse_rows(wrong: Flags, values: Array, rows: Integers, column: str, why: s
         raise TableError(
             f"{column}: row {rows[first]} below the header has {values[first]:g}: "
             f"{why}{and_more(int(wrong.sum()))}"
+        )
+
+
+def require_usual(values: Array, column: str, low: float, high: float, unit: str) -> None:
+    """Raise a `TableError` where the median lies beyond all that is measured: in another unit."""
+    median = float(np.median(values)) if values.size else low
+    if not low <= median <= high:
+        raise TableError(
+            f"{column}: the median is {median:.4g}, and in {unit} it would lie between {low:g} and "
+            f"{high:g}; is it in another unit? The table must be in {unit} here"
         )
 
 

@@ -6,6 +6,7 @@ stages inherit the mistake.
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -54,6 +55,7 @@ WRONG, RIGHT = 5, 2
 # Scenes in which it has to hold.
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
+EDITS = 5000  # that are tried at a stage, the cheapest
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = 16  # edits that are held against all of these
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
@@ -216,7 +218,8 @@ class Explanation:
         options = {**self.data.columns, "spin": self.data.columns[self.stage.spins]}
         known: dict[bytes, list[Edit]] = {_fingerprint(self.stage, probe): []}
         same = known.copy()
-        for edit in edits(self.chain, self.stage, defaults(), options):
+        every = edits(self.chain, self.stage, defaults(), options)
+        for edit in heapq.nsmallest(EDITS, every, key=lambda edit: edit.bits):
             stage = self.edited(edit)
             if stage.kind == "event" and _vanishes(stage, probe):  # then it would hold anywhere
                 continue

@@ -1,0 +1,87 @@
+"""Options that change scenes: --set, --fence, --reading."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from longball.cli.common import option_value, refusing, split_assignment, wrong_call
+from longball.model.changes import Changes, changes_of, value_of
+from longball.model.names import one_of
+from longball.model.readings import LEDGER, SCHEME_OPTIONS, Belongs
+
+ReadingOption = Annotated[
+    list[str] | None,
+    typer.Option("--reading", metavar="NAME=OPTION", help="A switch of the ledger; repeatable."),
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="BLOCK.KEY=VALUE",
+        help="A value of the scene, as pitch.speed=40 or pitch.speed=95mph; repeatable.",
+    ),
+]
+FenceOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FILE|RADIUS",
+        help="What home runs fly over: a file with a scene's fence block, or a radius, as 120 or "
+        "400ft.",
+    ),
+]
+
+
+def chosen_changes(
+    values: Sequence[str] | None, fence: str | None, readings: Sequence[str] | None = None
+) -> Changes:
+    """Return what options change in a scene; a reading of anything else is a wrong call."""
+    switches = chosen_switches(readings or [])
+    for belongs, named in switches.items():
+        if belongs != "scene" and named:
+            wrong_call(f"--reading {next(iter(named))}: it changes no scene, but longball homerun")
+    blocks = {f"reading.{name}": option for name, option in switches["scene"].items()}
+    if fence is not None:
+        blocks["fence"] = fence_block(fence)
+    with refusing("--set "):
+        return changes_of((split_assignment("--set", text) for text in values or []), blocks)
+
+
+def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
+    """Return the switches that options set, by what they belong to."""
+    ledger = {entry.switch: entry for entry in LEDGER if entry.is_switch}
+    switches: dict[Belongs, dict[str, Any]] = {"scene": {}, "sampling": {}, "figure": {}}
+    for text in readings:
+        name, option = split_assignment("--reading", text)
+        if name not in ledger:
+            near = one_of("it has", name, ledger)
+            wrong_call(f"--reading {name}: not in the ledger{near}")
+        if ledger[name].belongs == "scheme":
+            wrong_call(
+                f"--reading {name}: of the paper's scheme, which is an option of its engine: "
+                f"longball solve --engine verlet --{SCHEME_OPTIONS[name]}"
+            )
+        switches[ledger[name].belongs][name] = option_value(option)
+    return switches
+
+
+def fence_block(text: str) -> Any:
+    """Return the fence that an option names: a radius, or a file that holds the block."""
+    if not Path(text).is_file():
+        try:
+            radius = value_of("fence.radius", text)
+        except ValueError as error:
+            wrong_call(f"--fence {text}: {error}")
+        if not isinstance(radius, str):
+            return {"radius": radius}
+    try:
+        return json.loads(Path(text).read_text(encoding="utf-8"))
+    except ValueError:
+        wrong_call(
+            f"--fence {text}: neither a radius in m nor a file with the block of a fence in JSON, "
+            'such as {"radius": 120}'
+        )

@@ -1,0 +1,95 @@
+"""Changes to scenes, by the names of their numbers: ``pitch.speed=95mph``."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from longball.model.names import one_of
+from longball.model.quantities import at
+from longball.model.scene import KINDS, AtBatScene, InvalidScene, PitchScene, keys_of, parts_of
+from longball.model.units import in_si, unit_of
+
+_ELEMENT = re.compile(r"(.*)\[(\d+)\]")
+# Of kinds that need no block, to complete vectors from.
+_USUAL: dict[Any, Any] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
+
+
+@dataclass(frozen=True)
+class Changes:
+    """Values to be put into scenes, under the names of keys or of components of vectors."""
+
+    values: tuple[tuple[str, Any], ...] = ()
+
+    def __call__(self, data: Mapping[str, Any]) -> dict[str, Any]:
+        """Return a scene, as plain data, with the changes; `InvalidScene` if they do not fit it."""
+        changed = dict(data)
+        for name, value in self.values:
+            if element := _ELEMENT.fullmatch(name):
+                name, place = element[1], int(element[2])
+                vector = at(changed, name) or at(_USUAL.get(data.get("kind")), name)
+                if not isinstance(vector, list | tuple) or place >= len(vector):
+                    raise InvalidScene(
+                        f"{name}[{place}]: the scene does not give {name}; set all of it"
+                    )
+                value = [*vector[:place], value, *vector[place + 1 :]]
+            changed = _with(changed, name.split("."), value, name)
+        return changed
+
+
+def _with(block: Mapping[str, Any], keys: list[str], value: Any, name: str) -> dict[str, Any]:
+    key, *rest = keys
+    if rest:
+        inner = block.get(key, {})
+        if not isinstance(inner, Mapping):
+            raise InvalidScene(f"{name}: {key} is set to {json.dumps(inner)} already")
+        value = _with(inner, rest, value, name)
+    return {**block, key: value}
+
+
+def value_of(name: str, text: str) -> Any:
+    """Return the value that a text gives a key: JSON, a number with or without a unit, or a word.
+
+    >>> value_of("pitch.speed", "90 km/h")
+    25.0
+
+    A ValueError says that no scene has the key, or that the unit is none of its quantity.
+    """
+    described = _described(name)
+    for read in (json.loads, float):
+        with suppress(ValueError):
+            return read(text)
+    number = re.fullmatch(r"(\[.*\]|[-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s\[\]]\S*)", text)
+    if number is None:
+        return text
+    try:
+        held = json.loads(number[1]) if number[1].startswith("[") else float(number[1])
+        si = unit_of(described)
+        if isinstance(held, list):
+            return [in_si(x, number[2], si) for x in held]
+        return in_si(held, number[2], si)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}={text}: {error}") from None
+
+
+def _described(name: str) -> str:
+    """Return the description of a key of some kind of scene."""
+    keys = _ELEMENT.sub(r"\1", name).split(".")
+    known: list[str] = []
+    for depth in range(1, len(keys) + 1):
+        fields = [field for kind in KINDS.values() for field in parts_of(kind, keys[:depth])]
+        if not fields:
+            before = "".join(f"{key}." for key in keys[: depth - 1])
+            known = [f"{before}{x}" for k in KINDS.values() for x in keys_of(k, keys[: depth - 1])]
+            near = one_of("the keys here are", ".".join(keys[:depth]), dict.fromkeys(known))
+            raise ValueError(f"{name}: no scene has this key{near}")
+    return next((field.description for field in fields if field.description), "")
+
+
+def changes_of(texts: Iterable[tuple[str, str]], blocks: Mapping[str, Any]) -> Changes:
+    """Return the changes that names with texts make, after those of whole blocks and keys."""
+    return Changes((*blocks.items(), *((name, value_of(name, text)) for name, text in texts)))

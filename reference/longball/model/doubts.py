@@ -1,0 +1,68 @@
+"""Doubts about a scene that is valid: numbers that look like another unit, a fence of other axes.
+
+The model takes any ball and any field. A person who writes 145 for a mass means grams.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+from longball.model.scene import Fence, Scene
+
+# Beyond all that is measured in baseball: the largest size of a number or vector, its unit, and the
+# units in which people have such numbers.
+_LIMITS = {
+    "ball.mass": (1.0, "kg", "g or oz"),
+    "ball.radius": (0.2, "m", "cm or inches"),
+    "bat.mass": (5.0, "kg", "g or oz"),
+    "bat.length": (3.0, "m", "cm or inches"),
+    "bat.radius": (0.2, "m", "cm or inches"),
+    "launch.velocity": (60.0, "m/s", "km/h, mph or ft/s"),
+    "pitch.velocity": (60.0, "m/s", "km/h, mph or ft/s"),
+    "pitch.speed": (60.0, "m/s", "km/h, mph or ft/s"),
+    "incoming.velocity": (60.0, "m/s", "km/h, mph or ft/s"),
+    "pitch.release": (25.0, "m", "ft"),
+    "launch.spin": (1000.0, "rad/s", "rpm"),
+    "pitch.spin": (1000.0, "rad/s", "rpm"),
+    "incoming.spin": (1000.0, "rad/s", "rpm"),
+    "swing.angular_speed": (150.0, "rad/s", "degrees/s or rpm"),
+    "swing.tilt": (math.pi, "rad", "degrees"),
+    "gravity": (30.0, "m/s²", "ft/s²"),
+}
+
+
+def doubts(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield the key and a question for each thing that is probably not meant."""
+    for name, block, key, (limit, unit, others) in _limits_of(type(scene)):
+        value: Any = getattr(scene, block)
+        value = getattr(value, key) if key else value
+        if value is None:
+            continue
+        size = math.hypot(*value) if isinstance(value, tuple) else abs(value)
+        if size > limit:
+            yield name, f"{size:g} {unit} is more than in any game; is it in {others}?"
+    fence = getattr(scene, "fence", None)
+    if fence is not None and fence.polyline is not None and not _is_ahead(fence):
+        yield (
+            "fence.polyline",
+            (
+                "it does not go round centre field, so that balls pass beside it; x points to "
+                "centre field and y to the left"
+            ),
+        )
+
+
+@cache
+def _limits_of(kind: type[Scene]) -> list[tuple[str, str, str, tuple[float, str, str]]]:
+    """Return the limits of the numbers that a kind of scene has, with their names taken apart."""
+    parts = [(name, *name.partition(".")[::2], limit) for name, limit in _LIMITS.items()]
+    return [part for part in parts if part[1] in kind.model_fields]
+
+
+def _is_ahead(fence: Fence) -> bool:
+    """Check that a fence crosses the axis from the plate to centre field."""
+    return any(a[1] > 0.0 >= b[1] or a[1] >= 0.0 > b[1] for a, b in pairwise(fence.polyline or ()))

@@ -1,0 +1,43 @@
+"""Units that people have numbers in: a factor of an SI unit, and the zero of a temperature."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from longball.model.names import one_of
+
+_DEGREE = math.pi / 180.0
+
+# By SI unit. All but the pressure of mercury are exact by definition.
+UNITS: dict[str, dict[str, float]] = {
+    "m/s": {"m/s": 1.0, "km/h": 1 / 3.6, "mph": 0.44704, "ft/s": 0.3048},
+    "m": {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254},
+    "kg": {"kg": 1.0, "g": 0.001, "oz": 0.028349523125, "lb": 0.45359237},
+    "rad": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
+    "rad/s": {"rad/s": 1.0, "deg/s": _DEGREE, "rpm": math.pi / 30.0},
+    "m/s²": {"m/s²": 1.0, "m/s2": 1.0, "ft/s²": 0.3048, "ft/s2": 0.3048},
+    "K": {"K": 1.0, "C": 1.0, "°C": 1.0, "F": 1 / 1.8, "°F": 1 / 1.8},
+    "Pa": {"Pa": 1.0, "hPa": 100.0, "kPa": 1000.0, "mbar": 100.0, "inHg": 3386.389},
+    "kg/m³": {"kg/m³": 1.0, "kg/m3": 1.0},
+    "s": {"s": 1.0, "ms": 0.001},
+}
+_ZEROS = {"C": 273.15, "°C": 273.15, "F": 459.67 / 1.8, "°F": 459.67 / 1.8}  # K
+
+
+def unit_of(description: str) -> str:
+    """Return the SI unit that the description of a field begins with; empty if it has none.
+
+    >>> unit_of("m/s; default: the mean of Eq. 3")
+    'm/s'
+    """
+    first = re.match(r"[^\s,;]+", description)
+    return first[0] if first and first[0] in UNITS else ""
+
+
+def in_si(number: float, unit: str, si: str) -> float:
+    """Return a number in an SI unit; a ValueError says that its unit is none of that quantity."""
+    if unit not in UNITS.get(si, {}):
+        known = one_of("the units here are", unit, UNITS[si]) if si else "; it has no unit"
+        raise ValueError(f"{unit!r} is no unit here{known}")
+    return number * UNITS[si][unit] + _ZEROS.get(unit, 0.0)

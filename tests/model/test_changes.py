@@ -1,0 +1,102 @@
+"""Changes to scenes by names, and the units of their values."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from longball.model.changes import Changes, value_of
+from longball.model.scene import InvalidScene, parse_scene
+
+LAUNCH = {"position": [0, 0, 1], "velocity": [30, 0, 25]}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("pitch.speed", "40", 40),
+        ("pitch.speed", ".5", 0.5),
+        ("pitch.speed", "100mph", 44.704),  # 1 mph is 0.44704 m/s
+        ("pitch.speed", "90 km/h", 25.0),
+        ("pitch.release", "[60, 0, 6] ft", [18.288, 0.0, 1.8288]),
+        ("pitch.release[2]", "6ft", 1.8288),
+        ("launch.spin", "[0,-60,0]rpm", [0.0, -2 * math.pi, 0.0]),
+        ("ball.mass", "5.125 oz", 5.125 * 0.028349523125),
+        ("bat.length", "34in", 0.8636),
+        ("swing.tilt", "-5°", -math.pi / 36),
+        ("air.density.temperature", "20°C", 293.15),
+        ("air.density.temperature", "68F", 293.15),
+        ("air.density.pressure", "1013.25 hPa", 101325.0),
+        ("air.wind", "[10, 0, 0] mph", [4.4704, 0.0, 0.0]),
+        ("air.drag_coefficient.speed", "36 km/h", 10.0),  # of a law of several
+        ("gravity", "32 ft/s2", 9.7536),
+        ("air", "null", None),
+        ("bat.support", "free", "free"),
+        ("air.drag_coefficient", '{"law": "spin"}', {"law": "spin"}),
+        ("fence.radius", "400ft", 121.92),
+    ],
+)
+def test_values_have_units(name: str, text: str, value: object):
+    read = value_of(name, text)
+    if isinstance(value, float | list):
+        # Two roundings, of the factor and of the product, and one more of a zero.
+        assert read == pytest.approx(value, rel=4e-16)
+    else:
+        assert read == value
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("pitch.sped", "1", "pitch.sped: no scene has this key, did you mean pitch.speed?"),
+        ("ptch.speed", "1", "ptch.speed: no scene has this key, did you mean pitch?"),
+        ("pitch.speed", "95mhp", "pitch.speed=95mhp: 'mhp' is no unit here, did you mean mph?"),
+        ("pitch.speed", "95ft", "'ft' is no unit here, did you mean ft/s? The units here are m/s,"),
+        ("ball.restitution", "42%", "'%' is no unit here; it has no unit"),
+        ("pitch.speed", "1.2.3mph", "pitch.speed=1.2.3mph: could not convert"),
+    ],
+)
+def test_a_key_or_a_unit_that_is_none_is_named(name: str, text: str, said: str):
+    with pytest.raises(ValueError, match=r"^pitch|^ptch|^ball") as caught:
+        value_of(name, text)
+    assert said in str(caught.value)
+
+
+def changed(scene: dict, *values: tuple[str, object]):
+    return parse_scene(json.dumps(scene), Changes(values))
+
+
+def test_changes_stand_in_the_scene_as_if_written():
+    scene = {"id": "a", "kind": "flight", "launch": LAUNCH, "air": {"density": 1.1}}
+    found = changed(
+        scene, ("launch.velocity[1]", 3.0), ("air.wind", [1.0, 0.0, 0.0]), ("gravity", 9.7)
+    )
+    written = scene | {
+        "launch": LAUNCH | {"velocity": [30, 3.0, 25]},
+        "air": {"density": 1.1, "wind": [1.0, 0.0, 0.0]},
+        "gravity": 9.7,
+    }
+    assert found == parse_scene(json.dumps(written))
+    assert scene["launch"] is LAUNCH
+    assert LAUNCH["velocity"] == [30, 0, 25]
+
+
+def test_a_component_of_a_default_is_set():
+    assert changed({"kind": "pitch"}, ("pitch.release[2]", 2.0)).pitch.release == (18.44, 0, 2)
+
+
+@pytest.mark.parametrize(
+    ("scene", "value", "said"),
+    [
+        ({"kind": "pitch"}, ("launch.speed", 1), "launch: unknown key"),
+        ({"kind": "pitch", "air": None}, ("air.density", 1), "air is set to null already"),
+        ({"kind": "flight"}, ("launch.spin[0]", 1), "the scene does not give launch.spin; set all"),
+        ({"kind": "pitch"}, ("pitch.aim[2]", 1), "the scene does not give pitch.aim; set all of"),
+        ({"kind": "pitch"}, ("ball.mass", -1), "ball.mass: must be positive"),
+    ],
+)
+def test_a_change_that_does_not_fit_a_scene_is_its_error(scene: dict, value: tuple, said: str):
+    with pytest.raises(InvalidScene, match=said):
+        changed(scene, value)
