@@ -19,6 +19,19 @@ settings.register_profile("same", derandomize=True, database=None, deadline=None
 settings.load_profile("same")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option of `make nightly`."""
+    parser.addoption(
+        "--nightly", action="store_true", help="try all scenes where `make test` tries a sample"
+    )
+
+
+@pytest.fixture
+def nightly(request: pytest.FixtureRequest) -> bool:
+    """True if all scenes are asked for."""
+    return request.config.getoption("--nightly")
+
+
 @pytest.fixture
 def called(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Return a function that calls the command line in this process.
