@@ -35,7 +35,7 @@ ENGINES = {
     "batch": ({"engine": "batch"}, 1),
     "enclosure": ({"engine": "enclosure", "digits": 20}, 5),
     "certify": ({"certify": True}, 10),
-    "multiprecision": ({"engine": "multiprecision", "digits": 20}, 50),
+    "multiprecision": ({"engine": "multiprecision", "digits": 16}, 50),
 }
 
 
