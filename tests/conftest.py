@@ -26,6 +26,19 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Declare the mark of what waits for `make nightly`."""
+    config.addinivalue_line("markers", "nightly: run with --nightly only")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is for `make nightly`."""
+    waiting = [item for item in items if item.get_closest_marker("nightly")]
+    if waiting and not config.getoption("--nightly"):
+        config.hook.pytest_deselected(items=waiting)
+        items[:] = [item for item in items if item not in waiting]
+
+
 @pytest.fixture
 def nightly(request: pytest.FixtureRequest) -> bool:
     """True if all scenes are asked for."""

@@ -61,6 +61,7 @@ def test_what_was_wrong_once_is_right(family, number, seed):
 # A landing after eight loops of kilometres, that is as exact as those; a drift of 2 cm in a fall of
 # 6,000 km. They take the enclosure seconds for each input that is moved. With one alone moved less
 # is allowed: the sum over all of them is larger.
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("family", "number", "moved"),
     [
@@ -68,9 +69,7 @@ def test_what_was_wrong_once_is_right(family, number, seed):
         ("extreme", 24816, "launch.position[2]"),
     ],
 )
-def test_so_is_what_takes_long(family, number, moved, monkeypatch, nightly):
-    if not nightly:
-        pytest.skip("for --nightly")
+def test_so_is_what_takes_long(family, number, moved, monkeypatch):
     monkeypatch.setattr("analysis.survival.inputs", lambda scene: {moved: inputs(scene)[moved]})
     found = examine(random_scene(family, number, 20))
     verdicts = {row["engine"]: row["verdict"] for row in found}

@@ -107,11 +107,16 @@ class TestClearance:
 
 
 class TestQuadrature:
-    @pytest.mark.parametrize("name", GOLDEN)
+    # The default reading is in test_cli.py, too.
+    @pytest.mark.parametrize(
+        "name",
+        [
+            pytest.param(name, marks=pytest.mark.nightly if i % 8 else ())
+            for i, name in enumerate(GOLDEN, 4)
+        ],
+    )
     @pytest.mark.usefixtures("coarse")
-    def test_its_error_covers_the_distance_to_a_finer_rule(self, name, nightly):
-        if not nightly and name != "probability-ground_contact-surface":
-            pytest.skip("for --nightly; the default reading is in test_cli.py")
+    def test_its_error_covers_the_distance_to_a_finer_rule(self, name):
         case = GOLDEN[name]
         row = case.rows[0]
         at_bats = paper_at_bats(case.sampling)
