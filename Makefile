@@ -22,8 +22,9 @@ docs: $(VENV)/.documented  ## write the documentation to docs/_build/html; no ne
 test: $(INSTALLED)  ## run the tests on all cores
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-nightly: $(INSTALLED)  ## compare all engines with the tests' oracle on 5,000 random scenes
+nightly: $(INSTALLED)  ## compare all engines with the tests' oracle on 5,000 random scenes, and run all tests whole
 	$(BIN)/python -m tests.nightly --scenes 5000
+	$(BIN)/python -m pytest -n auto --dist worksteal --nightly
 
 coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
 	$(BIN)/python -m pytest -n auto --cov --cov-report=term

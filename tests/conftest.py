@@ -19,6 +19,32 @@ settings.register_profile("same", derandomize=True, database=None, deadline=None
 settings.load_profile("same")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option of `make nightly`."""
+    parser.addoption(
+        "--nightly", action="store_true", help="try all scenes where `make test` tries a sample"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Declare the mark of what waits for `make nightly`."""
+    config.addinivalue_line("markers", "nightly: run with --nightly only")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is for `make nightly`."""
+    waiting = [item for item in items if item.get_closest_marker("nightly")]
+    if waiting and not config.getoption("--nightly"):
+        config.hook.pytest_deselected(items=waiting)
+        items[:] = [item for item in items if item not in waiting]
+
+
+@pytest.fixture
+def nightly(request: pytest.FixtureRequest) -> bool:
+    """True if all scenes are asked for."""
+    return request.config.getoption("--nightly")
+
+
 @pytest.fixture
 def called(monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Return a function that calls the command line in this process.

@@ -7,7 +7,8 @@ that stands before the real one on the path. A first run of the tests of `TESTS`
 reaches which line, and in what time. Each mutant then runs the tests that reach its line, followed
 by those that reach its module, the quickest first, up to `LIMIT` seconds in all; one that survives
 them without a reason, up to `LONGER`. Killed: a test fails, or none ends in time. The others are
-survivors, whether another test would kill them or not.
+survivors, whether another test would kill them or not. A mutant for
+which no test runs is an error, of this program or of its lists.
 
 Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
 which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
@@ -44,7 +45,7 @@ from typing import Any
 import pytest
 from scipy.stats import binomtest
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "reference" / "longball"
 SPACE = ROOT / "build" / "mutants"
 TABLE = ROOT / "tests" / "mutants.csv"
@@ -287,7 +288,7 @@ class Recorder:
         self.coverage.stop()
         data, lines = self.coverage.get_data(), {}
         for name in data.measured_files():
-            module = Path(name).as_posix().partition("/longball/")[2]
+            module = Path(name).relative_to(PACKAGE).as_posix()
             found = data.contexts_by_lineno(name)
             lines[module] = {
                 str(n): [t for t in tests if t and t not in self.failed]
@@ -330,8 +331,17 @@ def record(file: Path) -> Reach:
     return Reach(**json.loads(file.read_text(encoding="utf-8")))
 
 
+def require_tests(tried: Iterable[Mutant], reach: Reach) -> None:
+    """End the program if no test reaches the module of a mutant."""
+    if alone := {mutant.module for mutant in tried if not reach.tests(mutant, LIMIT)}:
+        sys.exit(f"no test of {', '.join(TESTS)} reaches {', '.join(sorted(alone))}")
+
+
 def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
-    """Return what the tests make of a mutant: ``killed``, ``no end`` or ``SURVIVED``."""
+    """Return what the tests make of a mutant.
+
+    ``killed``, ``no end`` or ``SURVIVED``; ``NO TEST`` if none ran.
+    """
     tests = reach.tests(mutant, limit)
     files = dict.fromkeys(test.partition("::")[0] for test in tests)
     seconds = COMPILING + SLOWER * sum(reach.seconds[test] for test in tests)
@@ -351,8 +361,8 @@ def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
             os.environ["PYTHONPATH"] = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
             return _pytest(("-x", *files), Chosen(tests))
 
-        status = _forked(run, seconds) if tests else 0
-        return {0: "SURVIVED", _NO_END: "no end"}.get(status, "killed")
+        status = _forked(run, seconds)
+    return _FATES.get(status, "killed")
 
 
 def _pytest(files: tuple[str, ...], plugin: object) -> int:
@@ -363,6 +373,12 @@ def _pytest(files: tuple[str, ...], plugin: object) -> int:
 
 
 _NO_END = -signal.SIGXCPU
+_FATES = {
+    pytest.ExitCode.OK: "SURVIVED",
+    pytest.ExitCode.NO_TESTS_COLLECTED: "NO TEST",
+    pytest.ExitCode.USAGE_ERROR: "NO TEST",
+    _NO_END: "no end",
+}
 
 
 def _forked(run: Callable[[], int], seconds: float | None) -> int:
@@ -444,14 +460,18 @@ def main() -> None:
     if options.map is None:
         fresh.unlink(missing_ok=True)
     reach = record(options.map or fresh)
-    tried, survivors = [], []
+    require_tests(asked[: options.sample], reach)
+    tried, survivors, untested = [], [], 0
     with contextlib.suppress(KeyboardInterrupt):
         for mutant in asked[: options.sample]:
             start = time.monotonic()
             word = fate(mutant, reach, LIMIT)
             if word == "SURVIVED" and not reasons.get(mutant.key):
                 word = fate(mutant, reach, LONGER)
-            tried.append(mutant)
+            if word == "NO TEST":
+                untested += 1
+            else:
+                tried.append(mutant)
             survivors += [mutant] if word == "SURVIVED" else []
             print(f"{word:8} {time.monotonic() - start:5.1f} s  {mutant}", flush=True)
     write(every, survivors, tried)
@@ -460,6 +480,8 @@ def main() -> None:
     print(f"{len(tried)} of {len(asked)} mutants, {equivalent} of them equivalent")
     low, high = binomtest(killed, count).proportion_ci(method="wilson")
     print(f"{killed} of {count} killed: {killed / count:.1%} ({low:.1%} to {high:.1%})")
+    if untested:
+        sys.exit(f"no test ran for {untested} more, though some reach their modules")
 
 
 if __name__ == "__main__":

@@ -29,13 +29,13 @@ NEAR = 1e-6
 UNDECIDED = ("undecided", "too_long", "out_of_range")  # codes of an engine that reached its limits
 PIECE = 50  # scenes that one process solves at a time
 
-# Options of `lb.solve_many`, and one of how many scenes is solved with them: some are slow.
+# Options of `lb.solve_many`, and one in how many scenes is solved with them: some are slow.
 ENGINES = {
     "ivp": ({"engine": "ivp"}, 1),
     "batch": ({"engine": "batch"}, 1),
     "enclosure": ({"engine": "enclosure", "digits": 20}, 5),
     "certify": ({"certify": True}, 10),
-    "multiprecision": ({"engine": "multiprecision", "digits": 20}, 20),
+    "multiprecision": ({"engine": "multiprecision", "digits": 16}, 50),
 }
 
 
@@ -127,14 +127,18 @@ class Comparison(NamedTuple):
         return self.off is not None and not self.off <= 1
 
 
-def compare(scenes, labels, share=True):
-    """Solve scenes by the oracle and by the engines. Return comparisons, and labels in doubt."""
+def compare(scenes, labels, first=None):
+    """Solve scenes by the oracle and by the engines. Return comparisons, and labels in doubt.
+
+    `first` is the number of the first scene: an engine solves those whose number is a multiple of
+    its share. Without one, all engines solve all.
+    """
     truths = [truth(scene) for scene in scenes]
     doubtful = [label for label, true in zip(labels, truths, strict=True) if true is None]
-    clear = [row for row in zip(scenes, labels, truths, strict=True) if row[2] is not None]
+    clear = [row for row in enumerate(zip(scenes, labels, truths, strict=True)) if row[1][2]]
     rows = []
     for engine, (options, one_of) in ENGINES.items():
-        chosen = clear[:: one_of if share else 1]
+        chosen = [row for i, row in clear if first is None or (first + i) % one_of == 0]
         solutions = lb.solve_many([scene for scene, _, _ in chosen], workers=1, **options)
         for (scene, label, true), solution in zip(chosen, solutions, strict=True):
             answer = json.loads(solution.result.line())
@@ -160,7 +164,7 @@ def drawn(seed, numbers):
 
 
 def piece(seed, first, last):
-    return compare(*drawn(seed, range(first, last)))
+    return compare(*drawn(seed, range(first, last)), first)
 
 
 def main():

@@ -106,37 +106,59 @@ def test_the_library():
     assert run.stdout == 'this needs pandas: pip install ".[tables]"\n'
 
 
-@pytest.mark.parametrize(
-    ("extra", "arguments"),
-    [
-        ("fast", ["solve", "--engine", "batch"]),
-        ("fast", ["solve", "--workers", "2"]),
-        ("fast", ["homerun", "--samples", "10"]),
-        ("fast", ["homerun", "--method", "quadrature"]),
-        ("fast", ["readings", "--samples", "10"]),
-        ("fast", ["golden", "write", "nowhere"]),
-        ("tables", ["fit", "--example"]),
-        ("tables", ["solve", "-o", "x.csv"]),
-        ("tables", ["solve", "-o", "x.parquet"]),
-        ("plot", ["homerun", "--samples", "5", "--figure", "x.png"]),
-        ("fast", ["golden", "check", "--workers", "2"]),
-        ("fast", ["measured", "--example"]),
-        ("tables", ["measured", "--example", "--engine", "ivp"]),
-        ("plot", ["plot"]),
-        ("plot", ["judge", "--html", "x.html", "--", "true"]),
-        ("dask", ["solve", "--scheduler", "tcp://127.0.0.1:1"]),
+# Calls of the command line in one process, each with its exit status and its words.
+CALLS = """
+import contextlib, io, json, os
+from longball.__main__ import main
+os.chdir(sys.argv[1])
+scenes, answers = sys.stdin.buffer.read(), []
+for arguments in json.loads(sys.argv[2]):
+    sys.argv, sys.stdin = ["longball", *arguments], io.TextIOWrapper(io.BytesIO(scenes))
+    with contextlib.redirect_stderr(io.StringIO()) as words:
+        try: main()
+        except SystemExit as left: answers.append([left.code, words.getvalue()])
+print(json.dumps(answers))
+"""
+MISSING = {
+    "fast": [
+        ["solve", "--engine", "batch"],
+        ["solve", "--workers", "2"],
+        ["homerun", "--samples", "10"],
+        ["homerun", "--method", "quadrature"],
+        ["readings", "--samples", "10"],
+        ["golden", "write", "nowhere"],
+        ["golden", "check", "--workers", "2"],
+        ["measured", "--example"],
     ],
-)  # fmt: skip
-def test_what_is_missing_is_named(extra: str, arguments: list[str], tmp_path: Path):
-    run = light(
-        f"import os; os.chdir({str(tmp_path)!r}); from longball.__main__ import main; main()",
-        *arguments,
-        names=tuple(name for name, its in EXTRAS.items() if its == extra),
-    )
-    assert run.returncode == 2, run.stderr
-    assert f'pip install ".[{extra}]"' in run.stderr
-    assert len(run.stderr.splitlines()) == 1
-    assert "llvmlite" not in run.stderr  # which numba brings
+    "tables": [
+        ["fit", "--example"],
+        ["solve", "-o", "x.csv"],
+        ["solve", "-o", "x.parquet"],
+        ["measured", "--example", "--engine", "ivp"],
+    ],
+    "plot": [
+        ["homerun", "--samples", "5", "--figure", "x.png"],
+        ["plot"],
+        ["judge", "--html", "x.html", "--", "true"],
+    ],
+    "dask": [
+        ["solve", "--scheduler", "tcp://127.0.0.1:1"],
+        ["homerun", "--scheduler", "tcp://127.0.0.1:1"],
+    ],
+}
+
+
+@pytest.mark.parametrize("extra", MISSING)
+def test_what_is_missing_is_named(extra: str, tmp_path: Path):
+    names = tuple(name for name, its in EXTRAS.items() if its == extra)
+    run = light(CALLS, str(tmp_path), json.dumps(MISSING[extra]), names=names)
+    assert run.returncode == 0, run.stderr
+    answers = json.loads(run.stdout.splitlines()[-1])
+    for arguments, (status, words) in zip(MISSING[extra], answers, strict=True):
+        assert status == 2, arguments
+        assert f'pip install ".[{extra}]"' in words, arguments
+        assert len(words.splitlines()) == 1, arguments
+        assert "llvmlite" not in words, arguments  # which numba brings
 
 
 def test_samples_are_struck_by_an_engine_that_needs_none():

@@ -1,4 +1,7 @@
-"""Random scenes of every family: answered, and answered rightly. Thousands more are a study."""
+"""Random scenes of every family: answered, and answered rightly. Thousands more are a study.
+
+An eighth of the scenes is tried in `make test`, all of them in `make nightly`.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,15 @@ from longball.golden.condition import inputs
 from longball.model.scene import parse_scene
 
 SEED = 2
+SHARE = 8
 PAPER = [family for family in FAMILIES if family != "extended"]
 
 
 @pytest.mark.parametrize("family", PAPER)
-def test_engines_agree_with_what_is_proven(family, monkeypatch):
+def test_engines_agree_with_what_is_proven(family, monkeypatch, nightly):
     # What takes the enclosure more than some tenths of a second is not compared here.
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)
-    for number in range(16):
+    for number in range(0, 16, 1 if nightly else SHARE):
         scene = random_scene(family, number, SEED)
         for row in examine(scene):
             assert row["verdict"] not in FAULTS, (row, scene.line())
@@ -57,6 +61,7 @@ def test_what_was_wrong_once_is_right(family, number, seed):
 # A landing after eight loops of kilometres, that is as exact as those; a drift of 2 cm in a fall of
 # 6,000 km. They take the enclosure seconds for each input that is moved. With one alone moved less
 # is allowed: the sum over all of them is larger.
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("family", "number", "moved"),
     [
@@ -77,22 +82,21 @@ def test_a_distance_beyond_the_range_of_doubles_is_no_miss():
     assert verdicts == {"ivp": "right", "batch": "declined", "enclosure": "right"}
 
 
-@pytest.mark.parametrize("part", range(2))
 @pytest.mark.parametrize("family", PAPER)
-def test_engines_agree_with_each_other(family, part, monkeypatch):
+def test_engines_agree_with_each_other(family, monkeypatch, nightly):
     # Two thousand scenes; the study has more. What takes many steps or much work is declined.
     monkeypatch.setattr("longball.engines.ivp._MANY_STEPS", 150)
     monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 300)
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)
-    for number in range(24 + 250 * part, 274 + 250 * part):
+    for number in range(24, 524, 1 if nightly else SHARE):
         scene = random_scene(family, number, SEED)
         for row in examine(scene, proven=False):
             assert row["verdict"] not in FAULTS, (row, scene.line())
 
 
-def test_engines_agree_in_the_extended_model(monkeypatch):
+def test_engines_agree_in_the_extended_model(monkeypatch, nightly):
     monkeypatch.setattr("analysis.random_scenes.LAWS", 3)  # each is compiled
-    for number in range(24):
+    for number in range(0, 24, 1 if nightly else SHARE):
         scene = random_scene("extended", number, SEED)
         for row in examine(scene, proven=scene.kind != "at-bat"):
             assert row["verdict"] not in FAULTS, (row, scene.line())

@@ -899,7 +899,7 @@ def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float
         air=Air(lift_coefficient=lift),
         launch=Launch(position=(0.0, 0.0, 50.0), velocity=(sideways, 0.0, up)),
     )
-    truth = solve(scene, Enclosure()).landing
+    truth = solve(scene, Enclosure(18)).landing
     assert truth is not None
     heights = []
     for engine in (Batch(), Ivp()):

@@ -28,8 +28,11 @@ from tests import precise
 ENGINE = Ivp()
 DIGITS = 20
 
-CHUNKS = 8  # for pytest-xdist to share
+CHUNKS = 8  # for pytest-xdist to share, and two of them for `make test`
 PITCHES, GRAZES = 1_200 // CHUNKS, 800 // CHUNKS
+chunks = pytest.mark.parametrize(
+    "chunk", [0, 1, *(pytest.param(i, marks=pytest.mark.nightly) for i in range(2, CHUNKS))]
+)
 
 
 def pitch_of_the_paper(rng):
@@ -74,7 +77,7 @@ def assert_decided_rightly(scene, margin, engine=ENGINE):
 # ---- thousands of pitches ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("chunk", range(CHUNKS))
+@chunks
 def test_pitches_of_the_paper(chunk):
     rng = np.random.default_rng([10_000, chunk])
     decided = 0
@@ -91,7 +94,7 @@ def test_pitches_of_the_paper(chunk):
     assert decided > 0.99 * PITCHES
 
 
-@pytest.mark.parametrize("chunk", range(CHUNKS))
+@chunks
 def test_grazing_pitches(chunk):
     """|margin| from 1e-3 down to 2e-14 m, touching and not, above the bat and below it."""
     rng = np.random.default_rng([2_000, chunk])

@@ -21,7 +21,6 @@ from longball.engines.chain import solve, solve_with_restitutions
 from longball.engines.enclosure import Balls, Enclosure
 from longball.engines.ivp import Ivp
 from longball.model.numbers import Undecided
-from longball.model.readings import Reading
 from longball.model.result import Bounded
 from longball.model.scene import (
     Air,
@@ -190,50 +189,6 @@ def test_more_digits_lie_within_fewer(scene):
         for key, bounded in narrow.items():
             off = distance(wide[key], Fraction(bounded.value))
             assert off + Fraction(bounded.radius) <= Fraction(wide[key].radius), key
-
-
-UP = Reading(lift_direction="always_up")
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        *REGULAR,
-        flight(reading=UP, velocity=(1.0, 0.0, 30.0)),
-        flight(reading=UP, velocity=(0.0, 0.0, 30.0)),
-        flight(velocity=(0.0, 0.0, 30.0)),
-        flight(velocity=(0.0, 0.0, 0.0)),
-        flight(velocity=(0.0, 0.0, 0.0), air=Air(lift_coefficient=0.0)),
-        flight(velocity=(1e-9, 0.0, 30.0), air=Air(lift_coefficient=0.0)),
-        flight(air=Air(lift_coefficient=-0.5), reading=UP, velocity=(0.5, 0.0, 30.0)),
-        flight(height=0.0, velocity=(0.0, 0.0, 0.0)),
-        flight(height=0.0, velocity=(10.0, 0.0, 0.0)),
-        flight(height=0.0, velocity=(60.0, 0.0, 0.0)),
-        flight(height=0.0, velocity=(10.0, 0.0, 0.0), air=None, gravity=0.0),
-        flight(air=Air(lift_coefficient=3.0), velocity=(40.0, 0.0, 5.0)),
-        flight(air=Air(lift_coefficient=3.0), velocity=(40.0, 0.0, 5.0), time_limit=3.0),
-        flight(air=Air(density=100.0), velocity=(300.0, 0.0, 10.0)),
-        flight(gravity=300.0),
-        flight(air=None, gravity=0.0),
-        flight(ball=Ball(mass=1e-5)),
-        PitchScene(id="x", pitch=Pitch(speed=10.0)),
-        PitchScene(id="x", time_limit=0.1),
-        at_bat(reading=UP),
-        at_bat(reading=Reading(ground_contact="surface")),
-        at_bat(gravity=0.0),
-        at_bat(pitch=Pitch(release=(0.07, 0.0, 1.8))),
-        at_bat(swing=Swing(angular_speed=-90.0)),
-    ],
-)
-def test_doubles_agree(scene):
-    found, doubles = solve(scene, ENGINE), solve(scene, Ivp())
-    assert found.error is None
-    assert found.outcome == doubles.outcome
-    truth = dict(numbers_of(found))
-    for key, number in numbers_of(doubles):
-        # The ivp engine's error: 1e-11 m on a baseball's flight, 1e-13 of what is larger.
-        true = float(truth[key].value)
-        assert number == pytest.approx(true, rel=1e-12, abs=2e-11), key
 
 
 # --- what is hard ---------------------------------------------------------------------------------

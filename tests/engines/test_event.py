@@ -318,8 +318,8 @@ def test_no_dip_is_missed_and_none_invented(surface):
 
 
 @pytest.mark.parametrize("surface", SURFACES)
-def test_the_enclosure_tells_them_all(surface):
-    for case in dips(surface, flights=5, depths=4):
+def test_the_enclosure_tells_them_all(surface, nightly):
+    for case in dips(surface, flights=5 if nightly else 2, depths=4):
         flight = fly(case, ENCLOSURE)
         assert flight.stop == (surface if case.depth > 0 else "time"), case
 

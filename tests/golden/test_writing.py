@@ -126,11 +126,18 @@ def test_a_line_may_hold_what_is_written_of_a_case_and_no_more(tmp_path: Path):
 # --- checking -------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("small")
+    writer.write(folder, SMALL)
+    assert check(folder).failures == ()
+    return folder
+
+
 @pytest.fixture
-def small(tmp_path: Path) -> Path:
-    writer.write(tmp_path, SMALL)
-    assert check(tmp_path).failures == ()
-    return tmp_path
+def small(written: Path, tmp_path: Path) -> Path:
+    """A set of three cases, to be changed."""
+    return shutil.copytree(written, tmp_path, dirs_exist_ok=True)
 
 
 def spoil(path: Path, old: str, new: str) -> None:
@@ -251,10 +258,9 @@ def nothing_twice(monkeypatch, computed: dict[str, object]) -> None:
 
 
 @pytest.fixture(scope="module")
-def with_probabilities(tmp_path_factory, computed) -> Path:
+def with_probabilities(tmp_path_factory, written, computed) -> Path:
     """A set of three cases, and P(0.45) of the default reading."""
-    folder = tmp_path_factory.mktemp("probabilities")
-    writer.write(folder, SMALL)
+    folder = shutil.copytree(written, tmp_path_factory.mktemp("set") / "probabilities")
     default, *_ = probabilities().cases
     (row,) = (row for row in default.rows if row.e == 0.45)
     nothing = row.model_copy(update={"p": math.nan})  # what is there is not used

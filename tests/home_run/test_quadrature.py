@@ -39,7 +39,7 @@ def coarse(monkeypatch) -> None:
 @pytest.fixture
 def coarsest(monkeypatch) -> None:
     """Two rules for what does not hang on how many nodes there are."""
-    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(0.2, 1), Nodes(0.3, 1)))
+    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(0.05, 1), Nodes(0.1, 1)))
 
 
 class TestMixture:
@@ -107,7 +107,14 @@ class TestClearance:
 
 
 class TestQuadrature:
-    @pytest.mark.parametrize("name", list(GOLDEN)[::4])
+    # The default reading is in test_cli.py, too.
+    @pytest.mark.parametrize(
+        "name",
+        [
+            pytest.param(name, marks=pytest.mark.nightly if i % 8 else ())
+            for i, name in enumerate(GOLDEN, 4)
+        ],
+    )
     @pytest.mark.usefixtures("coarse")
     def test_its_error_covers_the_distance_to_a_finer_rule(self, name):
         case = GOLDEN[name]
@@ -176,7 +183,7 @@ class TestQuadrature:
 
     @pytest.mark.usefixtures("coarsest")
     def test_threads_change_no_bit(self, monkeypatch):
-        monkeypatch.setattr("longball.home_run.quadrature._PAIRS", 5)  # so that both have some
+        monkeypatch.setattr("longball.home_run.quadrature._PAIRS", 1)  # so that both have some
         one, two = (integrals(BASE, PAPER, [0.42], tolerance=1e-2, workers=n) for n in (1, 2))
         assert one == two
 
