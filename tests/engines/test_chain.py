@@ -138,9 +138,9 @@ def test_another_law_or_collision_may_stand_in_the_chain():
     """Known mistakes, alternative readings and fitted laws are the same chain with other parts."""
     scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
 
-    def dead(cases, contact, *rest):
-        cases, impact, *rest = collide(cases, contact, *rest)
-        return cases, replace(impact, velocity=(0.0, 0.0, 0.0)), *rest
+    def dead(cases, contact, error):
+        impact, part = collide(cases, contact, error)
+        return replace(impact, velocity=(0.0, 0.0, 0.0)), part
 
     fallen = solve(scene, Ivp(), replace(MODEL, collide=dead))
     assert fallen.contact == solve(scene, Ivp()).contact

@@ -90,6 +90,36 @@ def test_steps_can_be_limited_and_series_shortened():
     assert 1e-13 < abs(rough.y[0, -1] - full.y[0, -1]) < 1e-6
 
 
+@pytest.mark.parametrize(("span", "far"), [((0, 8), 110.0), ((8, 0), 30.0)])
+def test_a_step_goes_on_to_the_first_of_the_events(span, far):
+    """The same series: the same solution, of fewer steps."""
+    start = START if span[0] == 0 else by_taylor(BALL, (0, 8), START).y[:, -1]
+    events = [lambda t, y: t - 100.0, lambda t, y: y[0] - far]
+    events[1].terminal = True
+    options = {"events": events, "dense_output": True}
+    many = by_taylor(BALL, span, start, **options)
+    found = by_taylor(BALL, span, start, until=events, **options)
+    assert (len(found.t), found.status) == (2, 1)
+    assert len(many.t) > 3
+    assert found.t[-1] == pytest.approx(many.t[-1], rel=1e-15)
+    times = np.linspace(found.t[0], found.t[-1], 50)
+    assert found.sol(times).tolist() == many.sol(times).tolist()
+
+
+def test_a_step_keeps_the_series_before_one_that_fails(monkeypatch):
+    series, advance = iter(range(2)), Taylor._advance
+
+    def fail(solver):
+        return advance(solver) if next(series, None) is not None else (False, "enough")
+
+    monkeypatch.setattr(Taylor, "_advance", fail)
+    found = by_taylor(BALL, (0, 8), START, until=[lambda t, y: 1.0], dense_output=True)
+    assert (found.status, found.message, len(found.t)) == (-1, "enough", 2)
+    monkeypatch.undo()
+    two = by_taylor(BALL, (0, 8), START).y[:, 2]
+    assert found.y[:, -1].tolist() == two.tolist()
+
+
 def test_options_of_other_methods_are_named_in_a_warning():
     with pytest.warns(UserWarning, match="Taylor does not take atol"):
         by_taylor(BALL, (0, 1), START, atol=1e-9)

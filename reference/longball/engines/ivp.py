@@ -152,10 +152,11 @@ class Ivp(PathEngine[float]):
         rates, taylor = right_hand_side(law), self.method == "Taylor"
         if not taylor and not np.isfinite(rates(time, state)).all():
             raise OutOfRange(_BEYOND)
-        options = {"law": law} if taylor else self.tolerances
-        ends = [terminal(event.name, event.value, law.state) for event in events]
+        # Of two in one step solve_ivp names the first: not the ground, which is the first here.
+        ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
         left = count(_MANY_STEPS, -1)
-        ends.append(terminal("many steps", lambda _: max(next(left), 0), law.state))
+        ends.append(terminal("many steps", lambda _: next(left), law.state))
+        options = {"law": law, "until": ends} if taylor else self.tolerances
         # A trial step may overflow; the step control then takes a shorter one or gives up.
         with np.errstate(all="ignore"):
             return scipy.integrate.solve_ivp(
@@ -232,15 +233,23 @@ _NEAR = 4.0
 def terminal(
     name: str, value: Callable[[Any], float], state: Callable[..., Any]
 ) -> Callable[[float, Array], float]:
-    """Return an event as solve_ivp takes it: where a value falls through zero, a flight ends.
+    """Return an event as solve_ivp takes it: where a value falls to zero, a flight ends.
 
-    At the ends of a step solve_ivp asks twice, for a state and for its interpolant, and fails if
-    rounding puts these on two sides of zero. The first answer holds.
+    It stays at zero from there, so that solve_ivp finds it at once, at the end of a step: when
+    within the step the polynomial tells. A value that begins below zero may rise first. What
+    solve_ivp asks for twice, of a state and of its interpolant, has one answer, as rounding could
+    put the two on two sides of zero.
     """
     known: dict[float, float] = {}
+    least = -math.inf
 
     def falls(time: float, y: Array) -> float:
-        return known.setdefault(time, value(state(*y.tolist())))
+        nonlocal least
+        if time not in known:
+            height = value(state(*y.tolist()))
+            least = 0.0 if height > 0 else least
+            known[time] = max(height, least)
+        return known[time]
 
     falls.__name__ = name
     falls.terminal, falls.direction = True, -1  # type: ignore[attr-defined]
@@ -270,11 +279,12 @@ def _pieces(law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
     Those of methods other than Taylor's are expanded from their states.
     """
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
-        begin, end = float(step.t_old), float(step.t)
         if isinstance(step, Series):
-            yield PolynomialPiece(begin, _length(begin, end), law.state, step.coefficients)
+            ends = [*(begin for begin, _ in step.parts[1:]), step.t]
+            for (begin, series), end in zip(step.parts, ends, strict=True):
+                yield PolynomialPiece(begin, _length(begin, end), law.state, series)
         else:
-            yield from _expanded(law, begin, state, end)
+            yield from _expanded(law, float(step.t_old), state, float(step.t))
 
 
 def _expanded(law: Law[float], time: float, state: Array, end: float) -> Iterator[PolynomialPiece]:

@@ -269,11 +269,11 @@ class PathEngine(Engine[N], ABC):
             left = search_end - piece.begin
             over = not view.until < left
             end = left if over else view.until
-            far = piece.curve(partial(bat.beyond, near))
+            curve = piece.curve(bat.depth)
+            far = curve if near is bat.reach else piece.curve(partial(bat.beyond, near))
             if far(view.since) > 0 and far.positive(view.since, end):
                 pending = None
             else:
-                curve = piece.curve(bat.depth)
                 for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
                     if not curve(b) >= curve(a):  # or its radius leaves that open
                         if touching is None and curve(b) < 0:

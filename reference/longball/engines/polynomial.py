@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -74,7 +76,8 @@ class Polynomial(Arithmetic):
         return Polynomial(self.coefficients * other)
 
 
-class PolynomialCurve(NamedTuple):
+@dataclass(eq=False)
+class PolynomialCurve:
     """The value of an event along a piece; see `longball.engines.event.Curve`."""
 
     piece: PolynomialPiece
@@ -87,13 +90,17 @@ class PolynomialCurve(NamedTuple):
     # origin is, whose rounding it would have
     coefficients: Any
 
+    @cached_property
+    def _lost(self) -> float:
+        """The size of a value that the rounding of a state would drown."""
+        origin = self.piece.state(*[0.0] * len(self.piece.coefficients))
+        return _FAR_SMALLER * abs(float(self.value(origin)))
+
     def __call__(self, t: float) -> float:
         """Return the value."""
         if not t:
             return float(self.coefficients[0])
-        terms = self.run.terms(self.coefficients, abs(t) / self.unit)
-        origin = self.piece.state(*[0.0] * len(self.piece.coefficients))
-        if terms > _FAR_SMALLER * abs(float(self.value(origin))):
+        if self.run.terms(self.coefficients, abs(t) / self.unit) > self._lost:
             return float(self.value(self.piece.at(t)))
         return float(self.run.value(self.coefficients, t / self.unit))
 

@@ -18,7 +18,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from types import CodeType
 from typing import Any, cast
 
 Scalar = float  # Python's numbers; they stand for themselves, exactly
@@ -396,14 +395,14 @@ class Names(dict[Node, str]):
 
 def run_source(source: str, name: str, functions: Mapping[str, Callable[..., Any]]) -> Any:
     """Return what printed code defines under a name, given the functions that it calls."""
-    space: dict[str, Any] = dict(functions)
-    exec(_compiled(source), space)
-    return space[name]
+    return _run(source, tuple(functions.items()))[name]
 
 
 @lru_cache(maxsize=256)
-def _compiled(source: str) -> CodeType:
-    return compile(source, "<traced>", "exec")
+def _run(source: str, functions: tuple[tuple[str, Callable[..., Any]], ...]) -> dict[str, Any]:
+    space: dict[str, Any] = dict(functions)
+    exec(compile(source, "<traced>", "exec"), space)
+    return space
 
 
 def trace(

@@ -119,12 +119,12 @@ def solve_columns_with_restitutions(
 
     def solve_block(rows: slice) -> None:
         met = Table(rows.stop - rows.start)
-        cases, meeting = chain.meet_bat(_cases(met, select(view, rows), flyer))
+        cases, contact = chain.meet_bat(_cases(met, select(view, rows), flyer))
         struck = cast(ManyCases, cases)
         for table, e in zip(tables, restitutions, strict=True):
             part = table.part(rows)
             part.copy_from(met)
-            chain.finish(struck.with_restitution(e, part), meeting)
+            chain.finish(struck.with_restitution(e, part), contact)
             part.withdraw_what_is_not_finite()
 
     _in_blocks(solve_block, n, threads)

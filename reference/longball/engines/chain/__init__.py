@@ -10,7 +10,6 @@ mistake is the same chain with another part. `single` makes results of scenes, o
 from longball.engines.chain.at_bat import (
     CHAINS,
     Approach,
-    Meeting,
     finish,
     meet_bat,
     reach_plate,
@@ -44,7 +43,6 @@ __all__ = [
     "Ball",
     "Cases",
     "ContactState",
-    "Meeting",
     "Model",
     "OneCase",
     "approach_of",

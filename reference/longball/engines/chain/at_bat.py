@@ -86,14 +86,6 @@ class Approach(Generic[N]):
         return self.bat.height
 
 
-@dataclass(frozen=True)
-class Meeting(Generic[N]):
-    """Pitch and bat up to the impulse, on which the ball's restitution has no influence."""
-
-    approach: Approach[N]
-    contact: ContactState[N]
-
-
 def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
     """Throw, put the bat where it is swung, and find how the two meet."""
     cases, pitch = reach_plate(cases)
@@ -118,8 +110,11 @@ def _find_upwards(cases: Cases[N], pitch: Pitch[N], bat: BatSection[N]) -> Touch
     return _find(cases, pitch, bat, vertical(pitch.start, cases.numbers))
 
 
-def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
-    """Throw and swing; conclude what is not struck, and return the others."""
+def meet_bat(cases: Cases[N]) -> tuple[Cases[N], ContactState[N] | None]:
+    """Throw and swing; conclude what is not struck, and return the others.
+
+    On what is returned the ball's restitution has no influence.
+    """
     cases, approach = approach_bat(cases)
     if approach is None:
         return cases, None
@@ -138,25 +133,24 @@ def meet_bat(cases: Cases[N]) -> tuple[Cases[N], Meeting[N] | None]:
         cases.spin_at(frame, law, touch.state, cases.numbers.exact(cases.engine.flight_error)),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
+        approach=approach,
     )
     cases.record("contact.time", touch.time)
     cases.record("contact.position", ball.position)
     error = cases.engine.flight_error
     offset = approach.bat.offset(touch.state, cases.numbers)
-    cases, contact, approach = meet(cases, ball, offset, error, approach)
-    return cases, None if contact is None else Meeting(approach, contact)
+    return meet(cases, ball, offset, error)
 
 
-def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
+def finish(cases: Cases[N], contact: ContactState[N] | None) -> None:
     """Solve at-bats from the impulse on."""
-    if meeting is None or cases.empty:
+    if contact is None:
         return
-    error = 0.0 if cases.scene.bat.friction is None else _contact_error(cases, meeting)
-    cases, impact, meeting = strike(cases, meeting.contact, error, meeting)
+    error = 0.0 if cases.scene.bat.friction is None else _contact_error(cases, contact)
+    cases, contact, impact = strike(cases, contact, error)
     if cases.empty:
         return
-    contact, engine = meeting.contact, cases.engine
-    touch, pitch = meeting.approach.touch, meeting.approach.pitch
+    engine, touch, pitch = cases.engine, contact.approach.touch, contact.approach.pitch
     if isinstance(engine, Stepped):
         delta_v = minus(impact.velocity, contact.velocity)
         surface = cases.ground(pitch.start)
@@ -168,22 +162,22 @@ def finish(cases: Cases[N], meeting: Meeting[N] | None) -> None:
         launch = replace(launch, spin=impact.spin)
     else:
         time = cast(N, touch.time)
-        off = _launch_error(cases, meeting) if cases.numbers.rounding else None
+        off = _launch_error(cases, contact) if cases.numbers.rounding else None
         launch = Launch(
             contact.position, impact.velocity, time, time * 0, spin=impact.spin, error=off
         )
     land(cases, launch, "batted")
 
 
-def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+def _contact_error(cases: Cases[N], contact: ContactState[N]) -> N:
     """Return the relative error of velocities and directions at the contact.
 
     Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
     as much more as it is slower towards the bat than past it; but an error δ of the margin moves it
     by √(2 δ/reach) at most, which is the angle between a graze and a touching δ deep.
     """
-    contact, approach, engine = meeting.contact, meeting.approach, cases.engine
-    numbers = cases.numbers
+    engine, numbers = cases.engine, cases.numbers
+    approach: Approach[N] = contact.approach
     bat, pitch = approach.bat, approach.pitch
     moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, numbers) / bat.reach
     speed = numbers.sqrt(dot(contact.velocity, contact.velocity))
@@ -194,15 +188,15 @@ def _contact_error(cases: Cases[N], meeting: Meeting[N]) -> N:
     return engine.flight_error + moved + turned
 
 
-def _launch_error(cases: Cases[N], meeting: Meeting[N]) -> N:
+def _launch_error(cases: Cases[N], contact: ContactState[N]) -> N:
     """Return a bound on the error of the velocity after the impulse, m/s.
 
     The ball's own, and that of ``(1 + ẽ) (μ/m) (Ṽ·n) n``: n comes in twice, and the factors before
     are at most two, but under readings that create energy.
     """
-    contact, sqrt = meeting.contact, cases.numbers.sqrt
+    sqrt = cases.numbers.sqrt
     ball, bat = contact.velocity, contact.bat_velocity
-    return 5 * _contact_error(cases, meeting) * (sqrt(dot(ball, ball)) + sqrt(dot(bat, bat)))
+    return 5 * _contact_error(cases, contact) * (sqrt(dot(ball, ball)) + sqrt(dot(bat, bat)))
 
 
 def solve_at_bats(cases: Cases[N]) -> None:

@@ -43,8 +43,8 @@ def solve_impacts(cases: Cases[N]) -> None:
     offset = position[0], position[2] - cases.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
     cases, contact = meet(cases, ball, offset, 0.0)
-    if not cases.empty:
-        cases, _ = strike(cases, contact, 0.0)
+    if contact is not None:
+        cases, _, _ = strike(cases, contact, 0.0)
         cases.conclude("struck")
 
 
@@ -62,6 +62,7 @@ class Ball(Generic[N]):
     # Where it was along the bat, m, when that was looked at; None: as in `position`
     aside: N | None = None
     leaving: bool = False  # whether it is where it would leave the bat
+    approach: Any = None  # how it came there; None: the touching is given
 
 
 @dataclass(frozen=True)
@@ -76,16 +77,16 @@ class ContactState(Generic[N]):
     bat_velocity: Vector[N]  # of the bat on its axis, m/s
     lever_arm: N  # r̃, m
     normal_speed: N  # Ṽ·n, m/s
+    approach: Any = None  # that of the `Ball`
 
 
 def meet(
-    cases: Cases[N], ball: Ball[N], offset: tuple[N, N], inherited: float, *carried: Any
-) -> tuple[Any, ...]:
+    cases: Cases[N], ball: Ball[N], offset: tuple[N, N], inherited: float
+) -> tuple[Cases[N], ContactState[N] | None]:
     """Look at balls and bats that touch; return those that approach each other.
 
     The `offset` is the way from the bat's axis to the ball's centre, m: in x, and up; `inherited`
-    the relative error of position and velocity before any rounding here. Other values of theirs are
-    `carried`, and returned behind the `ContactState`.
+    the relative error of position and velocity before any rounding here.
     """
     numbers, bat = cases.numbers, cases.scene.bat
     half = numbers.exact(bat.length) / 2
@@ -95,9 +96,9 @@ def meet(
     on_bat, beyond = cases.decide(half - absolute(aside), slack, question)
     (ended,) = cases.take(beyond)
     ended.conclude("beyond_bat")
-    cases, ball, (across, above), *rest = cases.take(on_bat, ball, offset, *carried)
+    cases, ball, (across, above) = cases.take(on_bat, ball, offset)
     if cases.empty:
-        return cases, None, *rest
+        return cases, None
     velocity = ball.velocity
     distance = numbers.sqrt(across * across + above * above)
     normal = (across / distance, numbers.exact(0.0), above / distance)
@@ -113,14 +114,16 @@ def meet(
     approach = normal_speed if ball.leaving else -normal_speed
     question = "whether ball and bat approach or separate"
     closing, separating = cases.decide(approach, doubt, question)
-    contact = ContactState(ball.position, velocity, ball.spin, normal, moving, arm, normal_speed)
+    parts = normal, moving, arm, normal_speed
+    contact = ContactState(ball.position, velocity, ball.spin, *parts, ball.approach)
     cases.record("contact.position", ball.position)
     cases.record("contact.normal", normal)
     cases.record("contact.bat_velocity", moving)
     cases.record("contact.normal_speed", normal_speed)
     (ended,) = cases.take(separating)
     ended.conclude("separating")
-    return cases.take(closing, contact, *rest)
+    cases, contact = cases.take(closing, contact)
+    return cases, None if cases.empty else contact
 
 
 # --- the impulse ---------------------------------------------------------------------------------
@@ -140,16 +143,17 @@ class Impact(Generic[N]):
 
 
 def strike(
-    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
-) -> tuple[Any, ...]:
-    """Apply the impulses; see `collide`."""
-    cases, impact, contact, *rest = cases.model.collide(cases, contact, error, contact, *carried)
+    cases: Cases[N], contact: ContactState[N], error: N | float
+) -> tuple[Cases[N], ContactState[N], Impact[N]]:
+    """Apply the impulses; return those that part. See `collide`."""
+    impact, part = cases.model.collide(cases, contact, error)
+    cases, contact, impact = cases.take(part, contact, impact)
     if not cases.empty:
         for quantity in fields(Impact):
             if (value := getattr(impact, quantity.name)) is not None:
                 cases.record(f"impact.{quantity.name}", value)
         _tell_recontact(cases, contact, impact)
-    return cases, impact, *rest
+    return cases, contact, impact
 
 
 # Of the speeds. No engine's error at a contact is as large, but in a graze of 1e-7 m and less.
@@ -177,34 +181,21 @@ def _tell_recontact(cases: Cases[N], contact: ContactState[N], impact: Impact[N]
             some.record("impact.recontact", said)
 
 
-def collide(
-    cases: Cases[N], contact: ContactState[N], error: N | float, *carried: Any
-) -> tuple[Any, ...]:
-    """Apply the impulse of Appendix A; on a bat with friction, the oblique one.
+def collide(cases: Cases[N], contact: ContactState[N], error: N | float) -> tuple[Impact[N], Any]:
+    """Return the impulse of Appendix A, on a bat with friction the oblique one; and if they part.
 
-    Parameters
-    ----------
-    error
-        Of velocities and directions, relative, before any rounding here.
-    carried
-        Other values of theirs.
-
-    Returns
-    -------
-    tuple
-        Those that part, their `Impact`, and the other values.
+    The `error` is that of velocities and directions, relative, before any rounding here.
     """
     scene, numbers = cases.scene, cases.numbers
     pair = collision_parameters(scene.ball, scene.bat, contact.lever_arm, scene.reading, numbers)
     if scene.bat.friction is not None:
-        return _rub(cases, contact, pair, error, *carried)
+        return _rub(cases, contact, pair, error)
     parts = pair.reduced_mass, pair.restitution, contact.normal_speed
     push = impulse(*parts)
     mass = numbers.exact(scene.ball.mass)
     after = velocity_after(contact.velocity, contact.normal, mass, push)
     mode = None if contact.spin is None else "frictionless"
-    impact = Impact(pair.restitution, push, after, energy_change(*parts), contact.spin, mode)
-    return cases, impact, *carried
+    return Impact(pair.restitution, push, after, energy_change(*parts), contact.spin, mode), True
 
 
 # Between the velocities and the decisions below stand fewer operations, each on terms that are no
@@ -220,8 +211,7 @@ def _rub(
     contact: ContactState[N],
     pair: CollisionParameters[N],
     error: N | float,
-    *carried: Any,
-) -> tuple[Any, ...]:
+) -> tuple[Impact[N], Any]:
     """Let the ball grip the bat, or slide on it; see `longball.model.derivation`."""
     scene, numbers = cases.scene, cases.numbers
     ball, bat, normal = scene.ball, scene.bat, contact.normal
@@ -288,7 +278,7 @@ def _rub(
         numbers.where(grips, *modes),
         margin / (friction * absolute(wanted[0])),
     )
-    return cases.take(told & known & parts, impact, *carried)
+    return impact, told & known & parts
 
 
 @dataclass(frozen=True)
@@ -304,7 +294,7 @@ class Model:
     """
 
     forces: tuple[Term, ...] = FORCES
-    collide: Callable[..., tuple[Any, ...]] = collide
+    collide: Callable[..., tuple[Any, Any]] = collide
 
 
 MODEL = Model()

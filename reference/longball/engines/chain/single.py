@@ -8,9 +8,9 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from longball.engines.chain.at_bat import CHAINS, Approach, Meeting, approach_bat, finish, meet_bat
+from longball.engines.chain.at_bat import CHAINS, Approach, approach_bat, finish, meet_bat
 from longball.engines.chain.cases import Cases
-from longball.engines.chain.collision import MODEL, Model
+from longball.engines.chain.collision import MODEL, ContactState, Model
 from longball.engines.chain.landing import Batted, land_in_space
 from longball.engines.digits import to_digits
 from longball.engines.engine import CannotSolve, Engine, ManyAtOnce, OutOfRange, Touch
@@ -199,11 +199,11 @@ def solve_with_restitutions(
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
     case = OneCase(scene, engine, MODEL)
-    struck: list[tuple[Cases[N], Meeting[N] | None]] = []
+    struck: list[tuple[Cases[N], ContactState[N] | None]] = []
     concluded = _follow(case, lambda: struck.append(meet_bat(case)))
     if concluded is not None:
         return [concluded] * len(restitutions)
-    ((_, meeting),) = struck
+    ((_, contact),) = struck
     return [
         _answer(
             replace(
@@ -212,7 +212,7 @@ def solve_with_restitutions(
                 answer=dict(case.answer),
                 engines=[*case.engines],
             ),
-            lambda one: finish(one, meeting),
+            lambda one: finish(one, contact),
         )
         for e in restitutions
     ]
