@@ -156,59 +156,59 @@ class TestSolve:
 
     @pytest.mark.parametrize("indent", [None, 2])
     @pytest.mark.parametrize("array", [False, True])
-    def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
+    def test_json_that_is_no_lines_is_one_sentence(self, called, tmp_path: Path, indent, array):
         scene = {"kind": "pitch"}
         file = tmp_path / "scenes.json"
         file.write_text(json.dumps([scene] if array else scene, indent=indent))
         for arguments, text in (([str(file)], b""), ([], file.read_bytes())):
-            run = longball("solve", *arguments, stdin=text)
+            run = called("solve", *arguments, stdin=text)
             if indent is None and not array:
                 assert run.returncode == 0
                 continue
-            assert (run.returncode, run.stdout) == (2, b"")
-            (said,) = run.stderr.decode().splitlines()
+            assert (run.returncode, run.stdout) == (2, "")
+            (said,) = run.stderr.splitlines()
             assert f"a scene stands in one line: jq -c {chr(39) + '.[]' if array else '.'}" in said
 
-    def test_a_broken_first_line_is_one_line_without_an_answer(self):
-        run = longball("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')
+    def test_a_broken_first_line_is_one_line_without_an_answer(self, called):
+        run = called("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')
         assert [json.loads(line).get("outcome") for line in run.stdout.splitlines()] == [
             None,
             "crossed",
         ]
 
     @pytest.mark.parametrize("engine", ["ivp", "batch"])
-    def test_scenes_are_changed_by_options(self, tmp_path: Path, engine: str):
+    def test_scenes_are_changed_by_options(self, called, tmp_path: Path, engine: str):
         launch = {"position": [0, 0, 1], "velocity": [40, 0, 25]}
         park = {"polyline": [[70, 70, 2], [70, -70, 2]]}
         (tmp_path / "park.json").write_text(json.dumps(park))
         scene = {"kind": "flight", "launch": launch}
         changes = {"air": {"wind": [5, 0, 0]}, "reading": {"wind_acts_on": "drag"}, "fence": park}
-        run = longball(
+        run = called(
             "solve", "--engine", engine, "--set", "air.wind=[18, 0, 0] km/h",
             "--reading", "wind_acts_on=drag", "--fence", str(tmp_path / "park.json"),
             stdin=json.dumps(scene).encode(),
         )  # fmt: skip
-        plain = longball("solve", "--engine", engine, stdin=json.dumps(scene | changes).encode())
+        plain = called("solve", "--engine", engine, stdin=json.dumps(scene | changes).encode())
         assert json.loads(run.stdout)["outcome"] == "home_run"
         assert run.stdout == plain.stdout
 
-    def test_a_change_reaches_workers(self):
+    def test_a_change_reaches_workers(self, called):
         lines = b'{"kind":"pitch"}\n' * 40
-        alone = longball("solve", "--set", "pitch.speed=95mph", stdin=lines)
-        many = longball("solve", "--set", "pitch.speed=95mph", "--workers", "2", stdin=lines)
+        alone = called("solve", "--set", "pitch.speed=95mph", stdin=lines)
+        many = called("solve", "--set", "pitch.speed=95mph", "--workers", "2", stdin=lines)
         assert many.stdout == alone.stdout
-        assert alone.stdout != longball("solve", stdin=lines).stdout
+        assert alone.stdout != called("solve", stdin=lines).stdout
 
-    def test_what_is_probably_not_meant_is_asked(self):
+    def test_what_is_probably_not_meant_is_asked(self, called):
         lines = b'{"kind":"pitch","ball":{"mass":145}}\n' * 2
-        run = longball("solve", stdin=lines)
+        run = called("solve", stdin=lines)
         assert run.returncode == 0
-        (said,) = run.stderr.decode().splitlines()
+        (said,) = run.stderr.splitlines()
         assert said == (
             "longball: scene 1: ball.mass: 145 kg is more than in any game; is it in g or oz? "
             "(and 1 more)"
         )
-        assert longball("solve", "--quiet", stdin=lines).stderr == b""
+        assert called("solve", "--quiet", stdin=lines).stderr == ""
 
     def test_an_empty_file_is_no_success(self, called):
         run = called("solve", stdin=b"\n")
