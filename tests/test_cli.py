@@ -156,17 +156,18 @@ class TestSolve:
 
     @pytest.mark.parametrize("indent", [None, 2])
     @pytest.mark.parametrize("array", [False, True])
-    def test_json_that_is_no_lines_is_one_sentence(self, called, tmp_path: Path, indent, array):
+    def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
         scene = {"kind": "pitch"}
         file = tmp_path / "scenes.json"
         file.write_text(json.dumps([scene] if array else scene, indent=indent))
         for arguments, text in (([str(file)], b""), ([], file.read_bytes())):
-            run = called("solve", *arguments, stdin=text)
+            command = [sys.executable, "-m", "longball", "solve", *arguments]
+            run = subprocess.run(command, input=text, capture_output=True, check=False)
             if indent is None and not array:
                 assert run.returncode == 0
                 continue
-            assert (run.returncode, run.stdout) == (2, "")
-            (said,) = run.stderr.splitlines()
+            assert (run.returncode, run.stdout) == (2, b"")
+            (said,) = run.stderr.decode().splitlines()
             assert f"a scene stands in one line: jq -c {chr(39) + '.[]' if array else '.'}" in said
 
     def test_a_broken_first_line_is_one_line_without_an_answer(self, called):

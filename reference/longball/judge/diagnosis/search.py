@@ -191,7 +191,10 @@ class Explanation:
         lost = np.asarray(~(np.abs(found) < HUGE).all(axis=0))
         if stage.kind == "flight" and lost.any() and self._is_explained(r, ~lost):
             # Shorter steps tell whether only the long ones leave the path.
-            some = {name: c[..., lost] if np.ndim(c) else c for name, c in columns.items()}
+            some = {
+                name: c[..., lost] if np.shape(c)[-1:] == lost.shape else c
+                for name, c in columns.items()
+            }
             again = self._rows(values(stage, some, MIDDLE))
             r[:, lost] = (self._given[:, lost] - again) / self._roughly[:, lost]
         return np.where(np.isfinite(self._off) & ~np.isfinite(r), LOST, r)
