@@ -126,7 +126,7 @@ def without_causes(verdict: Verdict) -> dict[str, Any]:
     return {key: x for key, x in plain.items() if key not in ("diagnosis", "seconds", "date")}
 
 
-@settings(max_examples=4, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=2, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.sampled_from(FAMILIES[:2]), edits())
 @example("at-bat-real", constant(0.0))
 @example("at-bat-real", constant(1e300))
