@@ -327,7 +327,12 @@ def own_edits(seed: int, most: int) -> Iterator[Subject]:
         cases = golden(families, most)
         data = data_of(cases, truth(cases))
         chain = specialised_to(data)
-        every = [(s, e) for s in chain for e in edits(chain, s, defaults()) if s.kind != "event"]
+        every = [
+            (s, e)
+            for s in chain
+            if s.kind != "event"
+            for e in edits(chain, s, defaults(), data.columns | {"spin": data.columns[s.spins]})
+        ]
         draw.shuffle(every)
         queues.append((families, chain, data, every))
     for number in range(max(len(every) for *_, every in queues)):

@@ -14,8 +14,8 @@ is an array of three rows.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from functools import lru_cache, partial
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -192,20 +192,20 @@ def table(x: Node, key: str, mode: str = "linear") -> Node:
 # --- graphs ---------------------------------------------------------------------------------------
 
 
-def ordered(roots: Iterable[Node]) -> list[Node]:
-    """All nodes below some roots, each once, arguments first."""
-    found: dict[int, Node] = {}
+def ordered(roots: Iterable[Node], known: Container[Node] = ()) -> list[Node]:
+    """All nodes below some roots, each once, arguments first; not what is below known ones."""
+    found: dict[Node, None] = {}
     stack = [(root, False) for root in reversed(list(roots))]
     while stack:
         node, ready = stack.pop()
-        if id(node) in found:
+        if node in found:
             continue
-        if ready or not node.args:
-            found[id(node)] = node
+        if ready or not node.args or node in known:
+            found[node] = None
         else:
             stack.append((node, True))
             stack += [(arg, False) for arg in reversed(node.args)]
-    return list(found.values())
+    return list(found)
 
 
 def rebuilt(node: Node, args: Sequence[Node]) -> Node:
@@ -213,15 +213,22 @@ def rebuilt(node: Node, args: Sequence[Node]) -> Node:
     return _node(node.op, tuple(args), node.data, node.dimension, node.vector)
 
 
+@lru_cache(maxsize=4096)
+def _using(root: Node, old: Node) -> tuple[Node, ...]:
+    """The nodes of an expression that contain another, arguments first."""
+    above = {old: None}
+    for node in ordered([root]):
+        if any(arg in above for arg in node.args):
+            above[node] = None
+    return tuple(above)[1:]
+
+
 def substitute(root: Node, old: Node, new: Node) -> Node:
     """An expression with one node in place of another, wherever that is used."""
-    made = {id(old): new}
-    for node in ordered([root]):
-        if id(node) not in made:
-            args = [made[id(arg)] for arg in node.args]
-            same = all(a is b for a, b in zip(args, node.args, strict=True))
-            made[id(node)] = node if same else rebuilt(node, args)
-    return made[id(root)]
+    made = {old: new}
+    for node in _using(root, old):
+        made[node] = rebuilt(node, [made.get(arg, arg) for arg in node.args])
+    return made.get(root, root)
 
 
 def depends(root: Node, names: frozenset[str]) -> bool:
@@ -368,36 +375,65 @@ def _operation(node: Node, columns: Columns) -> Callable[..., Any]:
     return OPERATIONS[node.op]
 
 
+class Values:
+    """The values of expressions on columns, each node computed once."""
+
+    def __init__(self, columns: Columns) -> None:
+        self.columns = columns
+        self._known: dict[Node, Any] = {}  # which keeps the nodes alive
+
+    def of(self, root: Node) -> Any:
+        """The value of an expression."""
+        if root not in self._known:
+            for node in ordered([root], self):
+                self.next(node)
+        return self._known[root]
+
+    def __contains__(self, node: object) -> bool:
+        return node in self._known
+
+    def next(self, node: Node) -> Any:
+        """The value of a node whose arguments' values are known."""
+        if node not in self._known:
+            match node.op:
+                case "symbol":
+                    value = self.columns[node.data]
+                case "constant":
+                    value = np.full((3, 1), node.data) if node.vector else node.data
+                case _:
+                    args = [self._known[arg] for arg in node.args]
+                    value = _operation(node, self.columns)(*args)
+            self._known[node] = value
+        return self._known[node]
+
+
 class Evaluator:
     """Expressions bound to columns, as a function of the symbols that move.
 
-    What does not depend on those is computed once.
+    What does not depend on those is computed once, or taken from `Values` of the same columns.
     """
 
     def __init__(
-        self, roots: Sequence[Node], columns: Columns, moving: frozenset[str] = frozenset()
+        self, roots: Sequence[Node], columns: Columns | Values, moving: frozenset[str] = frozenset()
     ) -> None:
-        nodes = ordered(roots)
-        place = {id(node): i for i, node in enumerate(nodes)}
+        known = columns if isinstance(columns, Values) else Values(columns)
+        nodes = ordered(roots, known)
+        place = {node: i for i, node in enumerate(nodes)}
         self._values: list[Any] = [None] * len(nodes)
         self._given: list[tuple[int, str]] = []
         self._steps: list[tuple[int, Callable[..., Any], list[int]]] = []
-        self._roots = [place[id(root)] for root in roots]
-        moves = [False] * len(nodes)
+        self._roots = [place[root] for root in roots]
+        moves = set[Node]()
         for i, node in enumerate(nodes):
-            args = [place[id(arg)] for arg in node.args]
             if node.op == "symbol" and node.data in moving:
-                moves[i] = True
+                moves.add(node)
                 self._given.append((i, node.data))
-            elif node.op == "symbol":
-                self._values[i] = columns[node.data]
-            elif node.op == "constant":
-                self._values[i] = np.full((3, 1), node.data) if node.vector else node.data
-            elif any(moves[k] for k in args):
-                moves[i] = True
-                self._steps.append((i, _operation(node, columns), args))
+            elif any(arg in moves for arg in node.args):
+                moves.add(node)
+                operation = _operation(node, known.columns)
+                self._steps.append((i, operation, [place[arg] for arg in node.args]))
             else:
-                self._values[i] = _operation(node, columns)(*(self._values[k] for k in args))
+                self._values[i] = known.next(node)
 
     def __call__(self, **moving: Any) -> list[Any]:
         """The values of the roots."""
@@ -407,37 +443,6 @@ class Evaluator:
         for i, operation, args in self._steps:
             values[i] = operation(*[values[k] for k in args])
         return [values[i] for i in self._roots]
-
-
-class Values:
-    """The values of expressions on columns, each node computed once."""
-
-    def __init__(self, columns: Columns) -> None:
-        self._columns = columns
-        self._known: dict[int, tuple[Node, Any]] = {}  # which keeps the nodes alive
-
-    def of(self, root: Node) -> Any:
-        """The value of an expression."""
-        known = self._known
-        if id(root) in known:
-            return known[id(root)][1]
-        stack = [root]
-        while stack:
-            node = stack[-1]
-            waiting = [arg for arg in node.args if id(arg) not in known]
-            if waiting:
-                stack += waiting
-                continue
-            stack.pop()
-            known[id(node)] = node, self._value(node)
-        return known[id(root)][1]
-
-    def _value(self, node: Node) -> Any:
-        if node.op == "symbol":
-            return self._columns[node.data]
-        if node.op == "constant":
-            return np.full((3, 1), node.data) if node.vector else node.data
-        return _operation(node, self._columns)(*(self._known[id(arg)][1] for arg in node.args))
 
 
 def evaluate(root: Node, columns: Columns) -> Any:

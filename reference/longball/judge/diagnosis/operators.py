@@ -279,6 +279,8 @@ def _factors(site: Site) -> Iterator[Option]:
     a, said = site.node, words(site.node)
     if a.op in ("constant", "negative"):
         return
+    if a.op in ("product", "quotient") and site.under("product", "quotient"):
+        return  # a factor of what is a factor itself
     yield -1.0 * a, BITS["factor"] + 1, f"takes -{said}", ()
     fits = a.op in ("symbol", "named", "norm") or not site.parents
     if fits:
@@ -550,5 +552,7 @@ def _of_formula(
                 if len(using) > 1:
                     for use in using:
                         args = [by if arg is node else arg for arg in use.args]
-                        one = substitute(form, use, rebuilt(use, args))
-                        yield Edit(root, one, cost + 2, f"{said} in {words(use)}", starts)
+                        place, one = use, rebuilt(use, args)
+                        if form is not root or use is root:
+                            place, one = root, substitute(form, use, one)
+                        yield Edit(place, one, cost + 2, f"{said} in {words(use)}", starts)

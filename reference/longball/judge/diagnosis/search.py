@@ -28,7 +28,7 @@ from longball.judge.diagnosis.evidence import (
     rounded,
     slope_of,
 )
-from longball.judge.diagnosis.expression import Evaluator, Node, Values, evaluate, ordered
+from longball.judge.diagnosis.expression import Evaluator, Node, Values, ordered
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
@@ -152,6 +152,14 @@ class Explanation:
             _evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
         ])  # fmt: skip
         self.few = self.all[some]
+        few = take(self.columns, self.few)
+        few["spin"] = few[self.stage.spins]
+        self._near = self._launch = Values(few)
+        if self.stage.kind == "flight":  # a free number's start is that of the launch
+            at = Evaluator([self.stage.roots[x] for x in ("velocity", "place")], few)()
+            none = np.zeros((3, len(self.few)))
+            still = {"v": at[0], "v0": at[0], "r": at[1], "t": 0.0, "path": 0.0, "ω0": none}
+            self._launch = Values({**few, **still})
         self._coarse, self._given = rows[:, some], given[:, some]
         # Long steps leave a share of what an edit moves, which is the error if it explains it.
         steps = STEPS if self.stage.kind == "flight" else 0.0
@@ -181,23 +189,36 @@ class Explanation:
             [np.atleast_2d(found[q]) for q in self.stage.quantities if q in found]
         )
 
-    def screened(self, stage: Stage, columns: Mapping[str, Any]) -> Array:
-        """Errors in the first scenes by long steps, whose own errors cancel."""
-        coarse = COARSE if stage.kind == "flight" else FINE
-        found = self._rows(values(stage, columns, coarse))
-        moved = found - self._coarse
-        off = self._off + moved if stage.kind == "event" else self._off - moved
-        r = off / self._roughly
-        lost = np.asarray(~(np.abs(found) < HUGE).all(axis=0))
-        if stage.kind == "flight" and lost.any() and self._is_explained(r, ~lost):
-            # Shorter steps tell whether only the long ones leave the path.
-            some = {
-                name: c[..., lost] if np.shape(c)[-1:] == lost.shape else c
-                for name, c in columns.items()
-            }
-            again = self._rows(values(stage, some, MIDDLE))
-            r[:, lost] = (self._given[:, lost] - again) / self._roughly[:, lost]
-        return np.where(np.isfinite(self._off) & ~np.isfinite(r), LOST, r)
+    def screened(self, stage: Stage) -> Callable[[float], Array]:
+        """Errors in the first scenes by the free number; long steps' own errors cancel."""
+        if stage.kind != "flight":
+            evaluator = Evaluator([*stage.roots.values()], self._near, frozenset((FREE,)))
+            sign = 1.0 if stage.kind == "event" else -1.0
+            missing = np.isfinite(self._off)
+
+            def at_once(c: float) -> Array:
+                off = self._off + sign * (evaluator(**{FREE: c})[0] - self._coarse)
+                r = off / self._roughly
+                return np.where(missing & ~np.isfinite(r), LOST, r)
+
+            return at_once
+
+        def flown(c: float) -> Array:
+            columns = {**self._near.columns, FREE: np.float64(c)}
+            found = self._rows(values(stage, columns, COARSE))
+            r = (self._off - (found - self._coarse)) / self._roughly
+            lost = np.asarray(~(np.abs(found) < HUGE).all(axis=0))
+            if lost.any() and self._is_explained(r, ~lost):
+                # Shorter steps tell whether only the long ones leave the path.
+                some = {
+                    name: c[..., lost] if np.shape(c)[-1:] == lost.shape else c
+                    for name, c in columns.items()
+                }
+                again = self._rows(values(stage, some, MIDDLE))
+                r[:, lost] = (self._given[:, lost] - again) / self._roughly[:, lost]
+            return np.where(np.isfinite(self._off) & ~np.isfinite(r), LOST, r)
+
+        return flown
 
     def _is_explained(self, r: Array, some: NDArray[np.bool_]) -> bool:
         """True if errors in some of the first scenes, which may be none, are roughly explained."""
@@ -211,6 +232,7 @@ class Explanation:
 
     # --- the search -------------------------------------------------------------------------------
 
+    @np.errstate(all="ignore")
     def candidates(self) -> tuple[list[tuple[float, list[Edit]]], int]:
         """Groups of equal edits that explain the first scenes roughly, with what they leave.
 
@@ -219,8 +241,8 @@ class Explanation:
         some = take(self.columns, _evenly(self.all, PROBES))
         probe = self.probe = Values(_moved_at_random(self.stage, some))
         options = {**self.data.columns, "spin": self.data.columns[self.stage.spins]}
-        known: dict[bytes, list[Edit]] = {_fingerprint(self.stage, probe): []}
-        same = known.copy()
+        groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
+        unchanged = _fingerprint(self.stage, probe)
         every = edits(self.chain, self.stage, defaults(), options)
         for edit in heapq.nsmallest(EDITS, every, key=lambda edit: edit.bits):
             stage = self.edited(edit)
@@ -228,43 +250,27 @@ class Explanation:
                 continue
             if edit.by.op == "constant" and not _is_finite(stage, probe):
                 continue
-            known.setdefault(_fingerprint(stage, probe), []).append(edit)
-        tried = [
-            sorted(group, key=lambda edit: edit.bits)
-            for key, group in known.items()
-            if key not in same
-        ]
-        few = take(self.columns, self.few)
-        if self.stage.kind == "flight":  # a free number's start is that of the launch
-            launch = Evaluator([self.stage.roots[x] for x in ("velocity", "place")], few)()
-            few |= {"v": launch[0], "v0": launch[0], "r": launch[1], "t": 0.0, "path": 0.0}
-            few["ω0"] = np.zeros((3, len(self.few)))
+            if (key := _fingerprint(stage, probe)) != unchanged:
+                groups.setdefault(key, (stage, []))[1].append(edit)
         found = []
-        for group in tried:
-            edit = group[0]
+        for stage, group in groups.values():
+            edit, screened = group[0], self.screened(stage)
             if edit.starts:
-                group[0], left = self._fit(edit, self.edited(edit), few)
+                c, r = fitted(screened, self._starts(edit))
+                group[0], left = replace(edit, starts=(c,)), cost(r)
             else:
-                left = cost(self.screened(self.edited(edit), few))
+                left = cost(screened(0.0))
             if left < NEARER * self.null:
                 found.append((left, group))
         found.sort(key=lambda one: one[0] + one[1][0].bits)
-        return found, len(tried)
+        return found, len(groups)
 
-    def _fit(self, edit: Edit, stage: Stage, few: Mapping[str, Any]) -> tuple[Edit, float]:
-        starts = []
-        for start in edit.starts:
-            if isinstance(start, Node):
-                with np.errstate(all="ignore"):
-                    starts.append(float(np.nanmedian(evaluate(start, few))))
-            else:
-                starts.append(start)
-
-        def residual(c: float) -> Array:
-            return self.screened(stage, {**few, FREE: np.float64(c)})
-
-        c, r = fitted(residual, starts)
-        return replace(edit, starts=(c,)), cost(r)
+    def _starts(self, edit: Edit) -> list[float]:
+        """Where the search for an edit's free number begins."""
+        return [
+            float(np.nanmedian(self._launch.of(x))) if isinstance(x, Node) else x
+            for x in edit.starts
+        ]
 
     def settled(self, edit: Edit) -> tuple[Edit, Array, tuple[float, float]]:
         """An edit with the roundest free number that fits.
