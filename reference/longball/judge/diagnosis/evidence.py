@@ -38,49 +38,46 @@ def is_adequate(r: Array, rough: bool = False) -> bool:
 
 
 def fitted(
-    residual: Callable[[float], Array], starts: Sequence[float], rounds: int = 5
-) -> tuple[float, Array]:
-    """The free number that leaves least, by Gauss-Newton from some starts, and what it leaves."""
-    best: tuple[float, float, Array] | None = None
-    for start in starts:
-        c, r = start, residual(start)
-        for _ in range(rounds):
-            slope = slope_of(residual, c, r)
-            known = np.isfinite(slope) & np.isfinite(r)
-            square = float((slope[known] ** 2).sum())
-            if not square > 0:
+    residual: Callable[[Array], Array], starts: Sequence[float], rounds: int = 5
+) -> tuple[float, Array, Array]:
+    """The free number that leaves least, by Gauss-Newton from all starts at once.
+
+    Also what it leaves, and the derivative of that. `residual` takes some numbers, and gives one
+    more axis, the first, for them.
+    """
+    c = np.array(starts)
+    r, slope = _with_slope(residual, c)
+    for _ in range(rounds):
+        known = np.isfinite(slope) & np.isfinite(r)
+        steep = _squares(np.where(known, slope, 0.0))
+        along = np.where(known, slope * r, 0.0).sum(axis=(1, 2))
+        step = -np.divide(along, steep, out=np.zeros_like(along), where=steep > 0)
+        before, moving = _squares(r), step != 0.0
+        for share in (1.0, 0.3):  # far from the best number a shorter step may do
+            again, slopes = _with_slope(residual, c + share * step)
+            better = moving & (_squares(again) < before)
+            c = np.where(better, c + share * step, c)
+            r[better], slope[better] = again[better], slopes[better]
+            moving &= ~better
+            if not moving.any():
                 break
-            step = -float((slope[known] * r[known]).sum()) / square
-            again = residual(c + step)
-            if not _square(again) < _square(r):  # far from the best number a shorter step may do
-                step *= 0.3
-                again = residual(c + step)
-            if not _square(again) < _square(r):
-                break
-            done = _square(again) > STAYS * _square(r)
-            c, r = c + step, again
-            if done:
-                break
-        if best is None or _square(r) < best[0]:
-            best = _square(r), c, r
-        if cost(r) < DONE * r.size:
+        if not (_squares(r) <= STAYS * before).any():
             break
-    assert best is not None
-    return best[1], best[2]
+    best = int(np.argmin(_squares(r)))
+    return float(c[best]), r[best], slope[best]
 
 
-def slope_of(residual: Callable[[float], Array], c: float, r: Array) -> Array:
-    """The derivative of a residual by its free number; `r` is its value there."""
-    h = 1e-6 * max(abs(c), 1e-3)
-    return (residual(c + h) - r) / h
+def _with_slope(residual: Callable[[Array], Array], c: Array) -> tuple[Array, Array]:
+    h = 1e-6 * np.maximum(np.abs(c), 1e-3)
+    r, beside = np.split(residual(np.concatenate([c, c + h])), 2)
+    return r.copy(), (beside - r) / h[:, None, None]
 
 
-def _square(r: Array) -> float:
-    return float((r[np.isfinite(r)] ** 2).sum())
+def _squares(r: Array) -> Array:
+    return np.asarray(np.where(np.isfinite(r), r * r, 0.0).sum(axis=(1, 2)))
 
 
-STAYS = 0.8  # of the sum of squares, what a round may leave for the last time
-DONE = 0.5  # bits a number: less is within the floors
+STAYS = 0.8  # of the sum of squares, what a round has to leave for another one
 
 NEAR = 1e-3  # relative: a usual number that is farther from the fitted one is not it
 

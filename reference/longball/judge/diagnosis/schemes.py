@@ -207,7 +207,11 @@ class Steps:
         self, found: Iterable[tuple[float, float, Integrator]]
     ) -> Iterable[tuple[Integrator, float, bool]]:
         for _, fit, one in found:
-            c, _ = fitted(lambda h, one=one: self.left(one, abs(h), False, self.few), (fit,))  # type: ignore[misc]
+
+            def left(steps: Array, one: Integrator = one) -> Array:
+                return np.array([self.left(one, abs(h), False, self.few) for h in steps])
+
+            c, *_ = fitted(left, (fit,))
             yield from ((one, x, False) for x, _ in rounded(abs(c)) if x > SHORTEST)
 
     def _holds(self, one: Integrator, h: float, chord: bool, some: Index | None = None) -> bool:

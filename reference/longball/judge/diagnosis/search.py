@@ -26,7 +26,6 @@ from longball.judge.diagnosis.evidence import (
     fitted,
     is_adequate,
     rounded,
-    slope_of,
 )
 from longball.judge.diagnosis.expression import Evaluator, Node, Values, ordered
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
@@ -46,6 +45,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
+from longball.judge.diagnosis.response import Response
 from longball.judge.fresh import random_scenes
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
@@ -56,6 +56,7 @@ WRONG, RIGHT = 5, 2
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
 EDITS = 5000  # that are tried at a stage, the cheapest
+FLOWN = 150  # of these, edits that are flown, by their first-order effects
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = 16  # edits that are held against all of these
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
@@ -130,50 +131,35 @@ class Explanation:
     followed: Followed
 
     def __post_init__(self) -> None:
-        f = self.followed
+        f, stage = self.followed, self.stage
         wrong, right = f.some[f.beyond], f.some[~f.beyond & f.checked]
         sizes = f.relative[f.beyond]
         order = wrong[np.argsort(-sizes, kind="stable")]
         self.all = np.concatenate([_evenly(order, MOST_WRONG), _evenly(right, MOST_RIGHT)])
+        self.base = base = self._compared(stage, self.all)
+        self.null_all = cost(_in_floors(base))
+        # First come scenes that long steps fly well.
         is_wrong = np.isin(self.all, wrong)
-        base = self._compared(self.stage, self.all)
-        coarse = COARSE if self.stage.kind == "flight" else FINE
-        rows = self._rows(values(self.stage, take(self.columns, self.all), coarse))
-        given = np.concatenate(
-            [np.atleast_2d(self.data.given[q][..., self.all]) for q in self.stage.quantities]
-        )[: len(rows)]
-        near = np.ones(len(self.all), dtype=bool)
-        if self.stage.kind == "flight":  # first those that long steps fly well
-            near = np.asarray(~(np.abs(given - base.off - rows) > NEARLY * base.scale).any(axis=0))
-            near &= np.isfinite(rows).all(axis=0)
-            near = near if near[is_wrong].any() else np.ones_like(near)
-        some = np.concatenate([
+        every = np.arange(len(self.all))
+        coarse = self._off(stage, every, limits=COARSE)[0]
+        near = np.asarray(~(np.abs(coarse - base.off) > NEARLY * base.scale).any(axis=0))
+        near = near if near[is_wrong].any() else np.ones_like(near)
+        self.few = few = np.concatenate([
             _evenly(np.flatnonzero(near & is_wrong), WRONG),
             _evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
         ])  # fmt: skip
-        self.few = self.all[some]
-        few = take(self.columns, self.few)
-        few["spin"] = few[self.stage.spins]
-        self._near = self._launch = Values(few)
-        if self.stage.kind == "flight":  # a free number's start is that of the launch
-            at = Evaluator([self.stage.roots[x] for x in ("velocity", "place")], few)()
-            none = np.zeros((3, len(self.few)))
-            still = {"v": at[0], "v0": at[0], "r": at[1], "t": 0.0, "path": 0.0, "ω0": none}
-            self._launch = Values({**few, **still})
-        self._coarse, self._given = rows[:, some], given[:, some]
-        # Long steps leave a share of what an edit moves, which is the error if it explains it.
-        steps = STEPS if self.stage.kind == "flight" else 0.0
-        if self.data.way(self.stage) is not None:
+        own = take(self.columns, self.all[few])
+        self.near = Values({**own, "spin": own[stage.spins]})
+        # Their own errors cancel, but where without an edit the law has no value, as below a wind's
+        # ground. They leave a share of what an edit moves, which is the error if it explains it.
+        steps = STEPS if stage.kind == "flight" else 0.0
+        if self.data.way(stage) is not None:
             steps = OWN_STEPS
-        self._off = base.off[:, some]
-        if self.stage.kind != "event":
-            # Without an edit the ball may fly where the law has no value, as below a wind's ground.
-            lost = ~np.isfinite(self._coarse)
-            self._coarse = np.where(lost, 0.0, self._coarse)
-            self._off = np.where(lost, self._given, self._off)
-        self._roughly = base.floor[:, some] + steps * np.abs(self._off)
-        self.null = cost(self._off / self._roughly)
-        self.null_all = cost(_in_floors(base))
+        lost = ~np.isfinite(coarse[:, few]) | (np.abs(coarse[:, few]) >= HUGE)
+        self.own_error = np.where(lost, 0.0, base.off[:, few] - coarse[:, few])
+        self.off = np.where(lost, self._given(few), base.off[:, few])
+        self.roughly = base.floor[:, few] + steps * np.abs(self.off)
+        self.null = cost(self.off / self.roughly)
 
     # --- residuals --------------------------------------------------------------------------------
 
@@ -184,45 +170,59 @@ class Explanation:
     def _in_floors(self, stage: Stage, some: Index, rough: bool = False) -> Array:
         return _in_floors(self._compared(stage, some, rough))
 
-    def _rows(self, found: Mapping[str, Array]) -> Array:
-        return np.concatenate(
-            [np.atleast_2d(found[q]) for q in self.stage.quantities if q in found]
-        )
+    def _given(self, some: Index) -> Array:
+        """The candidate's numbers in some of `all` scenes; 0 where an event ends."""
+        rows = [
+            np.atleast_2d(self.data.given[q][..., self.all[some]]) for q in self.stage.quantities
+        ]
+        given = np.concatenate(rows)[: len(self.base.off)]
+        if self.stage.kind == "event":
+            return np.where(np.isfinite(given).all(axis=0), 0.0, np.nan)[None]
+        return given
 
-    def screened(self, stage: Stage) -> Callable[[float], Array]:
-        """Errors in the first scenes by the free number; long steps' own errors cancel."""
+    def _off(
+        self, stage: Stage, some: Index, c: Array | None = None, limits: tuple[float, int] = FINE
+    ) -> Array:
+        """What a stage leaves in some of `all` scenes; the first axis is that of a free number."""
+        c = np.zeros(1) if c is None else c
+        columns = take(self.columns, np.tile(self.all[some], len(c)))
+        columns |= {FREE: np.repeat(c, len(some)), "spin": columns[stage.spins]}
+        way = self.data.way(stage) if limits is FINE else None
+        found = values(stage, columns, limits) if way is None else way(stage, columns)[0]
+        rows = np.concatenate([np.atleast_2d(found[q]) for q in stage.quantities if q in found])
+        off = self._given(some)[:, None] - rows.reshape(len(rows), len(c), len(some))
+        return np.asarray((-off if stage.kind == "event" else off).swapaxes(0, 1))
+
+    def screened(self, stage: Stage) -> Callable[[Array], Array]:
+        """Errors in the first scenes by the free number, in floors; flights by long steps."""
+        known = np.isfinite(self.off)
         if stage.kind != "flight":
-            evaluator = Evaluator([*stage.roots.values()], self._near, frozenset((FREE,)))
-            sign = 1.0 if stage.kind == "event" else -1.0
-            missing = np.isfinite(self._off)
+            evaluator = Evaluator([*stage.roots.values()], self.near, frozenset((FREE,)))
+            given, sign = self._given(self.few), 1.0 if stage.kind == "event" else -1.0
 
-            def at_once(c: float) -> Array:
-                off = self._off + sign * (evaluator(**{FREE: c})[0] - self._coarse)
-                r = off / self._roughly
-                return np.where(missing & ~np.isfinite(r), LOST, r)
+            def at_once(numbers: Array) -> Array:
+                found = [sign * (evaluator(**{FREE: c})[0] - given) for c in numbers]
+                r = np.array([(off + 0.0 * self.off) / self.roughly for off in found])
+                return np.where(known & ~np.isfinite(r), LOST, r)
 
             return at_once
 
-        def flown(c: float) -> Array:
-            columns = {**self._near.columns, FREE: np.float64(c)}
-            found = self._rows(values(stage, columns, COARSE))
-            r = (self._off - (found - self._coarse)) / self._roughly
-            lost = np.asarray(~(np.abs(found) < HUGE).all(axis=0))
-            if lost.any() and self._is_explained(r, ~lost):
-                # Shorter steps tell whether only the long ones leave the path.
-                some = {
-                    name: c[..., lost] if np.shape(c)[-1:] == lost.shape else c
-                    for name, c in columns.items()
-                }
-                again = self._rows(values(stage, some, MIDDLE))
-                r[:, lost] = (self._given[:, lost] - again) / self._roughly[:, lost]
-            return np.where(np.isfinite(self._off) & ~np.isfinite(r), LOST, r)
+        def flown(numbers: Array) -> Array:
+            off = self._off(stage, self.few, numbers, COARSE)
+            r = (off + self.own_error) / self.roughly
+            huge = np.asarray((known & ~(np.abs(off) < HUGE)).any(axis=1))
+            for c, left, lost in zip(numbers, r, huge, strict=True):
+                if lost.any() and self._is_explained(left, ~lost):
+                    # Shorter steps tell whether only the long ones leave the path.
+                    again = self._off(stage, self.few[lost], np.array([c]), MIDDLE)[0]
+                    left[:, lost] = again / self.roughly[:, lost]
+            return np.where(known & ~np.isfinite(r), LOST, r)
 
         return flown
 
     def _is_explained(self, r: Array, some: NDArray[np.bool_]) -> bool:
         """True if errors in some of the first scenes, which may be none, are roughly explained."""
-        before = cost((self._off / self._roughly)[:, some])
+        before = cost((self.off / self.roughly)[:, some])
         return cost(r[:, some]) <= HALF * before
 
     def edited(self, edit: Edit) -> Stage:
@@ -252,25 +252,32 @@ class Explanation:
                 continue
             if (key := _fingerprint(stage, probe)) != unchanged:
                 groups.setdefault(key, (stage, []))[1].append(edit)
+        chosen, at = [*groups.values()], self.near
+        if self.stage.kind == "flight":
+            response = Response(self.stage, self.near.columns)
+            at = response.path
+            shares = [
+                response.left(stage, FREE, self._starts(group[0], at), self.off)
+                for stage, group in chosen
+            ]
+            order = np.argsort(shares, kind="stable")[: FLOWN + shares.count(-1.0)]
+            chosen = [chosen[i] for i in sorted(order)]
         found = []
-        for stage, group in groups.values():
+        for stage, group in chosen:
             edit, screened = group[0], self.screened(stage)
             if edit.starts:
-                c, r = fitted(screened, self._starts(edit))
-                group[0], left = replace(edit, starts=(c,)), cost(r)
+                c, r, _ = fitted(screened, self._starts(edit, at))
+                group[0] = replace(edit, starts=(c,))
             else:
-                left = cost(screened(0.0))
-            if left < NEARER * self.null:
+                (r,) = screened(np.zeros(1))
+            if (left := cost(r)) < NEARER * self.null:
                 found.append((left, group))
         found.sort(key=lambda one: one[0] + one[1][0].bits)
         return found, len(groups)
 
-    def _starts(self, edit: Edit) -> list[float]:
-        """Where the search for an edit's free number begins."""
-        return [
-            float(np.nanmedian(self._launch.of(x))) if isinstance(x, Node) else x
-            for x in edit.starts
-        ]
+    def _starts(self, edit: Edit, at: Values) -> list[float]:
+        """Where the search for an edit's free number begins, by the values of what it replaces."""
+        return [float(np.nanmedian(at.of(x))) if isinstance(x, Node) else x for x in edit.starts]
 
     def settled(self, edit: Edit) -> tuple[Edit, Array, tuple[float, float]]:
         """An edit with the roundest free number that fits.
@@ -279,20 +286,15 @@ class Explanation:
         """
         stage = self.edited(edit)
 
-        def residual(some: Index) -> Callable[[float], Array]:
-            def at(c: float) -> Array:
-                columns = {**self.columns, FREE: np.full(len(self.columns["kind"]), c)}
-                f = compared(stage, self.data, columns, some, doubt=np.zeros(0))[0]
-                return f.off / f.floor
-
-            return at
+        def residual(some: Index, limits: tuple[float, int]) -> Callable[[Array], Array]:
+            floor = self.base.floor[:, some]
+            return lambda c: self._off(stage, some, c, limits) / floor
 
         (start,) = edit.starts
         assert isinstance(start, float)
         with np.errstate(all="ignore"):
-            c, _ = fitted(residual(self.few), (start,), 2)
-            c, r = fitted(residual(self.all), (c,), 2)
-            slope = slope_of(residual(self.all), c, r)
+            c, *_ = fitted(residual(self.few, MIDDLE), (start,), 2)
+            c, r, slope = fitted(residual(np.arange(len(self.all)), FINE), (c,), 1)
             usual = FACTORS if edit.factor else ()
             near = [(cost(r + slope * (x - c)) + bits, bits, x) for x, bits in rounded(c, usual)]
             _, bits, x = min(near)

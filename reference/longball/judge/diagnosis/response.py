@@ -1,0 +1,116 @@
+"""First-order effects of edits on the ends of flights: which of many edits are worth a flight.
+
+What a small change of the acceleration does to the end of a flight is the integral over the
+undisturbed path of that change, times the derivative of the end by the velocity at that time. One
+batch of flights gives these derivatives; then an edit costs one evaluation of its formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.expression import Evaluator, Values
+from longball.judge.diagnosis.residual import COARSE, START, flown, launched, take
+from longball.model.arrays import Array
+
+NODES = 10  # of a Gauss-Legendre rule over the time of flight
+KICK = 1e-4  # m and m/s: the change by which derivatives are taken
+OTHER = 1.1  # times the start of a free number: a second value of it
+
+
+class Response:
+    """A flight stage in some scenes, and how its end depends on what happens during the flight."""
+
+    def __init__(self, stage: Stage, columns: Mapping[str, Any]) -> None:
+        self.stage = stage
+        self._launch = Values(columns)
+        count = len(columns["kind"])
+        x, weights = np.polynomial.legendre.leggauss(NODES)
+        shares = np.repeat([0.0, *(x + 1.0) / 2.0], count)
+        on_path = take(columns, np.tile(np.arange(count), NODES + 1))
+        balls = launched(stage, on_path)
+        duration = balls.duration
+        y = flown(balls, shares * duration, COARSE)
+
+        # The derivatives of the end, by components, by those of the state at each node.
+        kicked = np.tile(y[:, None], (1, 7, 1))
+        kicked[range(6), range(1, 7)] += KICK
+        every = launched(stage, take(on_path, np.tile(np.arange(len(shares)), 7)))
+        rest = np.tile((1.0 - shares) * duration, 7)
+        ends = flown(replace(every, y=kicked.reshape(7, -1)), rest, COARSE).reshape(7, 7, -1)
+        by_state = ((ends[:6, 1:] - ends[:6, :1]) / KICK).reshape(6, 6, NODES + 1, count)
+        self._at_launch = {"place": by_state[:, :3, 0], "velocity": by_state[:, 3:, 0]}
+        self._during = by_state[:, 3:, 1:] * (weights[:, None] / 2.0 * duration[:count])
+
+        # The path, on which laws are evaluated.
+        path = replace(balls, y=y[:, count:])
+        at = {"r": path.y[:3], "v": path.y[3:6]}
+        begun = {"r0": balls.y[:3, count:], "v0": balls.y[3:6, count:]}
+        self._spin = self._launch.of(stage.roots["spin"]) + np.zeros((3, count))
+        self.path = Values(
+            {
+                **take(on_path, np.arange(count, len(shares))), **at, **begun,
+                "ω0": np.tile(self._spin, NODES),
+                "t": (shares * duration)[count:], "path": path.y[6],
+                **{str(node.data): at[name] for name, node in START.items()},
+            }
+        )  # fmt: skip
+        self._turned = Evaluator([stage.roots["law"]], self.path.columns, frozenset(("ω0",)))
+        end = ends[:, 0, :count]
+        self._at_end = launched(stage, columns).rates(end, duration[:count])[:6]
+
+    def _moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
+        """What an edit does to the end."""
+        total = np.zeros_like(self._at_end)
+        for name, root in stage.roots.items():
+            old = self.stage.roots[name]
+            if root is old or name in ("through", "spin_left"):
+                continue
+            where = self.path if name == "law" else self._launch
+            change = Evaluator([root], where, frozenset(free))(**free)[0] - where.of(old)
+            if name == "spin":
+                turned = np.tile(change + self._spin, NODES)
+                change = self._turned(ω0=turned)[0] - self.path.of(self.stage.roots["law"])
+            if name in ("law", "spin"):
+                change = np.broadcast_to(change, (3, NODES * total.shape[1]))
+                pushed = change.reshape(3, NODES, -1)
+                total = total + np.einsum("edkn,dkn->en", self._during, pushed)
+            elif name in self._at_launch:
+                change = np.broadcast_to(change, (3, total.shape[1]))
+                total = total + np.einsum("edn,dn->en", self._at_launch[name], change)
+            else:
+                total = total + self._at_end * change
+        return total
+
+    def left(self, stage: Stage, name: str, starts: Sequence[float], off: Array) -> float:
+        """Of the square of errors, what an edit leaves if its effect may have any size.
+
+        Scenes count alike, and what is right counts like an error of the usual size. It is -1 if
+        a flight alone tells.
+        """
+        if stage.roots["spin_left"] is not self.stage.roots["spin_left"]:
+            return -1.0
+        off = np.nan_to_num(off[:6])
+        sizes = np.sqrt((off * off).sum(axis=0))
+        wrong = sizes > sizes.max(initial=0.0) * RIGHT
+        scale = np.where(wrong, sizes, np.median(sizes[wrong])) if wrong.any() else 1.0
+        a = off / scale
+        best = 1.0
+        # An edit with a number may do more than its start, and other things than it.
+        for start in starts or (None,):
+            given = [{name: start}, {name: OTHER * start}] if start else [{}]
+            b = np.array([(self._moved(stage, free) / scale).ravel() for free in given])
+            b = np.where(np.isfinite(b), b, 0.0)
+            parts = np.linalg.lstsq(b.T, a.ravel(), rcond=1e-9)[0]
+            if starts or parts[0] > 0:
+                left = a.ravel() - parts @ b
+                best = min(best, float(left @ left) / float((a * a).sum()))
+        return best
+
+
+RIGHT = 1e-9  # of the largest error, what is none
