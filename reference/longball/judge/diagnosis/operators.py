@@ -109,6 +109,8 @@ class Edit:
             by = substitute(by, node, constant(value, dimension))
         text = f"{value:.9g}"
         said = self.words.replace("{c}", text)
+        if self.factor and (meaning := FACTORS.get(value)):
+            said += f" ({meaning})"
         return replace(self, by=by, bits=self.bits + cost, words=said, starts=())
 
 
@@ -289,8 +291,8 @@ def _factors(site: Site) -> Iterator[Option]:
         return
     choice = BITS["factor"] + math.log2(len(FACTORS))
     for factor, meaning in FACTORS.items():
-        if factor == -1.0 or (site.flies and (a.op != "symbol" or 0.09 < factor < 11)):
-            continue
+        if factor == -1.0 or (fits and (a.op != "symbol" or 0.09 < factor < 11)):
+            continue  # the free factor finds it
         text = f"takes {factor:.9g} times {said}" + (f" ({meaning})" if meaning else "")
         yield factor * a, choice, text, ()
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -26,9 +25,9 @@ OTHER = 1.1  # times the start of a free number: a second value of it
 class Response:
     """A flight stage in some scenes, and how its end depends on what happens during the flight."""
 
-    def __init__(self, stage: Stage, columns: Mapping[str, Any]) -> None:
+    def __init__(self, stage: Stage, known: Values) -> None:
         self.stage = stage
-        self._launch = Values(columns)
+        self._launch, columns = known, known.columns
         count = len(columns["kind"])
         x, weights = np.polynomial.legendre.leggauss(NODES)
         shares = np.repeat([0.0, *(x + 1.0) / 2.0], count)
@@ -52,7 +51,7 @@ class Response:
         at = {"r": path.y[:3], "v": path.y[3:6]}
         begun = {"r0": balls.y[:3, count:], "v0": balls.y[3:6, count:]}
         self._spin = self._launch.of(stage.roots["spin"]) + np.zeros((3, count))
-        self.path = Values(
+        self.at = Values(
             {
                 **take(on_path, np.arange(count, len(shares))), **at, **begun,
                 "ω0": np.tile(self._spin, NODES),
@@ -60,22 +59,22 @@ class Response:
                 **{str(node.data): at[name] for name, node in START.items()},
             }
         )  # fmt: skip
-        self._turned = Evaluator([stage.roots["law"]], self.path.columns, frozenset(("ω0",)))
+        self._turned = Evaluator([stage.roots["law"]], self.at.columns, frozenset(("ω0",)))
         end = ends[:, 0, :count]
         self._at_end = launched(stage, columns).rates(end, duration[:count])[:6]
 
-    def _moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
+    def moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
         """What an edit does to the end."""
         total = np.zeros_like(self._at_end)
         for name, root in stage.roots.items():
             old = self.stage.roots[name]
             if root is old or name in ("through", "spin_left"):
                 continue
-            where = self.path if name == "law" else self._launch
+            where = self.at if name == "law" else self._launch
             change = Evaluator([root], where, frozenset(free))(**free)[0] - where.of(old)
             if name == "spin":
                 turned = np.tile(change + self._spin, NODES)
-                change = self._turned(ω0=turned)[0] - self.path.of(self.stage.roots["law"])
+                change = self._turned(ω0=turned)[0] - self.at.of(self.stage.roots["law"])
             if name in ("law", "spin"):
                 change = np.broadcast_to(change, (3, NODES * total.shape[1]))
                 pushed = change.reshape(3, NODES, -1)
@@ -87,30 +86,53 @@ class Response:
                 total = total + self._at_end * change
         return total
 
-    def left(self, stage: Stage, name: str, starts: Sequence[float], off: Array) -> float:
-        """Of the square of errors, what an edit leaves if its effect may have any size.
 
-        Scenes count alike, and what is right counts like an error of the usual size. It is -1 if
-        a flight alone tells.
-        """
-        if stage.roots["spin_left"] is not self.stage.roots["spin_left"]:
-            return -1.0
-        off = np.nan_to_num(off[:6])
-        sizes = np.sqrt((off * off).sum(axis=0))
-        wrong = sizes > sizes.max(initial=0.0) * RIGHT
-        scale = np.where(wrong, sizes, np.median(sizes[wrong])) if wrong.any() else 1.0
-        a = off / scale
-        best = 1.0
-        # An edit with a number may do more than its start, and other things than it.
-        for start in starts or (None,):
-            given = [{name: start}, {name: OTHER * start}] if start else [{}]
-            b = np.array([(self._moved(stage, free) / scale).ravel() for free in given])
-            b = np.where(np.isfinite(b), b, 0.0)
-            parts = np.linalg.lstsq(b.T, a.ravel(), rcond=1e-9)[0]
-            if starts or parts[0] > 0:
-                left = a.ravel() - parts @ b
-                best = min(best, float(left @ left) / float((a * a).sum()))
-        return best
+class Direct:
+    """A formula, or what is 0 at an event, in some scenes."""
+
+    def __init__(self, stage: Stage, known: Values) -> None:
+        self.at = known
+        (self._value,) = (known.of(root) for root in stage.roots.values())
+
+    def moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
+        """What an edit does to the value."""
+        roots = [*stage.roots.values()]
+        return np.atleast_2d(Evaluator(roots, self.at, frozenset(free))(**free)[0] - self._value)
 
 
+def left_by(
+    effects: Response | Direct, stage: Stage, name: str, starts: Sequence[float], off: Array
+) -> float:
+    """Of the square of errors, what an edit leaves if its effect may have any size.
+
+    Scenes count alike, and what is right counts like an error of the usual size. An edit may have
+    a free number, of that name.
+    """
+    off = np.nan_to_num(off[:ROWS])
+    sizes = np.sqrt((off * off).sum(axis=0))
+    wrong = sizes > sizes.max(initial=0.0) * RIGHT
+    if not wrong.any():  # but the spin, perhaps
+        return 0.0
+    scale = np.where(wrong, sizes, np.median(sizes[wrong]))
+    a = (off / scale).ravel()
+    best = 1.0
+    # An edit with a number may do more than its start does, and something else.
+    for start in starts or (None,):
+        given = [{name: start}, {name: OTHER * start or 0.1}] if start is not None else [{}]
+        b = np.array(
+            [
+                np.broadcast_to(effects.moved(stage, free) / scale, off.shape).ravel()
+                for free in given
+            ]
+        )
+        b = np.where(np.abs(b) < FAR, b, 0.0)
+        parts = np.linalg.lstsq(b.T, a, rcond=1e-9)[0]
+        if starts or parts[0] > 0:
+            rest = a - parts @ b
+            best = min(best, float(rest @ rest) / float(a @ a))
+    return best
+
+
+ROWS = 6  # place and velocity: those of a flight's spin are no matter of its path
+FAR = 1e9  # times the error: what moves so much is no explanation
 RIGHT = 1e-9  # of the largest error, what is none

@@ -45,7 +45,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Response
+from longball.judge.diagnosis.response import Direct, Response, left_by
 from longball.judge.fresh import random_scenes
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
@@ -55,8 +55,8 @@ WRONG, RIGHT = 5, 2
 # Scenes in which it has to hold.
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
-EDITS = 5000  # that are tried at a stage, the cheapest
-FLOWN = 150  # of these, edits that are flown, by their first-order effects
+EDITS = 3000  # that are looked at at a stage, the cheapest
+TRIED = 150  # of these, by their first-order effects
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = 16  # edits that are held against all of these
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
@@ -252,21 +252,19 @@ class Explanation:
                 continue
             if (key := _fingerprint(stage, probe)) != unchanged:
                 groups.setdefault(key, (stage, []))[1].append(edit)
-        chosen, at = [*groups.values()], self.near
-        if self.stage.kind == "flight":
-            response = Response(self.stage, self.near.columns)
-            at = response.path
-            shares = [
-                response.left(stage, FREE, self._starts(group[0], at), self.off)
-                for stage, group in chosen
-            ]
-            order = np.argsort(shares, kind="stable")[: FLOWN + shares.count(-1.0)]
-            chosen = [chosen[i] for i in sorted(order)]
+        flies = self.stage.kind == "flight"
+        effects = (Response if flies else Direct)(self.stage, self.near)
+        shares: dict[bytes, float] = {}
+        for key, (stage, group) in groups.items():
+            own = stage.roots.get("spin_left") is self.stage.roots.get("spin_left")
+            starts = self._starts(group[0], effects.at)
+            shares[key] = left_by(effects, stage, FREE, starts, self.off) if own else 0.0
+        chosen = [groups[key] for key in heapq.nsmallest(TRIED, shares, key=shares.__getitem__)]
         found = []
         for stage, group in chosen:
             edit, screened = group[0], self.screened(stage)
             if edit.starts:
-                c, r, _ = fitted(screened, self._starts(edit, at))
+                c, r, _ = fitted(screened, self._starts(edit, effects.at))
                 group[0] = replace(edit, starts=(c,))
             else:
                 (r,) = screened(np.zeros(1))
