@@ -65,8 +65,9 @@ EXPECTED = {
     "bat-at-rest": ("normal speed", "leaves out -V_b"),
     "over-bat-mass": ("velocity after", "takes M for m"),
     "distance-in-feet": (
-        "distance", "takes 3.2808399 times (landing.position_x, landing.position_y, 0) (feet)",
-    ),  # fmt: skip
+        "distance",
+        "takes 3.2808399 times (landing.position_x, landing.position_y, 0) (feet)",
+    ),
     "axes-exchanged": ("output", "landing.position is given as (y, x, z)"),
 }
 
