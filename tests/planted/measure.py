@@ -40,20 +40,19 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from longball.judge.cases import Case, Converged, Exact
-from longball.judge.diagnosis.diagnose import reason
+from longball.judge.cases import Case, Profile
+from longball.judge.diagnosis.diagnose import prepared, reason
 from longball.judge.diagnosis.digits import with_digits
 from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
 from longball.judge.diagnosis.outputs import outputs
-from longball.judge.diagnosis.residual import Data, data_of, follow, specialised_to, switches
+from longball.judge.diagnosis.residual import Data, follow, switches
 from longball.judge.diagnosis.search import Located, Named
 from longball.judge.verdict import compare
 from tests.planted import sources
-from tests.planted.sources import Answers, Crashed, Subject, fresh, golden
+from tests.planted.sources import EXACT, Answers, Crashed, Subject, fresh, golden
 
 SOURCES = ("planted", "mutants", "edits", "right")
 SAME = 1e-11  # relative: values of a mutant that differ by less are those of the original
-SOLVED = Converged(0.1)
 
 
 # --- the judge ------------------------------------------------------------------------------------
@@ -76,11 +75,13 @@ def like(cases: Sequence[Case], others: Sequence[Case]) -> list[Case]:
     return [case for case, row in zip(cases, rows(cases)) if row in seen]
 
 
-def diagnose(cases: Sequence[Case], answers: Answers) -> Any:
+def diagnose(
+    cases: Sequence[Case], answers: Answers, profile: Profile = EXACT, dt: float | None = None
+) -> Any:
     """The chain with its edits, and what is named, near or located, as the judge finds it."""
-    data = with_digits(data_of(cases, answers), answers)
-    data, converted = outputs(data, specialised_to(data))
-    reasoned = reason(data, specialised_to(data))
+    data, chain = prepared(cases, answers, scheme := profile.scheme())
+    data, converted = outputs(with_digits(data, answers), chain)
+    reasoned = reason(data, chain, dt, engine=scheme)
     findings = [
         SimpleNamespace(stage=f.stage, kind=f.kind, edit=None, sentence=f.sentence)
         for f in converted
@@ -96,7 +97,7 @@ def diagnose(cases: Sequence[Case], answers: Answers) -> Any:
             SimpleNamespace(stage=stage, kind=kind, edit=edit, sentence=edit.words if edit else "")
             for kind, edit in told
         ]
-    return SimpleNamespace(chain=reasoned.chain, findings=findings)
+    return SimpleNamespace(chain=reasoned.chain, ways=reasoned.data.ways, findings=findings)
 
 
 # --- grading --------------------------------------------------------------------------------------
@@ -119,15 +120,14 @@ def differ(cases: Sequence[Case], a: Answers, b: Answers) -> bool:
     return False
 
 
-def solves(case: Case, answers: Answers) -> bool:
-    """True if a program solves a case, be it by long steps."""
+def solves(case: Case, answers: Answers, profile: Profile) -> bool:
+    """True if a program solves a case as well as its steps allow."""
     answer = answers.get(case.id)
-    return answer is not None and not answer.error and compare(case, answer, SOLVED).passed
+    return answer is not None and not answer.error and compare(case, answer, profile).passed
 
 
 def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
     """What the judge makes of a program, by so many cases a family, and what is true of it."""
-    began = time.process_time()
     families = tuple(subject.families)
     cases, new = golden(families, most), fresh(families, count)
     said: dict[str, Any] = {"source": subject.source, "name": subject.name}
@@ -140,24 +140,29 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
         if not (differ(new, again, later) or differ(cases, answers, before)):
             return said | {"status": "same"}
         # What the original does not solve says nothing of the mutation.
-        cases = [c for c in cases if solves(c, before)]
-        new = [c for c in new if solves(c, later)]
+        passes = subject.profile
+        cases = [c for c in passes.truths(cases) if solves(c, before, passes)]
+        new = [c for c in passes.truths(new) if solves(c, later, passes)]
     right = [c for c in known(cases, answers) if answers[c.id].values]
     unseen = like([c for c in known(new, again) if again[c.id].values], right)
-    wrong = [c.id for c in right if not compare(c, answers[c.id], Exact()).passed]
-    beyond = [c.id for c in unseen if not compare(c, again[c.id], Exact()).passed]
-    passed = all(c.id in answers and compare(c, answers[c.id], Exact()).passed for c in cases)
+    strict = subject.profile if subject.profile.scheme() else EXACT
+    wrong = [c.id for c in right if not compare(c, answers[c.id], strict).passed]
+    beyond = [c.id for c in unseen if not compare(c, again[c.id], strict).passed]
+    passed = all(c.id in answers and compare(c, answers[c.id], strict).passed for c in cases)
     if not wrong and not (passed and beyond):
         return said | {"status": "other", "passed": passed}
     try:
         with warnings.catch_warnings(action="ignore"):
-            told = diagnose(right, answers)
+            start = time.process_time()
+            told = diagnose(right, answers, subject.profile, subject.dt)
+            seconds = time.process_time() - start
     except Exception:
         return said | {"status": "failed", "why": traceback.format_exc()[-1500:]}
     first, everywhere, followed, shaken = [], [], [], []
     if unseen:
-        data = data_of(unseen, again)
-        first, everywhere = _wrong(follow(specialised_to(data), data)[1])
+        data, chain = prepared(unseen, again, subject.profile.scheme())
+        first, everywhere = _wrong(follow(chain, data)[1])
+        data = replace(data, ways=told.ways)
         followed = follow(told.chain, data)[1]
         shaken = follow(told.chain, _shaken(data))[1]
     findings = [
@@ -171,7 +176,7 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
         "status": "judged", "passed": passed, "wrong": len(wrong), "known": len(right),
         "fresh": len(unseen), "fresh_wrong": len(beyond), "first": first,
         "everywhere": everywhere, "findings": findings,
-        "seconds": time.process_time() - began,
+        "seconds": seconds,
     }  # fmt: skip
 
 

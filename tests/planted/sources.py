@@ -24,7 +24,7 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.candidate import Limits, run
-from longball.judge.cases import Case, decidable, solved
+from longball.judge.cases import Case, Converged, Exact, Paper, Profile, decidable, solved
 from longball.judge.diagnosis.chain import OWN
 from longball.judge.diagnosis.expression import Node, evaluate
 from longball.judge.diagnosis.operators import edits
@@ -43,6 +43,7 @@ REAL = ("flight-spin-lift", "flight-weather", "impact-oblique", "fence")
 LIMITS = Limits(scene_seconds=5.0, total_seconds=120.0)
 
 Answers = Mapping[str, Answer]
+EXACT = Exact()
 
 
 class Crashed(Exception):
@@ -58,6 +59,8 @@ class Subject:
     families: Sequence[str]  # of the golden data that it is judged by
     answers: Callable[[Sequence[Case]], Answers]
     original: Callable[[Sequence[Case]], Answers] | None = None  # the program without the mutation
+    profile: Profile = EXACT  # that the original passes
+    dt: float | None = None  # s, its time step
 
     def file(self, folder: Path) -> Path:
         """Where its result is kept."""
@@ -177,15 +180,17 @@ def half_of(name: str) -> str:
     return ("open", "closed")[hashlib.sha256(name.encode()).digest()[0] % 2]
 
 
-# Programs whose source is mutated, with their arguments and the golden data that they solve.
-MUTATED: tuple[tuple[Path, Sequence[str], Sequence[str]], ...] = (
-    (ROOT / "docs" / "candidate.py", (), (*FLIGHTS, "flight-vertical")),
-    (CANDIDATES / "paper_verlet.py", ("--dt", "0.002"), PAPER),
-    (CANDIDATES / "mistaken.py", (), PAPER),
-    (CANDIDATES / "real_ball.py", (), ("flight-spin-lift", "flight-weather")),
-    (CANDIDATES / "euler_csv.py", ("0.001", "17"), FLIGHTS),
-    (CANDIDATES / "paper_verlet.c", ("--dt", "0.001"), PAPER),
-    (HERE / "ballistics.c", (), (*PAPER, *REAL)),
+# Programs whose source is mutated, with their arguments, the golden data that they solve, what they
+# pass, and their time step.
+GOOD = Converged(1e-6)
+MUTATED: tuple[tuple[Path, Sequence[str], Sequence[str], Profile, float | None], ...] = (
+    (ROOT / "docs" / "candidate.py", (), (*FLIGHTS, "flight-vertical"), GOOD, None),
+    (CANDIDATES / "paper_verlet.py", ("--dt", "0.01"), PAPER, Paper(0.01), 0.01),
+    (CANDIDATES / "mistaken.py", (), PAPER, GOOD, None),
+    (CANDIDATES / "real_ball.py", (), ("flight-spin-lift", "flight-weather"), GOOD, None),
+    (CANDIDATES / "euler_csv.py", ("0.001", "17"), FLIGHTS, Converged(0.1), 0.001),
+    (CANDIDATES / "paper_verlet.c", ("--dt", "0.01"), PAPER, Paper(0.01), 0.01),
+    (HERE / "ballistics.c", (), (*PAPER, *REAL), GOOD, None),
 )
 
 
@@ -211,20 +216,21 @@ class Mutated:
 def mutants(seed: int, folder: Path) -> Iterator[Subject]:
     """Mutants of all programs in turn, each program's in a random order."""
     draw, queues = random.Random(seed), []
-    for path, arguments, families in MUTATED:
+    for path, arguments, *more in MUTATED:
         source = path.read_text(encoding="utf-8")
         every = [*(c_mutants if path.suffix == ".c" else python_mutants)(source)]
         # What a planted mistake does is not done here.
         every = [m for m in every if "wrong" not in source.splitlines()[_line(m.change) - 1]]
         draw.shuffle(every)
         original = Mutated(path.name, source, arguments, folder)
-        queues.append((path.name, families, original, every))
+        queues.append((path.name, more, original, every))
     for number in range(max(len(every) for *_, every in queues)):
-        for name, families, original, every in queues:
+        for name, (families, passes, dt), original, every in queues:
             if number < len(every):
                 mutant = every[number]
                 program = replace(original, source=mutant.source)
-                yield Subject("mutants", f"{name} {mutant.change}", families, program, original)
+                title = f"{name} {mutant.change}"
+                yield Subject("mutants", title, families, program, original, passes, dt)
 
 
 def _line(change: str) -> int:

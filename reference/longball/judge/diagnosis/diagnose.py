@@ -74,23 +74,13 @@ def diagnose(
         if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
     ]
     same = [case for case in known if answers[case.id].outcome in (None, case.expected.outcome)]
-    plain = data_of(same, answers, granted)
+    plain, chain = prepared(same, answers, scheme, granted)
     data = with_digits(plain, answers)
     found: list[Finding] = []
-    chain = specialised_to(data)
-    if scheme is not None:  # flights are followed by it, but for batted balls, which are pushed
-        chain = tuple(
-            replace(stage, scenes=tuple(kind for kind in stage.scenes if kind != "at-bat"))
-            if stage.kind == "flight" and stage.name in ("flight", "fence")
-            else stage
-            for stage in chain
-        )
-        data = replace(data, ways=ways_of(scheme))
     _, first = follow(chain, data)
     if not causes:
         return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
     mended, found = outputs(data, chain)
-    plain = replace(plain, ways=data.ways)
     short = explain_digits(chain, plain, answers)
     found += [_finding(step, mended) for step in reason(mended, chain, dt, solve, scheme).steps]
     every = data_of(known, answers, granted)
@@ -101,6 +91,27 @@ def diagnose(
         found = [told.digits(short, first, data), *(f for f in found if f.stage == "outcome")]
     found.sort(key=lambda finding: finding.kind != "named")
     return told.diagnosis(first, found, data)
+
+
+def prepared(
+    cases: Sequence[Case],
+    answers: Mapping[str, Answer],
+    scheme: Verlet | None = None,
+    granted: float = 0.0,
+) -> tuple[Data, tuple[Stage, ...]]:
+    """Answers as columns, and the chain that they are held against."""
+    data = data_of(cases, answers, granted)
+    chain = specialised_to(data)
+    if scheme is None:
+        return data, chain
+    # Flights go by the scheme, but for batted balls, which it pushes over two steps.
+    chain = tuple(
+        replace(stage, scenes=tuple(kind for kind in stage.scenes if kind != "at-bat"))
+        if stage.kind == "flight" and stage.name in ("flight", "fence")
+        else stage
+        for stage in chain
+    )
+    return replace(data, ways=ways_of(scheme)), chain
 
 
 # --- stage by stage -------------------------------------------------------------------------------
@@ -116,9 +127,16 @@ class Step:
 
 @dataclass(frozen=True)
 class Reasoned:
-    """The chain with every edit that was named, and the stages in the order of explanation."""
+    """The chain with every edit that was named, and the stages in the order of explanation.
+
+    Attributes
+    ----------
+    data
+        With the ways to fly that were named.
+    """
 
     chain: tuple[Stage, ...]
+    data: Data
     steps: tuple[Step, ...]
 
 
@@ -155,7 +173,7 @@ def reason(
             and tried[stage.name, stage.kind] < ROUNDS
         ]
         if not wrong:
-            return Reasoned(chain, tuple(steps))
+            return Reasoned(chain, data, tuple(steps))
         stage, one = wrong[0]
         at = stage.name, stage.kind
         tried[at] += 1

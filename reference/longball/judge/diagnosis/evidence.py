@@ -38,7 +38,7 @@ def is_adequate(r: Array, rough: bool = False) -> bool:
 
 
 def fitted(
-    residual: Callable[[Array], Array], starts: Sequence[float], rounds: int = 5
+    residual: Callable[[Array], Array], starts: Sequence[float], rounds: int = 8
 ) -> tuple[float, Array, Array]:
     """The free number that leaves least, by Gauss-Newton from all starts at once.
 

@@ -290,4 +290,7 @@ def steps(
         new, _ = step(balls.rates, y, counts * h, rest, left, h)
     found = balls.ended(new)
     doubts = {q: np.zeros_like(x) for q, x in found.items()}
-    return found, {**doubts, stage.quantities[0]: doubt[:3], stage.quantities[1]: doubt[3:6]}
+    for quantity, part in zip(stage.quantities, (doubt[:3], doubt[3:6]), strict=False):
+        # One component may be near by chance.
+        doubts[quantity] = np.broadcast_to(part.max(axis=0), part.shape)
+    return found, doubts

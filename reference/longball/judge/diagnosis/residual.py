@@ -107,7 +107,9 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
             if quantity in said:
                 given[quantity][..., i] = _floats(said[quantity])
     scenes = [case.scene for case in cases]
-    columns = {**inputs(scenes), **switches(scenes), **_fences(scenes, given["fence.position"])}
+    tops = given["fence.position"][2] - given["fence.clearance"]
+    chords_at = _fences(scenes, given["fence.position"], tops)
+    columns = {**inputs(scenes), **switches(scenes), **chords_at}
     return Data(cases, columns, given, expected, errors, granted=granted)
 
 
@@ -202,24 +204,33 @@ def _options(scene: Any) -> dict[str, str]:
     return found
 
 
-def _fences(scenes: Sequence[Any], places: Array) -> dict[str, Array]:
-    """The ends of the chord next to a place, one of each scene."""
+def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Array]:
+    """The ends of the chord next to a place, one of each scene.
+
+    Of two chords that are equally near, as at a step of the wall, it is the one whose height there
+    is nearer to a top.
+    """
     ends = np.full((2, 3, len(scenes)), np.nan)
     for i, scene in enumerate(scenes):
         fence = getattr(scene, "fence", None)
         if fence is None or fence.polyline is None or not np.isfinite(places[:, i]).all():
             continue
         x, y, _ = places[:, i]
-
-        def apart(chord: Any, x: float = x, y: float = y) -> float:
-            (ax, ay, _), (bx, by, _) = chord.a, chord.b
+        found = []
+        for chord in chords(fence.polyline, DOUBLES):
+            (ax, ay, az), (bx, by, bz) = chord.a, chord.b
             along = (x - ax) * (bx - ax) + (y - ay) * (by - ay)
             share = min(max(along / ((bx - ax) ** 2 + (by - ay) ** 2), 0.0), 1.0)
-            return math.hypot(x - ax - share * (bx - ax), y - ay - share * (by - ay))
-
-        nearest = min(chords(fence.polyline, DOUBLES), key=apart)
+            apart = math.hypot(x - ax - share * (bx - ax), y - ay - share * (by - ay))
+            found.append((apart, abs(az + share * (bz - az) - tops[i]), chord))
+        least = min(apart for apart, _, _ in found) + AT_CORNER
+        near = [one for one in found if one[0] <= least]
+        *_, nearest = min(near, key=lambda one: (np.nan_to_num(one[1]), one[0]))
         ends[:, :, i] = nearest.a, nearest.b
     return {"chord.a": ends[0], "chord.b": ends[1]}
+
+
+AT_CORNER = 1e-9  # m: chords that are so equally near meet there
 
 
 # --- what follows ---------------------------------------------------------------------------------

@@ -51,7 +51,7 @@ ROUND = tuple(
     sorted({0.1, 0.2, 0.3, 0.4, *(float(f"{m}e{k}") for m in _DECADE for k in (-5, -4, -3, -2))}
            | {1 / n for n in _RATES})
 )  # fmt: skip
-ROUND_BITS = math.log2(len(ROUND))
+ROUND_BITS, TRIED_BITS = math.log2(len(ROUND)), math.log2(2 * (len(INTEGRATORS) + 1))
 
 
 def _nearer(one: Integrator, h: float, share: float) -> float:
@@ -164,12 +164,11 @@ class Steps:
             return Way(one, h) if left < FITS else None
         return None
 
-    def best(self, dt: float | None) -> Scheme | None:
-        """The cheapest scheme that makes all numbers, or else the order that errors have."""
+    def named(self, dt: float | None) -> Scheme | None:
+        """The cheapest scheme that makes all numbers, if one does."""
         if not self.few.size:
             return None
         found = self.fitting
-        tried = 2 * (len(INTEGRATORS) + 1)
         usual = [*ROUND, *([dt] if dt else [])]
 
         def near(fit: float, factor: float) -> list[float]:
@@ -191,17 +190,17 @@ class Steps:
         if best is not None and chords[best][1] < ROUGHLY:
             options.append((EXACT, best, True))
             options += [(one, best, True) for one in INTEGRATORS if one.order > 1]
-        named = self._adequate(options, dt, tried)
+        named = self._adequate(options, dt)
         if named is None:  # chords and a method of order 2 err alike
             both = [
                 (one, h, True)
                 for _, other, one in found if one.order > 1
                 for h in near(other, CHORD) if max(h / fit, fit / h) < CHORD**2
             ]  # fmt: skip
-            named = self._adequate(both, dt, tried)
+            named = self._adequate(both, dt)
         if named is None and found and found[0][0] < CLOSELY:
-            named = self._adequate(list(self._free(found[:2])), dt, tried)
-        return named or self._order(found, tried)
+            named = self._adequate(list(self._free(found[:2])), dt)
+        return named
 
     def _free(
         self, found: Iterable[tuple[float, float, Integrator]]
@@ -222,14 +221,14 @@ class Steps:
         return bool(np.mean(made) >= (0.5 if len(some) <= 2 else MOST))
 
     def _adequate(
-        self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None, tried: int
+        self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None
     ) -> Scheme | None:
         for one, h, chord in options:
             # The shortest flights tell most of them.
             if not self._holds(one, h, chord, self.few[:2]) or not self._holds(one, h, chord):
                 continue
             r = self.left(one, h, chord, self.all)
-            bits = math.log2(tried) + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
+            bits = TRIED_BITS + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
             evidence = self.null - cost(r) - bits - CHANCE
             if evidence > 0 and is_adequate(r, is_rough(self.stage)):
                 alike = [
@@ -245,17 +244,18 @@ class Steps:
                 return Scheme(said, order, h, bits, evidence, True, way)
         return None
 
-    def _order(self, found: Sequence[tuple[float, float, Integrator]], tried: int) -> Scheme | None:
+    def order(self) -> Scheme | None:
+        """The order that the errors have, if they have one."""
         off = self.followed.off[:, self.followed.wrong]
         wrong = self.all[self.followed.wrong]
-        for _, h, one in found[:2]:
+        for _, h, one in self.fitting[:2] if self.few.size else []:
             made, _ = self.errors(one, h, False, wrong)
             known = np.isfinite(off) & np.isfinite(made)
             before, after = (
                 np.sqrt(np.square(np.where(known, x / self.followed.scale[:, wrong], 0.0)).sum(0))
                 for x in (off, off - made)
             )
-            bits = math.log2(tried) + ROUND_BITS
+            bits = TRIED_BITS + ROUND_BITS
             evidence = self.null - cost(self.left(one, h, False, self.all)) - bits - CHANCE
             if np.mean(after < LIKE * before) >= MOST and evidence > 0:
                 said = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
@@ -275,8 +275,8 @@ def explain_scheme(
         return event(chain, stage, columns, followed, dt)
     if stage.kind == "formula" or not followed.wrong.any():
         return None
-    found = clock(stage, columns, followed, dt)
-    return found or (steps or Steps(stage, data, columns, followed)).best(dt)
+    steps = steps or Steps(stage, data, columns, followed)
+    return clock(stage, columns, followed, dt) or steps.named(dt) or steps.order()
 
 
 VARIANTS = 6  # edits with a number that are tried with all schemes
@@ -303,12 +303,13 @@ def with_edit(
             tried = [like] if like else [Way(one, TRIALS[0]) for one in INTEGRATORS]
             ratios = [search.ratio(way.one, way.h) for way in tried]
             left = min((left for share, left in ratios if share > 0.0), default=1.0)
-            ways.append((left * search.square, variant, search))
+            if left < ROUGHLY:
+                ways.append((left * search.square, variant, search))
     ways.sort(key=lambda way: (float(f"{way[0]:.6g}"), way[1].bits))
     different = {f"{way[0]:.6g}": way for way in reversed(ways)}  # what comes to the same: once
     for _, edit, search in [*different.values()][::-1][:VARIANTS]:
-        scheme = search.best(dt)
-        if scheme is not None and scheme.adequate:
+        scheme = search.named(dt)
+        if scheme is not None:
             saved = null - search.null - edit.bits - math.log2(1 + len(ways))
             return edit, replace(scheme, evidence=scheme.evidence + saved)
     return None

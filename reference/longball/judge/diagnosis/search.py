@@ -55,7 +55,7 @@ WRONG, RIGHT = 5, 2
 # Scenes in which it has to hold.
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
-EDITS = 3000  # that are looked at at a stage, the cheapest
+EDITS = 5000  # that are looked at at a stage, the cheapest
 TRIED = 150  # of these, by their first-order effects
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = 16  # edits that are held against all of these
