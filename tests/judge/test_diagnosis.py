@@ -102,6 +102,21 @@ def test_noise_has_no_name():
     assert not isinstance(reasoned.steps[0].found, Named)
 
 
+@pytest.mark.parametrize("side", [0.0, 1.0, -1.0])
+def test_ends_beside_the_ground_are_no_other_event(side: float):
+    """As of single precision, on both sides or on one."""
+    cases = [case for case in load("flight-both") if case.expected.outcome == "landed"]
+    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    noise = 1e-6 * np.random.default_rng(1).normal(size=len(cases))
+    ends = data.given["landing.position"].copy()
+    ends[2] += side * np.abs(noise) if side else noise
+    nothing = np.full_like(ends, np.nan)
+    given = {**data.given, "landing.position": ends, "landing.velocity": nothing}
+    reasoned = reason(replace(data, given=given), specialised_to(data))
+    assert "landing" in [step.followed.stage.name for step in reasoned.steps]
+    assert not any(isinstance(step.found, Named) for step in reasoned.steps)
+
+
 @pytest.mark.parametrize("stage", ["bat velocity", "normal speed", "velocity after"])
 def test_an_edit_of_its_own_chain_is_found_again(stage: str):
     """Every eightieth edit of a stage, planted in the right answers: it or its like is named."""

@@ -75,6 +75,9 @@ def test_errors_of_single_precision_that_add_up_are_told():
     assert explain_digits(*written("flight-both", repr, noisy)) == "computes in single precision"
 
 
-def test_a_style_has_to_save_more_than_chance():
-    assert digits_of([Decimal("0.5")]) is not None  # one of 53 bits
-    assert digits_of([Decimal(repr(0.1 + 0.2)), Decimal("0.5")]) is None
+def test_a_style_shows_in_numbers_that_differ():
+    """A normal that is (1, 0, 0) in every scene is not rounded to one digit."""
+    assert digits_of(map(Decimal, ("0.5", "0.25", "-1.25", "2"))) is not None
+    assert digits_of([Decimal("1"), Decimal("0"), Decimal("-1")] * 20) is None
+    full = Decimal(repr(0.1 + 0.2)), Decimal(repr(1 / 7)), Decimal(repr(2 / 7))
+    assert digits_of([*full, Decimal("0.5")]) is None

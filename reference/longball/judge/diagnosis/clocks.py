@@ -192,9 +192,6 @@ def _mostly(those: NDArray[np.bool_]) -> bool:
     return bool(those.size) and bool(np.mean(those) >= MOST)
 
 
-SAME = 1e-8  # s: times that differ by less are one
-
-
 def event(
     chain: Sequence[Stage], stage: Stage, columns: Mapping[str, Any], followed: Followed,
     dt: float | None,

@@ -21,6 +21,7 @@ from longball.judge.diagnosis.residual import Data, Index, follow, is_rough, tak
 from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
+DIFFERENT = 4  # numbers that show a style: a constant is no rounding
 # Single-precision roundings that a calculation may add up, such as one in each of so many steps.
 ROUNDINGS = 1e3
 
@@ -62,9 +63,9 @@ class Digits:
 
 
 def digits_of(numbers: Iterable[Decimal]) -> Digits | None:
-    """The style of some numbers; None if they are in full."""
-    known = [x.normalize() for x in numbers if x]
-    if not known:
+    """The style of some numbers; None if they are in full, or too few differ to show it."""
+    known = sorted({abs(x.normalize()) for x in numbers if x})
+    if len(known) < DIFFERENT:
         return None
     digits = max(len(x.as_tuple().digits) for x in known)
     decimals = max(0, *(-int(x.as_tuple().exponent) for x in known))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from longball.engines.engine import Engine
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
-from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.chain import OWN, Stage
 from longball.judge.diagnosis.evidence import (
     CHANCE,
     cost,
@@ -240,13 +240,17 @@ class Explanation:
         """
         some = take(self.columns, _evenly(self.all, PROBES))
         probe = self.probe = Values(_moved_at_random(self.stage, some))
+        place = str(OWN[self.stage.quantities[0]].data)
+        self.beside = [
+            Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
+        ]
         options = {**self.data.columns, "spin": self.data.columns[self.stage.spins]}
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
         every = edits(self.chain, self.stage, defaults(), options)
         for edit in heapq.nsmallest(EDITS, every, key=lambda edit: edit.bits):
             stage = self.edited(edit)
-            if stage.kind == "event" and _vanishes(stage, probe):  # then it would hold anywhere
+            if stage.kind == "event" and not self._ends_flights(stage):
                 continue
             if edit.by.op == "constant" and not _is_finite(stage, probe):
                 continue
@@ -272,6 +276,21 @@ class Explanation:
                 found.append((left, group))
         found.sort(key=lambda one: one[0] + one[1][0].bits)
         return found, len(groups)
+
+    @np.errstate(all="ignore")
+    def _ends_flights(self, stage: Stage) -> bool:
+        """True if what is 0 at an edited event changes on both sides of the ball as it should.
+
+        Otherwise it is small wherever a flight ends, and would explain every end.
+        """
+        zero, old = stage.roots["zero"], self.stage.roots["zero"]
+        if np.mean(np.abs(self.probe.of(zero)) < NOTHING) > ANYWHERE:
+            return False
+        changes = [
+            [np.median(np.abs(beside.of(x) - self.probe.of(x))) for x in (zero, old)]
+            for beside in self.beside
+        ]
+        return all(change > FLAT * usual for change, usual in changes)
 
     def _starts(self, edit: Edit, at: Values) -> list[float]:
         """Where the search for an edit's free number begins, by the values of what it replaces."""
@@ -314,7 +333,7 @@ class Explanation:
             edit, twins = group[0], group[1:TWINS]
             if edit.starts:
                 edit, r, more = self.settled(edit)
-                if self.stage.kind == "event" and _vanishes(self.edited(edit), self.probe):
+                if self.stage.kind == "event" and not self._ends_flights(self.edited(edit)):
                     continue
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
             else:
@@ -420,6 +439,11 @@ def asking(
 
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
 PAIRS = {"flight": 1, "formula": 4, "event": 2}
+NOTHING, ANYWHERE = (
+    1e-9,
+    0.1,
+)  # m: what is 0; and of scenes moved at random, where an event may hold
+MOVED, FLAT = 0.1, 0.3  # m: a ball moved so far changes an event, and by so much of what is usual
 BESIDE = 0.7  # of the cost of the errors, what an edit may leave for a second one
 
 
@@ -445,15 +469,6 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
         FREE: draw.uniform(0.2, 0.9, count), "spin": columns[stage.spins],
     }  # fmt: skip
     return moved
-
-
-ANYWHERE = 0.1  # of scenes moved at random: where an event holds in more, it is none
-
-
-def _vanishes(stage: Stage, probe: Values) -> bool:
-    """True if an event would hold nearly anywhere, so that it explains every end."""
-    with np.errstate(all="ignore"):
-        return bool(np.mean(np.abs(probe.of(stage.roots["zero"])) < 1e-9) > ANYWHERE)
 
 
 def _is_finite(stage: Stage, probe: Values) -> bool:

@@ -1,0 +1,88 @@
+"""First-order effects of edits, beside flights of the edited law."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from longball.golden import load
+from longball.judge.answers import Answer
+from longball.judge.cases import decidable
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.expression import Values
+from longball.judge.diagnosis.operators import FREE, Edit, edits
+from longball.judge.diagnosis.residual import begun, data_of, specialised_to, take, values
+from longball.judge.diagnosis.response import Direct, Response, left_by
+from longball.judge.diagnosis.search import defaults
+from longball.judge.quantities import values_of
+
+SCENES = 7
+SHORT = 7.0  # s: a flight whose derivatives a few long steps give
+
+
+def stage_of(family: str, name: str) -> tuple[tuple[Stage, ...], Stage, dict[str, Any]]:
+    """The chain of a family, one of its stages, and the columns of a few scenes."""
+    cases = [case for case in load(family) if decidable(case)]
+    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
+    data = data_of(cases, answers)
+    chain = specialised_to(data)
+    (stage,) = [s for s in chain if s.name == name and s.kind != "event"]
+    columns = begun(data)
+    told = np.isfinite(np.atleast_2d(data.expected[stage.quantities[0]])).all(axis=0)
+    short = ~(columns["hang_time"] > SHORT)
+    known = np.flatnonzero(told & short)
+    own = take(columns, known[np.linspace(0, len(known) - 1, SCENES).astype(int)])
+    return chain, stage, {**own, "spin": own[stage.spins]}
+
+
+def edit_of(chain: tuple[Stage, ...], stage: Stage, columns: Any, words: str) -> Edit:
+    return next(e for e in edits(chain, stage, defaults(), columns) if e.words == words)
+
+
+def rows(stage: Stage, columns: Any) -> Any:
+    found = values(stage, columns)
+    return np.concatenate([np.atleast_2d(found[q]) for q in stage.quantities[:2]])
+
+
+@pytest.mark.parametrize(
+    ("family", "name", "words"),
+    [
+        ("flight-both", "flight", "takes {c} times m"),
+        ("flight-both", "flight", "takes {c} times launch.velocity"),
+        ("flight-weather", "flight", "takes {c} times T"),
+        ("pitch", "pitch", "takes {c} times V_0"),
+        ("flight-spin-lift", "flight", "takes {c} times launch.spin"),
+    ],
+)
+def test_what_a_small_edit_does_is_what_its_flight_does(family: str, name: str, words: str):
+    chain, stage, columns = stage_of(family, name)
+    (edited,) = edit_of(chain, stage, columns, words).apply([stage])
+    factor = 1.0 + 1e-5
+    foreseen = Response(stage, Values(columns)).moved(edited, {FREE: factor})
+    flown = rows(edited, {**columns, FREE: np.float64(factor)}) - rows(stage, columns)
+    assert np.abs(flown).max() > 1e-6  # it does something
+    assert foreseen == pytest.approx(flown, abs=2e-3 * np.abs(flown).max())
+
+
+@pytest.mark.parametrize("words", ["takes m for μ", "leaves out ẽ"])
+def test_an_edit_leaves_nothing_of_its_own_errors_and_much_of_another(words: str):
+    chain, stage, columns = stage_of("impact", "impulse")
+    right = Direct(stage, Values(columns))
+    (edited,) = edit_of(chain, stage, columns, words).apply([stage])
+    (other,) = edit_of(chain, stage, columns, "takes -Ṽ·n").apply([stage])
+    off = right.moved(edited, {})
+    assert left_by(right, edited, FREE, (), off) == pytest.approx(0.0, abs=1e-12)
+    assert left_by(right, other, FREE, (), off) > 1e-4
+    assert left_by(right, edited, FREE, (), -off) == 1.0  # only forwards
+
+
+def test_a_number_may_do_more_than_its_start():
+    """The start changes scenes of another g alone; the candidate's number changes all."""
+    chain, stage, columns = stage_of("flight-both", "flight")
+    edit = edit_of(chain, stage, columns, "takes {c} for g, whatever the scene says")
+    (edited,) = edit.apply([stage])
+    effects = Response(stage, Values(columns))
+    off = effects.moved(edited, {FREE: 9.80665})
+    assert left_by(effects, edited, FREE, (9.8,), off) == pytest.approx(0.0, abs=1e-9)
