@@ -41,12 +41,13 @@ import numpy as np
 from scipy.stats import binomtest
 
 from longball.judge.cases import Case, Profile
+from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.diagnose import prepared, reason
 from longball.judge.diagnosis.digits import with_digits
 from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
 from longball.judge.diagnosis.outputs import outputs
-from longball.judge.diagnosis.residual import Data, follow, switches
-from longball.judge.diagnosis.search import Located, Named
+from longball.judge.diagnosis.residual import Data, compared, follow, switches
+from longball.judge.diagnosis.search import Named
 from longball.judge.verdict import compare
 from tests.planted import sources
 from tests.planted.sources import EXACT, Answers, Crashed, Subject, fresh, golden
@@ -83,19 +84,21 @@ def diagnose(
     data, converted = outputs(with_digits(data, answers), chain)
     reasoned = reason(data, chain, dt, engine=scheme)
     findings = [
-        SimpleNamespace(stage=f.stage, kind=f.kind, edit=None, sentence=f.sentence)
-        for f in converted
+        SimpleNamespace(stage="output", kind="named", edit=None, words=f.edit) for f in converted
     ]
     for step in reasoned.steps:
         stage, found = step.followed.stage.name, step.found
-        told: list[tuple[str, Any]] = [("located", None)]
+        told: list[tuple[str, Any, str]] = [("located", None, "")]
         if isinstance(found, Named):
-            told = [("named", edit) for edit in found.edits]
-        elif isinstance(found, Located) and found.nearest is not None:
-            told = [("nearest", found.nearest)]
+            told = [("named", edit, edit.words) for edit in found.edits]
+        elif isinstance(found, Scheme):
+            # Of one that flies in no steps new scenes say nothing.
+            told = [("named" if found.adequate and found.way else "located", None, found.words)]
+        elif found.nearest is not None:
+            told = [("nearest", found.nearest, found.nearest.words)]
         findings += [
-            SimpleNamespace(stage=stage, kind=kind, edit=edit, sentence=edit.words if edit else "")
-            for kind, edit in told
+            SimpleNamespace(stage=stage, kind=kind, edit=edit, words=said)
+            for kind, edit, said in told
         ]
     return SimpleNamespace(chain=reasoned.chain, ways=reasoned.data.ways, findings=findings)
 
@@ -158,17 +161,26 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
             seconds = time.process_time() - start
     except Exception:
         return said | {"status": "failed", "why": traceback.format_exc()[-1500:]}
-    first, everywhere, followed, shaken = [], [], [], []
+    first, everywhere, followed, shaken, converted = [], [], [], [], set[str]()
     if unseen:
         data, chain = prepared(unseen, again, subject.profile.scheme())
         first, everywhere = _wrong(follow(chain, data)[1])
+        data, again_told = outputs(with_digits(data, again), chain)
+        converted = {str(f.edit) for f in again_told}
         data = replace(data, ways=told.ways)
-        followed = follow(told.chain, data)[1]
+        columns, followed = follow(told.chain, data)
+        rough = {x.stage for x in told.findings if x.edit and x.edit.rough}
+        followed = [
+            compared(f.stage, data, columns, f.some, rough=True)[0] if f.stage.name in rough else f
+            for f in followed
+        ]
         shaken = follow(told.chain, _shaken(data))[1]
     findings = [
         {
-            "stage": x.stage, "kind": x.kind, "sentence": x.sentence, "is_edit": x.edit is not None,
-            "rough": bool(x.edit and x.edit.rough), "off": _off(followed, shaken, x.stage),
+            "stage": x.stage, "kind": x.kind, "words": x.words, "is_edit": x.edit is not None,
+            "rough": bool(x.edit and x.edit.rough),
+            "off": _off(followed, shaken, x.stage) if x.stage != "output"
+            else [int(x.words not in converted), 1],
         }
         for x in told.findings
     ]  # fmt: skip
@@ -221,7 +233,7 @@ def _beyond(f: Any) -> int:
 class Grade:
     """What a diagnosis did."""
 
-    named: bool  # a name, and every name right
+    named: bool  # a name of an edit, a scheme or an output, and every name right
     located: bool  # the stage first found wrong is one that is, and so is every other
     false: tuple[str, ...]  # names that are not
     reassured: bool
@@ -229,23 +241,25 @@ class Grade:
 
 def grade(row: Mapping[str, Any]) -> Grade:
     """Grade what was judged."""
-    names = [f for f in row["findings"] if f["kind"] == "named" and f["is_edit"]]
-    false = [f"{f['stage']} {f['sentence']}" for f in names if not is_right(row, f)]
     findings = row["findings"]
+    names = [f for f in findings if f["kind"] == "named"]
+    false = [f"{f['stage']} {f['words']}" for f in names if not is_right(row, f)]
+    places = [f["stage"] for f in findings if f["stage"] != "output"]
     return Grade(
         bool(names) and not false,
         bool(findings)
-        and findings[0]["stage"] in row["first"]
-        and all(f["stage"] in row["everywhere"] for f in findings),
+        and all(stage in row["first"] for stage in places[:1])
+        and all(stage in row["everywhere"] for stage in places),
         tuple(false),
         row["passed"] or not findings,
     )
 
 
 def is_right(row: Mapping[str, Any], finding: Mapping[str, Any]) -> bool:
-    """True if a named edit makes the program's numbers in the scenes that neither has seen."""
+    """True if what is named makes the program's numbers in the scenes that neither has seen."""
     off, every = finding["off"]
-    return row["source"] != "right" and off <= (ROUGH if finding["rough"] else 0.0) * every
+    law = row["source"] == "right" and finding["is_edit"]  # which is right there already
+    return not law and off <= (ROUGH if finding["rough"] else 0.0) * every
 
 
 def wilson(count: int, of: int) -> tuple[float, float]:
@@ -344,7 +358,7 @@ def main() -> None:
 def _line_of(row: Mapping[str, Any]) -> str:
     if row["status"] != "judged":
         return f"{row['status']}: {row['name']}"
-    said = [f"{f['stage']} {f['kind']} {f['sentence']} {f['off']}" for f in row["findings"]]
+    said = [f"{f['stage']} {f['kind']} {f['words']} {f['off']}" for f in row["findings"]]
     return f"{row['name']}: {grade(row)} first {row['first']} {said} {row['seconds']:.0f} s"
 
 

@@ -114,7 +114,7 @@ class Edit:
         return replace(self, by=by, bits=self.bits + cost, words=said, starts=())
 
 
-_ROUGH = {"rises", "where", "abs", "positive", "least", "sizes"}
+_ROUGH = {"rises", "where", "abs", "positive", "least", "sizes", "by_own_size"}
 
 # --- the prior ------------------------------------------------------------------------------------
 
@@ -147,7 +147,7 @@ FACTORS = {
     -1.0: "the sign is wrong",
     2.0: "",
     0.5: "",
-    4.0: "a diameter for a radius, squared",
+    4.0: "",
     0.25: "",
     math.pi: "π too many",
     1 / math.pi: "π is missing",
