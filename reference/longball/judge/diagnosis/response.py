@@ -78,10 +78,10 @@ class Response:
             if name in ("law", "spin"):
                 change = np.broadcast_to(change, (3, NODES * total.shape[1]))
                 pushed = change.reshape(3, NODES, -1)
-                total = total + np.einsum("edkn,dkn->en", self._during, pushed)
+                total = total + np.einsum("ijkn,jkn->in", self._during, pushed)
             elif name in self._at_launch:
                 change = np.broadcast_to(change, (3, total.shape[1]))
-                total = total + np.einsum("edn,dn->en", self._at_launch[name], change)
+                total = total + np.einsum("ijn,jn->in", self._at_launch[name], change)
             else:
                 total = total + self._at_end * change
         return total
