@@ -42,7 +42,7 @@ from scipy.stats import binomtest
 
 from longball.judge.cases import Case, Profile
 from longball.judge.diagnosis.clocks import Scheme
-from longball.judge.diagnosis.diagnose import prepared, reason
+from longball.judge.diagnosis.diagnose import Solve, prepared, reason
 from longball.judge.diagnosis.digits import with_digits
 from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
 from longball.judge.diagnosis.outputs import outputs
@@ -77,12 +77,19 @@ def like(cases: Sequence[Case], others: Sequence[Case]) -> list[Case]:
 
 
 def diagnose(
-    cases: Sequence[Case], answers: Answers, profile: Profile = EXACT, dt: float | None = None
+    cases: Sequence[Case],
+    answers: Answers,
+    profile: Profile = EXACT,
+    dt: float | None = None,
+    solve: Solve | None = None,
 ) -> Any:
-    """The chain with its edits, and what is named, near or located, as the judge finds it."""
+    """The chain with its edits, and what is named, near or located, as the judge finds it.
+
+    `solve` answers more scenes, by which the judge tells equal edits apart.
+    """
     data, chain = prepared(cases, answers, scheme := profile.scheme())
     data, converted = outputs(with_digits(data, answers), chain)
-    reasoned = reason(data, chain, dt, engine=scheme)
+    reasoned = reason(data, chain, dt, solve, scheme)
     findings = [
         SimpleNamespace(stage="output", kind="named", edit=None, words=f.edit) for f in converted
     ]
@@ -129,6 +136,18 @@ def solves(case: Case, answers: Answers, profile: Profile) -> bool:
     return answer is not None and not answer.error and compare(case, answer, profile).passed
 
 
+def asked(subject: Subject) -> Solve:
+    """A program as the judge asks it; it may fail."""
+
+    def solve(scenes: Sequence[Any]) -> Answers:
+        try:
+            return subject.answers([SimpleNamespace(id=s.id, scene=s) for s in scenes])
+        except Crashed:
+            return {}
+
+    return solve
+
+
 def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
     """What the judge makes of a program, by so many cases a family, and what is true of it."""
     families = tuple(subject.families)
@@ -157,7 +176,8 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
     try:
         with warnings.catch_warnings(action="ignore"):
             start = time.process_time()
-            told = diagnose(right, answers, subject.profile, subject.dt)
+            solve = None if subject.source == "edits" else asked(subject)
+            told = diagnose(right, answers, subject.profile, subject.dt, solve)
             seconds = time.process_time() - start
     except Exception:
         return said | {"status": "failed", "why": traceback.format_exc()[-1500:]}
