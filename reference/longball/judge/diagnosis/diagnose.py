@@ -76,7 +76,6 @@ def diagnose(
     same = [case for case in known if answers[case.id].outcome in (None, case.expected.outcome)]
     plain, chain = prepared(same, answers, scheme, granted)
     data = with_digits(plain, answers)
-    found: list[Finding] = []
     _, first = follow(chain, data)
     if not causes:
         return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
@@ -99,7 +98,7 @@ def prepared(
     scheme: Verlet | None = None,
     granted: float = 0.0,
 ) -> tuple[Data, tuple[Stage, ...]]:
-    """Answers as columns, and the chain that they are held against."""
+    """Answers as columns, and the chain that they are compared with."""
     data = data_of(cases, answers, granted)
     chain = specialised_to(data)
     if scheme is None:
@@ -132,7 +131,7 @@ class Reasoned:
     Attributes
     ----------
     data
-        With the ways to fly that were named.
+        The data with every scheme that was named.
     """
 
     chain: tuple[Stage, ...]

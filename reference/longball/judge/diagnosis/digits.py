@@ -21,7 +21,7 @@ from longball.judge.diagnosis.residual import Data, Index, follow, is_rough, tak
 from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
-DIFFERENT = 4  # numbers that show a style: a constant is no rounding
+DIFFERENT = 4  # distinct numbers that a style needs: a constant 1 is not rounded to one digit
 # Single-precision roundings that a calculation may add up, such as one in each of so many steps.
 ROUNDINGS = 1e3
 
@@ -63,7 +63,7 @@ class Digits:
 
 
 def digits_of(numbers: Iterable[Decimal]) -> Digits | None:
-    """The style of some numbers; None if they are in full, or too few differ to show it."""
+    """Style of some numbers; None if they have all digits, or too few different values."""
     known = sorted({abs(x.normalize()) for x in numbers if x})
     if len(known) < DIFFERENT:
         return None

@@ -40,10 +40,10 @@ def is_adequate(r: Array, rough: bool = False) -> bool:
 def fitted(
     residual: Callable[[Array], Array], starts: Sequence[float], rounds: int = 8
 ) -> tuple[float, Array, Array]:
-    """The free number that leaves least, by Gauss-Newton from all starts at once.
+    """Free number with the smallest residual, that residual and its derivative.
 
-    Also what it leaves, and the derivative of that. `residual` takes some numbers, and gives one
-    more axis, the first, for them.
+    Gauss-Newton steps run from all starts at once. `residual` takes an array of numbers; the
+    first axis of its result is theirs.
     """
     c = np.array(starts)
     r, slope = _with_slope(residual, c)
@@ -53,7 +53,7 @@ def fitted(
         along = np.where(known, slope * r, 0.0).sum(axis=(1, 2))
         step = -np.divide(along, steep, out=np.zeros_like(along), where=steep > 0)
         before, moving = _squares(r), step != 0.0
-        for share in (1.0, 0.3):  # far from the best number a shorter step may do
+        for share in (1.0, 0.3):  # far from the minimum a shorter step may succeed
             again, slopes = _with_slope(residual, c + share * step)
             better = moving & (_squares(again) < before)
             c = np.where(better, c + share * step, c)
@@ -77,7 +77,7 @@ def _squares(r: Array) -> Array:
     return np.asarray(np.where(np.isfinite(r), r * r, 0.0).sum(axis=(1, 2)))
 
 
-STAYS = 0.8  # of the sum of squares, what a round has to leave for another one
+STAYS = 0.8  # another round follows if the sum of squares fell to this fraction
 
 NEAR = 1e-3  # relative: a usual number that is farther from the fitted one is not it
 

@@ -193,7 +193,7 @@ def table(x: Node, key: str, mode: str = "linear") -> Node:
 
 
 def ordered(roots: Iterable[Node], known: Container[Node] = ()) -> list[Node]:
-    """All nodes below some roots, each once, arguments first; not what is below known ones."""
+    """Nodes below the roots, each once, arguments first. The walk stops at known nodes."""
     found: dict[Node, None] = {}
     stack = [(root, False) for root in reversed(list(roots))]
     while stack:
@@ -215,7 +215,7 @@ def rebuilt(node: Node, args: Sequence[Node]) -> Node:
 
 @lru_cache(maxsize=4096)
 def _using(root: Node, old: Node) -> tuple[Node, ...]:
-    """The nodes of an expression that contain another, arguments first."""
+    """Nodes of an expression that contain another node, arguments first."""
     above = {old: None}
     for node in ordered([root]):
         if any(arg in above for arg in node.args):
@@ -336,6 +336,11 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
 }
 
 
+# Operations with a jump or a kink, where a fixed step of an integrator loses its order.
+JUMPS = frozenset(("rises", "where"))
+KINKS = frozenset(("abs", "positive", "least", "sizes", "by_own_size"))
+
+
 def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
     widths = np.diff(at, axis=0)
     long = widths > 0  # tables are filled up with their last nodes
@@ -410,7 +415,7 @@ class Values:
 class Evaluator:
     """Expressions bound to columns, as a function of the symbols that move.
 
-    What does not depend on those is computed once, or taken from `Values` of the same columns.
+    Nodes without such a symbol are computed once, or taken from `Values` of the same columns.
     """
 
     def __init__(

@@ -27,6 +27,8 @@ from longball.judge.diagnosis.chain import (
     v0,
 )
 from longball.judge.diagnosis.expression import (
+    JUMPS,
+    KINKS,
     NONE,
     Columns,
     Dimension,
@@ -90,7 +92,7 @@ class Edit:
     @property
     def rough(self) -> bool:
         """True if it adds a jump or a kink."""
-        return any(node.op in _ROUGH for node in ordered([self.by]))
+        return any(node.op in JUMPS | KINKS for node in ordered([self.by]))
 
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
@@ -113,8 +115,6 @@ class Edit:
             said += f" ({meaning})"
         return replace(self, by=by, bits=self.bits + cost, words=said, starts=())
 
-
-_ROUGH = {"rises", "where", "abs", "positive", "least", "sizes", "by_own_size"}
 
 # --- the prior ------------------------------------------------------------------------------------
 
@@ -282,7 +282,7 @@ def _factors(site: Site) -> Iterator[Option]:
     if a.op in ("constant", "negative"):
         return
     if a.op in ("product", "quotient") and site.under("product", "quotient"):
-        return  # a factor of what is a factor itself
+        return  # the factors of a product are edited one by one
     yield -1.0 * a, BITS["factor"] + 1, f"takes -{said}", ()
     fits = a.op in ("symbol", "named", "norm") or not site.parents
     if fits:

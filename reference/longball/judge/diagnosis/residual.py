@@ -22,6 +22,7 @@ from longball.judge.cases import SLACK, Case, attainable
 from longball.judge.diagnosis.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage
 from longball.judge.diagnosis.evidence import ADEQUATE
 from longball.judge.diagnosis.expression import (
+    JUMPS,
     Evaluator,
     M,
     Node,
@@ -42,9 +43,9 @@ ROUNDING = 1e-12
 # leaves 1e-11 of a landing, adaptive methods at 1e-10 about 1e-9).
 NOISE = 2.5e-10
 
-# The longest step of a flight, s, and the most steps; a flight that needs more has their error.
-# Over 400 batted balls the fine ones leave 4e-13 of the landing. Of what an edit moves, the coarse
-# ones leave less than a thousandth for nine edits in ten.
+# Longest step, s, and largest number of steps. A flight that needs more steps takes longer ones.
+# The fine steps miss the landing of 400 batted balls by 4e-13 of it. The coarse steps give the
+# effect of an edit to better than a thousandth for nine edits in ten.
 FINE, MIDDLE, COARSE = (0.2, 400), (0.5, 400), (1.7, 4)
 
 
@@ -207,8 +208,8 @@ def _options(scene: Any) -> dict[str, str]:
 def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Array]:
     """The ends of the chord next to a place, one of each scene.
 
-    Of two chords that are equally near, as at a step of the wall, it is the one whose height there
-    is nearer to a top.
+    At a step of the wall two chords are equally near: the height of the chosen one is nearer to
+    `tops`.
     """
     ends = np.full((2, 3, len(scenes)), np.nan)
     for i, scene in enumerate(scenes):
@@ -230,7 +231,7 @@ def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Arra
     return {"chord.a": ends[0], "chord.b": ends[1]}
 
 
-AT_CORNER = 1e-9  # m: chords that are so equally near meet there
+AT_CORNER = 1e-9  # m: chords whose distances differ by less meet at the place
 
 
 # --- what follows ---------------------------------------------------------------------------------
@@ -423,7 +424,7 @@ HUGE = 1e12  # in SI units: what exceeds it is no state of a ball
 
 @np.errstate(all="ignore")  # a wrong number may be of any size
 def compared(
-    stage: Stage, data: Data, columns: Mapping[str, Any], some: Index, rough: bool = False
+    stage: Stage, data: Data, columns: Columns, some: Index, rough: bool = False
 ) -> tuple[Followed, dict[str, Array]]:
     """A stage beside the candidate's values in some scenes, and its own values.
 
@@ -469,7 +470,7 @@ def compared(
 def is_rough(stage: Stage) -> bool:
     """True if a stage has jumps or kinks, at which a few scenes may be off."""
     roots = (root for name, root in stage.roots.items() if name != "through")
-    return any(node.op in ("rises", "where", "table") for node in ordered(roots))
+    return any(node.op in JUMPS | {"table"} for node in ordered(roots))
 
 
 def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, ...]:

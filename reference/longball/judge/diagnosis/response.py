@@ -1,8 +1,8 @@
-"""First-order effects of edits on the ends of flights: which of many edits are worth a flight.
+"""First-order effects of edits, by which the search chooses the edits that it computes in full.
 
-What a small change of the acceleration does to the end of a flight is the integral over the
-undisturbed path of that change, times the derivative of the end by the velocity at that time. One
-batch of flights gives these derivatives; then an edit costs one evaluation of its formula.
+A small change of the acceleration moves the end of a flight by the integral, along the undisturbed
+path, of the change times the derivative of the end by the velocity at that time. One batch of
+flights gives these derivatives; then an edit costs one evaluation of its formula.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from longball.model.arrays import Array
 
 NODES = 10  # of a Gauss-Legendre rule over the time of flight
 KICK = 1e-4  # m and m/s: the change by which derivatives are taken
-OTHER = 1.1  # times the start of a free number: a second value of it
+OTHER = 1.1  # factor between the two values of a free number that are tried
 
 
 class Response:
@@ -64,7 +64,7 @@ class Response:
         self._at_end = launched(stage, columns).rates(end, duration[:count])[:6]
 
     def moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
-        """What an edit does to the end."""
+        """First-order change of the state at the end by an edit."""
         total = np.zeros_like(self._at_end)
         for name, root in stage.roots.items():
             old = self.stage.roots[name]
@@ -88,14 +88,14 @@ class Response:
 
 
 class Direct:
-    """A formula, or what is 0 at an event, in some scenes."""
+    """Value of a formula, or of an event function, in some scenes."""
 
     def __init__(self, stage: Stage, known: Values) -> None:
         self.at = known
         (self._value,) = (known.of(root) for root in stage.roots.values())
 
     def moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
-        """What an edit does to the value."""
+        """Change of the value by an edit."""
         roots = [*stage.roots.values()]
         return np.atleast_2d(Evaluator(roots, self.at, frozenset(free))(**free)[0] - self._value)
 
@@ -103,20 +103,21 @@ class Direct:
 def left_by(
     effects: Response | Direct, stage: Stage, name: str, starts: Sequence[float], off: Array
 ) -> float:
-    """Of the square of errors, what an edit leaves if its effect may have any size.
+    """Fraction of the squared errors that remains after a fit of an edit's effect.
 
-    Scenes count alike, and what is right counts like an error of the usual size. An edit may have
-    a free number, of that name.
+    The fit scales the effect freely. Each scene has the same weight: an error is divided by its
+    size in that scene, or by the median size where the scene is right. `name` is the symbol of the
+    edit's free number.
     """
     off = np.nan_to_num(off[:ROWS])
     sizes = np.sqrt((off * off).sum(axis=0))
     wrong = sizes > sizes.max(initial=0.0) * RIGHT
-    if not wrong.any():  # but the spin, perhaps
+    if not wrong.any():  # only the spin is wrong
         return 0.0
     scale = np.where(wrong, sizes, np.median(sizes[wrong]))
     a = (off / scale).ravel()
     best = 1.0
-    # An edit with a number may do more than its start does, and something else.
+    # Two values of a free number span its effects: its start may change a few scenes only.
     for start in starts or (None,):
         given = [{name: start}, {name: OTHER * start or 0.1}] if start is not None else [{}]
         b = np.array(
@@ -133,6 +134,6 @@ def left_by(
     return best
 
 
-ROWS = 6  # place and velocity: those of a flight's spin are no matter of its path
-FAR = 1e9  # times the error: what moves so much is no explanation
-RIGHT = 1e-9  # of the largest error, what is none
+ROWS = 6  # position and velocity; effects on the spin are not computed
+FAR = 1e9  # times the error: larger effects are ignored
+RIGHT = 1e-9  # of the largest error: a scene with a smaller one is right

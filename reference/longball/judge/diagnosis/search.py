@@ -183,7 +183,7 @@ class Explanation:
     def _off(
         self, stage: Stage, some: Index, c: Array | None = None, limits: tuple[float, int] = FINE
     ) -> Array:
-        """What a stage leaves in some of `all` scenes; the first axis is that of a free number."""
+        """Errors of a stage in some of `all` scenes; the first axis is that of the free number."""
         c = np.zeros(1) if c is None else c
         columns = take(self.columns, np.tile(self.all[some], len(c)))
         columns |= {FREE: np.repeat(c, len(some)), "spin": columns[stage.spins]}
@@ -194,7 +194,7 @@ class Explanation:
         return np.asarray((-off if stage.kind == "event" else off).swapaxes(0, 1))
 
     def screened(self, stage: Stage) -> Callable[[Array], Array]:
-        """Errors in the first scenes by the free number, in floors; flights by long steps."""
+        """Errors in the first scenes as a function of the free number, in floors."""
         known = np.isfinite(self.off)
         if stage.kind != "flight":
             evaluator = Evaluator([*stage.roots.values()], self.near, frozenset((FREE,)))
@@ -279,9 +279,9 @@ class Explanation:
 
     @np.errstate(all="ignore")
     def _ends_flights(self, stage: Stage) -> bool:
-        """True if what is 0 at an edited event changes on both sides of the ball as it should.
+        """True if an edited event function still varies on both sides of the ball's position.
 
-        Otherwise it is small wherever a flight ends, and would explain every end.
+        A flat function is small wherever a flight ends, and would explain any end.
         """
         zero, old = stage.roots["zero"], self.stage.roots["zero"]
         if np.mean(np.abs(self.probe.of(zero)) < NOTHING) > ANYWHERE:
@@ -293,7 +293,7 @@ class Explanation:
         return all(change > FLAT * usual for change, usual in changes)
 
     def _starts(self, edit: Edit, at: Values) -> list[float]:
-        """Where the search for an edit's free number begins, by the values of what it replaces."""
+        """Initial values of an edit's free number; an expression gives its median."""
         return [float(np.nanmedian(at.of(x))) if isinstance(x, Node) else x for x in edit.starts]
 
     def settled(self, edit: Edit) -> tuple[Edit, Array, tuple[float, float]]:
@@ -439,11 +439,10 @@ def asking(
 
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
 PAIRS = {"flight": 1, "formula": 4, "event": 2}
-NOTHING, ANYWHERE = (
-    1e-9,
-    0.1,
-)  # m: what is 0; and of scenes moved at random, where an event may hold
-MOVED, FLAT = 0.1, 0.3  # m: a ball moved so far changes an event, and by so much of what is usual
+# An event function that is below NOTHING, m, in more than ANYWHERE of the random scenes holds
+# everywhere. A ball MOVED by this distance, m, has to change it by FLAT of the usual change.
+NOTHING, ANYWHERE = 1e-9, 0.1
+MOVED, FLAT = 0.1, 0.3
 BESIDE = 0.7  # of the cost of the errors, what an edit may leave for a second one
 
 
