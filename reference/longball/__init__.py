@@ -44,6 +44,14 @@ if TYPE_CHECKING:
         Launch,
         Swing,
     )
+    from longball.questions.movement import (
+        Movement,
+        NineParameters,
+        clock,
+        movement,
+        nine_parameters,
+    )
+    from longball.questions.spin import SpinFromMovement, spin_from_movement
     from longball.tables import solve_many
 
 __version__ = "0.1.0"
@@ -62,6 +70,12 @@ _BLOCKS = (
     "Weather",
 )
 
+# Modules of `longball.questions` that public names are in.
+_QUESTIONS = {
+    "movement": ("Movement", "NineParameters", "clock", "movement", "nine_parameters"),
+    "spin": ("SpinFromMovement", "spin_from_movement"),
+}
+
 __all__ = [
     "Air",
     "AtBat",
@@ -76,22 +90,29 @@ __all__ = [
     "Incoming",
     "InvalidScene",
     "Launch",
+    "Movement",
+    "NineParameters",
     "Path",
     "Pitch",
     "Reading",
     "Solution",
+    "SpinFromMovement",
     "State",
     "Swing",
     "Undecided",
     "Weather",
     "__version__",
+    "clock",
     "convergence",
     "golden",
     "home_run_probability",
     "judge",
     "launch",
+    "movement",
+    "nine_parameters",
     "solve",
     "solve_many",
+    "spin_from_movement",
 ]
 
 _PACKAGES = ("convergence", "golden", "judge")
@@ -104,6 +125,9 @@ def __getattr__(name: str) -> Any:
     if name in _BLOCKS:
         homes = {"Reading": "readings", "Weather": "air"}
         return getattr(import_module(f"longball.model.{homes.get(name, 'scene')}"), name)
+    for question, names in _QUESTIONS.items():
+        if name in names:
+            return getattr(import_module(f"longball.questions.{question}"), name)
     if name in __all__:
         module = import_module("longball.tables" if name == "solve_many" else "longball.api")
         return getattr(module, name)
