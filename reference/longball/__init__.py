@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         movement,
         nine_parameters,
     )
+    from longball.questions.parks import InPark, Park, in_parks, park, parks
     from longball.questions.spin import SpinFromMovement, spin_from_movement
     from longball.tables import solve_many
 
@@ -73,6 +74,7 @@ _BLOCKS = (
 # Modules of `longball.questions` that public names are in.
 _QUESTIONS = {
     "movement": ("Movement", "NineParameters", "clock", "movement", "nine_parameters"),
+    "parks": ("InPark", "Park", "in_parks", "park", "parks"),
     "spin": ("SpinFromMovement", "spin_from_movement"),
 }
 
@@ -87,11 +89,13 @@ __all__ = [
     "Flight",
     "Ground",
     "Impact",
+    "InPark",
     "Incoming",
     "InvalidScene",
     "Launch",
     "Movement",
     "NineParameters",
+    "Park",
     "Path",
     "Pitch",
     "Reading",
@@ -106,10 +110,13 @@ __all__ = [
     "convergence",
     "golden",
     "home_run_probability",
+    "in_parks",
     "judge",
     "launch",
     "movement",
     "nine_parameters",
+    "park",
+    "parks",
     "solve",
     "solve_many",
     "spin_from_movement",

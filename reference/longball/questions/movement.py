@@ -57,7 +57,7 @@ class NineParameters:
     ... )
     >>> scene = lb.Pitch(pitch=tracked.pitch(release=16.8))
     >>> [round(v, 2) for v in scene.pitch.velocity]
-    [-41.38, -0.9, -1.26]
+    [-41.39, -0.9, -1.26]
     """
 
     position: Vector
@@ -133,7 +133,7 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     >>> result = lb.solve(lb.Pitch(pitch={"release": [16.5, 0.6, 1.8]}))
     >>> fitted = lb.nine_parameters(result)
     >>> [round(a, 2) for a in fitted.acceleration], f"{1000 * fitted.residual:.1f} mm"
-    ([9.34, 0.34, -5.54], '0.9 mm')
+    ([8.86, 0.32, -4.99], '1.8 mm')
     """
     way, end = _pitch_of(path)
     nodes, weights = leggauss(_NODES)
@@ -247,7 +247,7 @@ def movement(
     ...     air={"lift_coefficient": {"law": "rational"}},
     ... )
     >>> lb.movement(fastball).clock
-    '1:07'
+    '12:35'
     """
     asked = as_scene(scene)
     if not isinstance(asked, PitchScene):

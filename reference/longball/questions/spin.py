@@ -108,8 +108,8 @@ def spin_from_movement(
     >>> found = lb.spin_from_movement(
     ...     {"kind": "pitch", "air": air}, [-40, 0, -2], [8, 0, -3.6], rate=240
     ... )
-    >>> round(found.lift_coefficient, 3), f"{found.active_share:.0%}"
-    (0.213, '83%')
+    >>> f"C_L = {found.lift_coefficient:.3f}, {found.active_share:.0%} active"
+    'C_L = 0.207, 87% active'
     """
     if isinstance(scene, Mapping) and scene.get("kind") in ("pitch", "at-bat"):
         # Whoever asks for the spin has none to give, and a law of it must have one in a scene.
