@@ -83,12 +83,15 @@ class Flight(Generic[N]):
         start = numbers.exact(0.0)
         for number, piece in enumerate(self.path.pieces()):
             left = self.time - piece.begin
-            climb = piece.curve(lambda state: state.w)
+            climb, sink = piece.curve(lambda state: state.w), piece.curve(lambda state: -state.w)
             if number == 0 and not climb(start) > 0:
                 found = start, piece.at(start)
             over = not piece.length < left
             end = left if over else piece.length
-            for a, b in pairwise([start, *climb.turns(start, end), end]):
+            # Most pieces only climb or only sink, which is cheaper to see than where they turn.
+            steady = any(curve(start) > 0 and curve.positive(start, end) for curve in (climb, sink))
+            turns = [] if steady else [start, *climb.turns(start, end), end]
+            for a, b in pairwise(turns):
                 if climb(a) > 0 and not climb(b) > 0:
                     # A ball straight up comes to rest where a piece ends.
                     t = climb.zero(a, b) if climb(b) < 0 else b
