@@ -59,7 +59,7 @@ class Balls(Single[arb]):
         return arb.atan2(y, x)
 
     def positive(self, x: arb, error: arb, question: str) -> bool:
-        """Tell whether ``x > 0``; see `longball.model.numbers.Numbers.positive`."""
+        """True if ``x > 0``; see `longball.model.numbers.Numbers.positive`."""
         if x > error:
             return True
         if x <= -error:
