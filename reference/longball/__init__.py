@@ -44,6 +44,9 @@ if TYPE_CHECKING:
         Launch,
         Swing,
     )
+    from longball.questions.aiming import aim
+    from longball.questions.inverse import fit
+    from longball.questions.uncertainty import uncertainty
     from longball.tables import solve_many
 
 __version__ = "0.1.0"
@@ -85,16 +88,20 @@ __all__ = [
     "Undecided",
     "Weather",
     "__version__",
+    "aim",
     "convergence",
+    "fit",
     "golden",
     "home_run_probability",
     "judge",
     "launch",
     "solve",
     "solve_many",
+    "uncertainty",
 ]
 
 _PACKAGES = ("convergence", "golden", "judge")
+_QUESTIONS = {"aim": "aiming", "fit": "inverse", "uncertainty": "uncertainty"}
 
 
 def __getattr__(name: str) -> Any:
@@ -104,6 +111,8 @@ def __getattr__(name: str) -> Any:
     if name in _BLOCKS:
         homes = {"Reading": "readings", "Weather": "air"}
         return getattr(import_module(f"longball.model.{homes.get(name, 'scene')}"), name)
+    if name in _QUESTIONS:
+        return getattr(import_module(f"longball.questions.{_QUESTIONS[name]}"), name)
     if name in __all__:
         module = import_module("longball.tables" if name == "solve_many" else "longball.api")
         return getattr(module, name)
