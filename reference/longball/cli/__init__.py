@@ -24,6 +24,8 @@ EXAMPLES = {
     "homerun": "longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png",
     "fit": "longball fit pitches.csv --json > fitted.json",
     "measured": "longball measured statcast.csv --kind batted --figure errors.png",
+    "aim": "longball aim flight.json --target 110",
+    "infer": "longball infer flight.json --points path.csv --unknown launch.speed",
     "plot": "longball plot at-bats.jsonl -o paths.svg",
     "readings": "longball readings --samples 1000",
 }
