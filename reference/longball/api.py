@@ -408,8 +408,6 @@ class Solution:
         The scene that was solved.
     result
         The whole result as a model; ``result.line()`` is its line of JSON.
-    derivatives
-        Of its numbers by numbers of the scene, if asked for; see `Derivatives`.
     """
 
     id: str | None
@@ -435,7 +433,7 @@ class Solution:
         engine = result.engine and signed(result.engine)
         self.scene, self.result = scene, result.model_copy(update={"engine": engine})
         self._solver, self._trajectory = solver, trajectory
-        self.derivatives = derivatives
+        self._derivatives = derivatives
 
     def __getattr__(self, name: str) -> Any:
         if name in Result.model_fields:
@@ -465,6 +463,13 @@ class Solution:
         # A trajectory is made piece by piece, which no copy can go on with: `path` solves again.
         state = {name: value for name, value in vars(self).items() if name != "path"}
         return state | {"_trajectory": None}
+
+    @property
+    def derivatives(self) -> Derivatives:
+        """Derivatives of its numbers by numbers of the scene; a `ValueError` if not asked for."""
+        if self._derivatives is None:
+            raise ValueError("derivatives are to be asked for: lb.solve(scene, derivatives=True)")
+        return self._derivatives
 
     @cached_property
     def path(self) -> Path:

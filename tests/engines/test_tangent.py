@@ -14,6 +14,7 @@ from decimal import Decimal
 
 import pytest
 
+import longball as lb
 from longball import golden
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
@@ -263,3 +264,33 @@ def test_other_units_change_a_distance_as_euler_says():
     for total, size, power in zip(sums, sizes, (0, 1, 0), strict=True):
         assert size > 0
         assert total == pytest.approx(power * distance, abs=GOOD * size)
+
+
+# --- as `lb.solve` gives them ---------------------------------------------------------------------
+
+
+def test_a_solution_has_them_if_asked():
+    scene = vacuum()
+    result = lb.solve(scene, derivatives=True)
+    assert set(result.derivatives["landing.distance"]) == set(inputs(scene))
+    assert set(result.derivatives) >= {"landing.time", "landing.velocity[2]"}
+    some = lb.solve(scene, derivatives=["gravity"]).derivatives
+    assert some["landing.time"] == {"gravity": result.derivatives["landing.time"]["gravity"]}
+    with pytest.raises(KeyError, match=r"the nearest are landing\.distance"):
+        some["landing.distnce"]
+    with pytest.raises(ValueError, match="derivatives=True"):
+        _ = lb.solve(scene).derivatives
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"derivatives": ["launch.sped"]}, "did you mean launch.speed"),
+        ({"derivatives": "gravity"}, "a list of names is needed"),
+        ({"derivatives": True, "engine": "verlet"}, "take ivp, multiprecision or enclosure"),
+        ({"derivatives": True, "certify": True}, "enclosure"),
+    ],
+)
+def test_what_has_no_derivatives_is_refused(options, sentence):
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        lb.solve(vacuum(), **options)

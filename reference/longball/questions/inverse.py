@@ -71,7 +71,7 @@ class Fit:
         How many more measurements there are than unknowns.
     """
 
-    scene: Scene
+    scene: Any  # of the kind that was given
     value: Mapping[str, float]
     sigma: Mapping[str, float]
     covariance: Array
