@@ -184,6 +184,13 @@ def test_a_ball_that_grazes_the_ground_is_refused():
         derivatives_by(scene, "launch.velocity[2]", Ivp())
 
 
+def test_a_ball_that_is_dropped_with_a_spin_is_refused():
+    # The velocity across the spin is zero: its direction, that of the lift, is none.
+    scene = case_of("hard-rest-dropped-air-spin").scene
+    with pytest.raises(Kink, match="at rest in the air"):
+        derivatives_by(scene, "ball.mass", Ivp())
+
+
 def vacuum(gravity=9.8, x=0.5, z=1.25, u=31.0, w=22.0, ground=0.25) -> FlightScene:
     return FlightScene.model_validate(
         {

@@ -117,11 +117,9 @@ class Jet:
         if isinstance(other, Jet):
             ratio = self.value / other.value
             return Jet(ratio, (self.rate - ratio * other.rate) / other.value)
-        return (
-            NotImplemented
-            if isinstance(other, Dual)
-            else Jet(self.value / other, self.rate / other)
-        )
+        if isinstance(other, Dual):
+            return NotImplemented
+        return Jet(self.value / other, self.rate / other)
 
     def __rtruediv__(self, other: Any) -> Jet:
         return Jet(other) / self
@@ -215,7 +213,7 @@ class Jets:
     def sqrt(self, x: Any) -> Jet:
         """Return the square root; raise `Kink` where it has a corner."""
         root = self.inner.sqrt(plain_of(x))
-        if not rate_of(x) or rate_of(x) == 0:
+        if rate_of(x) == 0:
             return Jet(root)
         if root == 0:
             raise Kink("a length is zero here, and has no derivative")
@@ -273,9 +271,7 @@ def variational(program: Program) -> Program:
         "log": trace.log,
         "unit": _quotient,
     }
-    of_names = Program(program.variables, program.parameters, program.outputs).bind(
-        dict(zip(known, names, strict=True)), functions
-    )(*names[: len(program.variables)])
+    of_names = program.bind(dict(zip(known, names, strict=True)), functions)
     rates = [variable(name + _RATE) for name in known]
     derived: list[dict[Any, Any]] = [{} for _ in known]
     changes = [
@@ -283,7 +279,7 @@ def variational(program: Program) -> Program:
             trace.derivative(trace.as_node(output), name, found) * rate
             for name, rate, found in zip(names, rates, derived, strict=True)
         )
-        for output in of_names
+        for output in of_names(*names[: len(program.variables)])
     ]
     as_they_were = [
         make(name + ending)
@@ -348,9 +344,11 @@ class Tangent(PathEngine[Jet]):
         rates = flown.rates(numbers)
         now = [plain_of(x) for x in start]
         moved = [nothing + rate_of(x) for x in start]
-        if rate_of(begin) != 0:
+        try:
             speeds = rates(*now, *moved)[: len(now)]
-            moved = [xi - v * begin.rate for xi, v in zip(moved, speeds, strict=True)]
+        except ZeroDivisionError:
+            raise Kink("the ball is at rest in the air, where its forces have a corner") from None
+        moved = [xi - v * rate_of(begin) for xi, v in zip(moved, speeds, strict=True)]
         ends = [_inner_event(event, law.state) for event in events]
         first, last = plain_of(begin), plain_of(limit)
         for piece in self.inner.steps(flown, flown.state(*now, *moved), first, last, ends):
@@ -360,7 +358,7 @@ class Tangent(PathEngine[Jet]):
         """Fly until the first of several events; see `Engine.fly`."""
         flight = super().fly(law, start, events, limit)
         if plain_of(flight.time) == 0 and flight.stop != "time":
-            raise Kink("the flight ends where it starts, or goes on, by the least change")
+            raise Kink("the flight ends where it starts, and by the least change goes on")
         return flight
 
     def touch(
@@ -468,11 +466,12 @@ class JetCurve:
         if not self.piece.rounding:
             return [Jet(t) for t in turns]
         h = self.piece.piece.length * _APART
-        return [
-            Jet(t - 2 * h * self._falling(t) / bend if bend else t)
-            for t in turns
-            for bend in [self._falling(t + h) - self._falling(t - h)]
-        ]
+        found = []
+        for t in turns:
+            bend = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
+            step = -self._falling(t) / bend if bend else 0
+            found.append(Jet(t + step if abs(step) < h else t))
+        return found
 
     def _falling(self, t: Any) -> Any:
         """Return ġ."""
@@ -517,7 +516,10 @@ class JetCurve:
         speed = math.hypot(*(speeds[n] for n in places))
         across = math.hypot(*(self._slope(here, n) for n in places)) * speed
         if self.piece.rounding * _ROUNDINGS * across**2 > _GOOD * falls**2:
-            raise Shallow("a surface is met at a small angle")
+            raise Shallow(
+                "a surface is met at so small an angle that doubles know too few digits of a "
+                "derivative; take the engine enclosure"
+            )
 
 
 # Of a piece: what ġ is compared over for its own rate, three digits of which are enough.
