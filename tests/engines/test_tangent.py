@@ -33,7 +33,7 @@ from longball.model.scene import FlightScene, parse_scene
 THREE_DIGITS, GOOD = 6e-3, 1e-12
 FAMILIES = list(golden.header().families)
 
-# The launch is 1e-12 from a node of a table, of which a rounding of the airspeed is a hundredth: how
+# The launch is 1e-12 from a node of a table, and a rounding of the airspeed a hundredth of it: how
 # the result depends on the node is known to two digits.
 AT_A_NODE = re.compile(r"flight-kinks-.*-node-.*-1e-12")
 
