@@ -37,6 +37,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path as File
 from typing import Any, NamedTuple, TypeVar, get_args
 
@@ -85,22 +86,23 @@ TREATMENTS: dict[VerletForces, Treatment] = {
     "implicit": Treatment(1.0, iterates=True, carries=False),
 }
 
-# Whether the contact force F̄/2 is on at the start and at the end of each step from the step gone
-# back to. Each gives Δt/2 of its acceleration to the velocity (first lines), so that the impulse is
-# a quarter of F̄ Δt for each. `whole` is a force that is constant over two steps. The others take it
-# at steps, as the scheme takes every acceleration, and begin the next step with it: on at t, t + Δt
+# The steps from the one gone back to at which the contact force F̄/2 is on (1) or off. Each end of
+# a step gives Δt/2 of its acceleration to the velocity (first lines), so that the impulse is a
+# quarter of F̄ Δt for each. `whole` is constant over two steps, and the next one knows nothing of
+# it. The others are accelerations like any other, with which the next step begins: on at t, t + Δt
 # and t + 2Δt (`carried`), at the last two of these (`late`) or at the first two (`early`).
-PUSHES: dict[ContactForce, tuple[tuple[bool, bool], ...]] = {
-    "whole": ((True, True), (True, True)),
-    "carried": ((True, True), (True, True), (True, False)),
-    "late": ((False, True), (True, True), (True, False)),
-    "early": ((True, True), (True, False)),
+PUSHES: dict[ContactForce, tuple[int, ...]] = {
+    "whole": (1, 1, 1),
+    "carried": (1, 1, 1, 0),
+    "late": (0, 1, 1, 0),
+    "early": (1, 1, 0),
 }
 
 
 def impulse_share(contact_force: ContactForce) -> float:
     """Impulse of a contact force over F̄ Δt, at any step Δt: 1, 5/4, 1 or 3/4."""
-    return sum(start + end for start, end in PUSHES[contact_force]) / 4
+    on = PUSHES[contact_force]
+    return (sum(on[:-1]) + sum(on[1:])) / 4
 
 
 OPTIONS: dict[str, tuple[str, ...]] = {
@@ -297,15 +299,15 @@ class Verlet(Stepped[float]):
         ground: Event[float],
     ) -> Launch[float]:
         """Push for two or three steps from the step before the contact (paper, Appendix B)."""
-        air, dt, pushes = air_in_space(law_in), self.dt, PUSHES[self.contact_force]
-        half = tuple(change / (2 * dt) for change in delta_v)  # F̄/(2m), m/s²
+        air, dt, on = air_in_space(law_in), self.dt, PUSHES[self.contact_force]
+        # F̄/(2m) where it is on, m/s²
+        pushes = [tuple(each * change / (2 * dt) for change in delta_v) for each in on]
         position, velocity = frame.position(touch.before), frame.velocity(touch.before)
         force = air(position, velocity)
-        for done, on in enumerate(pushes, 1):
+        for done, push in enumerate(pairwise(pushes), 1):
             before = SpaceState(*position, *velocity)
-            push, pushed = (half if is_on else (0.0, 0.0, 0.0) for is_on in on)
             position, velocity, force = plain_step(
-                position, velocity, force, push, pushed, dt, *TREATMENTS[self.forces], air
+                position, velocity, force, *push, dt, *TREATMENTS[self.forces], air
             )
             count, after = touch.step + done, SpaceState(*position, *velocity)
             self._require_finite(after)
@@ -313,7 +315,6 @@ class Verlet(Stepped[float]):
                 _, time, down = self.stop_between(count, before, after, [ground])
                 delay = time - touch.step * dt - touch.ahead
                 return Launch(_triple(down[:3]), _triple(down[3:]), time, delay, True)
-        done = len(pushes)
         return Launch(position, velocity, (touch.step + done) * dt, done * dt - touch.ahead)
 
     def _march(
