@@ -154,7 +154,7 @@ thins = switch(
 area = named("A", math.pi * (I["R"] * I["R"]))
 k = named("k", ρ * area / (2.0 * I["m"]))
 
-_rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
+rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
 )
 W = named(
@@ -165,7 +165,7 @@ W = named(
             "none": constant(0.0, SPEED, True),
             "uniform": I["W_0"],
             "above": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
-            "profile": _rise * level(I["wind.velocity"]),
+            "profile": rise * level(I["wind.velocity"]),
         },
     ),
 )

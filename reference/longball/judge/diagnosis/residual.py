@@ -257,6 +257,8 @@ class Launched:
     ----------
     y
         Place, velocity, and the path through the air; a column a ball.
+    spin
+        At the start.
     duration
         s.
     rates
@@ -266,6 +268,7 @@ class Launched:
     """
 
     y: Array
+    spin: Array
     duration: Array
     rates: Callable[..., Array]
     ended: Callable[[Array], dict[str, Array]]
@@ -314,7 +317,7 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             found[names[2]] = share * columns["ω0"]
         return found
 
-    return Launched(y, duration, rates, ended)
+    return Launched(y, columns["ω0"], duration, rates, ended)
 
 
 def flown(
