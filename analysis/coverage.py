@@ -30,7 +30,8 @@ def run(report: Report, full: bool) -> str:
     counts = found.noticed[:, own].sum(axis=1)
     names = [name for name in golden.header().families if name in families]
     shown = {name: found.noticed[:, families == name].any(axis=1) for name in names}
-    alone = sum(shown.values()) == 1
+    once = sum(shown.values()) == 1
+    alone = {name: int((seen & once).sum()) for name, seen in shown.items()}
     ordinary = found.noticed[:, own & ~np.char.startswith(families, "hard")].any(axis=1)
     quick = np.isin([case.id for case in found.cases], golden.header().quick)
     blind = [found.told(i) for i in np.flatnonzero(counts == 0)]
