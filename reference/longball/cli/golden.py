@@ -1,7 +1,8 @@
-"""``longball golden``: list, path, export, write and check."""
+"""``longball golden``: list, path, export, coverage, write and check."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -106,6 +107,55 @@ def write(
         with progress_bar("probabilities", 1) as advance:
             count = home_runs.write_probabilities(folder, workers=workers, progress=advance)
         note(f"{count} readings' probabilities in {folder}")
+
+
+@app.command(epilog="Example: longball golden coverage scenes.jsonl")
+def coverage(
+    scenes: Annotated[
+        str, typer.Argument(metavar="SCENES", help="A file of scenes, or - for standard input.")
+    ],
+    most: Annotated[
+        int, typer.Option(min=0, help="How many mistakes that the scenes miss are listed.")
+    ] = 20,
+    every: Annotated[
+        int, typer.Option(min=1, help="Try one edit of so many; 1 for all, which takes minutes.")
+    ] = 8,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Count the mistakes that scenes of your own would show, beside the golden data.
+
+    A mistake is an edit of the model: another symbol, a sign, a factor, a term that is left out.
+    Those are counted that your scenes or the golden data show.
+    """
+    from longball.cli.converge import read_scenes
+    from longball.judge.coverage import coverage as covered
+    from longball.judge.diagnosis.findings import many
+    from longball.judge.fresh import proven
+
+    with refusing():
+        own = proven(list(read_scenes(scenes)), "own")
+    with progress_bar("edits", EDITS // every) as advance:
+        found = covered([*reader.load("all"), *own], every, advance)
+    mine = [i for i, case in enumerate(found.cases) if case.family == "own"]
+    shown = found.noticed[:, mine].sum(axis=1) > 0
+    likeliest = sorted(range(len(shown)), key=found.bits.__getitem__)
+    missed = [found.told(i) for i in likeliest if not shown[i]]
+    by_stage = found.by_stage(shown)
+    if as_json:
+        stages = [{"stage": name, "edits": n, "noticed": k} for name, n, k in by_stage]
+        print(json.dumps({"stages": stages, "missed": missed[:most]}, ensure_ascii=False))
+        return
+    rows = [(name, f"{n:,}", f"{k:,}", f"{k / n:.0%}") for name, n, k in by_stage]
+    show(("stage", "edits", "noticed", ""), rows)
+    if missed[:most]:
+        print("\nmissed, with a golden case that notices it:")
+    for one in missed[:most]:
+        print(f"  {one['stage']}: {one['edit']} ({one['case']})")
+    note(f"{many(len(mine), 'scene')}: {int(shown.sum()):,} of {many(len(shown), 'edit')} noticed")
+
+
+EDITS = 50_000  # about as many as there are, for the bar
 
 
 @app.command(epilog="Example: longball golden check --sample 50")

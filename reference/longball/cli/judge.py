@@ -46,8 +46,9 @@ def judge(
         list[str] | None,
         typer.Option(
             metavar="SET",
-            help="Judge by one family of the golden data, by all, or by usual-constants. May be "
-            "given several times. Default: all of the paper's model but hard.",
+            help="Judge by one family of the golden data, by all, by quick, which is a few cases "
+            "of all that notice nearly every mistake, or by usual-constants. May be given several "
+            "times. Default: all of the paper's model but hard.",
         ),
     ] = None,
     scenes: Annotated[
@@ -76,6 +77,14 @@ def judge(
     readings: Annotated[
         bool,
         typer.Option("--readings", help="Judge by golden cases of other readings as well."),
+    ] = False,
+    write_defaults: Annotated[
+        bool,
+        typer.Option(
+            "--write-defaults",
+            help="Write out every default of a scene but those of its reading, also where the "
+            "scene leaves it out.",
+        ),
     ] = False,
     partial: Annotated[
         bool, typer.Option("--partial", help="Scenes and quantities may be left out.")
@@ -179,6 +188,8 @@ def judge(
             if command or results
             else ([], "")
         )
+        if write_defaults:
+            cases = [with_defaults(case) for case in cases]
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
             columns = dict(split_assignment("--column", text) for text in column or ())
@@ -229,6 +240,17 @@ def further_options(
         more = [name for name in reader.header().families if name not in tried]
         said += [f"not tried: {', '.join(more)} (--golden all)"] if more else []
     return "; ".join(said)
+
+
+def with_defaults(case: Case) -> Case:
+    """Return a case whose scene leaves out no default."""
+    from longball.judge.cases import Known
+    from longball.judge.fresh import written_out
+
+    scene = written_out(case.scene)
+    if isinstance(case, Known):
+        return replace(case, scene=scene)
+    return case.model_copy(update={"scene": scene})
 
 
 def cases_of(

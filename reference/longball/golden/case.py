@@ -136,7 +136,7 @@ class Case(Strict):
     def line(self) -> str:
         """Return the case as a line of JSON, scene and result as `longball solve` has them."""
         whole = self.model_dump(mode="json") | {
-            "scene": json.loads(self.scene.line()),
+            "scene": json.loads(self.scene.line(as_written=True)),
             "expected": json.loads(self.expected.line()),
         }
         return json_line(whole, separators=(",", ":"))
@@ -160,6 +160,10 @@ class Header(Strict):
     levels: dict[str, str]
     flags: dict[str, str] = Field(description="every flag in use, and what it says")
     families: dict[str, Family]
+    quick: tuple[str, ...] = Field(
+        default=(),
+        description="ids of a few cases that notice nearly all mistakes that a case notices",
+    )
     histories: dict[str, str] = Field(description="tables of flights, and what is in them")
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 

@@ -16,10 +16,10 @@ from longball.golden.case import Case, Header, Probabilities
 from longball.model.schema import published, text
 
 # The version of the form of the files; README.md in their folder says when it changes.
-FORMAT = "1.0"
+FORMAT = "1.1"
 
 # Files that come with every set, written by hand.
-DOCUMENTS = ("README.md", "LICENSE")
+DOCUMENTS = ("README.md", "CHANGELOG.md", "LICENSE")
 CHECKSUMS = "SHA256SUMS"  # as sha256sum writes and reads it
 HEADER = "header.json"
 HISTORIES = "histories"

@@ -333,9 +333,13 @@ class _Scene(_Block):
     ball: Ball = Ball()
     reading: Reading = Reading()
 
-    def line(self) -> str:
-        """Return the scene as one line of JSON with every default but the reading's written out."""
-        blocks = self.model_dump(mode="json")
+    def line(self, as_written: bool = False) -> str:
+        """Return the scene as one line of JSON with every default but the reading's written out.
+
+        As it was written, it leaves out what was left out.
+        """
+        blocks = self.model_dump(mode="json", exclude_unset=as_written)
+        blocks["kind"] = type(self).model_fields["kind"].default
         head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
         return json_line(head | blocks)
 

@@ -157,7 +157,7 @@ k = named(
     switch("air", {"null": constant(0.0, (-1, 0, 0)), "given": ρ * area / (2.0 * I["m"])}),
 )
 
-_rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
+rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
 )
 W = named(
@@ -168,7 +168,7 @@ W = named(
             "none": constant(0.0, SPEED, True),
             "uniform": I["W_0"],
             "above": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
-            "profile": _rise * level(I["wind.velocity"]),
+            "profile": rise * level(I["wind.velocity"]),
         },
     ),
 )

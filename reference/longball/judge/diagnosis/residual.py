@@ -264,6 +264,8 @@ class Launched:
     ----------
     y
         Place, velocity, and the path through the air; a column a ball.
+    spin
+        At the start.
     duration
         s.
     rates
@@ -273,6 +275,7 @@ class Launched:
     """
 
     y: Array
+    spin: Array
     duration: Array
     rates: Callable[..., Array]
     ended: Callable[[Array], dict[str, Array]]
@@ -321,7 +324,7 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             found[names[2]] = share * columns["ω0"]
         return found
 
-    return Launched(y, duration, rates, ended)
+    return Launched(y, columns["ω0"], duration, rates, ended)
 
 
 def flown(

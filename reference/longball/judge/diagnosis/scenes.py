@@ -15,6 +15,7 @@ from longball.engines.chain import MODEL, OneCase
 from longball.engines.chain.flying import fly, to_ground
 from longball.engines.ivp import Ivp
 from longball.judge.cases import MOST_PIECES, Case
+from longball.judge.fresh import written_out
 from longball.model.frame import launch_frame
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
@@ -349,7 +350,8 @@ def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
     """Return a scene with less in it that fails still; `fails` tells it of several at once."""
 
     def failing(scenes: Sequence[Any]) -> Sequence[bool]:
-        return fails([s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes)])
+        named = (s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes))
+        return fails([written_out(s) for s in named])
 
     for _ in range(LARGEST_SHRINKS):
         changed = [(_simplified(scene, change), change) for change in simpler(scene)]
