@@ -311,7 +311,6 @@ class TestSolve:
             (["measured", "--example", "rows.csv"], "either --example or rows.csv"),
             (["fit", "--example", "rows.csv"], "either --example or rows.csv"),
             (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "'--html'"),
-            (["judge", "--junit", "/no/such/folder/p.xml", "--", "true"], "'--junit'"),
             (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
             (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
             (["solve", "-o", ""], "a file is needed"),

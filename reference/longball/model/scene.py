@@ -335,9 +335,17 @@ class _Scene(_Block):
 
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
-        blocks = self.model_dump(mode="json")
-        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
-        return json_line(head | blocks)
+        return _line_of(self.model_dump(mode="json"))
+
+    def as_written(self) -> str:
+        """Return the scene as one line of JSON, with the keys that were written and no others."""
+        kind = {"kind": type(self).model_fields["kind"].default}
+        return _line_of(kind | self.model_dump(mode="json", exclude_unset=True))
+
+
+def _line_of(blocks: dict[str, Any]) -> str:
+    head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
+    return json_line(head | blocks)
 
 
 class _FlyingScene(_Scene):
@@ -514,6 +522,11 @@ def may_be_mixed(scene: Scene) -> bool:
 def ids_of(scenes: Sequence[Scene]) -> list[str]:
     """Return the ids that results of scenes bear: the scene's, or else the number of the line."""
     return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
+
+
+def written_out(scene: Scene) -> Scene:
+    """Return a scene as if all defaults had been written."""
+    return type(scene).model_validate(scene.model_dump())
 
 
 def parse_scene(
