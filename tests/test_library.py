@@ -282,6 +282,20 @@ def test_a_scene_shows_what_was_written():
     assert eval(repr(scene), {"AtBat": lb.AtBat}) == scene
     assert repr(lb.Pitch()) == "Pitch()"
 
+    def test_it_is_drawn_from_the_side_to_scale(self):
+        plt = pytest.importorskip("matplotlib.pyplot")
+        path = lb.solve(lb.AtBat(**AT_BAT)).path
+        axes = path.plot()
+        try:
+            assert path.plot(axes) is axes
+            first, second = (line.get_xydata() for line in axes.lines)
+            assert np.array_equal(first, second)
+            assert first[0] == pytest.approx([18.44, 1.8])
+            assert first[-1] == pytest.approx(path.at(path.end).position[[0, 2]])
+            assert axes.get_aspect() == 1.0
+        finally:
+            plt.close("all")
+
 
 class TestSolveMany:
     def test_a_list_keeps_its_order_and_its_errors(self):

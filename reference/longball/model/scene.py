@@ -709,6 +709,13 @@ def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
     return fields
 
 
+def vector_length(name: str) -> int | None:
+    """Return how many numbers the vector under a name has, 2 or 3; None if it is no vector."""
+    fields = [field for kind in KINDS.values() for field in parts_of(kind, name.split("."))]
+    parts = [get_args(x) for field in fields for x in _within(field.annotation)]
+    return next((len(part) for part in parts if _is_vector(part)), None)
+
+
 def keys_of(model: type[BaseModel], keys: Sequence[str]) -> list[str]:
     """Return the keys of the blocks under keys inside a model."""
     annotations = [field.annotation for field in parts_of(model, keys)] if keys else [model]
