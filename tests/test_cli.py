@@ -383,6 +383,28 @@ class TestPlot:
         lines = [picture.read_text(encoding="utf-8").count("#999999") for picture in pictures]
         assert lines[0] > lines[1]
 
+    def test_many_balls_are_a_spray_chart(self, called, tmp_path: Path):
+        def plotted(count: int) -> str:
+            velocities = [[5, -15, 10], *[[30, 2, 20]] * (count - 1)]
+            launches = ({"position": [0, 0, 1], "velocity": velocity} for velocity in velocities)
+            scenes = ({"kind": "flight", "launch": launch} for launch in launches)
+            lines = "\n".join(map(json.dumps, scenes)).encode()
+            picture = tmp_path / "p.svg"
+            assert called("plot", "-o", str(picture), "--fence", "70", stdin=lines).returncode == 0
+            return picture.read_text(encoding="utf-8")
+
+        spray = plotted(20)
+        assert "<!-- home run (19) -->" in spray
+        assert "<!-- foul (1) -->" in spray
+        assert "towards centre field" in spray
+        assert "height z (m)" in plotted(3)
+
+    def test_many_pitches_are_paths(self, called, tmp_path: Path):
+        picture = tmp_path / "p.svg"
+        lines = b'{"kind": "pitch"}\n' * 20
+        assert called("plot", "-o", str(picture), stdin=lines).returncode == 0
+        assert "height z (m)" in picture.read_text(encoding="utf-8")
+
     def test_what_has_no_path_is_named(self, called, tmp_path: Path):
         picture = tmp_path / "p.png"
         run = called("plot", "-o", str(picture), stdin=b'{"kind":"x"}\n' + FLIGHT)

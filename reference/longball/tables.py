@@ -91,10 +91,10 @@ def solve_many(
         numbers (``pitch.speed``, ``pitch.aim[0]``, ``swing.tilt``, …), and from ``kind``, to arrays
         of shape (n,) or to one value for all scenes. A vector (``launch.position``) may be one
         column, of lists or of shape (n, 3), or one list for all scenes. An empty cell is a value
-        left out: it is the paper's. Empty are NaN, None, pandas' NA and the masked cells of a masked array.
-        ``air=None`` for all scenes takes the air away, as in a scene. Numbers may have any type of
-        Python and NumPy, and stand for the nearest double; bools, complex numbers and times are
-        none. A text is no number, but may be JSON, such as ``"null"`` for no air.
+        left out: it is the paper's. Empty are NaN, None, pandas' NA and the masked cells of a
+        masked array. ``air=None`` for all scenes takes the air away, as in a scene. Numbers may
+        have any type of Python and NumPy, and stand for the nearest double; bools, complex numbers
+        and times are none. A text is no number, but may be JSON, such as ``"null"`` for no air.
     engine, options
         As in `solve`, but that the default is the engine batch.
     certify
@@ -244,8 +244,9 @@ def _solve_table(
         flown = [one.pop("path", None) for one in data]
         frame = _with_engines_signed(results_table(data)).drop(columns="id", errors="ignore")
         if paths is not None:
-            points = [None if path is None else np.array(path, float) for path in flown]
-            frame = frame.assign(path=points)
+            points = np.empty(count, object)
+            points[:] = [None if path is None else np.array(path, float) for path in flown]
+            frame["path"] = points
     if ids is not None and count:
         frame.insert(0, "id", ids)
     return frame
