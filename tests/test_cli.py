@@ -42,6 +42,22 @@ class TestSolve:
         assert run.stdout == ""
         assert len(output.read_bytes().splitlines()) == 2
 
+    @pytest.mark.parametrize(
+        ("text", "what", "jq"),
+        [
+            ('{"kind": "at-bat",\n "swing": {"tilt": 0}}\n', "one object over several lines", "."),
+            ('{\n "kind": "at-bat"\n}', "one object over several lines", "."),
+            ('[{"kind": "at-bat"},\n {"kind": "pitch"}]', "an array", "'.[]'"),
+        ],
+    )
+    def test_json_over_several_lines_is_one_sentence(self, called, tmp_path, text, what, jq):
+        source = tmp_path / "scenes.json"
+        source.write_text(text)
+        for run in (called("solve", str(source)), called("plot", str(source))):
+            assert (run.returncode, run.stdout) == (2, "")
+            (sentence,) = run.stderr.splitlines()
+            assert f"is JSON, but {what}; a scene stands in one line: jq -c {jq} " in sentence
+
     def test_bad_lines_are_answered_and_lose_nothing(self, called):
         lines = [
             AT_BAT,

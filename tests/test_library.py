@@ -373,9 +373,9 @@ class TestSolveMany:
         table = lb.solve_many(form(columns))
         alone = lb.solve_many([{"kind": "pitch", "pitch": {"speed": "40"}}])[0]
         assert table.outcome[0] == "crossed"
-        assert table.error[1] == alone.error == "pitch.speed: must be a valid number (got '40')"
+        assert table.error[1] == alone.error == "pitch.speed: must be a number in m/s (got '40')"
         assert "got 'fast'" in table.error[2]
-        said = r"pitch\.speed: must be a valid number \(got '39'\) \(row 0 of 2\)"
+        said = r"pitch\.speed: must be a number in m/s \(got '39'\) \(row 0 of 2\)"
         with pytest.raises(lb.InvalidScene, match=said):
             lb.solve_many(form({"kind": "pitch", "pitch.speed": ["39", "40"]}))
 

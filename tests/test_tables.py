@@ -105,10 +105,10 @@ def test_odd_cells_of_files_are_errors_of_their_rows(tmp_path: Path):
     text = tmp_path / "scenes.csv"
     text.write_text("kind,gravity\npitch," + "[" * 100_000 + "\npitch,NaN\npitch,9.8\n")
     odd, usual = lb.solve_many(tables.scene_lines(parquet).splitlines())
-    assert odd.error == "pitch.speed: must be a valid number (got '3 days 00:00:00')"
+    assert odd.error == "pitch.speed: must be a number in m/s (got '3 days 00:00:00')"
     assert usual.outcome == "crossed"
     nested_, nan, usual = lb.solve_many(tables.scene_lines(text).splitlines()[1:])
-    assert nested_.error.startswith("gravity: must be a valid number")
+    assert nested_.error.startswith("gravity: must be a number in m/s²")
     assert nan.error == "gravity: must be a finite number (got nan)"
     assert usual.outcome == "crossed"
 
@@ -335,7 +335,7 @@ def test_a_cell_that_is_no_vector_is_the_error_of_its_row():
     assert table.outcome.isna().tolist() == [False, True, True, True, True]
     assert table.error[1] == "launch.velocity[2]: is missing"
     assert table.error[3] == "launch.velocity[2]: must be a finite number (got nan)"
-    assert table.error[2] == "launch.velocity: is missing"
+    assert table.error[2] == "launch.velocity: is missing; it is [x, y, z] in m/s"
     assert table.error[4] == "launch.velocity: takes at most 3 values, and has 4"
     with pytest.raises(lb.InvalidScene, match=r"launch.velocity\[2\]: is missing"):
         lb.solve_many({"kind": "flight", "launch.position": [0, 0, 1], "launch.velocity": [30, 0]})

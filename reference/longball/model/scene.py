@@ -604,7 +604,7 @@ _DECODER = json.JSONDecoder(
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
-    location = fault["loc"]
+    location, model_asked = fault["loc"], model
     steps, block, annotation, about = _resolved(model, location)
     where = "".join(f"[{x}]" if isinstance(x, int) else f".{x}" for x in steps).removeprefix(".")
     match fault["type"]:
@@ -615,7 +615,8 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
                 return f"{where}: unknown key; put it inside {outer}"
             return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
         case "missing":
-            return f"{where}: is missing"
+            form = "" if isinstance(location[-1], int) else _form_of(annotation, about)
+            return f"{where}: is missing{form and f'; it is {form}'}"
         case "float_type" if fault["input"] is None and isinstance(location[-1], int):
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
         case "too_long" | "too_short" as wrong:
@@ -624,6 +625,16 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: takes at {bound} {limit} values, and has {given}"
         case "tuple_type" | "list_type":
             return f"{where}: must be {_listed(annotation, about)} (got {_short(fault['input'])})"
+        case "model_type" | "model_attributes_type":
+            return f"{where}: must be {_form_of(annotation, about)} (got {_short(fault['input'])})"
+        case "float_type":
+            tags = [str(tag) for tag in _forms(_resolved(model_asked, location[:-1])[2])]
+            others = [tag.strip("<>") for tag in tags[1:]]
+            unit = unit_of(about)
+            form = f"a number{f' in {unit}' if unit else ''}"
+            if len(others) > 1:
+                form += f", or an object with a law: {', '.join(others)}"
+            return f"{where}: must be {form} (got {_short(fault['input'])})"
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
@@ -655,6 +666,14 @@ def _listed(annotation: Any, about: str) -> str:
     unit = unit_of(about)
     places = ", ".join("xyz"[3 - len(numbers) :])  # a place on the plate's plane is [y, z]
     return f"[{places}]{f' in {unit}' if unit else ''}" if numbers else "a list"
+
+
+def _form_of(annotation: Any, about: str) -> str:
+    """Return the form of a vector, or of a block by its keys; empty for other values."""
+    if any(map(_is_vector, map(get_args, _within(annotation)))):
+        return _listed(annotation, about)
+    block = next(filter(_is_model, _within(annotation)), None)
+    return f"an object with the keys {', '.join(block.model_fields)}" if block else ""
 
 
 def _is_vector(parts: tuple[Any, ...]) -> bool:
