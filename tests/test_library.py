@@ -7,6 +7,7 @@ import doctest
 import json
 import math
 import pickle
+import pydoc
 import re
 import subprocess
 import sys
@@ -76,6 +77,15 @@ class TestScenes:
         assert "id" not in json.loads(scene.line())
         assert lb.AtBat(**json.loads(scene.line())) == scene
         assert pickle.loads(pickle.dumps(scene)) == scene
+
+    def test_help_fits_a_screen_and_shows_no_name_of_pydantic(self):
+        said = pydoc.plain(pydoc.render_doc(lb.AtBat))
+        assert len(said.splitlines()) < 60
+        assert "AtBat(*, id=None, ball={}, reading={}, air={}, gravity=9.8," in said
+        assert "model_" not in said
+        assert {"pitch", "swing", "replace"} < {*dir(lb.AtBat())}
+        assert not [x for x in dir(lb.AtBat()) + dir(lb.Bat) if x.startswith(("_", "model_"))]
+        assert repr(lb.AtBat(swing={"tilt": 0.2})) == "AtBat(swing={'tilt': 0.2})"
 
     @pytest.mark.parametrize(
         ("written", "error", "named"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import os
 import re
 import warnings
@@ -399,7 +400,7 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
     import pandas as pd
 
     frame = pd.DataFrame({name: table[name] for name in sorted(table, key=_place)})
-    frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
+    frame["error"] = frame["code"] = pd.Series(None, frame.index, object)
     for i, result in reasons.items():
         told = result.outcome, result.engine, result.error, result.code
         frame.loc[i, ["outcome", "engine", "error", "code"]] = told
@@ -428,13 +429,17 @@ def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 _ROWS = 10_000
-_TEXTS = {"outcome": "str", "error": "str", "code": "str"}  # columns that are always there
+_TEXTS = ("outcome", "error", "code")  # columns that are always there
 _DISCRETE = {name: "boolean" if kind is bool else "Int64" for name, kind in DISCRETE.items()}
 
 
 def _typed(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a table of results with the types of its columns, whatever is missing in them."""
-    types = {**_TEXTS, "engine": "str", **_DISCRETE}
+    import pandas as pd
+
+    # pandas 3 calls this "str"; to pandas 2 that is another type, which makes texts of None.
+    text = pd.StringDtype(na_value=math.nan)
+    types: dict[str, Any] = dict.fromkeys((*_TEXTS, "engine"), text) | _DISCRETE
     return frame.astype({name: types[name] for name in frame.columns if name in types})
 
 
