@@ -22,7 +22,7 @@ FAMILIES = ("flight-both", "at-bat")  # of the golden data, where no other is as
 
 
 def takes(command: Sequence[str], name: str) -> bool:
-    """Tell whether a command has a place for what is varied."""
+    """True if a command has a place for the number that is varied."""
     return any(f"{{{name}}}" in word for word in command)
 
 
@@ -185,7 +185,7 @@ def order_of(report: ConvergenceReport) -> int | None:
 
 
 def _sample(answer: Answer, scene: Scene) -> Sample:
-    """Return what is observed of an answer; points are landed first."""
+    """Return the observed numbers of an answer; sampled points are landed first."""
     if answer.path is not None:
         from longball.judge.paths import landed
 
