@@ -8,22 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
+if TYPE_CHECKING:  # to type checkers, whose rules for models hang on pydantic's own class
+    from pydantic._internal._model_construction import ModelMetaclass as _Public
 else:
-    ModelMetaclass = type(BaseModel)
 
+    class _Public(type(BaseModel)):
+        """The type of a class that shows its fields and methods of its own, and not pydantic's."""
 
-class _Public(ModelMetaclass):
-    """The type of a class that shows its fields and methods of its own, and not pydantic's."""
-
-    def __dir__(self) -> list[str]:
-        own = (base for base in self.__mro__ if base.__module__.startswith("longball."))
-        names = [
-            *getattr(self, "__pydantic_fields__", ()),
-            *(name for base in own for name in vars(base)),
-        ]
-        return sorted({name for name in names if not name.startswith(("_", "model_"))})
+        def __dir__(self) -> list[str]:
+            own = (base for base in self.__mro__ if base.__module__.startswith("longball."))
+            fields = getattr(self, "__pydantic_fields__", ())
+            names = {*fields, *(name for base in own for name in vars(base))}
+            return sorted(name for name in names if not name.startswith(("_", "model_")))
 
 
 class Strict(BaseModel, metaclass=_Public):
