@@ -43,6 +43,22 @@ class TestSolve:
         assert run.stdout == ""
         assert len(output.read_bytes().splitlines()) == 2
 
+    @pytest.mark.parametrize(
+        ("text", "what", "jq"),
+        [
+            ('{"kind": "at-bat",\n "swing": {"tilt": 0}}\n', "one object over several lines", "."),
+            ('{\n "kind": "at-bat"\n}', "one object over several lines", "."),
+            ('[{"kind": "at-bat"},\n {"kind": "pitch"}]', "an array", "'.[]'"),
+        ],
+    )
+    def test_json_over_several_lines_is_one_sentence(self, called, tmp_path, text, what, jq):
+        source = tmp_path / "scenes.json"
+        source.write_text(text)
+        for run in (called("solve", str(source)), called("plot", str(source))):
+            assert (run.returncode, run.stdout) == (2, "")
+            (sentence,) = run.stderr.splitlines()
+            assert f"is JSON, but {what}; a scene stands in one line: jq -c {jq} " in sentence
+
     def test_bad_lines_are_answered_and_lose_nothing(self, called):
         lines = [
             AT_BAT,
@@ -312,7 +328,6 @@ class TestSolve:
             (["measured", "--example", "rows.csv"], "either --example or rows.csv"),
             (["fit", "--example", "rows.csv"], "either --example or rows.csv"),
             (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "'--html'"),
-            (["judge", "--junit", "/no/such/folder/p.xml", "--", "true"], "'--junit'"),
             (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
             (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
             (["solve", "-o", ""], "a file is needed"),
@@ -384,6 +399,28 @@ class TestPlot:
             assert called("plot", "-o", str(picture), stdin=line).returncode == 0
         lines = [picture.read_text(encoding="utf-8").count("#999999") for picture in pictures]
         assert lines[0] > lines[1]
+
+    def test_many_balls_are_a_spray_chart(self, called, tmp_path: Path):
+        def plotted(count: int) -> str:
+            velocities = [[5, -15, 10], *[[30, 2, 20]] * (count - 1)]
+            launches = ({"position": [0, 0, 1], "velocity": velocity} for velocity in velocities)
+            scenes = ({"kind": "flight", "launch": launch} for launch in launches)
+            lines = "\n".join(map(json.dumps, scenes)).encode()
+            picture = tmp_path / "p.svg"
+            assert called("plot", "-o", str(picture), "--fence", "70", stdin=lines).returncode == 0
+            return picture.read_text(encoding="utf-8")
+
+        spray = plotted(20)
+        assert "<!-- home run (19) -->" in spray
+        assert "<!-- foul (1) -->" in spray
+        assert "towards centre field" in spray
+        assert "height z (m)" in plotted(3)
+
+    def test_many_pitches_are_paths(self, called, tmp_path: Path):
+        picture = tmp_path / "p.svg"
+        lines = b'{"kind": "pitch"}\n' * 20
+        assert called("plot", "-o", str(picture), stdin=lines).returncode == 0
+        assert "height z (m)" in picture.read_text(encoding="utf-8")
 
     def test_what_has_no_path_is_named(self, called, tmp_path: Path):
         picture = tmp_path / "p.png"

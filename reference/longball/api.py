@@ -51,6 +51,7 @@ from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
     from longball.engines.path_engine import PathEngine
     from longball.engines.tangent import Derivatives
@@ -381,6 +382,36 @@ class Path:
         table = np.column_stack([time, position, velocity])
         return pd.DataFrame(table, columns=["t", "x", "y", "z", "vx", "vy", "vz"])
 
+    @naming_extras()
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the path from the side, to scale: height over the way from the plate, m.
+
+        Parameters
+        ----------
+        ax
+            Axes of Matplotlib to draw on; new ones if left out.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, for titles, limits and more paths.
+
+        Examples
+        --------
+        >>> import longball as lb
+        >>> axes = lb.solve(lb.AtBat()).path.plot()
+        >>> axes.get_ylabel()
+        'height z (m)'
+        """
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots(layout="constrained")[1] if ax is None else ax
+        position = self.at(np.linspace(self.start, self.end, _PLOTTED)).position
+        axes.plot(position[:, 0], position[:, 2])
+        axes.set(xlabel="x, from the plate towards the pitcher (m)", ylabel="height z (m)")
+        axes.set_aspect("equal", adjustable="datalim")
+        return axes
+
     def _state(self, time: float) -> list[float]:
         exact = self._numbers.exact(time)
         end = self._trajectory.end
@@ -395,6 +426,9 @@ class Path:
 
     def _double(self, x: Any) -> float:
         return float(self._numbers.report(x))
+
+
+_PLOTTED = 400  # points: lines between them are as smooth as a screen
 
 
 class Solution:

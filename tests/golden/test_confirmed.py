@@ -19,7 +19,7 @@ IN_DOUBT = 0.5
 
 def apart(case: golden.Case) -> tuple[float | None, str]:
     """How far a case is from the oracle's result, in its tolerances; None if that is in doubt."""
-    true = by_oracle.truth(json.loads(case.scene.line(as_written=True)))
+    true = by_oracle.truth(json.loads(case.scene.as_written()))
     if true is None:
         return None, ""
     off, sentence = by_oracle.judged(json.loads(case.expected.line()), true)

@@ -14,8 +14,7 @@ from pydantic import BaseModel
 from longball import golden
 from longball.judge.candidate import run
 from longball.judge.coverage import coverage
-from longball.judge.fresh import written_out
-from longball.model.scene import KINDS, parse_scene
+from longball.model.scene import KINDS, parse_scene, written_out
 
 CASES = golden.load("defaults")
 # Keys that stand for a number where something else is given, and are null otherwise.
@@ -46,12 +45,12 @@ def test_each_key_with_a_default_is_left_out_twice(kind: str):
 
 
 def test_its_lines_hold_no_more_than_was_written():
-    bare = [json.loads(case.scene.line(as_written=True)) for case in CASES]
+    bare = [json.loads(case.scene.as_written()) for case in CASES]
     assert any(scene.keys() == {"id", "kind", "launch"} for scene in bare)
     assert not any("gravity" in scene and "time_limit" in scene and "reading" in scene
                    and "ball" in scene and len(scene["ball"]) == 4 for scene in bare)  # fmt: skip
     for case in CASES:
-        assert parse_scene(case.scene.line(as_written=True)) == case.scene
+        assert parse_scene(case.scene.as_written()) == case.scene
 
 
 def test_a_program_gets_scenes_as_they_are_written():

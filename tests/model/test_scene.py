@@ -163,12 +163,23 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
     ("values", "message"),
     [
         ({"gravity": -1}, "gravity: must not be negative (got -1)"),
-        ({"gravity": "9.8"}, "gravity: must be a valid number (got '9.8')"),
-        ({"gravity": None}, "gravity: must be a valid number (got null)"),
+        ({"gravity": "9.8"}, "gravity: must be a number in m/s² (got '9.8')"),
+        ({"gravity": None}, "gravity: must be a number in m/s² (got null)"),
+        ({"ball": {"mass": "5oz"}}, "ball.mass: must be a number in kg (got '5oz')"),
+        (
+            {"pitch": 5},
+            "pitch: must be an object with the keys speed, release, aim, velocity, spin (got 5)",
+        ),
+        (
+            {"air": {"drag_coefficient": "x"}},
+            "air.drag_coefficient: must be a number, or an object with a law: constant, spin, "
+            "crisis, table (got 'x')",
+        ),
+        ({"pitch": {"speed": -3}}, "pitch.speed: must be positive (got -3)"),
         ({"pitch": {"aim": {"y": 1}}}, "pitch.aim: must be [y, z] in m (got {'y': 1})"),
         ({"pitch": {"aim": [0, None]}}, "pitch.aim[1]: is missing, or null"),
         ({"pitch": {"aim": [0, 1, 2]}}, "pitch.aim: takes at most 2 values, and has 3"),
-        ({"gravity": True}, "gravity: must be a valid number (got true)"),
+        ({"gravity": True}, "gravity: must be a number in m/s² (got true)"),
         ({"ball": {"mass": 0}}, "ball.mass: must be positive (got 0)"),
         (
             {"air": {"density": {"temperature": 20}}},

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from longball.cli.command import Command
 from longball.cli.common import (
     Json,
     Quiet,
@@ -34,7 +35,7 @@ Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]
 Part = Literal["cases", "probability"]
 
 
-@app.command("list", epilog="Example: longball golden list")
+@app.command("list", cls=Command, epilog="Example: longball golden list")
 def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) -> None:
     """List the families, which other commands take as SET, with how many cases each has."""
     top = header_of(folder)
@@ -48,13 +49,13 @@ def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) ->
     note(f"format {top.format}, {top.licence}")
 
 
-@app.command(epilog="Example: ls $(longball golden path)")
+@app.command(cls=Command, epilog="Example: ls $(longball golden path)")
 def path() -> None:
     """Print the folder of the golden data that come with longball."""
     print(reader.DATA)
 
 
-@app.command(epilog="Example: longball golden export golden.zip")
+@app.command(cls=Command, epilog="Example: longball golden export golden.zip")
 def export(
     output: Annotated[
         Path | None, typer.Argument(metavar="[FILE.zip]", help="By default named by version.")
@@ -77,7 +78,7 @@ def header_of(folder: Path | None) -> Header:
         return reader.header(folder or reader.DATA)
 
 
-@app.command(epilog="Example: longball golden write golden-data")
+@app.command(cls=Command, epilog="Example: longball golden write golden-data")
 def write(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],
     part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
@@ -109,7 +110,7 @@ def write(
         note(f"{count} readings' probabilities in {folder}")
 
 
-@app.command(epilog="Example: longball golden coverage scenes.jsonl")
+@app.command(cls=Command, epilog="Example: longball golden coverage scenes.jsonl")
 def coverage(
     scenes: Annotated[
         str, typer.Argument(metavar="SCENES", help="A file of scenes, or - for standard input.")
@@ -158,7 +159,7 @@ def coverage(
 EDITS = 50_000  # about as many as there are, for the bar
 
 
-@app.command(epilog="Example: longball golden check --sample 50")
+@app.command(cls=Command, epilog="Example: longball golden check --sample 50")
 def check(
     folder: Folder = None,
     sample: Annotated[

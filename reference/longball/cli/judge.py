@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from longball.cli.common import (
     AsCsv,
     Expected,
-    Json,
     Knob,
     Quiet,
     Steps,
@@ -27,6 +26,9 @@ from longball.cli.common import (
     wrong_call,
 )
 
+STEP = 1e-3  # s, at which a method of order 4 is right to 1e-6
+Form = Literal["text", "json", "junit", "github"]
+
 if TYPE_CHECKING:
     from longball.judge.cases import Case, Profile
     from longball.judge.evaluation import Evaluation
@@ -36,7 +38,7 @@ def judge(
     command: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="-- COMMAND …",
+            metavar="[-- COMMAND …]",
             help="The program to judge: it reads scenes on standard input and writes results on "
             "standard output. If {dt} is in it, it is also run with several time steps, and its "
             "order of convergence is measured.",
@@ -132,11 +134,17 @@ def judge(
     expected: Expected = None,
     timeout: Timeout = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
-    as_json: Json = False,
+    form: Annotated[
+        Form,
+        typer.Option(
+            "--format",
+            help="How the verdict is printed: for people, as JSON, as JUnit's XML, or with "
+            "annotations for GitHub's Actions.",
+        ),
+    ] = "text",
     rows: Annotated[
         bool, typer.Option("--table", help="Print a table of the errors of each quantity.")
     ] = False,
-    junit: Annotated[Path | None, to_file("Write the verdict to this file as JUnit XML.")] = None,
     html: Annotated[
         Path | None, to_file("Write the verdict to this file as a page with pictures.")
     ] = None,
@@ -157,6 +165,8 @@ def judge(
         wrong_call("--seed is that of the scenes of --random N")
     if readings and (scenes or random):
         wrong_call("--readings is that of golden cases")
+    if write_defaults and not scenes:
+        wrong_call("--write-defaults is that of --scenes FILE; golden and random scenes have them")
     if knob and steps:
         wrong_call("either --steps or --knob, not both: one of them takes its values in turn")
     if sum(map(bool, (golden, scenes, random))) > 1:
@@ -164,13 +174,14 @@ def judge(
     if html:
         import_module("matplotlib")  # it draws the page's pictures
     # The judge brings compiled code with it, and --help does not need it.
-    from longball.judge import junit as xml
     from longball.judge import page
     from longball.judge.answers import Collector
     from longball.judge.candidate import Limits
     from longball.judge.cases import Paper
     from longball.judge.cases import profile as profile_of
     from longball.judge.evaluation import Judge
+    from longball.judge.github import annotated
+    from longball.judge.junit import junit
     from longball.judge.sampling import judge_samples, read_samples
     from longball.judge.step_sweep import sweep_of
     from longball.judge.text import render
@@ -182,7 +193,7 @@ def judge(
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
         stepped = sweep if sweep and not knob else None
         if stepped and dt is None:
-            dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps)
+            dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps or [STEP])
         cases, truth = (
             cases_of(golden, scenes, random, seed, kind, readings)
             if command or results
@@ -196,10 +207,9 @@ def judge(
             found = judge.evaluate_file(results, columns, drawn)
         elif command:
             if stepped:
-                values = f"{max(stepped.steps):g} to {min(stepped.steps):g}"
                 note(
-                    f"after this run come at least {2 * len(stepped.steps)} shorter ones, with dt "
-                    f"= {values}; --steps FROM:TO:COUNT makes them fewer"
+                    f"after this run, at dt = {dt:g}, come some with other steps; --steps "
+                    "FROM:TO:COUNT says which"
                 )
             # One bar for both: the scenes answered, then the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
@@ -209,17 +219,21 @@ def judge(
         else:
             assert drawn
             found = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
-    if junit:
-        junit.write_text(xml.junit(found), encoding="utf-8")
     if html:
         html.write_text(page.page(found), encoding="utf-8")
+    text = render(found.verdict, table=rows).rstrip()
+    if further := further_options(found, rule, golden, scenes or random):
+        text += f"\n\nfurther: {further}"
     with failing_unless(found.verdict.passed):
-        if as_json:
-            print(found.verdict.line())
-            return
-        print(render(found.verdict, table=rows).rstrip())
-        if further := further_options(found, rule, golden, scenes or random):
-            print(f"\nfurther: {further}")
+        match form:
+            case "text":
+                print(text)
+            case "json":
+                print(found.verdict.line())
+            case "junit":
+                print(junit(found), end="")
+            case "github":
+                print(annotated(found.verdict, text))
 
 
 def further_options(
@@ -245,7 +259,7 @@ def further_options(
 def with_defaults(case: Case) -> Case:
     """Return a case whose scene leaves out no default."""
     from longball.judge.cases import Known
-    from longball.judge.fresh import written_out
+    from longball.model.scene import written_out
 
     scene = written_out(case.scene)
     if isinstance(case, Known):

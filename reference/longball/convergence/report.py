@@ -105,8 +105,11 @@ class ConvergenceReport(Frozen):
         head = ("quantity", "order", "95 %", "expected", "C", "steps fitted, s", "verdict")
         lines = aligned([head, *(_row(order) for order in self.orders)])
         lines += ["", *(f"{order.quantity}: {order.why}" for order in self.orders)]
-        lost = [(row.step, f"{row.lost} of {row.of} scenes") for row in self.lost if row.lost]
-        lines += [f"step {h:.3g} s: {some} end otherwise than they should" for h, some in lost]
+        lost = {row.step: f"{row.lost} of {row.of} scenes" for row in self.lost if row.lost}
+        where = {step: f"step {step:.3g} s" for step in lost}
+        if len({*lost.values()}) == 1 and len(lost) == len(self.lost):
+            where = {next(iter(lost)): "every step"}
+        lines += [f"{at}: {lost[h]} end otherwise than they should" for h, at in where.items()]
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:

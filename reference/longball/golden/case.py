@@ -136,7 +136,7 @@ class Case(Strict):
     def line(self) -> str:
         """Return the case as a line of JSON, scene and result as `longball solve` has them."""
         whole = self.model_dump(mode="json") | {
-            "scene": json.loads(self.scene.line(as_written=True)),
+            "scene": json.loads(self.scene.as_written()),
             "expected": json.loads(self.expected.line()),
         }
         return json_line(whole, separators=(",", ":"))

@@ -62,7 +62,7 @@ def run(
     """Let a candidate answer scenes as they are written; an OSError if it cannot be started.
 
     No shell reads the command. `progress` is called with the number of scenes answered whenever
-    that grows. A `table` is CSV with a header, of scenes and results.
+    that grows. A `table` is CSV with a header, of scenes, with all their defaults, and results.
     """
     session = _Session(command, scenes, limits or Limits(), progress, table)
     try:
@@ -92,7 +92,7 @@ class _Session:
         self.collected = Collector(self.ids, table)
         if len(self.collected.asked) < len(scenes):
             raise ValueError("two scenes have the same id")
-        lines = (scene.line(as_written=True).encode() + b"\n" for scene in scenes)
+        lines = (scene.as_written().encode() + b"\n" for scene in scenes)
         self.unsent = as_csv(scenes) if table else lines
         self.sending = next(self.unsent, b"")
         self.input_closed = False

@@ -25,7 +25,7 @@ from longball.judge.quantities import difference, length, values_of
 from longball.judge.sampling import Sampling
 from longball.judge.step_sweep import FAMILIES, StepSweep, filled, sample
 from longball.judge.verdict import Comparison, Submission, Verdict, compare, verdict
-from longball.model.scene import Scene
+from longball.model.scene import Scene, written_out
 
 # Runs a candidate again: from scenes to answers by id.
 Ask = Callable[[Sequence[Scene]], Mapping[str, Answer]]
@@ -88,7 +88,7 @@ class Judge:
         """
         start = time.monotonic()
         stepped = filled(command, "dt", repr(self.dt)) if self.dt else command
-        whole = sweep.filled(stepped, min(sweep.steps)) if sweep else stepped
+        whole = sweep.filled(stepped, min(sweep.steps)) if sweep and sweep.steps else stepped
         ran = run(whole, [case.scene for case in self.cases], limits, progress, table)
         collected, report = ran.collected, None
         well = not any(issue.kind == "process" for issue in collected.issues)
@@ -156,7 +156,7 @@ class Judge:
         start = min(failing, key=lambda s: (order.index(s.kind), len(str(s.model_dump()))))
 
         def fails(scenes: Sequence[Any]) -> list[bool]:
-            answers = ask(scenes)
+            answers = ask([*map(written_out, scenes)])
             return [
                 case.id in answers and not compare(case, answers[case.id], self.profile).passed
                 for case in solved(scenes, Ivp())

@@ -21,7 +21,7 @@ from longball.engines.chain import solve
 from longball.judge.cases import Known
 from longball.model.csv_files import guarded
 from longball.model.quantities import nested, numbers
-from longball.model.scene import KINDS, Scene, parse_scene
+from longball.model.scene import KINDS, Scene, written_out
 
 DIGITS = 20  # of the truth: more than any double shows
 USUAL = "usual-constants"  # the name of the set
@@ -73,11 +73,6 @@ def random_scenes(count: int, seed: int, kinds: Sequence[str] = DRAWN) -> Iterat
             continue  # underground, for one
         made += 1
         yield written_out(scene)
-
-
-def written_out(scene: Scene) -> Scene:
-    """Return a scene in which every default but those of the reading is written."""
-    return parse_scene(scene.line())
 
 
 # Of the kinds, and of each number: from and to. The order is that of the draws.

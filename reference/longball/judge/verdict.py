@@ -477,7 +477,7 @@ def right_digits(error: float, size: float) -> float:
 
 def _failure(comparison: Comparison) -> Failure:
     case, faults = comparison.case, list(comparison.faults)
-    scene: dict[str, Any] = json.loads(case.scene.line())
+    scene: dict[str, Any] = json.loads(case.scene.as_written())
     return Failure(id=case.id, family=case.family, flags=[*case.flags], scene=scene, faults=faults)
 
 

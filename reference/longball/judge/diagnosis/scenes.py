@@ -15,12 +15,11 @@ from longball.engines.chain import MODEL, OneCase
 from longball.engines.chain.flying import fly, to_ground
 from longball.engines.ivp import Ivp
 from longball.judge.cases import MOST_PIECES, Case
-from longball.judge.fresh import written_out
 from longball.model.frame import launch_frame
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import Reading
-from longball.model.scene import KINDS, AtBatScene, Scene
+from longball.model.scene import KINDS, AtBatScene, Scene, written_out
 
 Features = dict[str, Any]
 
