@@ -246,7 +246,6 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         (["--steps", "0.01:0.1:5", "--", "true", "{dt}"], "from coarse to fine"),
         (["--", "/no/such/program"], "/no/such/program"),
         (["--", ""], "longball"),
-        (["--write-defaults", "--", "true"], "--write-defaults is that of --scenes FILE"),
         (["--format", "xml", "--", "true"], "'text', 'json', 'junit', 'github'"),
     ],
 )

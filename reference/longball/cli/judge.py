@@ -165,8 +165,6 @@ def judge(
         wrong_call("--seed is that of the scenes of --random N")
     if readings and (scenes or random):
         wrong_call("--readings is that of golden cases")
-    if write_defaults and not scenes:
-        wrong_call("--write-defaults is that of --scenes FILE; golden and random scenes have them")
     if knob and steps:
         wrong_call("either --steps or --knob, not both: one of them takes its values in turn")
     if sum(map(bool, (golden, scenes, random))) > 1:
