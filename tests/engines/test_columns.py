@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from longball import golden
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.batch.columns import ManyCases, Table
+from longball.engines.batch.columns import Columns, Table
 from longball.engines.chain import MODEL, solve
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import numbers
@@ -131,8 +131,8 @@ def test_columns_are_scenes(scenes):
 def test_what_is_exactly_its_error_is_not_decided():
     """Unless that is nothing: as for one scene, of which only the last four are told."""
     x, error = np.array([1.0, -1.0, 0.0, 0.0, 1.5, -1.5, 1.0]), np.array([1, 1, 1, 0, 1, 1, 0.0])
-    cases = ManyCases(None, None, MODEL, Table(len(x)), np.arange(len(x)))
-    positive, other = cases.decide(x, error, "")
+    run = Columns(None, None, MODEL, table=Table(len(x)), row=None)
+    positive, other = run.decide(x, error, "", run.everything)
     assert positive.tolist() == [False, False, False, False, True, False, True]
     assert other.tolist() == [False, False, False, True, False, True, False]
     for i, told in enumerate(positive | other):

@@ -51,7 +51,7 @@ def as_data(scene):
 
 
 def bat_of(approach):
-    return BatSection(approach.pitch.frame, approach.height, 0.0366 + 0.033)
+    return BatSection(approach.pitch.frame, approach.bat.height, 0.0366 + 0.033)
 
 
 def stated_error(approach, engine=ENGINE):
