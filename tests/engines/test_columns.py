@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import json
 import random
 
 import numpy as np
@@ -14,7 +15,7 @@ from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.columns import Columns, Table
 from longball.engines.chain import MODEL, solve
 from longball.model.numbers import DOUBLES, Undecided
-from longball.model.quantities import numbers
+from longball.model.quantities import numbers, replaced
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene, parse_scene
 from tests.strategies import at_bats, flights, impacts
@@ -141,3 +142,16 @@ def test_what_is_exactly_its_error_is_not_decided():
         else:
             with pytest.raises(Undecided):
                 DOUBLES.positive(x[i], error[i], "")
+
+
+def test_rows_without_gravity_are_flown_by_the_engine_that_flies_them_alone():
+    """Nothing keeps such a ball from coming to rest, which the compiled code leaves to others."""
+    line = {"kind": "pitch", "id": "x", "earth": {"latitude": 0.7}, "pitch": {"spin": [0, 90, 20]}}
+    scene = parse_scene(json.dumps(line))
+    gravity = [9.8, 0.0, 9.8]
+    table = solve_columns(scene, {"gravity": gravity}, ENGINE)
+    for i, g in enumerate(gravity):
+        result = solve(replaced(scene, {"gravity": g}), ENGINE)
+        assert (table["outcome"][i], table["engine"][i]) == ("crossed", result.engine)
+        assert table["plate.time"][i] == result.plate.time
+    assert table["engine"][0] != table["engine"][1]

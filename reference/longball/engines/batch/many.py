@@ -141,9 +141,11 @@ def _view(scene: Scene, columns: Mapping[str, Any]) -> SimpleNamespace:
 
 def _with_columns(value: Any, columns: Mapping[str, Any], name: str) -> Any:
     """Return a part of a scene with columns for those of its numbers that have them."""
-    if isinstance(value, Reading):
-        return value
-    if isinstance(value, BaseModel):
+    if isinstance(value, float):  # first: a float takes long to tell that it is no model
+        return columns.get(name, value)
+    if isinstance(value, tuple):
+        return tuple(_with_columns(x, columns, f"{name}[{i}]") for i, x in enumerate(value))
+    if isinstance(value, BaseModel) and not isinstance(value, Reading):
         way = f"{name}." if name else ""
         if name and not any(column.startswith(way) for column in columns):
             return value  # none of its numbers differs
@@ -152,9 +154,7 @@ def _with_columns(value: Any, columns: Mapping[str, Any], name: str) -> Any:
             for key in type(value).model_fields
         }
         return SimpleNamespace(**parts)
-    if isinstance(value, tuple):
-        return tuple(_with_columns(x, columns, f"{name}[{i}]") for i, x in enumerate(value))
-    return columns.get(name, value)
+    return value
 
 
 def _named(
