@@ -33,6 +33,7 @@ from longball.model.plain import column_of, plain
 from longball.model.quantities import at
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
+    Apex,
     Bounded,
     Certified,
     Contact,
@@ -413,6 +414,7 @@ class Solution:
     plate: Plate
     contact: Contact
     impact: ImpactResult
+    apex: Apex
     fence: Fence
     landing: Landing
     engine: str | None
@@ -442,7 +444,7 @@ class Solution:
         """
         keys = re.sub(r"\[\d+\]", "", name).split(".")
         if not models.parts_of(Result, keys):
-            blocks = chain.BLOCKS.items()
+            blocks = chain.PARTS.items()
             known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
             raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
         return at(self.result, name)
@@ -480,7 +482,7 @@ class Solution:
         return Path(way, self._solver)
 
     def __repr__(self) -> str:
-        rows = [f"  {name:<22}{value} {unit}".rstrip() for name, value, unit in self._rows()]
+        rows = [f"  {name:<21} {value} {unit}".rstrip() for name, value, unit in self._rows()]
         return "\n".join([self._title, *rows])
 
     def _repr_html_(self) -> str:
@@ -497,16 +499,18 @@ class Solution:
 
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield name, value and unit of every quantity."""
-        for name in chain.BLOCKS:
-            block = getattr(self.result, name)
+        for name in chain.PARTS:
+            block = at(self.result, name)
             for key, field in type(block).model_fields.items() if block else ():
-                if (value := getattr(block, key)) is not None:
+                if (
+                    value := getattr(block, key)
+                ) is not None and f"{name}.{key}" not in chain.PARTS:
                     unit = _UNIT.match(field.description or "")
                     yield f"{name}.{key}", _shown(value), unit[0] if unit else ""
 
 
 # Descriptions of the result's quantities begin with the unit.
-_UNIT = re.compile(r"(s|m|m/s|rad/s|J|N s)(?=[,;]|$)")
+_UNIT = re.compile(r"(s|m|m/s|rad|rad/s|J|N s)(?=[,;]|$)")
 
 
 def _real(name: str, value: ArrayLike) -> Array:

@@ -24,6 +24,8 @@ EXAMPLES = {
     "homerun": "longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png",
     "fit": "longball fit pitches.csv --json > fitted.json",
     "measured": "longball measured statcast.csv --kind batted --figure errors.png",
+    "flight": 'longball flight --speed "103 mph" --angle 28 --park "Coors Field"',
+    "parks": "longball parks flies.jsonl",
     "plot": "longball plot at-bats.jsonl -o paths.svg",
     "readings": "longball readings --samples 1000",
 }

@@ -91,9 +91,15 @@ def replaced(block: B, values: Mapping[str, object]) -> B:
     They are put in together. A ValueError says that the block has no number of a name, or that the
     numbers make no valid block (`pydantic.ValidationError`).
     """
+    for name in values:
+        number(block, name)
+    return rewritten(block, values)
+
+
+def rewritten(block: B, values: Mapping[str, object]) -> B:
+    """Return a block with other numbers, or whole vectors, under names that it has."""
     data: Any = block.model_dump()
     for name, value in values.items():
-        number(block, name)
         data = _put(data, _STEP.findall(name), value)
     return type(block).model_validate(data)
 

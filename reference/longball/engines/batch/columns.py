@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, get_args
+from typing import Any, Protocol, cast, get_args
 
 import numpy as np
 
@@ -88,6 +88,10 @@ class Elementwise:
     def cos_sin(self, angle: Array) -> tuple[Array, Array]:
         """Return cosines and sines."""
         return _one_by_one(math.cos)(angle), _one_by_one(math.sin)(angle)
+
+    def angle(self, y: Array, x: Array) -> Array:
+        """Return the angles from the x axis to vectors, rad."""
+        return np.arctan2(y, x)
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Tell where ``x > 0``, of numbers without error."""
@@ -212,10 +216,18 @@ class BatchFlyer(Protocol):
 
 @dataclass(frozen=True)
 class Flights(Flight[Any]):
-    """Flights at their ends, `stop` being codes of `records`; and where they were near a wall."""
+    """Flights at their ends, `stop` being codes of `records`, with launches and marks.
+
+    See `longball.engines.batch.engine.OneFlight`.
+    """
 
     launch: Start
-    approach: Start
+    mark: Start
+
+    def highest(self, numbers: Any) -> Start:
+        """See `Flight.highest`; NaN where there is none."""
+        falls = np.isnan(self.mark.time) & ~(self.launch.state.w > 0.0)
+        return _where(falls, self.launch, self.mark)
 
     def stopped(self, name: str) -> Any:
         """Return flags of the flights that an event of that name stopped."""
@@ -224,15 +236,19 @@ class Flights(Flight[Any]):
     def then(self, second: Flight[Any]) -> Flights:
         """Return these flights, those of `second` that were flown going on where these ended."""
         flown = second.stop != NOT_FLOWN  # type: ignore[comparison-overlap]
-        state = _where(flown, second.state, self.state)
-        time = np.where(flown, self.time + second.time, self.time)[()]
         stop: Any = np.where(flown, second.stop, self.stop)[()]
-        return replace(self, stop=stop, time=time, state=state)
+        end = Start(self.time + second.time, second.state)
+        time, state = _where(flown, end, Start(self.time, self.state))
+        top, other = self.highest(NUMBERS), cast(Start, second.highest(NUMBERS))
+        later = Start(self.time + other.time, other.state)
+        mark = _where(flown, _where(np.isnan(top.time), later, top), self.mark)
+        return replace(self, stop=stop, time=time, state=state, mark=mark)
 
 
-def _where(flags: Any, yes: State[Any], no: State[Any]) -> State[Any]:
-    """Return the states `yes` where a flag is set, else `no`."""
-    return type(yes)(*(np.where(flags, a, b)[()] for a, b in zip(yes, no, strict=True)))
+def _where(flags: Any, yes: Start, no: Start) -> Start:
+    """Return times and states: those of `yes` where a flag is set, else those of `no`."""
+    state = (np.where(flags, a, b)[()] for a, b in zip(yes.state, no.state, strict=True))
+    return Start(np.where(flags, yes.time, no.time)[()], type(no.state)(*state))
 
 
 @dataclass
@@ -255,8 +271,9 @@ class Columns(Run):
 
     def decide(self, x: Array, error: Array, question: str, rows: Flags) -> tuple[Flags, Flags]:
         """See `Run`."""
-        decided = rows & ((abs(x) > error) | ((x == 0.0) & (error == 0.0)))
-        return decided & (x > 0.0), decided & ~(x > 0.0)
+        positive = np.greater(x, 0.0)
+        decided = rows & (np.greater(abs(x), error) | ((x == 0.0) & (error == 0.0)))
+        return decided & positive, decided & ~positive
 
     def touched(self, touch: Touch[Any], rows: Flags) -> tuple[Flags, Flags]:
         """See `Run`."""
@@ -272,11 +289,11 @@ class Columns(Run):
             alone = rows & records.starts_at_corner(law, start)
             ends = self._flown(law, launch, events, limit, rows & ~alone)
             stops, arrived = records.stops(ends, events), records.placed(ends, law, events)
-            approach = records.noted(ends, law, "mark_")
+            mark = records.noted(ends, law, "mark_")
         else:
-            alone, stops, arrived, approach = rows, NOT_FLOWN, launch, launch
+            alone, stops, arrived, mark = rows, NOT_FLOWN, launch, launch
         self.table.alone[self.table.rows] |= alone
-        return Flights(Path(()), stops, *arrived, launch, approach)
+        return Flights(Path(()), stops, *arrived, launch, mark)
 
     def _flown(
         self,
@@ -294,7 +311,7 @@ class Columns(Run):
                 return flown
         program = records.general(law).program
         ends = np.zeros(len(rows), flights.arrival_dtype(program))
-        ends["stop"] = NOT_FLOWN
+        ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
         for name in program.variables:
             ends[name] = getattr(start.state, name)
         if rows.any():
@@ -306,8 +323,7 @@ class Columns(Run):
     ) -> Touch[Any]:
         """See `Run`."""
         clear = records.approach_is_clear(bat, pitch.state.z)
-        begin = np.where(clear, pitch.approach.time, pitch.launch.time)[()]
-        start = Start(begin, _where(clear, pitch.approach.state, pitch.launch.state))
+        start = _where(clear, pitch.mark, pitch.launch)
         error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
         ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))

@@ -33,6 +33,7 @@ STOPS: Mapping[str, int] = {
     "past": 3,
     "fence": 4,
     "fence_behind": 5,
+    "level": 6,
     "time": flights.TIME_LIMIT,
 }
 NOT_FLOWN = -1  # stands for what stopped it where there is no flight

@@ -15,6 +15,7 @@ from longball.engines.chain.run import Run
 from longball.engines.chain.single import (
     BLOCKS,
     DISCRETE,
+    PARTS,
     approach_of,
     described,
     quantities_of,
@@ -31,6 +32,7 @@ __all__ = [
     "CHAINS",
     "DISCRETE",
     "MODEL",
+    "PARTS",
     "Model",
     "Run",
     "approach_of",

@@ -9,7 +9,7 @@ from typing import Any
 from longball.engines.chain.flying import fly, spin_at
 from longball.engines.chain.run import Mask, Number, Run, Vector
 from longball.engines.engine import Launch, Stepped
-from longball.engines.event import Piece
+from longball.engines.event import Piece, level
 from longball.engines.fence import Place, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
 from longball.model.aerodynamics import DRAG, LIFT
@@ -47,6 +47,10 @@ def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
         down = Flight(Path(()), "ground", run.numbers.exact(0.0), start)
         _come_down(run, ball, down, outcome, rows)
     elif run.scene.fence is None:
+        if hasattr(run.scene, "launch"):
+            rows = _land_from_below(run, ball, outcome, rows)
+        if not run.some(rows):
+            return
         aloft = _stays_aloft(run, ball, rows)
         run.conclude("airborne", aloft)
         rows = rows & (aloft ^ True)
@@ -61,6 +65,27 @@ def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
 def _fly_down(run: Run, ball: Batted, start: State[Any], limit: Number, rows: Mask) -> Flight[Any]:
     """Fly to the ground."""
     return fly(run, ball.law, start, lambda state: [run.ground(state)], limit, rows)
+
+
+def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Mask:
+    """Land the balls that are launched below the ground; return the other rows.
+
+    One that is hit to an upper deck is such a ball. A landing is a fall through the ground's
+    height: first it rises through that.
+    """
+    height, limit = run.numbers.exact(landing_height(run.scene)), run.time_limit
+    rise = height - ball.start.z
+    under, others = run.decide(rise, rise * 0, "whether the ball starts below the ground", rows)
+    if run.some(under):
+        flight = fly(
+            run, ball.law, ball.start, lambda at: [level(height, at, run.numbers)], limit, under
+        )
+        risen = under & flight.stopped("level")
+        if run.some(risen):
+            down = _fly_down(run, ball, flight.state, limit - flight.time, risen)
+            flight = flight.then(down)
+        _come_down(run, ball, flight, outcome, under)
+    return others
 
 
 def _come_down(
@@ -84,12 +109,15 @@ def _come_down(
     if not run.some(rows):
         return
 
+    _rise(run, ball, flight, rows)
     state: Any = flight.state
     x, y, z = position = frame.position(state)
     run.record("landing.time", launch.time + flight.time, rows)
     run.record("landing.hang_time", launch.delay + flight.time, rows)
     run.record("landing.position", (x, y, z), rows)
-    run.record("landing.velocity", frame.velocity(state), rows)
+    u, v, w = velocity = frame.velocity(state)
+    run.record("landing.velocity", velocity, rows)
+    run.record("landing.angle", numbers.angle(-w, numbers.sqrt(u * u + v * v)), rows)
     if scene.reading.distance_origin == "launch":
         # Of the frame, which begins at the launch: no difference of places that are far away.
         x = state.s
@@ -107,6 +135,15 @@ def _come_down(
         run.record("landing.fair", lands_fair, rows)
         rows = lands_foul | lands_fair
     run.conclude(outcome, rows)
+
+
+def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
+    """Record the highest point of flights that do not end in it."""
+    top = flight.highest(run.numbers)
+    if top is not None:
+        time, state = top
+        run.record("apex.time", ball.launch.time + time, rows)
+        run.record("apex.position", ball.frame.position(state), rows)
 
 
 def _in_time(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> Mask:
@@ -283,8 +320,11 @@ def _meet_fence(
     over, into = run.decide(
         clearance, error * (1 + steepness), "whether the ball clears the fence", rows
     )
-    run.follow(frame, flight, begin, known & into)
-    run.conclude("wall", known & into)
+    into = known & into
+    run.follow(frame, flight, begin, into)
+    if run.some(into):
+        _rise(run, ball, flight, into)
+    run.conclude("wall", into)
     over = known & over
     if not run.some(over):
         return

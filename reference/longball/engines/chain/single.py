@@ -17,7 +17,7 @@ from longball.engines.parallel import in_parallel
 from longball.engines.path import Trajectory
 from longball.model import result as written
 from longball.model.numbers import Undecided
-from longball.model.quantities import replaced
+from longball.model.quantities import nested, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene
 
@@ -31,8 +31,15 @@ BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
     "impact": written.Impact,
+    "apex": written.Apex,
     "fence": written.Fence,
     "landing": written.Landing,
+}
+
+# The same, and the blocks within them, by their names.
+PARTS: dict[str, type[Any]] = {
+    **BLOCKS,
+    "plate.approach": written.Approach,
 }
 
 # The quantities that are told, not measured: their types, by name.
@@ -178,16 +185,12 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
             return tuple(map(run.numbers.report, value))
         return value if isinstance(value, str | int) else run.numbers.report(value)
 
-    blocks: dict[str, dict[str, Any]] = {}
-    for name, value in run.answer.items():
-        block, _, key = name.partition(".")
-        if key:
-            blocks.setdefault(block, {})[key] = reported(value)
+    told = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
     return Result(
         id=run.scene.id,
         engine=described(run.engines) or run.engine.description,
         outcome=None if error else run.answer["outcome"],
         error=None if error is None else str(error),
         code=None if error is None else error.code,
-        **{name: BLOCKS[name](**values) for name, values in blocks.items()},
+        **nested(told),
     )
