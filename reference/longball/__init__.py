@@ -44,6 +44,8 @@ if TYPE_CHECKING:
         Launch,
         Swing,
     )
+    from longball.questions.aiming import aim
+    from longball.questions.inverse import fit
     from longball.questions.movement import (
         Movement,
         NineParameters,
@@ -53,6 +55,7 @@ if TYPE_CHECKING:
     )
     from longball.questions.parks import InPark, Park, in_parks, park, parks
     from longball.questions.spin import SpinFromMovement, spin_from_movement
+    from longball.questions.uncertainty import uncertainty
     from longball.tables import solve_many
 
 __version__ = "0.1.0"
@@ -73,9 +76,12 @@ _BLOCKS = (
 
 # Modules of `longball.questions` that public names are in.
 _QUESTIONS = {
+    "aiming": ("aim",),
+    "inverse": ("fit",),
     "movement": ("Movement", "NineParameters", "clock", "movement", "nine_parameters"),
     "parks": ("InPark", "Park", "in_parks", "park", "parks"),
     "spin": ("SpinFromMovement", "spin_from_movement"),
+    "uncertainty": ("uncertainty",),
 }
 
 __all__ = [
@@ -106,8 +112,10 @@ __all__ = [
     "Undecided",
     "Weather",
     "__version__",
+    "aim",
     "clock",
     "convergence",
+    "fit",
     "golden",
     "home_run_probability",
     "in_parks",
@@ -120,6 +128,7 @@ __all__ = [
     "solve",
     "solve_many",
     "spin_from_movement",
+    "uncertainty",
 ]
 
 _PACKAGES = ("convergence", "golden", "judge")

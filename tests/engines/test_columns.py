@@ -155,3 +155,13 @@ def test_rows_without_gravity_are_flown_by_the_engine_that_flies_them_alone():
         assert (table["outcome"][i], table["engine"][i]) == ("crossed", result.engine)
         assert table["plate.time"][i] == result.plate.time
     assert table["engine"][0] != table["engine"][1]
+
+
+def test_pitches_along_the_plane_of_the_plate_are_declined_as_alone():
+    """They never cross it, so that nothing says how large an error of the crossing is."""
+    line = {"kind": "pitch", "id": "x", "pitch": {"velocity": [-30.0, 2.0, 1.0]}}
+    crossing = parse_scene(json.dumps(line))
+    beside = parse_scene(json.dumps(line | {"pitch": {"velocity": [0.0, 2.0, 1.0]}}))
+    results = together([crossing, beside] * 16)
+    assert [result.line() for result in results] == [r.line() for r in alone([crossing, beside])] * 16
+    assert results[1].code == "out_of_range"

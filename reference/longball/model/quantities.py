@@ -44,6 +44,11 @@ def vector_of(name: str) -> tuple[str, ...]:
     return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (name,)
 
 
+def steps_of(name: str) -> list[str]:
+    """Return the keys and places on the way to a number: pitch, aim, 0."""
+    return [step for step, _ in _STEP.findall(name)]
+
+
 def at(block: Any, name: str) -> Any:
     """Return what stands under a name, number or not; None if it is left out.
 

@@ -287,6 +287,9 @@ class Columns(Run):
         launch = Start(0.0, start)
         if records.flies_in_lanes(law):
             alone = rows & records.starts_at_corner(law, start)
+            for event in events:
+                # The plate has no size for a pitch along its plane, which alone is an error.
+                alone = alone | (rows & ~np.isfinite(event.size))
             ends = self._flown(law, launch, events, limit, rows & ~alone)
             stops, arrived = records.stops(ends, events), records.placed(ends, law, events)
             mark = records.noted(ends, law, "mark_")

@@ -61,14 +61,15 @@ def throw(run: Run) -> Pitch:
 
     # the plate
     crossed = run.everything & flight.stopped("plate")
-    _, y, z = frame.position(flight.state)
-    run.record("plate.time", flight.time, crossed)
-    run.record("plate.position", (numbers.exact(0.0), y, z), crossed)
-    u, v, w = velocity = frame.velocity(flight.state)
-    run.record("plate.velocity", velocity, crossed)
-    angle, level = numbers.angle, numbers.sqrt(u * u + v * v)
-    run.record("plate.approach.vertical", angle(w, level), crossed)
-    run.record("plate.approach.horizontal", angle(v, -u), crossed)
+    if run.some(crossed):
+        _, y, z = frame.position(flight.state)
+        u, v, w = velocity = frame.velocity(flight.state)
+        angle, level = numbers.angle, numbers.sqrt(u * u + v * v)
+        run.record("plate.time", flight.time, crossed)
+        run.record("plate.position", (numbers.exact(0.0), y, z), crossed)
+        run.record("plate.velocity", velocity, crossed)
+        run.record("plate.approach.vertical", angle(w, level), crossed)
+        run.record("plate.approach.horizontal", angle(v, -u), crossed)
     return Pitch(frame, law, start, flight, crossed)
 
 
