@@ -163,5 +163,6 @@ def test_pitches_along_the_plane_of_the_plate_are_declined_as_alone():
     crossing = parse_scene(json.dumps(line))
     beside = parse_scene(json.dumps(line | {"pitch": {"velocity": [0.0, 2.0, 1.0]}}))
     results = together([crossing, beside] * 16)
-    assert [result.line() for result in results] == [r.line() for r in alone([crossing, beside])] * 16
+    wanted = [result.line() for result in alone([crossing, beside])]
+    assert [result.line() for result in results] == wanted * 16
     assert results[1].code == "out_of_range"
