@@ -13,16 +13,18 @@ import pytest
 from longball import engines
 from longball.engines.chain import (
     MODEL,
-    OneCase,
+    Run,
     approach_of,
     collide,
     solve,
     solve_with_path,
     solve_with_restitutions,
 )
-from longball.engines.chain.landing import _stays_aloft
+from longball.engines.chain.landing import Batted, _stays_aloft
 from longball.engines.enclosure import Enclosure
+from longball.engines.engine import Launch
 from longball.engines.ivp import Ivp
+from longball.model.frame import Frame
 from longball.model.law import DRAG, GRAVITY, LIFT, Force, PlaneState, law_with
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
@@ -138,9 +140,9 @@ def test_another_law_or_collision_may_stand_in_the_chain():
     """Known mistakes, alternative readings and fitted laws are the same chain with other parts."""
     scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
 
-    def dead(cases, contact, error):
-        impact, part = collide(cases, contact, error)
-        return replace(impact, velocity=(0.0, 0.0, 0.0)), part
+    def dead(run, contact, error):
+        impact, parted = collide(run, contact, error)
+        return replace(impact, velocity=(0.0, 0.0, 0.0)), parted
 
     fallen = solve(scene, Ivp(), replace(MODEL, collide=dead))
     assert fallen.contact == solve(scene, Ivp()).contact
@@ -319,10 +321,10 @@ def test_a_ball_stays_aloft_if_the_bottom_of_its_loop_is_above_the_ground(above,
         height = 30.0 + (speed**2 - bottom**2) / (2 * gravity)
         line = json.loads(LOOP % (gravity, 4.0, 30.0, u, w, 60.0))
         scene = parse_scene(json.dumps(line | {"ground": {"height": height - above}}))
-        start = PlaneState(0.0, 30.0, u, w)
-        case = OneCase(scene, Ivp(), MODEL)
+        launch = Launch((0.0, 0.0, 30.0), (u, 0.0, w), 0.0, 0.0)
         law = law_with({"lift": lift, "gravity": gravity})
-        assert _stays_aloft(case, law, start, case.ground(start)) == (aloft, not aloft)
+        ball = Batted(launch, Frame(0.0, 0.0, 1.0, 0.0), law, PlaneState(0.0, 30.0, u, w))
+        assert _stays_aloft(Run(scene, Ivp(), MODEL), ball, rows=True) is aloft
 
 
 def test_the_way_of_a_ball_that_stays_aloft_is_flown_when_asked():

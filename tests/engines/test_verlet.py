@@ -429,7 +429,7 @@ def window():
     meeting = approach_of(PLAIN, TRUTH)
     frame = Frame(*map(float, (getattr(meeting.pitch.frame, k) for k in ("x", "y", "cos", "sin"))))
     time, state = float(meeting.touch.time), PlaneState(*map(float, meeting.touch.state))
-    bat = BatSection(frame, float(meeting.height), PLAIN.ball.radius + PLAIN.bat.radius)
+    bat = BatSection(frame, float(meeting.bat.height), PLAIN.ball.radius + PLAIN.bat.radius)
     # Straight within 4 ms to some 40 µm; from a step outside, for the root asks for one.
     outside = state._replace(s=state.s - 1e-6)
     return time, time + line_touch(outside, bat, "larger")

@@ -60,10 +60,9 @@ def plate(frame: Frame[N], start: State[N], numbers: Numbers[N]) -> Event[N]:
 
     A pitch that flies along the plate's plane, from beside it, has an x far smaller than the way.
     """
-    way = -frame.x / frame.cos
 
     def place(state: State[N]) -> State[N]:
-        return state._replace(s=way) if in_plane(state) else state
+        return state._replace(s=-frame.x / frame.cos) if in_plane(state) else state
 
     slope = absolute(frame.cos) if in_plane(start) else numbers.exact(1.0)
     size = slope * _size(numbers, frame.x / slope)

@@ -36,6 +36,7 @@ STOPS: Mapping[str, int] = {
     "level": 6,
     "time": flights.TIME_LIMIT,
 }
+NOT_FLOWN = -1  # stands for what stopped it where there is no flight
 
 
 class Start(NamedTuple):
@@ -136,10 +137,12 @@ def records_of(
     limit: Any,
     flight_error: float,
     bat: Bat | None = None,
+    rows: Any = ...,
 ) -> Records:
     """Return flights that start from states, as `general(law)` has them fly.
 
-    The values of the events must be linear in the state.
+    The values of the events must be linear in the state. Columns are those of all flights; of which
+    the flights in `rows` are returned.
     """
     law = general(law)
     names = law.program.variables
@@ -166,6 +169,7 @@ def records_of(
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
         put(("across",), _linear(law, bat.section.frame.towards_x), 0.0)
         put(("above",), _linear(law, lambda state: state.z - bat.section.height), 0.0)
+    columns = {way: value[rows] if np.ndim(value) else value for way, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
     flight = new_flights(law.program, shape, len(events))
     for (name, *place), value in columns.items():
@@ -174,10 +178,16 @@ def records_of(
 
 
 def flown(
-    flyer: Any, law: Law[Any], start: Start, events: Events[Any], limit: Any, bat: Bat | None = None
+    flyer: Any,
+    law: Law[Any],
+    start: Start,
+    events: Events[Any],
+    limit: Any,
+    bat: Bat | None = None,
+    rows: Any = ...,
 ) -> tuple[Records, Records]:
     """Return flights that start from states, and their arrivals; see `records_of`."""
-    starts = records_of(law, start, events, limit, flyer.flight_error, bat)
+    starts = records_of(law, start, events, limit, flyer.flight_error, bat, rows)
     return starts, flyer.fly_all(starts, general(law).program)
 
 
@@ -215,5 +225,5 @@ def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
 def stops(end: Records, events: Events[Any]) -> Any:
     """Return what stopped flights: of `STOPS`, or why there is no answer."""
     numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
-    by_event = end["stop"] < len(events)
+    by_event = (end["stop"] >= 0) & (end["stop"] < len(events))
     return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]

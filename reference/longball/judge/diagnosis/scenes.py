@@ -11,8 +11,7 @@ from itertools import accumulate, islice
 from operator import attrgetter, eq, gt, lt, ne
 from typing import Any
 
-from longball.engines.chain import MODEL, OneCase
-from longball.engines.chain.flying import fly, to_ground
+from longball.engines.chain import MODEL, Run, fly
 from longball.engines.ivp import Ivp
 from longball.judge.cases import MOST_PIECES, Case
 from longball.model.frame import launch_frame
@@ -102,11 +101,11 @@ def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     if velocity[2] <= 0.0 and not lifted:
         return start.z, start.u
     looked_at = [(tops, attrgetter("z")), *([(forward, attrgetter("u"))] if lifted else [])]
-    held = OneCase(scene, engine, MODEL)
-    law = held.law(frame)
+    run = Run(scene, engine, MODEL)
+    law = run.law(frame)
     try:
         if scene.reading.lift_direction == "always_up":
-            path = fly(held, law, frame, start, to_ground).path
+            path = fly(run, law, start, lambda s: [run.ground(s)], run.time_limit, True).path
         else:  # that takes a third of the time
             path = engine.path(law, law.state_of(start), float(truth.landing.hang_time))
         for piece in islice(path.pieces(), MOST_PIECES):
