@@ -11,7 +11,7 @@ from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import Verlet
-from longball.model.law import FORCES, Force
+from longball.model.law import Force
 from longball.model.scene import Air, FlightScene, Launch
 
 
@@ -25,7 +25,7 @@ class ThickFlight(FlightScene):
 
 def strength(scene, frame, numbers):
     rate = scene.air.linear_drag
-    return None if numbers.absent(rate) else (numbers.exact(rate),)
+    return None if numbers.absent(rate) else {"linear_drag": numbers.exact(rate)}
 
 
 def linear_drag(motion, p):
@@ -34,7 +34,7 @@ def linear_drag(motion, p):
     return u, v, w
 
 
-MODEL = Model(forces=(*FORCES, Force(("linear_drag",), strength, linear_drag)))
+MODEL = Model(forces=(Force(strength, linear_drag),))
 
 
 def scene(velocity=(30.0, 3.0, 25.0), **air):

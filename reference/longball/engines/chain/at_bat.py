@@ -16,7 +16,8 @@ from longball.engines.event import Event, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, State
-from longball.model.numbers import N, absolute, dot, minus
+from longball.model.numbers import N, absolute
+from longball.model.vectors import dot, minus
 
 
 @dataclass(frozen=True)

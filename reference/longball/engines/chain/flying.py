@@ -8,7 +8,6 @@ from typing import Any, cast
 from longball.engines.chain.cases import Cases
 from longball.engines.event import Event, plate, vertical
 from longball.engines.path import Flight
-from longball.model.aerodynamics import LIFT
 from longball.model.frame import Frame
 from longball.model.law import Law, State
 from longball.model.numbers import N
@@ -52,6 +51,8 @@ def lift_is_always_up(cases: Cases[N], law: Law[N]) -> Any:
     """Return the condition that there is a lift, and that it is always up."""
     if cases.scene.reading.lift_direction != "always_up" or "lift" not in law.strengths:
         return False
+    if law.shape.spins:  # as a bat with friction makes the ball spin
+        return False
     return cast(Any, law.strengths["lift"]) != 0
 
 
@@ -77,7 +78,7 @@ def _fly_upwards(cases: Cases[N], law: Law[N], start: State[N], *leg: Any) -> Fl
 
 
 def _fly_upright(cases: Cases[N], law: Law[N], *leg: Any) -> Flight[N]:
-    return _fly(cases, law.without(LIFT), *leg)
+    return _fly(cases, law.without("lift"), *leg)
 
 
 def _fly_to_vertical(cases: Cases[N], law: Law[N], start: State[N], *leg: Any) -> Flight[N]:

@@ -13,9 +13,8 @@ from longball.engines.engine import Engine, Launch, Stepped
 from longball.engines.event import Event, Piece
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
-from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import GRAVITY, Law, PlaneState, State, in_plane
+from longball.model.law import Law, PlaneState, State, in_plane
 from longball.model.numbers import N, Undecided, Vector, absolute
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
@@ -138,9 +137,9 @@ def _in_time(cases: Cases[N], ball: Batted[N], flight: Flight[N]) -> tuple[Any, 
 def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
     """Tell whether nothing but lift about a fixed axis and gravity acts, in some of the cases."""
     return (
-        LIFT in law.forces
+        law.is_paper
+        and "lift" in law.strengths
         and cases.numbers.absent(cast(Any, law.strengths.get("drag", 0.0)))
-        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
         and cases.scene.reading.lift_direction == "fixed_spin_axis"
         and not isinstance(cases.engine, Stepped)  # whose scheme may well come down
     )
