@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from longball.model import trace
-from longball.model.numbers import N, Numbers, named
+from longball.model.numbers import N, Numbers, present
 from longball.model.trace import ZERO
 from longball.model.vectors import Vector, scaled
 
@@ -93,7 +93,7 @@ def wind_strengths(
         rise = numbers.functions["log"]((height + roughness) / roughness)
         blows = blows[0] / rise, blows[1] / rise, blows[2]
         profile = {ROUGHNESS: roughness}
-    found = named({"wind_s": blows[0], "wind_y": blows[1], "wind_z": blows[2]}, numbers)
+    found = present({"wind_s": blows[0], "wind_y": blows[1], "wind_z": blows[2]}, numbers)
     found = found and found | profile
     if hasattr(given, "above") and found:
         return ({}, found), (numbers.exact(given.above),)

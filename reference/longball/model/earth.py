@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from longball.model.numbers import N, Numbers, named
+from longball.model.numbers import N, Numbers, present
 
 ROTATION = 7.292115e-5  # rad/s
 
@@ -21,4 +21,4 @@ def earth_strengths(scene: Any, frame: Any, numbers: Numbers[N]) -> dict[str, N]
     north_x, north_y = numbers.cos_sin(numbers.exact(scene.earth.azimuth))
     level = rotation * level
     s, y, z = frame.turned((level * north_x, level * north_y, rotation * up))
-    return named({"earth_s": s, "earth_y": y, "earth_z": z}, numbers)
+    return present({"earth_s": s, "earth_y": y, "earth_z": z}, numbers)

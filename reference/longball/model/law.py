@@ -36,8 +36,9 @@ from longball.model.atmosphere import (
     wind,
     wind_strengths,
 )
+from longball.model.block import Block
 from longball.model.earth import earth_strengths
-from longball.model.numbers import N, Numbers, named
+from longball.model.numbers import N, Numbers, present
 from longball.model.trace import ZERO, Node, Program
 from longball.model.vectors import Vector, cross, minus, norm, plus, scaled
 
@@ -674,7 +675,7 @@ def _in_air(
     if spins:
         x, y, z = frame.spin
         s, left, up = frame.turned(frame.spin)
-        found = named({"spin_s": s, "spin_y": left, "spin_z": up}, numbers)
+        found = present({"spin_s": s, "spin_y": left, "spin_z": up}, numbers)
         found["spin"] = numbers.sqrt(x * x + y * y + z * z)
         found["radius"] = exact(scene.ball.radius)
     if frame.spin is not None and air.spin_decay_length is not None:
@@ -703,9 +704,9 @@ def per_metre(scene: Any, value: float, numbers: Numbers[N]) -> N | None:
 def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers[N]) -> tuple[Any, Bend[N]]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
     given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
-    # A float takes long to tell that it has no such attribute.
+    # A float takes long to tell that it has no such attribute; of columns there is but the name.
     name = "constant" if isinstance(given, float) else getattr(given, "law", "constant")
-    law: Any = laws[name]
+    law: Any = type(given) if isinstance(given, Block) else laws[name]
     if hasattr(law, "lines"):
         return _lines(of, given, scene, spins, numbers)
     linear: dict[str, N] = {}
@@ -718,7 +719,7 @@ def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers[N]) -> tuple
             linear[_strength(of, key)] = strength
     if not linear:
         return laws["constant"], Bend(of)
-    return law, Bend(of, (linear | named(others, numbers),))
+    return law, Bend(of, (linear | present(others, numbers),))
 
 
 @cache
@@ -743,6 +744,6 @@ def _lines(
     if law is BySpin and not spins:
         nodes, lines = (), ((lines[0][0], numbers.exact(0.0)),)
     at_0, slope = _strength(of, "at_0"), _strength(of, "slope")
-    strengths = tuple(named({at_0: unit * x, slope: unit * y}, numbers) for x, y in lines)
+    strengths = tuple(present({at_0: unit * x, slope: unit * y}, numbers) for x, y in lines)
     levels = tuple(node * node for node in nodes)
     return law, Bend(of, strengths, levels, f"{law.passes} passes a node of a table")

@@ -96,7 +96,7 @@ class Numbers(Protocol[N]):
         """Return `x` as a result writes it."""
 
 
-def named(strengths: dict[str, Any], numbers: Numbers[N]) -> dict[str, N]:
+def present(strengths: dict[str, Any], numbers: Numbers[N]) -> dict[str, N]:
     """Return strengths without those that are zero: what they multiply is not there."""
     return {name: value for name, value in strengths.items() if not numbers.absent(value)}
 
