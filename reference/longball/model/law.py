@@ -11,7 +11,7 @@ space, in six. Where spin decays, there is one more: what it decays along.
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, KeysView, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from types import SimpleNamespace
@@ -377,9 +377,9 @@ class Bend(NamedTuple, Generic[N]):
     question: str = ""  # whether a level is passed, as a clause
 
     @property
-    def names(self) -> set[str]:
+    def names(self) -> KeysView[str]:
         """The strengths that change."""
-        return {name for strengths in self.strengths for name in strengths}
+        return dict.fromkeys(name for strengths in self.strengths for name in strengths).keys()
 
     @property
     def blows(self) -> bool:
@@ -655,6 +655,7 @@ def _in_air(
     air, reading, exact = scene.air, scene.reading, numbers.exact
     spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
     drag_law, drag = _coefficient("drag", scene, spins, numbers)
+    # A ball that does not spin has no lift, but for the paper's, whose axis no scene names.
     lift_law: Any = ConstantLift
     lift: Bend[N] = Bend("lift")
     if spins or (frame.spin is None and not by_spin(air.lift_coefficient)):
