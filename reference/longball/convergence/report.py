@@ -1,4 +1,4 @@
-"""What a family of time steps shows, as JSON, CSV and text."""
+"""Report of a family of time steps, as JSON, CSV and text."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Level(Frozen):
 
 
 class Order(Frozen):
-    """How one quantity converges."""
+    """Convergence of one quantity."""
 
     quantity: str
     unit: str
@@ -76,7 +76,7 @@ class Lost(Frozen):
 
 
 class ConvergenceReport(Frozen):
-    """What a family of steps showed."""
+    """Convergence in a family of steps."""
 
     engine: str | None = Field(description="as the implementation names itself")
     against_truth: bool = Field(description="whether errors are against a truth, or a finest step")
@@ -86,12 +86,12 @@ class ConvergenceReport(Frozen):
 
     @property
     def passed(self) -> bool:
-        """Whether no verdict is against the implementation."""
+        """True if no verdict is against the implementation."""
         return bool(self.orders) and not any(order.verdict in BAD for order in self.orders)
 
     @property
     def faults(self) -> list[str]:
-        """Return what is wrong: nothing but a wrong limit where no order is expected."""
+        """Return the faults: where no order is expected, only a wrong limit is one."""
         if not self.orders:
             return ["nothing was answered that could converge"]
         return [

@@ -116,7 +116,7 @@ OBSERVABLES = (
 
 @dataclass(frozen=True)
 class Sample:
-    """What is said of a scene, or a part of it."""
+    """Statement about a scene, or a part of it."""
 
     id: str | None
     outcome: str | None  # None if it is not said: it is then taken to be as it should
@@ -193,7 +193,7 @@ def converge(
 
 
 def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:
-    """Return what is observed of results; NaN of those that end otherwise than they should."""
+    """Return the observed numbers of results; NaN of those with another end than expected."""
     observed = []
     for name, unit, quantity in OBSERVABLES:
         width = max([1, *(len(end.values.get(quantity, ())) for end in should)])
@@ -207,7 +207,7 @@ def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Obser
 
 
 def _ends_otherwise(result: Sample, end: Sample) -> bool:
-    """Tell whether a scene ends otherwise than it should, or is not answered."""
+    """True if a scene has another end than it should have, or no answer."""
     if result.outcome is None and result.error is None:
         return False
     return result.outcome != end.outcome

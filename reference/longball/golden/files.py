@@ -55,7 +55,7 @@ def write_whole(path: Path, content: str) -> None:
 
 
 def inside(folder: Path, name: str) -> bool:
-    """Tell whether a name is that of a file in a folder or below it."""
+    """True if a name is that of a file in a folder or below it."""
     return (folder / name).resolve().is_relative_to(folder.resolve())
 
 

@@ -11,7 +11,7 @@ DATA = Path(__file__).parent / "data"
 
 
 def header(folder: Path = DATA) -> Header:
-    """Return what explains the set: number contract, levels, flags, families, versions."""
+    """Return the header of the set: number contract, levels, flags, families, versions."""
     return Header.model_validate_json((folder / "header.json").read_bytes())
 
 

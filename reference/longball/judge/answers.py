@@ -1,4 +1,4 @@
-"""What a candidate answers: lines of results, read with suspicion and without losing any.
+"""Answers of a candidate: lines of results, of which none is trusted and none is lost.
 
 A candidate is another implementation. Its output is data: every line is either an answer to a
 scene that was asked, or an issue with the number of the line. Nothing is evaluated, no text of
@@ -62,7 +62,7 @@ class Issue(Frozen):
 
 @dataclass(frozen=True)
 class Answer:
-    """What a candidate says of one scene."""
+    """A candidate's answer to one scene."""
 
     id: str  # the scene's
     outcome: Outcome | None  # None if it was left out, or is not one of the contract's
@@ -314,7 +314,7 @@ def _points(given: Any) -> Array:
 
 
 def _ordinary(x: Decimal) -> bool:
-    """Tell whether a number is finite, and no larger than errors that a double can hold."""
+    """True if a number is finite, and small enough for its error to be a double."""
     return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
 
 
@@ -387,7 +387,7 @@ COLUMNS = (*_TEXTS, *(name for spec in QUANTITIES.values() for name in spec.name
 
 
 def _columns(line: bytes, columns: Mapping[str, str]) -> list[str]:
-    """Return what the columns under a header hold."""
+    """Return the numbers and texts under a header, by column."""
     try:
         header = _cells(line.decode("utf-8-sig", errors="replace"))
     except csv.Error as error:
@@ -429,7 +429,7 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
 
 
 def _fact(cell: str) -> object:
-    """Return what a cell tells that is not measured: a flag, the number of a chord, a text."""
+    """Return a cell's value if it is not measured: a flag, the number of a chord, a text."""
     if cell.lower() in ("true", "false"):
         return cell.lower() == "true"
     return _decimal(cell) if cell.lstrip("-").isdigit() else cell

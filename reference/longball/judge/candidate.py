@@ -30,7 +30,7 @@ REFUSED = 1  # the status of a program that could not solve all of its scenes
 
 @dataclass(frozen=True)
 class Limits:
-    """What a candidate may take."""
+    """Limits of a candidate's time and memory."""
 
     # s that may pass without an answer to another scene; also what it may take to start, and to end
     # after its last answer.
@@ -44,7 +44,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Run:
-    """How a candidate ran."""
+    """A candidate's run."""
 
     collected: Collector  # its answers, and what is wrong with them and with its conduct
     errors: str  # the end of its standard error

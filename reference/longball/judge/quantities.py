@@ -25,7 +25,7 @@ ARITHMETIC = decimal.Context(prec=80)
 
 @dataclass(frozen=True)
 class QuantitySpec:
-    """What a quantity of a result is called, and what it consists of."""
+    """The name of a quantity of a result, and its parts."""
 
     name: str  # ``block.key``
     unit: str  # SI; empty for a pure number
@@ -80,7 +80,7 @@ OPTIONAL = ("impact.recontact",)  # that a bat which swings on would strike the 
 
 
 def told_by(result: Result) -> dict[str, object]:
-    """Return what a result tells besides numbers that are measured, by name."""
+    """Return a result's flags, texts and counts, by name."""
     found = {}
     for block in BLOCKS:
         held = getattr(result, block)
@@ -93,7 +93,7 @@ def told_by(result: Result) -> dict[str, object]:
 
 
 def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object, object]]:
-    """Return what is told besides numbers and is not so: its name, what is right, what was told."""
+    """Return wrong flags, texts and counts: the name, the right value, the given one."""
     right = told_by(result)  # of what is not there only that ball and bat meet again is judged
     known = {name: given for name, given in told.items() if name in right or name in OPTIONAL}
     return [(n, right.get(n), given) for n, given in known.items() if given != right.get(n)]

@@ -23,7 +23,7 @@ STEPS = "0.01:0.0001:9"  # s, evenly spaced in their logarithm
 
 
 def takes(command: Sequence[str], name: str) -> bool:
-    """Tell whether a command has a place for what is varied."""
+    """True if a command has a place for the number that is varied."""
     return any(f"{{{name}}}" in word for word in command)
 
 
@@ -181,7 +181,7 @@ def order_of(report: ConvergenceReport) -> int | None:
 
 
 def _sample(answer: Answer, scene: Scene) -> Sample:
-    """Return what is observed of an answer; points are landed first."""
+    """Return the observed numbers of an answer; sampled points are landed first."""
     if answer.path is not None:
         from longball.judge.paths import landed
 

@@ -55,7 +55,7 @@ class Balls(Single[arb]):
         return angle.cos(), angle.sin()
 
     def positive(self, x: arb, error: arb, question: str) -> bool:
-        """Tell whether ``x > 0``; see `longball.model.numbers.Numbers.positive`."""
+        """True if ``x > 0``; see `longball.model.numbers.Numbers.positive`."""
         if x > error:
             return True
         if x <= -error:

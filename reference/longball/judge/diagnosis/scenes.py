@@ -1,4 +1,4 @@
-"""Which scenes fail: the smallest rule over their fields and flags, and the smallest such scene."""
+"""Rules for the scenes that fail, over their fields and flags; and the smallest such scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Features = dict[str, Any]
 
 
 def features(case: Case) -> Features:
-    """Return what a rule may speak of: numbers, switches, flags and kind."""
+    """Return the features of a scene for rules: numbers, switches, flags and kind."""
     scene: Any = case.scene
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"reading.{name}": value for name, value in scene.reading}
@@ -221,7 +221,7 @@ def _text(conditions: Iterable[Condition]) -> str:
 
 
 def _sorts(name: str) -> bool:
-    """Tell whether a feature is one that scenes are sorted by: numbers may follow from those."""
+    """True if scenes are sorted by a feature, such as a kind: numbers may follow from it."""
     by_name = (*FORMS, "kind", "outcome", "air", "impact.mode", TURNED)
     return name in by_name or name.startswith(("reading.", "flag ")) or _law(name)
 
@@ -238,7 +238,7 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Condition:
-    """What may tell scenes: a feature, in words, and for which values of it it holds."""
+    """A condition on a scene: a feature, in words, and the values for which it holds."""
 
     name: str
     text: str
@@ -247,7 +247,7 @@ class Condition:
     measured: bool = False  # whether it is one of how large a number is
 
     def holds(self, found: Features) -> bool:
-        """Tell whether it holds for a scene with such features."""
+        """True if it holds for a scene with such features."""
         return self.of(found[self.name]) if self.name in found else self.without
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
@@ -377,6 +377,6 @@ def _simplified(scene: Any, change: Simplification) -> Any:
 
 
 def _plainness(scene: Any) -> tuple[Any, ...]:
-    """Return what orders scenes: without air first, then by what they say besides the defaults."""
+    """Return a sort key: scenes without air come first, then those with the fewest keys."""
     has_air = getattr(scene, "air", None) is not None
     return has_air, len(str(scene.model_dump(exclude_defaults=True))), len(scene.line())
