@@ -43,7 +43,7 @@ def run(report: Report, full: bool) -> str:
             axes.axhline(0.0, color="black", linewidth=0.8)
             axes.set(title=name, xlabel="angle of launch, °", ylim=(-45.0, 60.0))
         panels[0].set_ylabel("predicted too far by, m")
-    with report.figure("reality_pitches", size=(5.6, 4.2)) as (axes,):
+    with report.figure("reality_pitches", size=(6.4, 4.2)) as (axes,):
         draw_errors(axes, held_out)
     there = vars(scipy.stats) | vars(statcast) | vars(prediction) | globals()
     return report.render(

@@ -201,13 +201,17 @@ def run(report: Report, full: bool) -> str:
     slower = replace(fitted, name=name, hits=hits.harder(change))
     further = with_fence_for(replace(plain, name="fence alone by Japan's count"), japan)
     launch = measured_hits(launched)
+    # A ball with side spin passes the fence at neither bearing exactly.
+    placed = replace(plain, name="the same, passed where the ball comes down", by_place=True)
     others = [
+        replace(placed, name="fence by the day's count, passed where the ball comes down"),
         replace(plain, name="launched to where it was fielded", hits=launch, by_place=True),
         replace(plain, name="drag crisis fitted to the day", model=MODELS["crisis"]),
         replace(plain, name="half the scatter", scatter=scatter / 2.0),
         replace(plain, name="e = 0.5 at the bat", restitution=0.5),
     ]
-    variants = [plain, fitted, *(with_fence_for(x, day) for x in others), further, slower]
+    others = [with_fence_for(variant, day) for variant in others]
+    variants = [plain, placed, fitted, *others, further, slower]
     slopes = {variant.name: restitution_slope(variant) for variant in variants}
     ratios = {x.name: season_ratios(x) for x in (fitted, further, slower)}
     counted = [counted_ratio(*pair) for pair in SEASON_PAIRS]
@@ -226,6 +230,8 @@ def run(report: Report, full: bool) -> str:
     by_speed = slope(slower, FASTER, lambda x: slower.chances(slower.hits.harder(x)))
     return report.render(
         "seasons", vars(printed) | globals(), hits=hits, day=day, games=games, plain=plain,
+        treatments=[slopes[variant.name] for variant in (plain, placed)],
+        moved=[slopes[variant.name] for variant in (fitted, others[0])],
         fitted=fitted, change=change, slopes=slopes, ratios=ratios, counted=counted, models=models,
         alone=ratios[slower.name][0], slope=slopes[slower.name][1],
         explained=ratios[slower.name][0].map(lambda x, y: np.log(x) / np.log(y), counted[0]),

@@ -3,11 +3,10 @@
 import math
 import time
 from decimal import Decimal
-from itertools import groupby
 
+import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
-from matplotlib.colors import ListedColormap
 
 from analysis.writing import Report, data
 from longball import engines
@@ -20,7 +19,7 @@ from longball.model.quantities import numbers
 from longball.model.result import Number, Result
 
 ENGINES = data(__file__)
-VERDICTS = ("right", "declined", "short", "wrong")  # the worst last
+VERDICTS = ("right", "not answered", "inaccurate", "wrong")  # the worst last
 # The errors of a chain's few dozen roundings add up to some attainable errors; a hundred is what
 # the judge's profile `exact` allows.
 ALLOWED = 100.0
@@ -35,27 +34,29 @@ def run(report: Report, full: bool) -> str:
     seconds = frame["seconds"].map("{:.2g}".format).astype(float)
     rounded = frame.round({"digits": 1, "attainable": 1}).assign(seconds=seconds)
     report.write_table("stability", rounded)
-    # The verdicts, cases across and engines down; darker is worse.
-    names = list(frame["case"].unique())
-    grid = frame["verdict"].map(VERDICTS.index).to_numpy().reshape(len(ENGINES), len(names))
-    shades = ListedColormap(["0.95", "0.7", "0.4", "black"])
-    with report.figure("stability", size=(9.0, 4.6)) as (axes,):
-        image = axes.imshow(
-            grid, shades, aspect="auto", interpolation="nearest", vmin=-0.5, vmax=3.5
-        )
-        axes.set_yticks(range(len(ENGINES)), list(ENGINES))
-        start, ticks = -0.5, {}
-        for group, members in groupby(names, key=lambda case: "-".join(case.split("-")[:2])):
-            edge = start + len(list(members))
-            axes.axvline(edge, color="0.8", linewidth=0.4)
-            if edge - start > 2.5:  # a group of one or two is too narrow for its name
-                ticks[(start + edge) / 2] = group.removeprefix("hard-")
-            start = edge
-        axes.set_xticks(list(ticks), list(ticks.values()), rotation=90, fontsize="x-small")
-        axes.grid(visible=False)
-        bar = axes.figure.colorbar(image, ax=axes, ticks=range(4), shrink=0.6)
-        bar.ax.set_yticklabels(VERDICTS)
+    draw(report, frame)
     return report.render("stability", globals(), cases=len(cases), frame=frame)
+
+
+def draw(report: Report, frame: pd.DataFrame) -> None:
+    """Draw how many cases have each verdict, a bar for each engine; darker is worse."""
+    counts = frame.groupby(["engine", "verdict"], sort=False).size().unstack(fill_value=0)
+    counts = counts.reindex(columns=list(VERDICTS), fill_value=0)
+    with report.figure("stability", size=(6.4, 3.4)) as (axes,):
+        left = np.zeros(len(counts))
+        for verdict, shade in zip(VERDICTS, ("0.9", "0.7", "0.4", "black"), strict=True):
+            bars = axes.barh(counts.index, counts[verdict], left=left, color=shade, label=verdict)
+            dark = verdict in VERDICTS[2:]
+            labels = [str(count) if count >= FEWEST else "" for count in counts[verdict]]
+            axes.bar_label(bars, labels, label_type="center", color="white" if dark else "black")
+            left += counts[verdict].to_numpy()
+        axes.invert_yaxis()
+        axes.grid(visible=False)
+        axes.set(xlabel="hard cases", xlim=(0.0, left.max()))
+        axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=4)
+
+
+FEWEST = 8  # cases in a bar that is wide enough for their number
 
 
 def try_case(case: Case, name: str) -> dict[str, object]:
@@ -77,15 +78,15 @@ def compare(case: Case, result: Result) -> tuple[str, float, float]:
     if case.expected.outcome is None:
         return ("right" if result.outcome is None else "wrong"), math.nan, math.nan
     if result.outcome != case.expected.outcome:
-        return ("declined" if result.outcome is None else "wrong"), math.nan, math.nan
+        return ("not answered" if result.outcome is None else "wrong"), math.nan, math.nan
     expected, found = dict(numbers(case.expected)), dict(numbers(result))
     path = next((path for path in decisive(case.expected) if path in expected), None)
     if path not in found:
-        return ("right" if path is None else "short"), math.nan, math.nan
+        return ("right" if path is None else "inaccurate"), math.nan, math.nan
     truth = exactly(expected[path])
     error, attainable = abs(exactly(found[path]) - truth), case.attainable(path)
     size = float(abs(truth)) or 1.0
-    verdict = "right" if float(error) <= ALLOWED * attainable else "short"
+    verdict = "right" if float(error) <= ALLOWED * attainable else "inaccurate"
     return verdict, digits_of(float(error) / size), digits_of(attainable / size)
 
 

@@ -22,7 +22,7 @@ from longball.engines import create
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.engine import CannotSolve
 from longball.golden.case import ROUNDING, decisions
-from longball.golden.condition import STEP, inputs, with_input
+from longball.model.inputs import STEP, inputs, with_input
 from longball.model.quantities import numbers, vector_of
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Scene

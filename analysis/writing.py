@@ -43,10 +43,13 @@ class Report:
 
     @contextmanager
     def figure(
-        self, name: str, size: tuple[float, float], columns: int = 1
+        self, name: str, size: tuple[float, float], columns: int = 1, rows: int = 1
     ) -> Iterator[list[Axes]]:
-        """Draw into the axes that are yielded; the figure becomes figures/NAME.png."""
-        drawn, axes = plt.subplots(1, columns, figsize=size, layout="constrained", squeeze=False)
+        """Draw into the axes that are yielded; the figure becomes figures/NAME.png.
+
+        A README shows 6.4 inches at its full width; what is wider shrinks, and its type too.
+        """
+        drawn, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
         yield list(axes.flat)
         drawn.savefig(self._file("figures", f"{name}.png"))
         plt.close(drawn)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -583,3 +584,57 @@ def test_heavy_libraries_wait_until_they_are_needed(what: str, more: set[str]):
     code = f"import sys; {what}; print(*({heavy} & set(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
     assert run.stdout.strip() == b""
+
+
+# --- aim and infer --------------------------------------------------------------------------------
+
+VACUUM = (
+    b'{"kind": "flight", "air": null, "launch": {"position": [0, 0, 0], "velocity": [40, 0, 5]}}'
+)
+
+
+def test_aim_prints_scenes_that_hit(called):
+    done = called("aim", "--target", "100", stdin=VACUUM)
+    assert done.returncode == 0
+    # d = v² sin 2θ / g
+    low = 0.5 * math.asin(9.8 * 100 / 1625)
+    angles = [
+        math.atan2(velocity[2], velocity[0])
+        for velocity in (json.loads(x)["launch"]["velocity"] for x in done.stdout.splitlines())
+    ]
+    assert angles == pytest.approx([low, math.pi / 2 - low], rel=1e-12)
+
+
+def test_infer_finds_what_was_launched(called, tmp_path):
+    points = tmp_path / "points.csv"
+    points.write_text("t,x,y,z\n0.5,12.5,0,8\n1.0,25,0,\n", encoding="utf-8")
+    unknowns = ["--unknown", "launch.velocity[0]", "--unknown", "launch.velocity[2]"]
+    done = called("infer", "--points", points, *unknowns, "--json", "--sigma", "0.1", stdin=VACUUM)
+    found = json.loads(done.stdout)
+    # 8 = w/2 - 9.8/8
+    assert found["value"] == pytest.approx(
+        {"launch.velocity[0]": 25.0, "launch.velocity[2]": 18.45}, rel=1e-12
+    )
+    assert found["scene"]["launch"]["velocity"] == pytest.approx([25.0, 0.0, 18.45], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "sentence"),
+    [
+        (["aim"], 2, "--target"),
+        (["aim", "--target", "1,x"], 2, "a distance is needed"),
+        (["aim", "--target", "900"], 1, "out of reach: the ball gets 165.816 m of 900 m"),
+        (["infer", "--unknown", "gravity"], 2, "either --points FILE or --measured"),
+        (["infer", "--measured", "landing.time=1"], 2, "--unknown"),
+        (
+            ["infer", "--measured", "landing.time=1", "--unknown", "gravty"],
+            2,
+            "did you mean gravity",
+        ),
+        (["infer", "--measured", "plate.time=1", "--unknown", "gravity"], 1, "plate.time"),
+    ],
+)
+def test_aim_and_infer_say_what_is_wrong(called, arguments, status, sentence):
+    done = called(*arguments, stdin=VACUUM)
+    assert done.returncode == status
+    assert sentence in done.stderr

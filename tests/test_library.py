@@ -19,6 +19,7 @@ import pytest
 import longball as lb
 from longball import api, engines, tables
 from longball.model.quantities import flat, numbers
+from longball.questions import movement, parks, spin
 from tests.engines.test_lines import ERRORS
 
 AT_BAT = {
@@ -39,7 +40,7 @@ class TestImport:
         with pytest.raises(AttributeError, match="solv'"):
             _ = lb.solv
 
-    @pytest.mark.parametrize("module", [lb, api, tables])
+    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, spin])
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
         assert results.attempted > 0

@@ -5,11 +5,11 @@ that made them: an interrupted study goes on where it was. On two cores the stud
 minutes; `--full`, with thirty times as many pieces, about forty.
 """
 
-from analysis.convergence import budget, flights, science, tunnelling
+from analysis.convergence import budget, flights, pushes, science, tunnelling
 from analysis.writing import Report
 
 
 def run(report: Report, full: bool) -> str:
-    """Run the four studies."""
-    studies = [study.run(report, full) for study in (flights, budget, tunnelling, science)]
+    """Run the studies."""
+    studies = [study.run(report, full) for study in (flights, budget, pushes, tunnelling, science)]
     return report.render("convergence", {}, studies=studies)

@@ -219,6 +219,9 @@ THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
 OURS = "{.rows_used:,} MLB pitches of 11 June 2023".format
 
 
+SIDES = ("left", "right")
+
+
 def _mixture(axes: Axes, x: Array, parts: Sequence[Array], *labels: str) -> None:
     """Draw a fitted mixture and its two parts."""
     axes.plot(x, sum(parts), **STYLES["mixture"], label=f"fitted mixture, {labels[0]}")
@@ -229,7 +232,7 @@ def _mixture(axes: Axes, x: Array, parts: Sequence[Array], *labels: str) -> None
 def draw_speeds(report: Report, example: FittedPitches, synthetic: FittedPitches) -> None:
     """Draw the counterpart of Fig. 2."""
     panels_of = {THEIRS: synthetic.speed, OURS(example): example.speed}
-    with report.figure("pitch_fits_fig2", columns=2, size=(9.6, 3.8)) as panels:
+    with report.figure("pitch_fits_fig2", rows=2, size=(6.4, 7.2)) as panels:
         for axes, (title, fitted) in zip(panels, panels_of.items(), strict=True):
             histogram, fit = fitted.histogram, fitted.least_squares
             edges = np.array(histogram.edges) * 3.6
@@ -242,7 +245,7 @@ def draw_speeds(report: Report, example: FittedPitches, synthetic: FittedPitches
             axes.set(title=title, xlabel="speed at release, km/h", ylim=(0.0, None))
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
             axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
-        panels[0].legend(fontsize="small", loc="center left")
+        panels[0].legend(loc="center left")
 
 
 def draw_aims(report: Report, example: FittedPitches, synthetic: FittedPitches) -> None:
@@ -251,7 +254,7 @@ def draw_aims(report: Report, example: FittedPitches, synthetic: FittedPitches) 
         (THEIRS, synthetic.aim.cells, synthetic.aim.least_squares),
         (OURS(example), example.aim.cells, example.aim.maximum_likelihood),
     )
-    with report.figure("pitch_fits_fig3", columns=2, size=(9.6, 3.8)) as panels:
+    with report.figure("pitch_fits_fig3", rows=2, size=(6.4, 7.2)) as panels:
         panels[1].hist(
             read_pitches(EXAMPLE).across, np.arange(-1.5, 7.51, 0.25).tolist(), density=True,
             histtype="stepfilled", facecolor="0.85", edgecolor="0.6",
@@ -259,16 +262,19 @@ def draw_aims(report: Report, example: FittedPitches, synthetic: FittedPitches) 
         )  # fmt: skip
         for axes, (title, cells, fit) in zip(panels, panels_of, strict=True):
             y, shares = np.linspace(-1.5, 7.5, 500), np.array(cells) / sum(cells)
-            parts = [q * normal(y - CELLS[2], *x) for q, *x in fit.mixture(cell_width=1.0).parts]
-            _mixture(axes, y, parts, "Eq. 4", "left", "right")
-            axes.plot(CELLS, shares, **STYLES["measured"], label="cells (1 and 5 are open)")
+            mixture = fit.mixture(cell_width=1.0).parts
+            parts = [q * normal(y - CELLS[2], *x) for q, *x in mixture]
+            names = [
+                f"{side} part, weight {q:.2f}" for side, (q, *_) in zip(SIDES, mixture, strict=True)
+            ]
+            _mixture(axes, y, parts, "Eq. 4", *names)
+            axes.plot(CELLS, shares, **STYLES["measured"], label="share of a cell")
             axes.set(title=title, xlabel="cell across the plate, from the pitcher's left")
-            axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4))
+            axes.set(xticks=range(-1, 8), ylim=(0.0, 0.4), ylabel="density per cell")
             style: Any = {"color": "0.4", "linewidth": 0.9, "dashes": (1, 3)}
             axes.axvline(1.5, 0.0, 0.65, **style, label="edges of the strike zone")
             axes.axvline(4.5, 0.0, 0.65, **style)
-            axes.legend(fontsize="small", loc="upper right")
-        panels[0].set_ylabel("share of a cell; density per cell")
+            axes.legend(loc="upper left")
 
 
 def draw_heights(report: Report, example: FittedPitches) -> None:
@@ -286,16 +292,21 @@ def draw_heights(report: Report, example: FittedPitches) -> None:
 def draw_determination(report: Report, determination: pd.DataFrame) -> None:
     """Draw R² against the width of the bins."""
     printed = PRINTED_R_SQUARED["speed"]
-    with report.figure("pitch_fits_r_squared", size=(4.8, 3.8)) as (axes,):
+    with report.figure("pitch_fits_r_squared", size=(6.4, 4.0)) as (axes,):
         for what, label in ("speed", "normal density"), ("speed as printed", "Eq. 2 as printed"):
             drawn = determination[determination["what"] == what]
             middle = drawn["median"]
             bars, style = [middle - drawn["low"], drawn["high"] - middle], STYLES[label]
             axes.errorbar(drawn["bin_width"], middle, bars, **style, capsize=3, label=label)
-        axes.axhline(printed, color="0.4", linestyle=":", label=f"printed: {printed}")
+        axes.axhline(
+            printed,
+            color="0.4",
+            linestyle=":",
+            label=f"R² that the paper prints for Fig. 2, {printed}",
+        )
         axes.set(title=THEIRS, xlabel="width of the bins, km/h")
-        axes.set_ylabel("R² (median, 5 % to 95 % of draws)")
-        axes.legend(fontsize="small", loc="center left")
+        axes.set_ylabel("R²: median, and 5 % to 95 % of draws")
+        axes.legend(loc="center right")
 
 
 def write(report: Report, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import import_module
-from itertools import cycle
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -64,21 +63,33 @@ def run(report: Report, full: bool) -> str:
     there = [simulator for simulator in SIMULATORS if simulator.version]
     tried = [tried for simulator in there for tried in trials(simulator, full)]
     stepped = [t for t in tried if t.method.order]
-    with report.figure("wild_orders", columns=2, size=(9.0, 4.4)) as (left, right):
-        for row, (t, mark) in enumerate(zip(stepped, cycle("osD^vP*X"))):
-            style: dict[str, Any] = {"color": f"C{row}", "marker": mark}
-            left.loglog(t.steps, t.errors, **style, markersize=4, linewidth=1)
-            claimed = t.method.order or 0
-            right.plot([claimed], [row], "s", color="0.7", markersize=9, fillstyle="none")
-            if law := t.law:
-                right.errorbar(law.order, row, xerr=law.half_width, **style, markersize=5)
-            else:
-                right.text(0.1, row, "none", color=f"C{row}", va="center")
-        left.set(xlabel="step, s", ylabel="error of the place of landing, m")
-        right.set_yticks(range(len(stepped)), [t.name for t in stepped])
-        right.set(xlabel="order", xlim=(0.0, None))
-        right.invert_yaxis()
+    rows = [
+        (t.name, t.method.order or 0, *((t.law.order, t.law.half_width) if t.law else (None, 0.0)))
+        for t in stepped
+    ]
+    draw_orders(report, rows)
     return report.render("wild", globals(), there=there, tried=tried)
+
+
+def draw_orders(report: Report, rows: Sequence[tuple[str, float, float | None, float]]) -> None:
+    """Draw the observed order of each method, with its half width, beside the one in theory."""
+    with report.figure("wild_orders", size=(6.4, 4.4)) as (axes,):
+        names, claimed, seen, halves = zip(*rows, strict=True)
+        places = np.arange(len(names))
+        style: Any = {"linestyle": "none", "color": "0.5", "markersize": 10, "fillstyle": "none"}
+        axes.plot(claimed, places, "s", **style, label="order in theory")
+        known = [i for i, order in enumerate(seen) if order is not None]
+        axes.errorbar(
+            [seen[i] for i in known], known, xerr=[halves[i] for i in known], fmt="o",
+            color="black", markersize=5, label="order observed (95 %)",
+        )  # fmt: skip
+        for i, order in enumerate(seen):
+            if order is None:
+                axes.text(0.1, i, "none observed", va="center")
+        axes.set_yticks(places, names)
+        axes.set(xlabel="order of convergence", xlim=(0.0, 6.5))
+        axes.invert_yaxis()
+        axes.legend(loc="lower center", bbox_to_anchor=(0.35, 1.0), ncols=2)
 
 
 def trials(simulator: Simulator, full: bool) -> list[Tried]:

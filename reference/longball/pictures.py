@@ -70,17 +70,23 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
     """
     measured, solved, error = prediction.measured, prediction.solved, prediction.error
     if isinstance(measured, MeasuredPitches):
-        axes.plot(*_seen(error[solved]), ".", markersize=1.5, color="0.75")
         kinds, counts = np.unique(measured.labels[solved], return_counts=True)
-        for i, kind in enumerate(kinds[np.argsort(-counts)]):
-            right, up = _seen(error[solved & (measured.labels == kind)])
-            axes.errorbar(
-                right.mean(), up.mean(), up.std(), right.std(),
-                marker=MARKERS[i % len(MARKERS)], linewidth=0.8, label=f"{kind} ({len(up)})",
-            )  # fmt: skip
-        axes.plot(0.0, 0.0, "k+", markersize=12)
-        axes.set(xlabel="too far to the catcher's right, cm", ylabel="too high, cm", aspect="equal")
-        axes.legend(fontsize="small", frameon=False, bbox_to_anchor=(1.0, 1.0))
+        order = np.argsort(-counts)
+        errors = [_seen(error[solved & (measured.labels == kind)]) for kind in kinds[order]]
+        labels = ("too far to the catcher's right", "too high")
+        for i, (label, marker, aside) in enumerate(zip(labels, "os", (-0.15, 0.15), strict=True)):
+            means, spreads = ([f(both[i]) for both in errors] for f in (np.mean, np.std))
+            places = np.arange(len(errors)) + aside
+            axes.errorbar(means, places, xerr=spreads, fmt=marker, markersize=5, label=label)
+        axes.axvline(0.0, color="black", linewidth=0.8)
+        names = [
+            f"{kind} ({count})" for kind, count in zip(kinds[order], counts[order], strict=True)
+        ]
+        axes.set_yticks(range(len(names)), names)
+        axes.invert_yaxis()
+        axes.set(xlabel="predicted less measured place at the plate, cm")
+        axes.set_ylabel("type of pitch (number)")
+        axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     else:
         angle = np.degrees(measured.angle[solved])
         axes.plot(angle, error[solved, 0], "o", markersize=3, alpha=0.6)

@@ -145,7 +145,9 @@ def test_the_printed_steps_are_the_plain_ones_bit_for_bit(treatment, named):
     position, velocity, nothing = START[:2], START[2:], (0.0, 0.0)
     force = air(position, velocity)
     for k in range(1, 51):
-        position, velocity, force = plain_step(position, velocity, force, nothing, dt, *way, air)
+        position, velocity, force = plain_step(
+            position, velocity, force, nothing, nothing, dt, *way, air
+        )
         for states in marches:
             assert (*position, *velocity) == tuple(states[:, k])
 
@@ -551,6 +553,76 @@ def test_half_the_force_over_two_steps_from_the_step_gone_back_to():
     assert launch.time == pytest.approx(6 * dt + 0.1 / 125.0, rel=1e-12)
 
 
+# In quarters of F̄ Δt: half of F̄ counts 1/4 at the start of the first step on and at the end of the
+# last one, 1/2 at a step between two on. The step after the last one on ends the push.
+STRENGTHS = {
+    "whole": 1 / 4 + 1 / 2 + 1 / 4,  # constant for 2 Δt
+    "carried": 1 / 4 + 1 / 2 + 1 / 2,  # at t, t + Δt and t + 2Δt
+    "late": 1 / 2 + 1 / 2,  # at t + Δt and t + 2Δt
+    "early": 1 / 4 + 1 / 2,  # at t and t + Δt
+}
+
+
+def carried_in_vacuum(on, steps, kick, dt):
+    """Velocity and position after steps of Frenkel and Smit's loop with one acceleration array."""
+    x = v = 0.0
+    a = kick / (2 * dt) if 0 in on else 0.0
+    for k in range(1, steps + 1):
+        x += v * dt + a * dt * dt / 2
+        new = kick / (2 * dt) if k in on else 0.0
+        v += (a + new) / 2 * dt
+        a = new
+    return v, x
+
+
+@pytest.mark.parametrize("contact_force", STRENGTHS)
+@pytest.mark.parametrize("count", [7, 300])
+def test_the_impulse_in_vacuum(contact_force, count):
+    """The same at a coarse and at a fine step: a share of F̄ Δt that no step changes."""
+    scene = PLAIN.model_copy(update={"air": None, "gravity": 0.0, "time_limit": 1.0})
+    touching = (18.44 - 0.0696) / scene.pitch.speed
+    engine = Verlet((touching + 1e-3) / count, contact_force=contact_force)
+    meeting = approach_of(scene, engine)
+    touch, dt = meeting.touch, engine.dt
+    kick = (64.0, 0.0, 16.0)
+    launch = engine.rebound(meeting.pitch.frame, touch, kick, lambda _: NOTHING, ground(0.0))
+    changed = np.subtract(launch.velocity, (-scene.pitch.speed, 0.0, 0.0))
+    assert changed == pytest.approx(STRENGTHS[contact_force] * np.array(kick), rel=1e-13)
+    steps = round(launch.time / dt) - touch.step
+    assert steps == {"whole": 2, "carried": 3, "late": 3, "early": 2}[contact_force]
+    assert launch.delay == pytest.approx(steps * dt - touch.ahead, rel=1e-9)
+    if contact_force == "whole":  # no array of accelerations has it: see the test above
+        return
+    on = {"carried": {0, 1, 2}, "late": {1, 2}, "early": {0, 1}}[contact_force]
+    before = meeting.pitch.frame.position(touch.before)
+    for i, u in enumerate((-scene.pitch.speed, 0.0, 0.0)):
+        v, x = carried_in_vacuum(on, steps, kick[i], dt)
+        assert changed[i] == pytest.approx(v, rel=1e-13)
+        assert launch.position[i] == pytest.approx(before[i] + u * steps * dt + x, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("contact_force", "restitution"),
+    [("carried", 1.25 * 1.41 - 1), ("late", 0.41), ("early", 0.75 * 1.41 - 1)],
+)
+def test_where_a_force_at_steps_leads_as_the_step_vanishes(contact_force, restitution, window):
+    """To the whole impulse times its strength, which is that of a ball with another restitution.
+
+    1 + ẽ is proportional to 1 + e (paper, Sec. III.C).
+    """
+    ball = PLAIN.ball.model_copy(update={"restitution": 0.41})
+    scene = PLAIN.model_copy(update={"ball": ball})
+    livelier = ball.model_copy(update={"restitution": restitution})
+    limit = solve(scene.model_copy(update={"ball": livelier}), TRUTH).landing.distance
+    coarse, fine = (
+        solve(scene, Verlet(aligned(window, 0.0, count - 0.5), contact_force=contact_force))
+        .landing.distance - float(limit.value)
+        for count in (5_000, 40_000)
+    )  # fmt: skip
+    assert abs(fine) < 5e-3
+    assert math.log(coarse / fine) / math.log(8) == pytest.approx(1, abs=0.1)
+
+
 def test_a_ball_that_is_down_before_the_bat_lets_go_has_landed(window):
     ground = Ground(height=1.05)
     low = PLAIN.model_copy(update={"ground": ground, "swing": Swing(height_offset=0.06)})
@@ -651,11 +723,11 @@ def test_the_path_of_a_ball_that_stays_up_ends_with_its_last_step():
 
 def test_the_options_are_named():
     assert solve(flight(), verlet(0.01, "half_step", landing="first_below")).engine == (
-        "verlet dt=0.01 forces=half_step landing=first_below root=first"
+        "verlet dt=0.01 forces=half_step landing=first_below root=first contact_force=whole"
     )
 
 
-@pytest.mark.parametrize("option", ["forces", "landing", "root"])
+@pytest.mark.parametrize("option", ["forces", "landing", "root", "contact_force"])
 def test_an_option_that_is_none_is_refused(option):
     with pytest.raises(ValueError, match=f"{option} 'odd' is not one of"):
         create("verlet", **{option: "odd"})

@@ -14,11 +14,12 @@ from longball.engines.enclosure import Enclosure
 from longball.golden import condition, home_runs, writer
 from longball.golden.case import FOUND, Drafts
 from longball.golden.checker import check
-from longball.golden.condition import inputs, sensitivity, with_input
+from longball.golden.condition import sensitivity
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
 from longball.golden.reader import drafts, header, load, probabilities
 from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
+from longball.model.inputs import inputs, with_input
 from longball.model.quantities import replaced
 from longball.model.result import Bounded
 from longball.model.scene import parse_scene

@@ -135,9 +135,20 @@ PUSH = """    push = [x / (2 * dt) for x in add(impact["velocity"], v, -1.0)]
         r, v, air = step(r, v, air, dt, acceleration, None, push)
     landing = land(scene, r, v, (k + 1) * dt, 2 * dt - ahead, dt)
 """
+# Half of the force at three steps, in the array that carries the acceleration on.
+CARRIED = """    push = [x / (2 * dt) for x in add(impact["velocity"], v, -1.0)]
+    acceleration = forces(scene)
+    total = add(acceleration(v, heading(v)), push)
+    for on in (1.0, 1.0, 0.0):
+        half = add(v, total, 0.5 * dt)
+        total = add(acceleration(v, heading(v)), push, on)
+        r, v = add(r, half, dt), add(half, total, 0.5 * dt)
+    landing = land(scene, r, v, (k + 2) * dt, 3 * dt - ahead, dt)
+"""
 BLOW = """    at, after = contact["position"], impact["velocity"]
     landing = land(scene, at, after, touching["time"], 0.0, dt)
 """
+WHOLE = "half of the contact force as a constant over two steps"
 OLD, NEXT = (f"acceleration({v}, to or heading({v}))" for v in ("v", "add(half, total, 0.5 * dt)"))
 
 
@@ -145,9 +156,10 @@ OLD, NEXT = (f"acceleration({v}, to or heading({v}))" for v in ("v", "add(half, 
     ("dt", "edits", "mistakes"),
     [
         (0.004, [(PUSH, BLOW)], [LAGGED]),
-        (0.004, [(OLD, NEXT)], ["velocity Verlet with the force at a predicted velocity"]),
+        (0.004, [(OLD, NEXT)], ["velocity Verlet with the force at a predicted velocity", WHOLE]),
+        (0.004, [(PUSH, CARRIED)], [LAGGED, "at three steps in a row"]),
         (0.02, [("a[2] -= g", "a[2] -= 9.81"), ("rb**2 / 4)", "0)")],
-         ["takes 9.81 for g", LAGGED, "leaves out r_b"]),
+         ["takes 9.81 for g", LAGGED, "leaves out r_b", WHOLE]),
     ],
 )  # fmt: skip
 def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
@@ -170,6 +182,17 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
     assert len(named) == len(mistakes), named
     for mistake in mistakes:
         assert any(mistake in edit for edit in named), named
+
+
+def test_a_contact_force_that_is_carried_on_is_no_longer_the_printed_scheme(tmp_path: Path):
+    text = (FOLDER / "paper_verlet.py").read_text(encoding="utf-8")
+    source = tmp_path / "candidate.py"
+    source.write_text(text.replace(PUSH, CARRIED), encoding="utf-8")
+    judge = Judge(solved(at_bats(40), Ivp()), profile("paper", dt=0.02))
+    verdict = evaluate(judge, [*command(source, tmp_path), "--dt", "0.02"]).verdict
+    assert verdict.diagnosis is not None
+    (named,) = verdict.diagnosis.named
+    assert "1.25 times the impulse" in named
 
 
 def test_a_heading_taken_anew_is_told_where_the_ball_turns(tmp_path: Path):

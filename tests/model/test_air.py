@@ -241,9 +241,10 @@ def test_other_contradictions_of_the_air() -> None:
 
 def test_a_ball_starts_on_the_ground_or_above_and_inside_the_fence() -> None:
     floor, below = {"height": 3.0}, math.nextafter(3.0, 4.0)
-    scene(ground=floor)
+    level = {"position": [0, 0, 3], "velocity": [30, 0, 0]}
+    scene(ground=floor, launch=level)
     with pytest.raises(InvalidScene, match=r"launch.position\[2\] = 3.0 is underground"):
-        scene(ground={"height": below})
+        scene(ground={"height": below}, launch=level)
     scene(launch=LAUNCH | {"position": [3, 4, 1]}, fence={"radius": 5.000001})
     with pytest.raises(InvalidScene, match=r"launch.position is outside, 5.0 m from the plate"):
         scene(launch=LAUNCH | {"position": [3, 4, 1]}, fence={"radius": 5.0})

@@ -261,11 +261,21 @@ def test_all_faults_of_a_line_are_told():
 
 def test_a_start_on_the_ground_is_above_it():
     assert parsed("flight", launch=LAUNCH | {"position": [0, 0, 0]})
-    surface = LEAST["flight"] | {
-        "reading": {"ground_contact": "surface"},
-        "launch": LAUNCH | {"position": [0, 0, 0.03]},
+    surface = LEAST["flight"] | {"reading": {"ground_contact": "surface"}}
+    under = surface | {"launch": {"position": [0, 0, 0.03], "velocity": [30, 0, -1]}}
+    told = str(refused(json.dumps(under)))
+    assert "launch.position[2] = 0.03 is underground: the ball lands at height 0.0366" in told
+    assert "launch.velocity[2] must be positive for it to rise there" in told
+
+
+def test_a_ball_may_rise_to_the_ground_that_it_lands_on_but_not_inside_a_fence():
+    deck = LEAST["flight"] | {
+        "ground": {"height": 8},
+        "launch": {"position": [0, 0, 1], "velocity": [30, 0, 25]},
     }
-    assert "launch.position[2] = 0.03 is underground" in str(refused(json.dumps(surface)))
+    assert parse_scene(json.dumps(deck)).ground.height == 8.0
+    told = str(refused(json.dumps(deck | {"fence": {"radius": 100}})))
+    assert "which with a fence must not be above the launch" in told
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,10 @@ EXAMPLES = {
     "homerun": "longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png",
     "fit": "longball fit pitches.csv --json > fitted.json",
     "measured": "longball measured statcast.csv --kind batted --figure errors.png",
+    "flight": 'longball flight --speed "103 mph" --angle 28 --park "Coors Field"',
+    "parks": "longball parks flies.jsonl",
+    "aim": "longball aim flight.json --target 110",
+    "infer": "longball infer flight.json --points path.csv --unknown launch.speed",
     "plot": "longball plot at-bats.jsonl -o paths.svg",
     "readings": "longball readings --samples 1000",
 }

@@ -63,7 +63,7 @@ def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
         if ledger[name].belongs == "scheme":
             wrong_call(
                 f"--reading {name}: of the paper's scheme, which is an option of its engine: "
-                f"longball solve --engine verlet --{SCHEME_OPTIONS[name]}"
+                f"longball solve --engine verlet --{SCHEME_OPTIONS[name].replace('_', '-')}"
             )
         switches[ledger[name].belongs][name] = option_value(option)
     return switches

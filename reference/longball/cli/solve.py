@@ -38,7 +38,7 @@ from longball.cli.common import (
 )
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
-from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
+from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
 
 Source = Annotated[
     str,
@@ -121,6 +121,10 @@ def solve(
         AppendixBRoot | None,
         typer.Option(help="verlet: which root of Appendix B's quadratic, by default the first."),
     ] = None,
+    contact_force: Annotated[
+        ContactForce | None,
+        typer.Option(help="verlet: when half of the contact force acts, by default whole."),
+    ] = None,
     path: Annotated[
         bool, typer.Option("--path", help="Add the path: [[t, x, y, z, vx, vy, vz], …].")
     ] = False,
@@ -145,6 +149,7 @@ def solve(
     options = {
         "method": method, "rtol": rtol, "atol": atol, "tolerance": tolerance, "digits": digits,
         "dt": dt, "forces": forces, "landing": landing, "root": root,
+        "contact_force": contact_force,
     }
     # fmt: on
     change = chosen_changes(set_, fence, reading)
@@ -203,7 +208,7 @@ def solve(
 
 def _with_options(sentence: str, options: Iterable[str]) -> str:
     """Return what an engine says of its options with those of the command line."""
-    names = {option: f"--{option}" for option in options}
+    names = {option: f"--{option.replace('_', '-')}" for option in options}
     names |= {"method": "--integrator", "tolerance": "--landing-error"}
     return re.sub(rf"\b({'|'.join(names)})\b", lambda name: names[name[0]], sentence)
 

@@ -44,6 +44,17 @@ def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
     )
 
 
+def level(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
+    """Return where a flight from a state below a height, m, rises to it."""
+    return Event(
+        "level",
+        "the ball rises to the height that it lands at",
+        lambda state: height - state.z,
+        lambda state: state._replace(z=height),
+        _size(numbers, height, start.z),
+    )
+
+
 def plate(frame: Frame[N], start: State[N], numbers: Numbers[N]) -> Event[N]:
     """Return the crossing of the plane x = 0 by a pitch in a frame, from a state.
 

@@ -18,16 +18,16 @@ known when a' is asked for: six `TREATMENTS` are the ways out. Everything else i
   velocity, leads to where the two touch, after Δt'; normal, bat velocity and restitution are
   taken there. Then half of the averaged force acts over two whole steps from the step gone back to.
 
-What the paper leaves open about those two steps:
+What the paper leaves open about those steps:
 
-- Contact force and air act together in an ordinary step, the former constant, F̄/(2m). The air's
-  part is computed afresh where the contact force begins and where it ends; between, it is carried
-  or not as elsewhere.
+- At which ends of which steps the contact force is on: `PUSHES`.
+- Contact force and air act together in ordinary steps. The air's part is computed afresh where the
+  contact force begins and where it ends; between, it is carried or not as elsewhere.
 - The push lies across the bat and not in the pitch's vertical plane: the velocity leaves that plane
-  before the batted flight has one, so these two steps are taken in space. Neither flight's launch
+  before the batted flight has one, so these steps are taken in space. Neither flight's launch
   fixes a spin axis for them; the air acts in the vertical plane of the velocity it is asked for, as
   on a ball with backspin launched that way. This joins both flights without a jump.
-- A ball that is down before the two steps are over has landed.
+- A ball that is down before these steps are over has landed.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path as File
 from typing import Any, NamedTuple, TypeVar, get_args
 
@@ -53,8 +54,8 @@ from longball.model.arrays import Array
 from longball.model.atmosphere import ROUGHNESS
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
-from longball.model.numbers import DOUBLES, Vector, plus
-from longball.model.readings import AppendixBRoot, VerletForces, VerletLanding
+from longball.model.numbers import DOUBLES, Numbers, Vector, plus
+from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
 from longball.model.trace import Names, Program, run_source
 
 T = TypeVar("T")
@@ -85,10 +86,30 @@ TREATMENTS: dict[VerletForces, Treatment] = {
     "implicit": Treatment(1.0, iterates=True, carries=False),
 }
 
+# The steps from the one gone back to at which the contact force F̄/2 is on (1) or off. Each end of
+# a step gives Δt/2 of its acceleration to the velocity (first lines), so that the impulse is a
+# quarter of F̄ Δt for each. `whole` is constant over two steps, and the next one knows nothing of
+# it. The others are accelerations like any other, with which the next step begins: on at t, t + Δt
+# and t + 2Δt (`carried`), at the last two of these (`late`) or at the first two (`early`).
+PUSHES: dict[ContactForce, tuple[int, ...]] = {
+    "whole": (1, 1, 1),
+    "carried": (1, 1, 1, 0),
+    "late": (0, 1, 1, 0),
+    "early": (1, 1, 0),
+}
+
+
+def impulse_share(contact_force: ContactForce) -> float:
+    """Impulse of a contact force over F̄ Δt, at any step Δt: 1, 5/4, 1 or 3/4."""
+    on = PUSHES[contact_force]
+    return (sum(on[:-1]) + sum(on[1:])) / 4
+
+
 OPTIONS: dict[str, tuple[str, ...]] = {
     "forces": tuple(TREATMENTS),
     "landing": get_args(VerletLanding),
     "root": get_args(AppendixBRoot),
+    "contact_force": tuple(PUSHES),
 }
 
 
@@ -110,6 +131,20 @@ class SteppedTouch(Touch[float]):
         return self.inside
 
 
+Top = tuple[float, State[float]] | None
+
+
+@dataclass(frozen=True)
+class SteppedFlight(Flight[float]):
+    """A flight whose highest point, on the line between two steps, was noted on the way."""
+
+    top: Top  # s since launch, and the state; None: it only rises
+
+    def highest(self, numbers: Numbers[float]) -> Top:
+        """See `Flight.highest`; a hop within one step has none."""
+        return None if self.top is None or self.top[0] > self.time else self.top
+
+
 @dataclass(frozen=True)
 class Verlet(Stepped[float]):
     """Flights and contacts in fixed steps.
@@ -118,14 +153,16 @@ class Verlet(Stepped[float]):
     ----------
     dt
         s, the step; 0.05 in the paper.
-    forces, landing, root
-        Switches of the ledger: ``verlet_forces``, ``verlet_landing``, ``appendix_b_root``.
+    forces, landing, root, contact_force
+        Switches of the ledger: ``verlet_forces``, ``verlet_landing``, ``appendix_b_root``,
+        ``contact_force``.
     """
 
     dt: float = 0.05
     forces: VerletForces = "old_carried"
     landing: VerletLanding = "interpolated"
     root: AppendixBRoot = "first"
+    contact_force: ContactForce = "whole"
 
     numbers = DOUBLES
 
@@ -139,7 +176,8 @@ class Verlet(Stepped[float]):
     @property
     def description(self) -> str:
         """Name, step and readings."""
-        return f"verlet dt={self.dt!r} forces={self.forces} landing={self.landing} root={self.root}"
+        chosen = (f"{name}={getattr(self, name)}" for name in OPTIONS)
+        return f"verlet dt={self.dt!r} {' '.join(chosen)}"
 
     @property
     def flight_error(self) -> float:
@@ -172,6 +210,7 @@ class Verlet(Stepped[float]):
             if _rests_on(event, start, law):
                 return Flight(path, event.name, 0.0, start)
         count, before, after = 0, start, start
+        top = None if start.w > 0.0 else (0.0, start)
         for done, states in self._march(law, start, limit):
             columns = law.state(*states)
             met = np.array([event.value(columns)[1:] <= 0.0 for event in events])
@@ -179,12 +218,24 @@ class Verlet(Stepped[float]):
             count = done + step
             before, after = (law.state(*row) for row in states.T[step - 1 : step + 1].tolist())
             self._require_finite((*before, *after))
+            top = self._higher(top, law.state(*states[:, : step + 1]), done)
             if met.any():
                 stop, time, state = self.stop_between(count, before, after, events)
                 if time > limit:
-                    return Flight(path, "time", (count - 1) * self.dt, before)
-                return Flight(path, stop, time, state)
-        return Flight(path, "time", count * self.dt, after)
+                    stop, time, state = "time", (count - 1) * self.dt, before
+                return SteppedFlight(path, stop, time, state, top)
+        return SteppedFlight(path, "time", count * self.dt, after, top)
+
+    def _higher(self, top: Top, columns: State[Array], done: int) -> Top:
+        """Return the highest point of some steps, the first being number `done`, or one before."""
+        rises = columns.w > 0.0
+        for k in np.flatnonzero(rises[:-1] & ~rises[1:]).tolist():
+            before, after = (_row(columns, i) for i in (k, k + 1))
+            share = _share(before.w, after.w)
+            state = _between(before, after, share)
+            if top is None or state.z > top[1].z:
+                top = (done + k + share) * self.dt, state
+        return top
 
     def stop_between(
         self, count: int, before: State[float], after: State[float], events: Events[float]
@@ -274,15 +325,16 @@ class Verlet(Stepped[float]):
         law_in: Callable[[Frame[float]], Law[float]],
         ground: Event[float],
     ) -> Launch[float]:
-        """Push for two steps from the step before the contact (paper, Appendix B)."""
-        air, dt = air_in_space(law_in), self.dt
-        push = tuple(change / (2 * dt) for change in delta_v)  # F̄/(2m), m/s²
+        """Push for two or three steps from the step before the contact (paper, Appendix B)."""
+        air, dt, on = air_in_space(law_in), self.dt, PUSHES[self.contact_force]
+        # F̄/(2m) where it is on, m/s²
+        pushes = [tuple(each * change / (2 * dt) for change in delta_v) for each in on]
         position, velocity = frame.position(touch.before), frame.velocity(touch.before)
         force = air(position, velocity)
-        for done in (1, 2):
+        for done, push in enumerate(pairwise(pushes), 1):
             before = SpaceState(*position, *velocity)
             position, velocity, force = plain_step(
-                position, velocity, force, push, dt, *TREATMENTS[self.forces], air
+                position, velocity, force, *push, dt, *TREATMENTS[self.forces], air
             )
             count, after = touch.step + done, SpaceState(*position, *velocity)
             self._require_finite(after)
@@ -290,7 +342,7 @@ class Verlet(Stepped[float]):
                 _, time, down = self.stop_between(count, before, after, [ground])
                 delay = time - touch.step * dt - touch.ahead
                 return Launch(_triple(down[:3]), _triple(down[3:]), time, delay, True)
-        return Launch(position, velocity, (touch.step + 2) * dt, 2 * dt - touch.ahead)
+        return Launch(position, velocity, (touch.step + done) * dt, done * dt - touch.ahead)
 
     def _march(
         self, law: Law[float], start: State[float], limit: float
@@ -390,6 +442,12 @@ Value = TypeVar("Value", float, Array)
 def interpolate(before: Value, after: Value, share: float) -> Value:
     """Return the value at a share of the way from one step to the next."""
     return before + share * (after - before)
+
+
+def _row(columns: State[Array], row: int) -> State[float]:
+    state: Any = type(columns)
+    found: State[float] = state(*(x[row].item() for x in columns))
+    return found
 
 
 def _between(before: State[float], after: State[float], share: float) -> State[float]:

@@ -32,7 +32,9 @@ def step(
     position: Any,
     velocity: Any,
     force: Any,  # m/s², of the law: what the step begins with
-    push: Any,  # m/s², constant over the step
+    # push, pushed: m/s², beside the law's at the start and at the end of the step
+    push: Any,
+    pushed: Any,
     dt: float,  # s
     # ahead, iterates, carries: see `longball.engines.verlet.Treatment`
     ahead: float,
@@ -48,13 +50,13 @@ def step(
     half = plus(velocity, 0.5 * dt, felt)
     position = moved(position, dt, half, parameters)
     force = accelerate(position, plus(velocity, ahead * dt, felt), parameters)
-    velocity = plus(half, 0.5 * dt, plus(force, 1.0, push))
+    velocity = plus(half, 0.5 * dt, plus(force, 1.0, pushed))
     if iterates:
         settled = False
         for _ in range(ROUNDS):
             old = velocity
             force = accelerate(position, old, parameters)
-            velocity = plus(half, 0.5 * dt, plus(force, 1.0, push))
+            velocity = plus(half, 0.5 * dt, plus(force, 1.0, pushed))
             if largest(plus(velocity, -1.0, old)) <= SETTLED * largest(velocity):
                 settled = True
                 break
@@ -83,7 +85,7 @@ def march(
     nothing = plus(velocity, -1.0, velocity)
     for k in range(1, states.shape[1]):
         position, velocity, force = step(
-            position, velocity, force, nothing, dt, ahead, iterates, carries, parameters
+            position, velocity, force, nothing, nothing, dt, ahead, iterates, carries, parameters
         )
         write(states, k, position, velocity)
     return force

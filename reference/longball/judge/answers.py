@@ -23,8 +23,8 @@ import numpy as np
 from pydantic import Field
 
 from longball.convergence.report import Frozen
-from longball.engines.chain import BLOCKS as MODELS
-from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.engines.chain import PARTS
+from longball.judge.quantities import QUANTITIES, Value
 from longball.model.arrays import Array
 from longball.model.csv_files import not_utf8, other_separators, unguarded
 from longball.model.plain import plain
@@ -183,18 +183,22 @@ class Collector:
         values: dict[str, Value] = {}
         told: dict[str, object] = {}
         unreadable = set()
-        for block in BLOCKS:
-            held = {} if data.get(block) is None else data[block]
+        parts = {"": data}  # blocks, and blocks within them
+        for part, model in PARTS.items():
+            outer, _, inner = part.rpartition(".")
+            held = parts[outer].get(inner)
+            parts[part] = held = {} if held is None else held
             if not isinstance(held, dict):
-                fault("not a number", f"{block} is no JSON object")
-                unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
+                fault("not a number", f"{part} is no JSON object")
+                unreadable |= {name for name in QUANTITIES if name.startswith(f"{part}.")}
+                parts[part] = {}
                 continue
             for key, given in held.items():
-                name = f"{block}.{key}"
+                name = f"{part}.{key}"
                 size = QUANTITIES[name].size if name in QUANTITIES else 0
-                if not size and key not in MODELS[block].model_fields:
+                if not size and key not in model.model_fields:
                     self._report_key(number, name, QUANTITIES)
-                elif given is None:
+                elif given is None or name in PARTS:
                     continue
                 elif not size:
                     told[name] = _whole(given) if isinstance(given, Decimal) else given
@@ -377,10 +381,11 @@ def read_results(
 
 # What is told and not measured.
 FACTS = [
-    f"{block}.{key}"
-    for block, model in MODELS.items()
+    name
+    for part, model in PARTS.items()
     for key in model.model_fields
-    if f"{block}.{key}" not in QUANTITIES
+    for name in [f"{part}.{key}"]
+    if name not in {**QUANTITIES, **PARTS}
 ]
 _TEXTS = ("id", "outcome", "error")
 COLUMNS = (*_TEXTS, *(name for spec in QUANTITIES.values() for name in spec.names), *FACTS)

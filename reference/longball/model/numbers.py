@@ -12,6 +12,8 @@ from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
 from typing import Any, Generic, Protocol, Self, TypeVar, cast
 
+import numpy as np
+
 from longball.model.result import ErrorCode, Number
 
 
@@ -89,6 +91,9 @@ class Numbers(Protocol[N]):
     def cos_sin(self, angle: N) -> tuple[N, N]:
         """Return cosine and sine of an angle in radians."""
 
+    def angle(self, y: N, x: N) -> N:
+        """Return the angle from the x axis to a vector, rad."""
+
     def positive(self, x: N, error: N, question: str) -> bool:
         """Tell whether ``x > 0``; `Undecided`, with the question, if `x` is within its error."""
 
@@ -162,6 +167,10 @@ class Doubles(Single[float]):
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
         return math.cos(angle), math.sin(angle)
+
+    def angle(self, y: float, x: float) -> float:
+        """Return the angle from the x axis to a vector, rad."""
+        return float(np.arctan2(y, x))  # as of columns: the bits of a row are those of its scene
 
     def report(self, x: float) -> Number:
         """Return the double as it is."""

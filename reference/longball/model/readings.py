@@ -33,11 +33,17 @@ VerletForces = Literal[
 ]
 VerletLanding = Literal["interpolated", "first_below"]
 AppendixBRoot = Literal["first", "larger"]
+ContactForce = Literal["whole", "carried", "late", "early"]
 
 Belongs = Literal["scene", "sampling", "scheme", "figure"]
 
 # The switches of the scheme, and the options of the engine verlet that they are.
-SCHEME_OPTIONS = {"verlet_forces": "forces", "verlet_landing": "landing", "appendix_b_root": "root"}
+SCHEME_OPTIONS = {
+    "verlet_forces": "forces",
+    "verlet_landing": "landing",
+    "appendix_b_root": "root",
+    "contact_force": "contact_force",
+}
 FIGURE_SWITCH = "fig7_parameters"
 
 

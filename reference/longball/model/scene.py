@@ -379,7 +379,13 @@ class _FlyingScene(_Scene):
         block, key = ("launch", "position") if flight else ("pitch", "release")
         z, floor = getattr(getattr(self, block), key)[2], landing_height(self)
         if z < floor:
-            _refuse(f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}")
+            under = f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}"
+            if not isinstance(self, FlightScene):
+                _refuse(under)
+            if not self.launch.velocity[2] > 0.0:
+                _refuse(f"{under}, and launch.velocity[2] must be positive for it to rise there")
+            if self.fence is not None:
+                _refuse(f"{under}, which with a fence must not be above the launch")
         return self
 
     @model_validator(mode="after")

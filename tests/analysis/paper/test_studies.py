@@ -128,14 +128,19 @@ def test_the_slopes_that_others_give():
     ("default", "nearest", "verdict"),
     [
         (1.1, 0.9, "**reproduced**: yes"),
-        (2.0, 0.9, "**by the nearest reading only**: yes"),
-        (1.1, 2.0, "**by the default reading only**: no"),
+        (2.0, 0.9, "by the nearest reading only: yes"),
+        (1.1, 2.0, "by the default reading only: no"),
         (2.0, math.nan, "**not reproduced**: no"),
     ],
 )
 def test_verdicts_follow_from_twice_the_noise(default, nearest, verdict):
     one = Counterpart("Fig. 0", "x", 1.0, default, nearest, 0.1, 2, "yes", "no")
     assert one.verdict == verdict
+
+
+def test_a_number_that_the_reading_was_chosen_by_is_not_called_reproduced():
+    one = Counterpart("Fig. 0", "x", 1.0, 2.0, 0.9, 0.1, 2, "yes", "no", chosen=True)
+    assert one.verdict == "fitted: the nearest reading was chosen by it; yes"
 
 
 # ---- readings ------------------------------------------------------------------------------------

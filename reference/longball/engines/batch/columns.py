@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass, replace
 from types import SimpleNamespace
-from typing import Any, Protocol, get_args
+from typing import Any, Protocol, cast, get_args
 
 import numpy as np
 
@@ -89,6 +89,10 @@ class Elementwise:
     def cos_sin(self, angle: Array) -> tuple[Array, Array]:
         """Return cosines and sines."""
         return _one_by_one(math.cos)(angle), _one_by_one(math.sin)(angle)
+
+    def angle(self, y: Array, x: Array) -> Array:
+        """Return the angles from the x axis to vectors, rad."""
+        return np.arctan2(y, x)
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Tell where ``x > 0``, of numbers without error."""
@@ -189,10 +193,19 @@ class BatchFlyer(Protocol):
 
 @dataclass(frozen=True)
 class Flights(Flight[Any]):
-    """Flights at their ends, `stop` being codes of `flights`; and where they were near a wall."""
+    """Flights at their ends, `stop` being codes of `flights`, with launches and marks.
+
+    See `longball.engines.batch.engine.OneFlight`.
+    """
 
     launch: Start
-    approach: Start
+    mark: Start
+
+    def highest(self, numbers: Any) -> Start:
+        """See `Flight.highest`; NaN where there is none."""
+        unmarked = np.isnan(self.mark.time)
+        falls = unmarked & ~(self.launch.state.w > 0.0)
+        return _chosen(falls, self.launch, self.mark)
 
     def stopped(self, name: str) -> Any:
         """Tell which flights an event of that name stopped."""
@@ -200,7 +213,17 @@ class Flights(Flight[Any]):
 
     def then(self, second: Flight[Any]) -> Flights:
         """Return these flights, going on as others where they ended."""
-        return replace(self, stop=second.stop, time=self.time + second.time, state=second.state)
+        top, other = self.highest(NUMBERS), cast(Start, second.highest(NUMBERS))
+        later = Start(self.time + other.time, other.state)
+        mark = _chosen(np.isnan(top.time), later, top)
+        end = {"stop": second.stop, "time": self.time + second.time, "state": second.state}
+        return replace(self, **end, mark=mark)
+
+
+def _chosen(condition: Any, yes: Start, no: Start) -> Start:
+    """Return one of two starts by a condition, row by row."""
+    state = (np.where(condition, a, b)[()] for a, b in zip(yes.state, no.state, strict=True))
+    return Start(np.where(condition, yes.time, no.time)[()], type(no.state)(*state))
 
 
 @dataclass(frozen=True)
@@ -237,7 +260,7 @@ class Columns:
     ) -> Touch[Any]:
         """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
         clear = records.approach_is_clear(bat, pitch.state.z)
-        start = merged(clear, select(pitch.approach, clear), select(pitch.launch, ~clear))
+        start = merged(clear, select(pitch.mark, clear), select(pitch.launch, ~clear))
         error = margin_error(bat, pitch.state.z, self.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
         _, ends = records.flown(self.flyer, law, start, over, limit, records.Bat(bat, error))
@@ -272,8 +295,9 @@ class ManyCases(Cases[Any]):
 
     def decide(self, x: Array, error: Array, question: str) -> tuple[Flags, Flags]:
         """See `Cases`."""
-        decided = (abs(x) > error) | ((x == 0.0) & (error == 0.0))
-        return decided & (x > 0.0), decided & ~(x > 0.0)
+        positive = np.greater(x, 0.0)
+        decided = np.greater(abs(x), error) | ((x == 0.0) & (error == 0.0))
+        return decided & positive, decided & ~positive
 
     def touched(self, touch: Touch[Any]) -> tuple[Flags, Flags]:
         """See `Cases`."""

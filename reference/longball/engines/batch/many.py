@@ -24,7 +24,7 @@ from longball.engines.batch.columns import (
     Table,
     select,
 )
-from longball.engines.chain import BLOCKS, DISCRETE, MODEL, Model
+from longball.engines.chain import DISCRETE, MODEL, PARTS, Model
 from longball.model import quantities
 from longball.model.air import BilinearLift, WindAbove
 from longball.model.air import Table as AirTable
@@ -335,10 +335,10 @@ def _in_blocks(solve_block: Callable[[slice], None], count: int, threads: int) -
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     """Yield the table's rows as outcomes (None: no answer) and parts of results."""
     found: dict[str, dict[str, list[Array]]] = {
-        name: {key: [] for key in block.model_fields} for name, block in BLOCKS.items()
+        name: {key: [] for key in block.model_fields} for name, block in PARTS.items()
     }
     for name, column in table.columns.items():
-        part, quantity = name.partition("[")[0].split(".")
+        part, _, quantity = name.partition("[")[0].rpartition(".")
         found[part][quantity].append(column)
     parts = {
         name: _part(name, {key: columns for key, columns in block.items() if columns})
@@ -347,6 +347,9 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     }
     for i, outcome in enumerate(table.outcome.tolist()):
         known = {name: row for name, rows in parts.items() if (row := rows[i])}
+        for name in [name for name in known if "." in name]:
+            whole, _, key = name.rpartition(".")
+            known[whole][key] = known.pop(name)
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 

@@ -32,6 +32,7 @@ STOPS: Mapping[str, int] = {
     "past": 3,
     "fence": 4,
     "fence_behind": 5,
+    "level": 6,
     "time": flights.TIME_LIMIT,
 }
 

@@ -22,6 +22,7 @@ from longball.engines.chain.landing import land
 from longball.engines.chain.single import (
     BLOCKS,
     DISCRETE,
+    PARTS,
     OneCase,
     approach_of,
     described,
@@ -39,6 +40,7 @@ __all__ = [
     "CHAINS",
     "DISCRETE",
     "MODEL",
+    "PARTS",
     "Approach",
     "Ball",
     "Cases",

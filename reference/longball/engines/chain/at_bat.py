@@ -63,7 +63,11 @@ def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
         _, y, z = pitch.frame.position(pitch.flight.state)
         cases.record("plate.time", pitch.flight.time)
         cases.record("plate.position", (cases.numbers.exact(0.0), y, z))
-        cases.record("plate.velocity", pitch.frame.velocity(pitch.flight.state))
+        u, v, w = velocity = pitch.frame.velocity(pitch.flight.state)
+        cases.record("plate.velocity", velocity)
+        angle, level = cases.numbers.angle, cases.numbers.sqrt(u * u + v * v)
+        cases.record("plate.approach.vertical", angle(w, level))
+        cases.record("plate.approach.horizontal", angle(v, -u))
     return cases, pitch
 
 

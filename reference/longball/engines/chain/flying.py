@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from typing import Any, cast
 
 from longball.engines.chain.cases import Cases
-from longball.engines.event import Event, plate, vertical
+from longball.engines.event import Event, level, plate, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State
 from longball.model.numbers import N
+from longball.model.scene import landing_height
 
 # What a flight may end with, from its frame and start.
 Surface = Callable[[Cases[N], Frame[N], State[N]], Event[N]]
@@ -19,6 +20,11 @@ Surface = Callable[[Cases[N], Frame[N], State[N]], Event[N]]
 def to_ground(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
     """Return the landing."""
     return cases.ground(start)
+
+
+def to_level(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
+    """Return the rise to the height of the ground."""
+    return level(cases.numbers.exact(landing_height(cases.scene)), start, cases.numbers)
 
 
 def to_plate(cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Generic, cast
 
 from longball.engines.chain.cases import Cases
-from longball.engines.chain.flying import fly, to_ground
+from longball.engines.chain.flying import fly, to_ground, to_level
 from longball.engines.engine import Engine, Launch, Stepped
 from longball.engines.event import Event, Piece
 from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
@@ -65,6 +65,10 @@ def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
 
 def _land(cases: Cases[N], ball: Batted[N], outcome: Outcome) -> None:
     """Fly from launches to the ground, but for balls that loop above it for ever."""
+    if hasattr(cases.scene, "launch"):
+        cases, ball = _land_from_below(cases, ball, outcome)
+        if cases.empty:
+            return
     law, start, limit = ball.law, ball.start, cases.time_limit
     if _may_loop(cases, law):
         aloft, others = _stays_aloft(cases, law, start, cases.ground(start))
@@ -77,6 +81,32 @@ def _land(cases: Cases[N], ball: Batted[N], outcome: Outcome) -> None:
             return
     flight = fly(cases, ball.law, ball.frame, ball.start, to_ground)
     _come_down(cases, ball, flight, outcome)
+
+
+def _land_from_below(cases: Cases[N], ball: Batted[N], outcome: Outcome) -> tuple[Any, ...]:
+    """Land the balls that are launched below the ground; return the others.
+
+    One that is hit to an upper deck is such a ball. A landing is a fall through the ground's
+    height: first it rises through that.
+    """
+    rise = cases.numbers.exact(landing_height(cases.scene)) - ball.start.z
+    under, level = cases.decide(rise, rise * 0, "whether the ball starts below the ground")
+    others = cases.take(level, ball)
+    cases, ball = cases.take(under, ball)
+    if not cases.empty:
+        up = fly(cases, ball.law, ball.frame, ball.start, to_level)
+        flight = cases.either(up.stopped("level"), _fly_on, _as_it_is, up, ball)
+        _come_down(cases, ball, flight, outcome)
+    return others
+
+
+def _fly_on(cases: Cases[N], up: Flight[N], ball: Batted[N]) -> Flight[N]:
+    left = cases.time_limit - up.time
+    return up.then(fly(cases, ball.law, ball.frame, up.state, to_ground, limit=left))
+
+
+def _as_it_is(cases: Cases[N], up: Flight[N], ball: Batted[N]) -> Flight[N]:
+    return up
 
 
 def _come_down(
@@ -93,13 +123,16 @@ def _come_down(
     cases, ball, flight = cases.take(flight.stopped("ground"), ball, flight)
     if cases.empty:
         return
+    _rise(cases, ball, flight)
     launch, frame = ball.launch, ball.frame
     state: Any = flight.state
     x, y, z = position = frame.position(state)
     cases.record("landing.time", launch.time + flight.time)
     cases.record("landing.hang_time", launch.delay + flight.time)
     cases.record("landing.position", (x, y, z))
-    cases.record("landing.velocity", frame.velocity(state))
+    u, v, w = velocity = frame.velocity(state)
+    cases.record("landing.velocity", velocity)
+    cases.record("landing.angle", cases.numbers.angle(-w, cases.numbers.sqrt(u * u + v * v)))
     if cases.scene.reading.distance_origin == "launch":
         # Of the frame, which begins at the launch: no difference of places that are far away.
         x = state.s
@@ -116,6 +149,15 @@ def _come_down(
         cases.record("landing.fair", lands_fair)
         (cases,) = cases.take(lands_foul | lands_fair)
     cases.conclude(outcome)
+
+
+def _rise(cases: Cases[N], ball: Batted[N], flight: Flight[N]) -> None:
+    """Record the highest point of flights that do not end in it."""
+    top = flight.highest(cases.numbers)
+    if top is not None:
+        time, state = top
+        cases.record("apex.time", ball.launch.time + time)
+        cases.record("apex.position", ball.frame.position(state))
 
 
 def _in_time(cases: Cases[N], ball: Batted[N], flight: Flight[N]) -> tuple[Any, ...]:
@@ -249,6 +291,8 @@ def _meet_fence(
     )
     wall, stopped, way = cases.take(known & into, ball, flight)
     wall.follow(stopped.frame, way, stopped.launch.time)
+    if not wall.empty:
+        _rise(wall, stopped, way)
     wall.conclude("wall")
     cases, ball, flight = cases.take(known & over, ball, flight)
     if cases.empty:

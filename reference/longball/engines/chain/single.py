@@ -19,7 +19,7 @@ from longball.engines.path import Flight, Leg, Trajectory
 from longball.model import result as written
 from longball.model.frame import Frame
 from longball.model.numbers import N, Undecided
-from longball.model.quantities import replaced
+from longball.model.quantities import nested, replaced
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene
 
@@ -93,18 +93,14 @@ class OneCase(Cases[N]):
 
     def result(self, error: InvalidScene | Undecided | CannotSolve | None = None) -> Result:
         """Return what has been written, as a result; with an error, if there is one."""
-        blocks: dict[str, dict[str, Any]] = {}
-        for name, value in self.answer.items():
-            block, _, key = name.partition(".")
-            if key:
-                blocks.setdefault(block, {})[key] = self._reported(value)
+        told = {name: self._reported(x) for name, x in self.answer.items() if name != "outcome"}
         return Result(
             id=self.scene.id,
             engine=described(self.engines) or self.engine.description,
             outcome=None if error else self.answer["outcome"],
             error=None if error is None else str(error),
             code=None if error is None else error.code,
-            **{name: BLOCKS[name](**values) for name, values in blocks.items()},
+            **nested(told),
         )
 
     def _reported(self, value: Any) -> Any:
@@ -122,8 +118,15 @@ BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
     "impact": written.Impact,
+    "apex": written.Apex,
     "fence": written.Fence,
     "landing": written.Landing,
+}
+
+# The same, and the blocks within them, by their names.
+PARTS: dict[str, type[Any]] = {
+    **BLOCKS,
+    "plate.approach": written.Approach,
 }
 
 # The quantities that are told, not measured: their types, by name.

@@ -19,7 +19,7 @@ from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.findings import Diagnosis, Finding
-from longball.judge.diagnosis.integrators import Way, straight, ways_of
+from longball.judge.diagnosis.integrators import BATTED, Way, straight, ways_of
 from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outcomes import outcome_findings
 from longball.judge.diagnosis.outputs import outputs
@@ -33,7 +33,7 @@ from longball.judge.diagnosis.residual import (
     specialised_to,
 )
 from longball.judge.diagnosis.scenes import rule
-from longball.judge.diagnosis.schemes import Steps, explain_scheme, with_edit
+from longball.judge.diagnosis.schemes import Steps, explain_push, explain_scheme, with_edit
 from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
 
 # Runs a candidate again: from scenes to answers by id.
@@ -156,16 +156,7 @@ def prepared(
     """Answers as columns, and the chain that they are compared with."""
     data = data_of(cases, answers, granted)
     chain = specialised_to(data)
-    if scheme is None:
-        return data, chain
-    # Flights go by the scheme, but for batted balls, which it pushes over two steps.
-    chain = tuple(
-        replace(stage, scenes=tuple(kind for kind in stage.scenes if kind != "at-bat"))
-        if stage.kind == "flight" and stage.name in ("flight", "fence")
-        else stage
-        for stage in chain
-    )
-    return replace(data, ways=ways_of(scheme)), chain
+    return data if scheme is None else replace(data, ways=ways_of(scheme)), chain
 
 
 # --- stage by stage -------------------------------------------------------------------------------
@@ -246,6 +237,11 @@ def reason(
         begun[at] = max(begun[at], float(one.relative.max()))
         if any(_is_same_flight(stage, other) for other in located):
             tried[at] = ROUNDS
+            continue
+        if (push := explain_push(stage, data, columns, one)) is not None and push.way is not None:
+            steps.append(Step(one, push))
+            data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
+            columns, last = follow(chain, data, unknown)
             continue
         found = Explanation(chain, stage, data, columns, one).explain(ask, PAIRS[stage.kind])
         if isinstance(found, Named):

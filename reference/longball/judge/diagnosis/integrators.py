@@ -10,16 +10,17 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 
-from longball.engines.verlet import TREATMENTS, Treatment, Verlet
-from longball.judge.diagnosis.chain import Stage
+from longball.engines.verlet import PUSHES, TREATMENTS, Treatment, Verlet, impulse_share
+from longball.judge.diagnosis.chain import OWN, Stage
 from longball.judge.diagnosis.expression import ordered, substitute
 from longball.judge.diagnosis.residual import START, Index, Launched, Step, flown, launched, stepped
 from longball.model.arrays import Array
+from longball.model.readings import ContactForce
 
 Rows = Sequence[Sequence[float]]
 
@@ -189,8 +190,8 @@ INTEGRATORS = (
 # --- flights --------------------------------------------------------------------------------------
 
 ON_STEP = 1e-7  # of a step: a time that is nearer to one is there
-DIRECT = 2000  # steps that are taken one by one
-# s: where there are more, the state is extrapolated from flights in these steps and the exact one.
+DIRECT = 2000  # steps of a flight that are taken one by one
+# s: where it has more, the state is extrapolated from flights in these steps and the exact one.
 NODES = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
 
@@ -203,10 +204,10 @@ def _reached(balls: Launched, one: Integrator, h: float, counts: Index) -> tuple
     if one.step is None:
         y = flown(balls, np.asarray(counts * h))
         return y, None, np.zeros_like(y)
-    most = int(counts.max(initial=0))
-    if most <= DIRECT:
-        y, left = stepped(balls, one.step, h, counts)
-        return y, left, np.zeros_like(y)
+    most, direct = int(counts.max(initial=0)), counts <= DIRECT
+    short, last = stepped(balls, one.step, h, np.where(direct, counts, 0))
+    if direct.all():
+        return short, last, np.zeros_like(short)
     way: Array = np.asarray(counts * h, dtype=float)
     exact = flown(balls, way)
     many = [math.ceil(most * h / node) for node in NODES]
@@ -221,26 +222,37 @@ def _reached(balls: Launched, one: Integrator, h: float, counts: Index) -> tuple
         return np.asarray(sum(w * states[i] for w, i in zip(weights, used, strict=True)))
 
     states = [exact, *(y for y, _ in found)]
-    y = np.where(counts > 0, drawn(states, -1), balls.y)
-    doubt = np.where(counts > 0, np.abs(y - drawn(states, 1)), 0.0)
+    y = np.where(direct, short, drawn(states, -1))
+    doubt = np.where(direct, 0.0, np.abs(y - drawn(states, 1)))
     if found[0][1] is None:
         return y, None, doubt
     slopes = [balls.rates(exact, way), *(left for _, left in found)]
-    return y, drawn(slopes, -1), doubt
+    slope = drawn(slopes, -1)
+    return y, slope if last is None else np.where(direct, last, slope), doubt
 
 
 @dataclass(frozen=True)
 class Way:
-    """A flight in steps of h, s; its last step is shorter, maybe of another kind, or a chord."""
+    """A flight in steps of h, s; its last step is shorter, maybe of another kind, or a chord.
+
+    A batted ball is struck at once, or pushed from the step before the contact on.
+    """
 
     one: Integrator
     h: float
     chord: bool = False
     last: Integrator | None = None
+    push: ContactForce | None = None
 
     @property
     def words(self) -> str:
         """The way as a clause without its subject."""
+        if self.push is not None:
+            said = (
+                f"pushes the ball with half of the contact force {_PUSHED[self.push]}, in steps of"
+            )
+            share = impulse_share(self.push)
+            return f"{said} {self.h:.6g} s" + f" ({share:g} times the impulse)" * (share != 1.0)
         if self.one is EXACT:
             return f"puts the end of the flight on the chord between two steps of {self.h:.6g} s"
         end = ", and ends on the chord between two of them" if self.chord else ""
@@ -250,13 +262,25 @@ class Way:
         self, stage: Stage, columns: Mapping[str, Any]
     ) -> tuple[dict[str, Array], dict[str, Array]]:
         """A stage's quantities and their doubt."""
+        if self.push is not None:
+            return _pushed(stage, columns, self, PUSHES[self.push])
         return steps(stage, columns, self.one, self.h, self.chord, self.last)
 
 
 def ways_of(engine: Verlet) -> dict[str, Way]:
     """Ways of the paper's scheme: to the line between two steps, and straight on to the bat."""
     way = Way(VERLET[TREATMENTS[engine.forces]], engine.dt, chord=True)
-    return {**dict.fromkeys(("pitch", "flight", "fence"), way), "touching": straight(way)}
+    batted = replace(way, push=engine.contact_force)
+    return {"pitch": way, "touching": straight(way), **dict.fromkeys(BATTED, batted)}
+
+
+BATTED = ("flight", "fence")  # stages of a batted ball's flight
+_PUSHED: dict[ContactForce, str] = {
+    "whole": "as a constant over two steps",
+    "carried": "at three steps in a row, as velocity Verlet carries an acceleration on",
+    "late": "at the two steps after the contact, as velocity Verlet carries an acceleration on",
+    "early": "at the steps next to the contact, as velocity Verlet carries an acceleration on",
+}
 
 
 def straight(way: Way) -> Way:
@@ -293,4 +317,54 @@ def steps(
     for quantity, part in zip(stage.quantities, (doubt[:3], doubt[3:6]), strict=False):
         # One component may be near by chance.
         doubts[quantity] = np.broadcast_to(part.max(axis=0), part.shape)
+    return found, doubts
+
+
+def _pushed(
+    stage: Stage, columns: Mapping[str, Any], way: Way, on: Sequence[int]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """The same of batted balls that the contact force F̄/2 pushes at some steps (Appendix B)."""
+    h, step = way.h, way.one.step
+    struck = columns["kind"] == "at-bat"
+    if step is None or not struck.any():
+        return steps(stage, columns, way.one, h, way.chord, way.last)
+    time, place, velocity, after, hang = (
+        "hang_time" if quantity is None else str(OWN[quantity].data)
+        for quantity in (
+            "contact.time", "contact.position", "contact.velocity", "impact.velocity", None
+        )
+    )  # fmt: skip
+    # From the step gone back to, a straight line leads to the contact.
+    ahead = columns[time] - np.floor(columns[time] / h + ON_STEP) * h
+    before = columns[velocity]
+    half = (columns[after] - before) / (2.0 * h)
+
+    def rates(y: Array, t: Any, start: Array | None = None) -> Array:
+        # No launch fixes a spin axis: the air acts as on a ball launched with this velocity.
+        balls = launched(stage, {**columns, place: y[:3], after: y[3:6]})
+        slope = balls.rates(balls.y, 0.0)
+        slope[3:6] += on[round(t / h)] * half
+        return slope
+
+    y = np.zeros((7, len(struck)))
+    y[:3], y[3:6] = columns[place] - ahead * before, before
+    states, left = [y], None
+    for k in range(len(on) - 1):
+        y, left = step(rates, states[-1], k * h, h, left, h)
+        states.append(y)
+    # The rest is a flight from where the push ends.
+    pushed = (len(on) - 1) * h - ahead
+    free = {
+        time: columns[time] + pushed, hang: columns[hang] - pushed, place: y[:3], after: y[3:6]
+    }  # fmt: skip
+    free = {name: np.where(struck, column, columns[name]) for name, column in free.items()}
+    found, doubts = steps(stage, {**columns, **free}, way.one, h, way.chord, way.last)
+    # A ball may be down before.
+    flown_for = launched(stage, columns).duration + ahead
+    counts = np.floor(flown_for / h + ON_STEP)
+    for k, (begin, end) in enumerate(pairwise(states)):
+        here = struck & (counts == k)
+        down = begin + (flown_for / h - k) * (end - begin)
+        for quantity, part in zip(stage.quantities, (down[:3], down[3:6]), strict=False):
+            found[quantity] = np.where(here, part, found[quantity])
     return found, doubts

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from longball.engines.verlet import PUSHES
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.clocks import LONGEST, Scheme, clock, event
 from longball.judge.diagnosis.evidence import (
@@ -29,7 +30,15 @@ from longball.judge.diagnosis.evidence import (
     rounded,
 )
 from longball.judge.diagnosis.expression import Evaluator
-from longball.judge.diagnosis.integrators import EXACT, INTEGRATORS, Integrator, Way, steps
+from longball.judge.diagnosis.integrators import (
+    BATTED,
+    EXACT,
+    INTEGRATORS,
+    VERLET,
+    Integrator,
+    Way,
+    steps,
+)
 from longball.judge.diagnosis.operators import FACTORS, Edit
 from longball.judge.diagnosis.residual import Data, Followed, Index, compared, is_rough, take
 from longball.model.arrays import Array
@@ -277,6 +286,36 @@ def explain_scheme(
         return None
     steps = steps or Steps(stage, data, columns, followed)
     return clock(stage, columns, followed, dt) or steps.named(dt) or steps.order()
+
+
+def explain_push(
+    stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed
+) -> Scheme | None:
+    """The contact force over some steps of the pitch's scheme that explains a batted flight."""
+    pitch = data.ways.get("pitch")
+    struck = followed.some[take(columns, followed.some)["kind"] == "at-bat"]
+    wrong = np.intersect1d(struck, followed.some[followed.wrong])
+    if stage.name not in BATTED or not isinstance(pitch, Way) or not wrong.size:
+        return None
+    # Integrators of one order may be alike without a push, and differ with one.
+    alike = [one for one in VERLET.values() if one.order == pitch.one.order and one != pitch.one]
+    tried = [
+        replace(pitch, one=one, push=push) for one in (pitch.one, *alike) for push in PUSHES
+    ]  # fmt: skip
+    null, bits = cost(followed.off / followed.floor), math.log2(len(tried))
+    for way in tried:
+        other = replace(data, ways={**data.ways, stage.name: way})
+
+        def left(some: Index, other: Data = other) -> Array:
+            after, _ = compared(stage, other, columns, some)
+            return np.asarray(after.off / after.floor)
+
+        if not is_adequate(left(wrong[:FEW]), is_rough(stage)):
+            continue
+        evidence = null - cost(left(followed.some)) - bits - CHANCE
+        if evidence > 0 and is_adequate(left(struck), is_rough(stage)):
+            return Scheme(way.words, way.one.order, way.h, bits, evidence, adequate=True, way=way)
+    return None
 
 
 VARIANTS = 6  # edits with a number that are tried with all schemes
