@@ -267,6 +267,12 @@ class Table(Block):
         return Lines(tuple(at[first:]), tuple(found[first:]))
 
 
+def law_name(coefficient: Any) -> str:
+    """Return the name of a coefficient's law; a number, or a column of them, is a constant."""
+    # A float takes long to tell that it has no such attribute.
+    return "constant" if isinstance(coefficient, float) else getattr(coefficient, "law", "constant")
+
+
 def _law(value: Any) -> str:
     """Return the name of a law's form, or of a number's."""
     if isinstance(value, BaseModel):

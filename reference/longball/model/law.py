@@ -27,6 +27,7 @@ from longball.model.air import (
     ConstantLift,
     Flow,
     by_spin,
+    law_name,
 )
 from longball.model.atmosphere import (
     ROUGHNESS,
@@ -705,9 +706,8 @@ def per_metre(scene: Any, value: float, numbers: Numbers[N]) -> N | None:
 def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers[N]) -> tuple[Any, Bend[N]]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
     given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
-    # A float takes long to tell that it has no such attribute; of columns there is but the name.
-    name = "constant" if isinstance(given, float) else getattr(given, "law", "constant")
-    law: Any = type(given) if isinstance(given, Block) else laws[name]
+    # Of columns there is but the name.
+    law: Any = type(given) if isinstance(given, Block) else laws[law_name(given)]
     if hasattr(law, "lines"):
         return _lines(of, given, scene, spins, numbers)
     linear: dict[str, N] = {}
