@@ -25,7 +25,7 @@ from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Launch
 from longball.engines.ivp import Ivp
 from longball.model.frame import Frame
-from longball.model.law import DRAG, GRAVITY, LIFT, Force, PlaneState, law_with
+from longball.model.law import Force, PlaneState, law_with
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
@@ -149,15 +149,12 @@ def test_another_law_or_collision_may_stand_in_the_chain():
     dropped = '{"id":"x","kind":"flight","launch":{"position":%s,"velocity":[0,0,0]}}'
     alone = solved(dropped % list(fallen.contact.position))
     assert fallen.landing.position == alone.landing.position
-    no_lift = solve(scene, Ivp(), replace(MODEL, forces=(DRAG, GRAVITY)))
-    without = '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03},"air":%s}'
-    assert no_lift == solved(without % '{"lift_coefficient":0}')
 
 
 def test_a_sideways_force_goes_through_the_whole_chain():
     """1 m/s² to the left of the flight, whatever else acts: y = a t²/2 in a vacuum."""
-    across = Force(("push",), lambda scene, frame, numbers: (numbers.exact(1.0),), push_left)
-    model = replace(MODEL, forces=(GRAVITY, across))
+    across = Force(lambda scene, frame, numbers: {"push": numbers.exact(1.0)}, push_left)
+    model = replace(MODEL, forces=(across,))
     scene = parse_scene(
         '{"id":"x","kind":"flight","air":null,"launch":{"position":[0,0,1],"velocity":[30,0,20]}}'
     )
@@ -303,7 +300,7 @@ def test_balls_that_stay_aloft_are_those_that_do_not_land():
         turn = 2 * math.pi / (abs(lift) * _PER_LIFT * math.hypot(u, w))
         scene = parse_scene(LOOP % (gravity, lift, height, u, w, 8 * turn))
         shortcut = solve(scene, Ivp())
-        flown = solve(scene, Ivp(), replace(MODEL, forces=(DRAG, ANY_LIFT, GRAVITY)))
+        flown = solve(scene, Ivp(), replace(MODEL, forces=(NOTHING,)))
         assert shortcut.outcome == flown.outcome
         outcomes.add((gravity, shortcut.outcome))
     assert len(outcomes) == 4
@@ -342,8 +339,8 @@ def test_the_way_of_a_ball_that_stays_aloft_is_flown_when_asked():
 
 # k_L of a lift coefficient of 1, 1/m: ρ π R² / (2 m).
 _PER_LIFT = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
-# The same force, which the chain takes for another one.
-ANY_LIFT = replace(LIFT, acceleration=lambda motion, p: LIFT.acceleration(motion, p))
+# With it the chain takes the law for another one.
+NOTHING = Force(lambda scene, frame, numbers: {}, lambda motion, p: (ZERO, ZERO, ZERO))
 
 
 @pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "multiprecision"])

@@ -340,7 +340,7 @@ class Tangent(PathEngine[Jet]):
         nothing = numbers.exact(0.0)
         changes = {f"{name}{_RATE}": nothing + rate_of(x) for name, x in law.strengths.items()}
         code = variational(law.program)
-        flown = Law(code, {name: (values | changes)[name] for name in code.parameters}, law.forces)
+        flown = Law(code, {name: (values | changes)[name] for name in code.parameters}, law.shape)
         rates = flown.rates(numbers)
         now = [plain_of(x) for x in start]
         moved = [nothing + rate_of(x) for x in start]

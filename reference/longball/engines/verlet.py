@@ -51,12 +51,12 @@ from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, To
 from longball.engines.event import Event, Events
 from longball.engines.path import Flight, Path
 from longball.model.arrays import Array
+from longball.model.atmosphere import ROUGHNESS
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
 from longball.model.numbers import DOUBLES, Numbers, Vector, plus
 from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
 from longball.model.trace import Names, Program, run_source
-from longball.model.wind import ROUGHNESS
 
 T = TypeVar("T")
 Components = tuple[float, ...]

@@ -13,9 +13,10 @@ from collections.abc import Iterable, Mapping
 from pydantic import ValidationError
 
 from longball.model.names import one_of
-from longball.model.numbers import DOUBLES, N, Numbers, Vector, dot
+from longball.model.numbers import DOUBLES, N, Numbers, Vector
 from longball.model.quantities import number, numbers, replaced
 from longball.model.scene import FlightScene, Scene
+from longball.model.vectors import dot
 
 # A zero here is a force that the scene does not name, and not a small one.
 _ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")

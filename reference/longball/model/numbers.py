@@ -42,16 +42,6 @@ N = TypeVar("N", bound=Real)
 Vector = tuple[N, N, N]
 
 
-def dot(a: tuple[N, ...], b: tuple[N, ...]) -> N:
-    """Return ``a · b``, of vectors of three."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def minus(a: Vector[N], b: Vector[N]) -> Vector[N]:
-    """Return ``a - b``."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
 def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[float, ...]:
     """Return ``a + factor b`` of as many numbers as there are."""
     return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
@@ -109,6 +99,11 @@ class Numbers(Protocol[N]):
 
     def report(self, x: N) -> Number:
         """Return `x` as a result writes it."""
+
+
+def present(strengths: dict[str, Any], numbers: Numbers[N]) -> dict[str, N]:
+    """Return strengths without those that are zero: what they multiply is not there."""
+    return {name: value for name, value in strengths.items() if not numbers.absent(value)}
 
 
 def ratio(part: Any, whole: Any) -> Any:

@@ -32,12 +32,12 @@ from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantit
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
 from longball.model.csv_files import not_utf8
-from longball.model.force import cross, plus, scaled
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.names import did_you_mean, one_of
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
 from longball.model.units import unit_of
+from longball.model.vectors import cross, plus, scaled
 
 
 class InvalidScene(ValueError):

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from longball.api import as_scene
-from longball.model.aerodynamics import BILINEAR, law_name, per_metre
-from longball.model.air import Air
+from longball.model.air import Air, law_name
 from longball.model.arrays import Array
+from longball.model.law import per_metre
 from longball.model.names import one_of
 from longball.model.numbers import DOUBLES
 from longball.model.scene import AtBatScene, PitchScene
@@ -195,7 +195,7 @@ def _spin_parameter(air: Air, lift: Array) -> tuple[Array, float]:
             with np.errstate(divide="ignore", invalid="ignore"):
                 return np.where(left > 0.0, law.constant * lift / left, np.nan), most
         case "bilinear":
-            (node,), ((_, steep), (base, slope)) = BILINEAR
+            (node,), ((_, steep), (base, slope)) = law.lines(float)
             low = lift <= steep * node
             return np.where(low, lift / steep, (lift - base) / slope), np.inf
     at, values = np.array(law.at), np.array(law.values)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +16,8 @@ from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Events
-from longball.model.force import Term, cross
-from longball.model.law import FORCES, PAPER, Law, State, law_with
+from longball.model.law import PAPER, Law, State, law_with
+from longball.model.vectors import cross
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
 # pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
@@ -54,12 +53,7 @@ def flies_in_lanes(law: Law[Any]) -> bool:
     """
     if law.bends or "path" in law.variables:
         return False
-    return not _is_extended(law.forces) or law.gravity is not None
-
-
-@cache
-def _is_extended(forces: tuple[Term, ...]) -> bool:
-    return not set(forces).isdisjoint(FORCES[len(PAPER) :])
+    return law.is_paper or law.gravity is not None
 
 
 def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
@@ -67,7 +61,7 @@ def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
 
     Straight up or down through the air, or along their spin.
     """
-    if not _is_extended(law.forces):
+    if law.is_paper:
         return np.False_
     wind = [law.strengths.get(f"wind_{name}", 0.0) for name in "syz"]
     u, v, w = (
@@ -88,14 +82,7 @@ def general(law: Law[Any]) -> Law[Any]:
     So that the same compiled code serves all of the paper's scenes. A law of the extended model is
     as it is.
     """
-    if _is_extended(law.forces):
-        return law
-    paper = {name: 0.0 for force in PAPER for name in force.parameters}
-    absent = [f for f in PAPER if not any(name in law.strengths for name in f.parameters)]
-    forces = [*law.forces, *absent]
-    order = {force: place for place, force in enumerate(PAPER)}
-    forces.sort(key=lambda force: order.get(force, len(PAPER)))
-    return law_with({**paper, **law.strengths}, tuple(forces))
+    return law_with({**dict.fromkeys(PAPER, 0.0), **law.strengths}) if law.is_paper else law
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from longball.engines.event import plate, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, State
-from longball.model.numbers import dot, minus
+from longball.model.vectors import dot, minus
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ from longball.model.bat import (
     lever_arm,
     tangential_restitution,
 )
-from longball.model.force import Term
 from longball.model.impact import (
     energy_change,
     gripping_impulse,
@@ -31,8 +30,9 @@ from longball.model.impact import (
     velocity_after,
     velocity_after_push,
 )
-from longball.model.law import FORCES
-from longball.model.numbers import Undecided, dot, minus
+from longball.model.law import Force
+from longball.model.numbers import Undecided
+from longball.model.vectors import dot, minus
 
 
 def solve_impacts(run: Run) -> None:
@@ -276,12 +276,12 @@ class Model:
     Attributes
     ----------
     forces
-        What may act on a ball in flight.
+        What may act on a ball in flight besides the model's own.
     collide
         From a `ContactState` to the `Impact`; see `collide`.
     """
 
-    forces: tuple[Term, ...] = FORCES
+    forces: tuple[Force, ...] = ()
     collide: Callable[..., tuple[Any, Any]] = collide
 
 

@@ -9,7 +9,6 @@ from longball.engines.branches import arrived
 from longball.engines.chain.run import Mask, Number, Run, Vector
 from longball.engines.event import Event, vertical
 from longball.engines.path import Flight
-from longball.model.aerodynamics import LIFT
 from longball.model.frame import Frame
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
@@ -46,12 +45,14 @@ def fly(
     if not run.some(upright):
         return first
     there = turn.place(first.state)
-    second = run.fly(law.without(LIFT), there, surfaces(there), limit - first.time, upright)
+    second = run.fly(law.without("lift"), there, surfaces(there), limit - first.time, upright)
     return first.then(second) if run.some(leaning) else second
 
 
 def lift_is_always_up(run: Run, law: Law[Any]) -> bool:
-    """Return True if there is a lift, and it is always up."""
+    """Return True if there is a lift without a spin, and it is always up."""
+    if law.shape.spins:  # as a bat with friction makes the ball spin
+        return False
     return run.scene.reading.lift_direction == "always_up" and "lift" in law.strengths
 
 

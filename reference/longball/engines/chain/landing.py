@@ -12,9 +12,8 @@ from longball.engines.engine import Launch, Stepped
 from longball.engines.event import Piece, level
 from longball.engines.fence import Place, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
-from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import GRAVITY, Law, State, in_plane
+from longball.model.law import Law, State, in_plane
 from longball.model.numbers import Undecided
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
@@ -182,9 +181,9 @@ def _stays_aloft(run: Run, ball: Batted, rows: Mask) -> Mask:
     """
     numbers, law, start = run.numbers, ball.law, ball.start
     loops = (
-        LIFT in law.forces
+        law.is_paper
+        and "lift" in law.strengths
         and numbers.absent(law.strengths.get("drag", 0.0))
-        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
         and run.scene.reading.lift_direction == "fixed_spin_axis"
         and not isinstance(run.engine, Stepped)  # whose scheme may well come down
     )
