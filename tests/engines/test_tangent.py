@@ -154,7 +154,8 @@ def twelve_digits(case: golden.Case, names: list[str]) -> list[tuple[object, ...
         if left is None or right is None:
             continue
         x = abs(inputs(case.scene)[name]) or 1.0
-        for quantity, slope in found.items():
+        for quantity in found.keys() & sizes.keys():
+            slope = found[quantity]
             truth = (left[quantity] + right[quantity]) / 2
             off = GOOD * (abs(truth) + sizes[quantity] / x)
             if quantity == "contact.margin":

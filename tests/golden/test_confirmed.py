@@ -15,6 +15,8 @@ NEXT_TO = "next to"
 DIP = "dip"  # the flag of a ball that grazes the ground, which the oracle's tolerance leaves out
 # Of a family: cases nearer to another outcome than the oracle can tell are left out.
 IN_DOUBT = 0.5
+LATER = ("apex.time", "apex.position", "landing.angle", "plate.approach.vertical",
+         "plate.approach.horizontal")  # fmt: skip
 
 
 def apart(case: golden.Case) -> tuple[float | None, str]:
@@ -22,7 +24,12 @@ def apart(case: golden.Case) -> tuple[float | None, str]:
     true = by_oracle.truth(json.loads(case.scene.as_written()))
     if true is None:
         return None, ""
-    off, sentence = by_oracle.judged(json.loads(case.expected.line()), true)
+    answer = json.loads(case.expected.line())
+    # Golden results of version 0.1 have not the quantities that came later.
+    told = dict(by_oracle.quantities(answer))
+    later = [name for name in true if name not in told and name in LATER]
+    true = {name: value for name, value in true.items() if name not in later}
+    off, sentence = by_oracle.judged(answer, true)
     return off, f"{case.id}: {sentence}"
 
 

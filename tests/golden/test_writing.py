@@ -348,7 +348,7 @@ def test_inputs_have_paths_and_can_be_set():
     assert "time_limit" not in found
     assert with_input(scene, "launch.velocity[2]", 21.0).launch.velocity == (30.0, 2.0, 21.0)
     assert with_input(scene, "gravity", 9.0).gravity == 9.0
-    assert with_input(scene, "launch.position[2]", -1.0) is None  # underground
+    assert with_input(scene, "ball.mass", -1.0) is None
 
 
 def test_forces_that_a_scene_does_not_name_are_no_inputs():

@@ -531,8 +531,8 @@ def ids_of(scenes: Sequence[Scene]) -> list[str]:
 
 
 def written_out(scene: Scene) -> Scene:
-    """Return a scene as if all defaults had been written."""
-    return type(scene).model_validate(scene.model_dump())
+    """Return a scene as if all defaults but those of its reading had been written."""
+    return parse_scene(scene.line())
 
 
 def parse_scene(

@@ -241,7 +241,8 @@ class Flights(Flight[Any]):
         time, state = _where(flown, end, Start(self.time, self.state))
         top, other = self.highest(NUMBERS), cast(Start, second.highest(NUMBERS))
         later = Start(self.time + other.time, other.state)
-        mark = _where(flown, _where(np.isnan(top.time), later, top), self.mark)
+        higher = np.isnan(top.time) | (later.state.z > top.state.z)
+        mark = _where(flown, _where(higher, later, top), self.mark)
         return replace(self, stop=stop, time=time, state=state, mark=mark)
 
 

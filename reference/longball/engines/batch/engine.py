@@ -58,7 +58,8 @@ class OneFlight(Flight[float]):
     def then(self, second: Flight[float]) -> Flight[float]:
         """See `Flight.then`."""
         whole, top = super().then(second), self.highest(DOUBLES)
-        if top is None and (later := second.highest(DOUBLES)) is not None:
+        later = second.highest(DOUBLES)
+        if later is not None and (top is None or later[1].z > top[1].z):
             top = self.time + later[0], later[1]
         return OneFlight(
             whole.path, whole.stop, whole.time, whole.state, self.launch, Start(*top or self.mark)

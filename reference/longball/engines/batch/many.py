@@ -265,8 +265,8 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
     return records.flies_in_lanes(law_of(scene, frame, DOUBLES, model.forces))
 
 
-# The numbers of a scene that the law of motion is made of.
-_OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[")
+# The numbers of a scene that the law of motion is made of, in the frame of the ball's heading.
+_OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
 
 SolveBlock = Callable[[slice, Mapping[str, Array], Sequence[Table]], None]
 
