@@ -226,8 +226,8 @@ class Flights(Flight[Any]):
 
     def highest(self, numbers: Any) -> Start:
         """See `Flight.highest`; NaN where there is none."""
-        falls = np.isnan(self.mark.time) & ~(self.launch.state.w > 0.0)
-        return _where(falls, self.launch, self.mark)
+        lower = np.isnan(self.mark.time) | (self.launch.state.z > self.mark.state.z)
+        return _where(lower & ~(self.launch.state.w > 0.0), self.launch, self.mark)
 
     def stopped(self, name: str) -> Any:
         """Return flags of the flights that an event of that name stopped."""

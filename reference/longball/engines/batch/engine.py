@@ -51,9 +51,11 @@ class OneFlight(Flight[float]):
 
     def highest(self, numbers: Numbers[float]) -> tuple[float, State[float]] | None:
         """See `Flight.highest`."""
-        if self.mark.time == self.mark.time:
+        falls = not self.launch.state.w > 0.0
+        known = self.mark.time == self.mark.time
+        if known and not (falls and self.launch.state.z > self.mark.state.z):
             return self.mark
-        return None if self.launch.state.w > 0.0 else self.launch
+        return self.launch if falls else None
 
     def then(self, second: Flight[float]) -> Flight[float]:
         """See `Flight.then`."""
