@@ -138,6 +138,7 @@ def test_doubles_cannot_tell_the_closest_grazes():
     assert [solve(case.scene, Ivp()).code for case in PROVEN[-2:]] == ["undecided", "undecided"]
 
 
+@pytest.mark.nightly
 def test_a_ball_that_almost_comes_to_rest_loses_no_digit():
     """V falls to 1e-9 m/s at the apex: the path is smooth, but only just."""
     scene = flight((1e-9, 0.0, 3.0), air=Air(lift_coefficient=0.0))
