@@ -26,7 +26,7 @@ from longball.model.quantities import numbers, vector_of
 from longball.model.result import Bounded
 
 STRUCK = 32  # roundings from the scene of an impact to its result, every one for the worst
-DIGITS = 16
+DIGITS = 20
 
 # Decided by less than the error that an engine of double precision states.
 TOO_CLOSE = re.compile(
