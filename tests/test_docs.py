@@ -22,7 +22,14 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 # Templates hold links of the report, where they are checked.
 LINKED = sorted(
     page
-    for folder in (".", "docs", "report", "tests", "reference/longball/golden/data")
+    for folder in (
+        ".",
+        "docs",
+        "report",
+        "tests",
+        "tests/planted",
+        "reference/longball/golden/data",
+    )
     for page in (ROOT / folder).glob("*.md")
 )
 NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e[+-]?\d+)?")
