@@ -31,6 +31,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Declare the mark of what waits for `make nightly`."""
     config.addinivalue_line("markers", "nightly: run with --nightly only")
+    # Golden data are hundreds of thousands of objects, through which each full collection walks.
+    gc.set_threshold(100_000, 20, 100)
     if config.getoption("--nightly"):
         settings.load_profile("nightly")
 
