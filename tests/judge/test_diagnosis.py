@@ -70,7 +70,14 @@ EXPECTED = {
 }
 
 
-@pytest.mark.parametrize(("mistake", "stage", "edit"), [(m, *e) for m, e in EXPECTED.items()])
+@pytest.mark.parametrize(
+    ("mistake", "stage", "edit"),
+    [
+        # Exchanged axes are in test_outputs.py, too.
+        pytest.param(mistake, *expected, marks=NIGHTLY if expected[0] == "output" else ())
+        for mistake, expected in EXPECTED.items()
+    ],
+)
 def test_a_mistake_is_named_where_it_is_made(gold: list[Case], mistake: str, stage: str, edit: str):
     first = diagnose(gold, answers(gold, mistake)).findings[0]
     assert (first.stage, first.kind, first.edit) == (stage, "named", edit), first.sentence

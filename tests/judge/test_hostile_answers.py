@@ -143,7 +143,7 @@ def check_a_verdict_is_given(folder: Path, family: str, edit: Edit) -> None:
 @pytest.mark.parametrize(
     ("family", "value"),
     [
-        ("at-bat-real", 0.0),
+        pytest.param("at-bat-real", 0.0, marks=pytest.mark.nightly),
         ("at-bat-real", 1e300),
         ("impact-oblique", math.nan),
     ],
