@@ -34,7 +34,7 @@ def run(report: Report, full: bool) -> str:
     with report.figure("distances", size=(6.4, 3.6)) as (axes,):
         top = 1.3 * draw_stairs(axes, densities, linewidth=1.4)
         for i, (e, bins) in enumerate(densities.items()):
-            cut = f"e = {e:g}: {1e3 * bins[0]:.1f} per km"
+            cut = f"e = {e:g}: {bins[0]:.3f}"
             axes.annotate(cut, (BIN + 2.0, (0.93 - 0.07 * i) * top), fontsize="small")
         axes.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
         axes.annotate("home run", (HOME_RUN_DISTANCE + 2.0, 0.9 * top), fontsize="small")

@@ -128,14 +128,19 @@ def test_the_slopes_that_others_give():
     ("default", "nearest", "verdict"),
     [
         (1.1, 0.9, "**reproduced**: yes"),
-        (2.0, 0.9, "**by the nearest reading only**: yes"),
-        (1.1, 2.0, "**by the default reading only**: no"),
+        (2.0, 0.9, "by the nearest reading only: yes"),
+        (1.1, 2.0, "by the default reading only: no"),
         (2.0, math.nan, "**not reproduced**: no"),
     ],
 )
 def test_verdicts_follow_from_twice_the_noise(default, nearest, verdict):
     one = Counterpart("Fig. 0", "x", 1.0, default, nearest, 0.1, 2, "yes", "no")
     assert one.verdict == verdict
+
+
+def test_a_number_that_the_reading_was_chosen_by_is_not_called_reproduced():
+    one = Counterpart("Fig. 0", "x", 1.0, 2.0, 0.9, 0.1, 2, "yes", "no", chosen=True)
+    assert one.verdict == "fitted: the nearest reading was chosen by it; yes"
 
 
 # ---- readings ------------------------------------------------------------------------------------
@@ -158,11 +163,15 @@ def test_what_the_ledger_forbids_is_no_reading():
         reduced_mass="effective_mass", inertia="thin_rod"
     )
     assert turned_to(base, "cell_width", "0.2") == base.replaced({"cell_width": 0.2})
+    carried = base._replace(contact_force="carried")
+    assert turned_to(base, "contact_force", "carried") == carried
+    assert turned_to(carried, "inertia", "thin_rod").contact_force == "carried"
 
 
 def test_combinations_differ():
-    found = [(base.scene.line(), base.sampling) for base in bases()]
-    assert len(found) == len(set(found)) == len(COLLISIONS) * 2 * 5 * 2
+    found = [(base.scene.line(), *base[1:]) for base in bases()]
+    # Contact forces, spreads of the offset, radii and widths of a cell.
+    assert len(found) == len(set(found)) == len(COLLISIONS) * 3 * 2 * 2 * 6
 
 
 def test_the_ranges_hold_the_usual_numbers():
