@@ -35,7 +35,8 @@ def errors(scene: AtBatScene, step: float) -> dict[str, tuple[float, float]]:
     assert way is not None
     inside = way.time + way.window / 2
     dt = inside / max(1, round(inside / step))
-    true, found = distance(scene, TRUTH), {}
+    true = distance(scene, TRUTH)
+    found: dict[str, tuple[float, float]] = {}
     for force in PUSHES:
         own = distance(pushed_by(scene, impulse_share(force)), TRUTH)
         d = distance(scene, Verlet(dt, "implicit", contact_force=force))
