@@ -100,7 +100,8 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
         if switch == "contact_force":
             other = base._replace(contact_force=cast(ContactForce, option))
         elif option:
-            scheme = replace(scheme, **{SCHEME_OPTIONS[switch]: option})
+            one: Any = {SCHEME_OPTIONS[switch]: option}
+            scheme = replace(scheme, **one)
         (struck,) = balls.strike_in_steps(other, samples, [E], scheme)
         share = space.share(struck)
         before = before or share
@@ -120,7 +121,6 @@ def section(report: Report, cases: Cases) -> str:
     sizes = [len(rows) for rows in seen]
     size = (6.4, 1.4 + 0.26 * sum(sizes))
     with report.figure("paper_tornado", rows=len(found), size=size) as panels:
-        panels[0].figure.get_layout_engine().set(hspace=0.06)
         for axes, of, turned in zip(panels, found, seen, strict=True):
             rows = turned.sort_values("change", key=abs, kind="stable")
             heights = np.arange(len(rows))
