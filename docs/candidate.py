@@ -1,8 +1,29 @@
-"""Flights by Runge-Kutta: reads one JSON scene per line, writes one JSON result per line."""
+"""Flights by Runge-Kutta: reads one JSON scene per line, writes one JSON result per line.
+
+Usage: candidate.py [STEP], in s; 0.001 by default.
+"""
 
 import json
 import math
 import sys
+
+# What a scene leaves out has the value of the paper's model.
+DEFAULTS = {
+    "ball": {"mass": 0.145, "radius": 0.0366},
+    "air": {"density": 1.29, "drag_coefficient": 0.4, "lift_coefficient": 0.2},
+    "gravity": 9.8,
+    "ground": {"height": 0.0},
+    "time_limit": 60.0,
+}
+
+
+def filled_in(scene):
+    """Return a scene with the defaults that it leaves out."""
+    whole = DEFAULTS | scene
+    for name in ("ball", "air", "ground"):
+        if whole[name] is not None:  # no air at all
+            whole[name] = DEFAULTS[name] | whole[name]
+    return whole
 
 
 def rates(state, scene, heading):
@@ -29,7 +50,7 @@ def step(state, h, *law):
 
 def is_solved(scene):
     """Tell whether a scene is a flight of the paper's model by the default reading."""
-    if scene["kind"] != "flight" or scene["reading"] or scene.keys() & {"earth", "fence"}:
+    if scene["kind"] != "flight" or scene.get("reading") or scene.keys() & {"earth", "fence"}:
         return False
     air, launch = scene["air"] or {}, scene["launch"]
     return (
@@ -41,6 +62,7 @@ def is_solved(scene):
 
 def solve(scene, h=1e-3):
     """Fly until the ball comes down to the ground."""
+    scene = filled_in(scene)
     if not is_solved(scene):
         error = "only flights of the paper's model by the default reading are solved"
         return {"id": scene["id"], "error": error}
@@ -63,5 +85,6 @@ def solve(scene, h=1e-3):
 
 
 if __name__ == "__main__":
+    step_length = [float(word) for word in sys.argv[1:]]
     for line in sys.stdin:
-        print(json.dumps(solve(json.loads(line))), flush=True)
+        print(json.dumps(solve(json.loads(line), *step_length)), flush=True)

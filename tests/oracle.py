@@ -498,7 +498,12 @@ def plate_of(flight, doubt):
         return None, "airborne"
     doubt.weigh("plate at the time limit", time - flight.limit)
     y = flight.at(time)
-    return {"time": time, "position": y[:3], "velocity": y[3:6]}, "crossed"
+    approach = {
+        "vertical": math.atan2(y[5], math.hypot(y[3], y[4])),
+        "horizontal": math.atan2(y[4], -y[3]),
+    }
+    plate = {"time": time, "position": y[:3], "velocity": y[3:6], "approach": approach}
+    return plate, "crossed"
 
 
 def touching(flight, height, reach, doubt):
@@ -802,6 +807,23 @@ def of_at_bat(scene, doubt, longest):
     return known | {"impact": impact} | fly_out(scene, "batted", ball, time, doubt, longest)
 
 
+def highest(flight, end, start):
+    """The highest place where a ball ceases to rise, or its launch if it does not rise there."""
+
+    def climb(t):
+        return flight.at(t)[5]
+
+    seen = [t for t in flight.times if t < end] + [end]
+    tops = [] if climb(seen[0]) > 0 else [seen[0]]
+    for before, now in pairwise(seen):
+        if climb(before) > 0 >= climb(now):
+            tops.append(brentq(climb, before, now, xtol=1e-15))
+    if not tops:
+        return {}
+    top = max(tops, key=lambda t: flight.at(t)[2])
+    return {"apex": {"time": start + top, "position": flight.at(top)[:3]}}
+
+
 def fly_out(scene, landed, ball, start, doubt, longest):
     """Fly a launched or batted ball to fence and ground."""
     position, velocity, spin = ball
@@ -815,9 +837,10 @@ def fly_out(scene, landed, ball, start, doubt, longest):
     if fence:
         found["fence"] = fence | {"time": start + fence["time"]}
         if fence["clearance"] <= 0:
-            return {"outcome": "wall"} | found
+            return {"outcome": "wall"} | highest(flight, fence["time"], start) | found
     if time is not None:
         y = flight.at(time)
+        found |= highest(flight, time, start)
         origin = (0.0, 0.0) if scene["reading"]["distance_origin"] == "plate" else position
         found["landing"] = {
             "time": start + time,
@@ -825,6 +848,7 @@ def fly_out(scene, landed, ball, start, doubt, longest):
             "position": y[:3],
             "velocity": y[3:6],
             "distance": math.hypot(y[0] - origin[0], y[1] - origin[1]),
+            "angle": math.atan2(-y[5], math.hypot(y[3], y[4])),
         }
         if spin is not None:
             found["landing"]["spin"] = flight.spin(time, doubt)

@@ -154,6 +154,22 @@ class Path:
             if index == len(self.pieces):
                 self._go_on()
 
+    def highest(self):
+        """Time at which it first does not rise."""
+
+        def climb(time):
+            _, v = self.at(time)
+            return v[2], self.acceleration(v)[2]
+
+        above = arb(0)
+        if not climb(above)[0] > 0:
+            return above
+        for below in self.grid():
+            if climb(below)[0] < 0:
+                break
+            above = below
+        return newton(climb, ((above + below) / 2).mid())
+
     def landing(self, floor, time_limit):
         """Time of the first fall to a height; None if it does not come before the time limit."""
 
@@ -292,14 +308,17 @@ def _landing(scene, position, velocity, start, digits):
     if time is None:
         return {}
     r, v = path.at(time)
+    top = path.highest()
     return {
+        "apex": {"time": start + top, "position": path.at(top)[0]},
         "landing": {
             "time": start + time,
             "hang_time": time,
             "position": r,
             "velocity": v,
             "distance": (r[0] * r[0] + r[1] * r[1]).sqrt(),
-        }
+            "angle": arb.atan2(-v[2], (v[0] * v[0] + v[1] * v[1]).sqrt()),
+        },
     }
 
 
@@ -310,7 +329,11 @@ def _pitch(scene, digits):
 
 def _plate(throw):
     r, v = throw.plate
-    return {"time": throw.plate_time, "position": r, "velocity": v}
+    approach = {
+        "vertical": arb.atan2(v[2], (v[0] * v[0] + v[1] * v[1]).sqrt()),
+        "horizontal": arb.atan2(v[1], -v[0]),
+    }
+    return {"time": throw.plate_time, "position": r, "velocity": v, "approach": approach}
 
 
 def _impact(scene, digits):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -41,6 +42,22 @@ class TestSolve:
         assert run.returncode == 0
         assert run.stdout == ""
         assert len(output.read_bytes().splitlines()) == 2
+
+    @pytest.mark.parametrize(
+        ("text", "what", "jq"),
+        [
+            ('{"kind": "at-bat",\n "swing": {"tilt": 0}}\n', "one object over several lines", "."),
+            ('{\n "kind": "at-bat"\n}', "one object over several lines", "."),
+            ('[{"kind": "at-bat"},\n {"kind": "pitch"}]', "an array", "'.[]'"),
+        ],
+    )
+    def test_json_over_several_lines_is_one_sentence(self, called, tmp_path, text, what, jq):
+        source = tmp_path / "scenes.json"
+        source.write_text(text)
+        for run in (called("solve", str(source)), called("plot", str(source))):
+            assert (run.returncode, run.stdout) == (2, "")
+            (sentence,) = run.stderr.splitlines()
+            assert f"is JSON, but {what}; a scene stands in one line: jq -c {jq} " in sentence
 
     def test_bad_lines_are_answered_and_lose_nothing(self, called):
         lines = [
@@ -311,7 +328,6 @@ class TestSolve:
             (["measured", "--example", "rows.csv"], "either --example or rows.csv"),
             (["fit", "--example", "rows.csv"], "either --example or rows.csv"),
             (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "'--html'"),
-            (["judge", "--junit", "/no/such/folder/p.xml", "--", "true"], "'--junit'"),
             (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
             (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
             (["solve", "-o", ""], "a file is needed"),
@@ -383,6 +399,28 @@ class TestPlot:
             assert called("plot", "-o", str(picture), stdin=line).returncode == 0
         lines = [picture.read_text(encoding="utf-8").count("#999999") for picture in pictures]
         assert lines[0] > lines[1]
+
+    def test_many_balls_are_a_spray_chart(self, called, tmp_path: Path):
+        def plotted(count: int) -> str:
+            velocities = [[5, -15, 10], *[[30, 2, 20]] * (count - 1)]
+            launches = ({"position": [0, 0, 1], "velocity": velocity} for velocity in velocities)
+            scenes = ({"kind": "flight", "launch": launch} for launch in launches)
+            lines = "\n".join(map(json.dumps, scenes)).encode()
+            picture = tmp_path / "p.svg"
+            assert called("plot", "-o", str(picture), "--fence", "70", stdin=lines).returncode == 0
+            return picture.read_text(encoding="utf-8")
+
+        spray = plotted(20)
+        assert "<!-- home run (19) -->" in spray
+        assert "<!-- foul (1) -->" in spray
+        assert "towards centre field" in spray
+        assert "height z (m)" in plotted(3)
+
+    def test_many_pitches_are_paths(self, called, tmp_path: Path):
+        picture = tmp_path / "p.svg"
+        lines = b'{"kind": "pitch"}\n' * 20
+        assert called("plot", "-o", str(picture), stdin=lines).returncode == 0
+        assert "height z (m)" in picture.read_text(encoding="utf-8")
 
     def test_what_has_no_path_is_named(self, called, tmp_path: Path):
         picture = tmp_path / "p.png"
@@ -583,3 +621,57 @@ def test_heavy_libraries_wait_until_they_are_needed(what: str, more: set[str]):
     code = f"import sys; {what}; print(*({heavy} & set(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
     assert run.stdout.strip() == b""
+
+
+# --- aim and infer --------------------------------------------------------------------------------
+
+VACUUM = (
+    b'{"kind": "flight", "air": null, "launch": {"position": [0, 0, 0], "velocity": [40, 0, 5]}}'
+)
+
+
+def test_aim_prints_scenes_that_hit(called):
+    done = called("aim", "--target", "100", stdin=VACUUM)
+    assert done.returncode == 0
+    # d = v² sin 2θ / g
+    low = 0.5 * math.asin(9.8 * 100 / 1625)
+    angles = [
+        math.atan2(velocity[2], velocity[0])
+        for velocity in (json.loads(x)["launch"]["velocity"] for x in done.stdout.splitlines())
+    ]
+    assert angles == pytest.approx([low, math.pi / 2 - low], rel=1e-12)
+
+
+def test_infer_finds_what_was_launched(called, tmp_path):
+    points = tmp_path / "points.csv"
+    points.write_text("t,x,y,z\n0.5,12.5,0,8\n1.0,25,0,\n", encoding="utf-8")
+    unknowns = ["--unknown", "launch.velocity[0]", "--unknown", "launch.velocity[2]"]
+    done = called("infer", "--points", points, *unknowns, "--json", "--sigma", "0.1", stdin=VACUUM)
+    found = json.loads(done.stdout)
+    # 8 = w/2 - 9.8/8
+    assert found["value"] == pytest.approx(
+        {"launch.velocity[0]": 25.0, "launch.velocity[2]": 18.45}, rel=1e-12
+    )
+    assert found["scene"]["launch"]["velocity"] == pytest.approx([25.0, 0.0, 18.45], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "sentence"),
+    [
+        (["aim"], 2, "--target"),
+        (["aim", "--target", "1,x"], 2, "a distance is needed"),
+        (["aim", "--target", "900"], 1, "out of reach: the ball gets 165.816 m of 900 m"),
+        (["infer", "--unknown", "gravity"], 2, "either --points FILE or --measured"),
+        (["infer", "--measured", "landing.time=1"], 2, "--unknown"),
+        (
+            ["infer", "--measured", "landing.time=1", "--unknown", "gravty"],
+            2,
+            "did you mean gravity",
+        ),
+        (["infer", "--measured", "plate.time=1", "--unknown", "gravity"], 1, "plate.time"),
+    ],
+)
+def test_aim_and_infer_say_what_is_wrong(called, arguments, status, sentence):
+    done = called(*arguments, stdin=VACUUM)
+    assert done.returncode == status
+    assert sentence in done.stderr

@@ -7,6 +7,7 @@ import doctest
 import json
 import math
 import pickle
+import pydoc
 import re
 import subprocess
 import sys
@@ -19,6 +20,7 @@ import pytest
 import longball as lb
 from longball import api, engines, tables
 from longball.model.quantities import flat, numbers
+from longball.questions import movement, parks, spin
 from tests.engines.test_lines import ERRORS
 
 AT_BAT = {
@@ -39,7 +41,7 @@ class TestImport:
         with pytest.raises(AttributeError, match="solv'"):
             _ = lb.solv
 
-    @pytest.mark.parametrize("module", [lb, api, tables])
+    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, spin])
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
         assert results.attempted > 0
@@ -76,6 +78,15 @@ class TestScenes:
         assert "id" not in json.loads(scene.line())
         assert lb.AtBat(**json.loads(scene.line())) == scene
         assert pickle.loads(pickle.dumps(scene)) == scene
+
+    def test_help_fits_a_screen_and_shows_no_name_of_pydantic(self):
+        said = pydoc.plain(pydoc.render_doc(lb.AtBat))
+        assert len(said.splitlines()) < 60
+        assert "AtBat(*, id=None, ball={}, reading={}, air={}, gravity=9.8," in said
+        assert "model_" not in said
+        assert {"pitch", "swing", "replace"} < {*dir(lb.AtBat())}
+        assert not [x for x in dir(lb.AtBat()) + dir(lb.Bat) if x.startswith(("_", "model_"))]
+        assert repr(lb.AtBat(swing={"tilt": 0.2})) == "AtBat(swing={'tilt': 0.2})"
 
     @pytest.mark.parametrize(
         ("written", "error", "named"),
@@ -282,6 +293,20 @@ def test_a_scene_shows_what_was_written():
     assert eval(repr(scene), {"AtBat": lb.AtBat}) == scene
     assert repr(lb.Pitch()) == "Pitch()"
 
+    def test_it_is_drawn_from_the_side_to_scale(self):
+        plt = pytest.importorskip("matplotlib.pyplot")
+        path = lb.solve(lb.AtBat(**AT_BAT)).path
+        axes = path.plot()
+        try:
+            assert path.plot(axes) is axes
+            first, second = (line.get_xydata() for line in axes.lines)
+            assert np.array_equal(first, second)
+            assert first[0] == pytest.approx([18.44, 1.8])
+            assert first[-1] == pytest.approx(path.at(path.end).position[[0, 2]])
+            assert axes.get_aspect() == 1.0
+        finally:
+            plt.close("all")
+
 
 class TestSolveMany:
     def test_a_list_keeps_its_order_and_its_errors(self):
@@ -359,9 +384,9 @@ class TestSolveMany:
         table = lb.solve_many(form(columns))
         alone = lb.solve_many([{"kind": "pitch", "pitch": {"speed": "40"}}])[0]
         assert table.outcome[0] == "crossed"
-        assert table.error[1] == alone.error == "pitch.speed: must be a valid number (got '40')"
+        assert table.error[1] == alone.error == "pitch.speed: must be a number in m/s (got '40')"
         assert "got 'fast'" in table.error[2]
-        said = r"pitch\.speed: must be a valid number \(got '39'\) \(row 0 of 2\)"
+        said = r"pitch\.speed: must be a number in m/s \(got '39'\) \(row 0 of 2\)"
         with pytest.raises(lb.InvalidScene, match=said):
             lb.solve_many(form({"kind": "pitch", "pitch.speed": ["39", "40"]}))
 

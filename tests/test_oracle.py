@@ -61,7 +61,10 @@ def test_at_bats_of_the_paper_in_high_precision(offset):
     for block in ("plate", "contact", "impact", "landing"):
         assert found.get(block, {}).keys() - {"recontact"} == true.get(block, {}).keys()
         for name, value in true.get(block, {}).items():
-            wanted = [float(c) for c in value] if isinstance(value, list) else float(value)
+            if isinstance(value, dict):
+                wanted = {key: float(part) for key, part in value.items()}
+            else:
+                wanted = [float(c) for c in value] if isinstance(value, list) else float(value)
             assert found[block][name] == pytest.approx(wanted, rel=20 * CLOSE, abs=20 * CLOSE), name
 
 

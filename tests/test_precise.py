@@ -130,9 +130,11 @@ def test_more_digits_change_nothing_that_was_given():
     assert few["outcome"] == many["outcome"] == "batted"
     for block in ("plate", "contact", "impact", "landing"):
         for name, value in few[block].items():
-            pairs = [(value, many[block][name])]
+            pairs = [(value, more := many[block][name])]
             if isinstance(value, list):
-                pairs = zip(value, many[block][name], strict=True)
+                pairs = zip(value, more, strict=True)
+            if isinstance(value, dict):
+                pairs = [(value[key], more[key]) for key in value]
             assert all(abs(a - b) < 1e-21 for a, b in pairs)
 
 

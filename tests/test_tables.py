@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -104,10 +105,10 @@ def test_odd_cells_of_files_are_errors_of_their_rows(tmp_path: Path):
     text = tmp_path / "scenes.csv"
     text.write_text("kind,gravity\npitch," + "[" * 100_000 + "\npitch,NaN\npitch,9.8\n")
     odd, usual = lb.solve_many(tables.scene_lines(parquet).splitlines())
-    assert odd.error == "pitch.speed: must be a valid number (got '3 days 00:00:00')"
+    assert odd.error == "pitch.speed: must be a number in m/s (got '3 days 00:00:00')"
     assert usual.outcome == "crossed"
     nested_, nan, usual = lb.solve_many(tables.scene_lines(text).splitlines()[1:])
-    assert nested_.error.startswith("gravity: must be a valid number")
+    assert nested_.error.startswith("gravity: must be a number in m/s²")
     assert nan.error == "gravity: must be a finite number (got nan)"
     assert usual.outcome == "crossed"
 
@@ -304,3 +305,57 @@ def test_tables_that_libraries_write_are_scenes_as_they_are(tmp_path: Path):
     for answer, speed, aim in zip(solved(tmp_path / "listed.parquet"), speeds, aims, strict=True):
         scene = lb.Pitch(pitch={"speed": speed, "aim": aim})
         assert answer["plate"]["position"] == [*lb.solve(scene).plate.position]
+
+
+# --- vectors as one column ------------------------------------------------------------------------
+
+LAUNCHES = [[30.0, 0.0, 20.0], [40.0, 2.0, 20.0]]
+
+
+@pytest.mark.parametrize(
+    "velocity",
+    [LAUNCHES, np.array(LAUNCHES), [tuple(x) for x in LAUNCHES], pd.Series(LAUNCHES)],
+    ids=["lists", "array", "tuples", "series"],
+)
+@pytest.mark.parametrize("position", [[0.6, 0, 0.9], np.array([0.6, 0.0, 0.9]), "[0.6, 0, 0.9]"])
+def test_a_vector_may_be_one_column_or_one_list_for_all(velocity, position):
+    columns = {"kind": "flight", "launch.position": position, "launch.velocity": velocity}
+    table = lb.solve_many(columns)
+    scenes = [{"kind": "flight", "launch": {"position": [0.6, 0, 0.9], "velocity": v}}
+              for v in LAUNCHES]  # fmt: skip
+    expected = [solution.landing.distance for solution in lb.solve_many(scenes)]
+    assert table["landing.distance"].tolist() == expected
+
+
+def test_a_cell_that_is_no_vector_is_the_error_of_its_row():
+    cells = [[30, 0, 20], [40, 0], None, [40, 0, math.nan], [1, 2, 3, 4]]
+    table = lb.solve_many(
+        {"kind": "flight", "launch.position": [0, 0, 1], "launch.velocity": cells}
+    )
+    assert table.outcome.isna().tolist() == [False, True, True, True, True]
+    assert table.error[1] == "launch.velocity[2]: is missing"
+    assert table.error[3] == "launch.velocity[2]: must be a finite number (got nan)"
+    assert table.error[2] == "launch.velocity: is missing; it is [x, y, z] in m/s"
+    assert table.error[4] == "launch.velocity: takes at most 3 values, and has 4"
+    with pytest.raises(lb.InvalidScene, match=r"launch.velocity\[2\]: is missing"):
+        lb.solve_many({"kind": "flight", "launch.position": [0, 0, 1], "launch.velocity": [30, 0]})
+
+
+def test_paths_come_with_the_results():
+    columns = {"kind": "flight", "launch.position": [0, 0, 1], "launch.velocity": [*LAUNCHES, None]}
+    table = lb.solve_many(columns, paths=5)
+    assert table.path[2] is None
+    for row, velocity in enumerate(LAUNCHES):
+        path = lb.solve(
+            {"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": velocity}}
+        ).path
+        times = np.linspace(0.0, path.end, 5)
+        assert table.path[row].shape == (5, 7)
+        assert table.path[row][:, 0] == pytest.approx(times)
+        assert table.path[row][:, 1:4] == pytest.approx(path.at(times).position, abs=1e-9)
+    (solution,) = lb.solve_many([{"kind": "at-bat"}], paths=3)
+    assert len(solution.to_dict()["path"]) == 3
+    with pytest.raises(ValueError, match="paths = 1"):
+        lb.solve_many([], paths=1)
+    with pytest.raises(ValueError, match="cannot be certified"):
+        lb.solve_many([], paths=2, certify=True)

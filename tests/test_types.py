@@ -13,9 +13,7 @@ import pytest
 from tests.test_docs import PAGES, ROOT, fences
 
 pytest.importorskip("mypy")
-# Golden cases and forces of one's own are models, whose blocks may be None: not yet checked.
-MODELS = ("golden", "api")
-SHOWN = [page for page in PAGES if fences(page, "pycon") and page.stem not in MODELS]
+SHOWN = [page for page in PAGES if fences(page, "pycon")]
 
 
 def checked(folder: Path, programs: dict[str, str]) -> str:

@@ -44,6 +44,18 @@ if TYPE_CHECKING:
         Launch,
         Swing,
     )
+    from longball.questions.aiming import aim
+    from longball.questions.inverse import fit
+    from longball.questions.movement import (
+        Movement,
+        NineParameters,
+        clock,
+        movement,
+        nine_parameters,
+    )
+    from longball.questions.parks import InPark, Park, in_parks, park, parks
+    from longball.questions.spin import SpinFromMovement, spin_from_movement
+    from longball.questions.uncertainty import uncertainty
     from longball.tables import solve_many
 
 __version__ = "0.1.0"
@@ -62,6 +74,16 @@ _BLOCKS = (
     "Weather",
 )
 
+# Modules of `longball.questions` that public names are in.
+_QUESTIONS = {
+    "aiming": ("aim",),
+    "inverse": ("fit",),
+    "movement": ("Movement", "NineParameters", "clock", "movement", "nine_parameters"),
+    "parks": ("InPark", "Park", "in_parks", "park", "parks"),
+    "spin": ("SpinFromMovement", "spin_from_movement"),
+    "uncertainty": ("uncertainty",),
+}
+
 __all__ = [
     "Air",
     "AtBat",
@@ -73,25 +95,40 @@ __all__ = [
     "Flight",
     "Ground",
     "Impact",
+    "InPark",
     "Incoming",
     "InvalidScene",
     "Launch",
+    "Movement",
+    "NineParameters",
+    "Park",
     "Path",
     "Pitch",
     "Reading",
     "Solution",
+    "SpinFromMovement",
     "State",
     "Swing",
     "Undecided",
     "Weather",
     "__version__",
+    "aim",
+    "clock",
     "convergence",
+    "fit",
     "golden",
     "home_run_probability",
+    "in_parks",
     "judge",
     "launch",
+    "movement",
+    "nine_parameters",
+    "park",
+    "parks",
     "solve",
     "solve_many",
+    "spin_from_movement",
+    "uncertainty",
 ]
 
 _PACKAGES = ("convergence", "golden", "judge")
@@ -104,6 +141,9 @@ def __getattr__(name: str) -> Any:
     if name in _BLOCKS:
         homes = {"Reading": "readings", "Weather": "air"}
         return getattr(import_module(f"longball.model.{homes.get(name, 'scene')}"), name)
+    for question, names in _QUESTIONS.items():
+        if name in names:
+            return getattr(import_module(f"longball.questions.{question}"), name)
     if name in __all__:
         module = import_module("longball.tables" if name == "solve_many" else "longball.api")
         return getattr(module, name)

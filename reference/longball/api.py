@@ -27,12 +27,14 @@ from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.arrays import Array
 from longball.model.changes import Changes
+from longball.model.inputs import inputs, require_inputs
 from longball.model.names import one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of, plain
-from longball.model.quantities import at
+from longball.model.quantities import at, numbers
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
+    Apex,
     Bounded,
     Certified,
     Contact,
@@ -49,7 +51,10 @@ from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
+    from longball.engines.path_engine import PathEngine
+    from longball.engines.tangent import Derivatives
     from longball.pitches import FittedPitches
 
 
@@ -377,6 +382,36 @@ class Path:
         table = np.column_stack([time, position, velocity])
         return pd.DataFrame(table, columns=["t", "x", "y", "z", "vx", "vy", "vz"])
 
+    @naming_extras()
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the path from the side, to scale: height over the way from the plate, m.
+
+        Parameters
+        ----------
+        ax
+            Axes of Matplotlib to draw on; new ones if left out.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, for titles, limits and more paths.
+
+        Examples
+        --------
+        >>> import longball as lb
+        >>> axes = lb.solve(lb.AtBat()).path.plot()
+        >>> axes.get_ylabel()
+        'height z (m)'
+        """
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots(layout="constrained")[1] if ax is None else ax
+        position = self.at(np.linspace(self.start, self.end, _PLOTTED)).position
+        axes.plot(position[:, 0], position[:, 2])
+        axes.set(xlabel="x, from the plate towards the pitcher (m)", ylabel="height z (m)")
+        axes.set_aspect("equal", adjustable="datalim")
+        return axes
+
     def _state(self, time: float) -> list[float]:
         exact = self._numbers.exact(time)
         end = self._trajectory.end
@@ -391,6 +426,9 @@ class Path:
 
     def _double(self, x: Any) -> float:
         return float(self._numbers.report(x))
+
+
+_PLOTTED = 400  # points: lines between them are as smooth as a screen
 
 
 class Solution:
@@ -413,6 +451,7 @@ class Solution:
     plate: Plate
     contact: Contact
     impact: ImpactResult
+    apex: Apex
     fence: Fence
     landing: Landing
     engine: str | None
@@ -425,10 +464,12 @@ class Solution:
         result: Result,
         solver: Engine[Any],
         trajectory: Trajectory[Any] | None = None,
+        derivatives: Derivatives | None = None,
     ) -> None:
         engine = result.engine and signed(result.engine)
         self.scene, self.result = scene, result.model_copy(update={"engine": engine})
         self._solver, self._trajectory = solver, trajectory
+        self._derivatives = derivatives
 
     def __getattr__(self, name: str) -> Any:
         if name in Result.model_fields:
@@ -442,7 +483,7 @@ class Solution:
         """
         keys = re.sub(r"\[\d+\]", "", name).split(".")
         if not models.parts_of(Result, keys):
-            blocks = chain.BLOCKS.items()
+            blocks = chain.PARTS.items()
             known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
             raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
         return at(self.result, name)
@@ -458,6 +499,13 @@ class Solution:
         # A trajectory is made piece by piece, which no copy can go on with: `path` solves again.
         state = {name: value for name, value in vars(self).items() if name != "path"}
         return state | {"_trajectory": None}
+
+    @property
+    def derivatives(self) -> Derivatives:
+        """Derivatives of its numbers by numbers of the scene; a `ValueError` if not asked for."""
+        if self._derivatives is None:
+            raise ValueError("derivatives are to be asked for: lb.solve(scene, derivatives=True)")
+        return self._derivatives
 
     @cached_property
     def path(self) -> Path:
@@ -480,7 +528,7 @@ class Solution:
         return Path(way, self._solver)
 
     def __repr__(self) -> str:
-        rows = [f"  {name:<22}{value} {unit}".rstrip() for name, value, unit in self._rows()]
+        rows = [f"  {name:<21} {value} {unit}".rstrip() for name, value, unit in self._rows()]
         return "\n".join([self._title, *rows])
 
     def _repr_html_(self) -> str:
@@ -497,16 +545,18 @@ class Solution:
 
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield name, value and unit of every quantity."""
-        for name in chain.BLOCKS:
-            block = getattr(self.result, name)
+        for name in chain.PARTS:
+            block = at(self.result, name)
             for key, field in type(block).model_fields.items() if block else ():
-                if (value := getattr(block, key)) is not None:
+                if (
+                    value := getattr(block, key)
+                ) is not None and f"{name}.{key}" not in chain.PARTS:
                     unit = _UNIT.match(field.description or "")
                     yield f"{name}.{key}", _shown(value), unit[0] if unit else ""
 
 
 # Descriptions of the result's quantities begin with the unit.
-_UNIT = re.compile(r"(s|m|m/s|rad/s|J|N s)(?=[,;]|$)")
+_UNIT = re.compile(r"(s|m|m/s|rad|rad/s|J|N s)(?=[,;]|$)")
 
 
 def _real(name: str, value: ArrayLike) -> Array:
@@ -526,7 +576,12 @@ def _shown(value: Any) -> str:
 
 
 def solve(
-    scene: object, engine: str | Engine[Any] = "ivp", *, certify: bool = False, **options: Any
+    scene: object,
+    engine: str | Engine[Any] = "ivp",
+    *,
+    certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
+    **options: Any,
 ) -> Solution:
     """Solve a scene.
 
@@ -538,6 +593,9 @@ def solve(
         ``"ivp"``, ``"batch"``, ``"enclosure"``, ``"multiprecision"``, ``"verlet"``, or an engine.
     certify
         Whether every number comes with a proven bound on its error, as a `Certified`.
+    derivatives
+        Whether the derivatives of the result by every number of the scene come with it, as
+        ``result.derivatives``; or by which numbers, such as ``["launch.speed", "gravity"]``.
     options
         Of an engine given by name: ``digits=30`` of enclosure and multiprecision, ``dt=1e-3`` of
         verlet, and so on.
@@ -568,6 +626,8 @@ def solve(
     """
     asked, solver = as_scene(scene), as_engine(engine, options)
     certify = engines.of_type(bool, "certify", certify)
+    if certify and derivatives:
+        raise ValueError("derivatives are not certified; engine = 'enclosure' proves them")
     result, trajectory = chain.solve_with_path(asked, solver)
     if result.error is not None:
         raise error_of(result)
@@ -577,7 +637,36 @@ def solve(
         result = certified(asked, result)
         if result.certificate is not None:
             raise Undecided(result.certificate)
-    return Solution(asked, result, solver, trajectory)
+    slopes = _derivatives(asked, result, solver, derivatives) if derivatives else None
+    return Solution(asked, result, solver, trajectory, slopes)
+
+
+def _derivatives(
+    scene: Scene, result: Result, engine: Engine[Any], names: bool | Sequence[str]
+) -> Derivatives:
+    """Return the derivatives of a result by some numbers of its scene, or by all."""
+    from longball.engines.tangent import derivatives_of
+
+    if isinstance(names, bool):
+        chosen = [*inputs(scene)]
+    elif isinstance(names, str):
+        raise TypeError(f"derivatives = {names!r}: a list of names is needed, such as [{names!r}]")
+    else:
+        chosen = require_inputs(scene, names)
+    quantities = [name for name, _ in numbers(result) if name not in chain.DISCRETE]
+    return derivatives_of(scene, quantities, chosen, differentiable(engine))
+
+
+def differentiable(engine: Engine[Any]) -> PathEngine[Any]:
+    """Return an engine that derivatives can be had of; a ValueError says that it is none."""
+    from longball.engines.path_engine import PathEngine
+
+    if not isinstance(engine, PathEngine):
+        raise ValueError(
+            f"the engine {engine.description} has no derivatives; take ivp, multiprecision or "
+            "enclosure"
+        )
+    return engine
 
 
 def as_engine(engine: str | Engine[Any], options: Mapping[str, Any]) -> Engine[Any]:

@@ -15,7 +15,7 @@ from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.home_run import PAPER_CURVES, Curve, Estimate, Fit, Integral
 from longball.model.arrays import Array
-from longball.model.result import Fence as Reached
+from longball.model.result import Result
 from longball.model.scene import Fence
 from longball.pitches.prediction import Prediction
 from longball.pitches.statcast import MeasuredPitches
@@ -147,11 +147,23 @@ class Drawn:
     fence: Array | None = None
     # x and height of the fence where the ball comes to it, m; None if it does not.
     passed: tuple[float, float] | None = None
+    # How it ended, if the ball was batted or launched and came down: one of `ENDS`.
+    end: str | None = None
+
+
+# In a spray chart: ends, with their colours and markers.
+ENDS = {
+    "home run": ("#D55E00", "*"),
+    "wall": ("#CC79A7", "s"),
+    "fair": ("#0072B2", "o"),
+    "foul": ("0.6", "x"),
+}
 
 
 # Colours that stay apart for the colour-blind (Okabe and Ito, 2008).
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
-_MOST_LABELS = 12
+FEW = 12  # balls that are drawn as paths, each with its label
+_ARC = 50.0  # m, between the arcs of a spray chart
 _LABEL = 1.4  # inches: a panel has room for the label of its axis
 
 
@@ -160,11 +172,11 @@ def drawn(
     trajectory: Trajectory[float],
     points: int = 200,
     fence: Fence | None = None,
-    reached: Reached | None = None,
+    result: Result | None = None,
 ) -> Drawn:
     """Return the flights of a scene as points, and its fence; a pitch up to where the bat meets it.
 
-    `reached` is what the result says of the fence.
+    The `result` says where it comes to the fence, and how it ends.
     """
     flights = []
     for i, leg in enumerate(trajectory.legs):
@@ -174,10 +186,21 @@ def drawn(
         states = trajectory.sample(np.linspace(leg.begin, end, points).tolist())
         flights.append(np.array(states)[:, :3])
     passed = None
-    if reached is not None:
-        x, _, z = map(float, reached.position)
-        passed = x, z - float(reached.clearance)
-    return Drawn(label, tuple(flights), None if fence is None else _from_above(fence), passed)
+    if result and result.fence is not None:
+        x, _, z = map(float, result.fence.position)
+        passed = x, z - float(result.fence.clearance)
+    ended = None if result is None else _end(result)
+    around = None if fence is None else _from_above(fence)
+    return Drawn(label, tuple(flights), around, passed, ended)
+
+
+def _end(result: Result) -> str | None:
+    if result.outcome in ("home_run", "wall"):
+        return result.outcome.replace("_", " ")
+    if result.landing is None:
+        return None
+    x, y, _ = map(float, result.landing.position)
+    return "fair" if abs(y) <= x else "foul"
 
 
 def _from_above(fence: Fence) -> Array:
@@ -203,7 +226,7 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
     size = (length * inches + 1.2, sum(heights) + 1.8)
     with _saved(path, size, 2, height_ratios=heights, sharex=True) as (figure, (side, top)):
         for i, scene in enumerate(scenes):
-            _draw_flights(side, top, scene, i, labelled=len(scenes) <= _MOST_LABELS)
+            _draw_flights(side, top, scene, i, labelled=len(scenes) <= FEW)
         side.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
         passed = [scene.passed for scene in scenes if scene.passed is not None]
         _draw_fences(side, [np.array([(x, 0.0), (x, height)]) for x, height in passed])
@@ -213,11 +236,46 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
             axes.plot(0.0, 0.0, marker="P", color="0.4", markersize=6, linestyle="none", zorder=0)
             axes.set_ylabel(name)
         top.set_xlabel("x, from the plate towards the pitcher (m)")
-        if len(scenes) <= _MOST_LABELS:
+        if len(scenes) <= FEW:
             if any(len(scene.flights) > 1 for scene in scenes):
                 side.plot([], [], "--", color="0.4", label="pitch up to the bat")
             known = side.get_legend_handles_labels()
             figure.legend(*known, loc="outside upper left", fontsize="small", ncols=2)
+
+
+def save_spray_chart(path: Path, scenes: Sequence[Drawn]) -> None:
+    """Draw where balls come down as a fan behind home plate sees it, in the file's format.
+
+    Home plate is at the bottom, the foul lines run at 45°, and x goes up; arcs tell distances.
+    """
+    landed = [scene for scene in scenes if scene.end is not None]
+    places = np.array([scene.flights[-1][-1, :2] for scene in landed])
+    fences = {fence.tobytes(): fence for s in landed if (fence := s.fence) is not None}
+    ahead = [fence[np.abs(fence[:, 1]) <= fence[:, 0]] for fence in fences.values()]
+    farthest = 1.08 * max(np.hypot(*x.T).max(initial=_ARC) for x in [places, *ahead])
+    with _saved(path, (6.4, 5.2)) as (figure, axes):
+        for radius in np.arange(_ARC, farthest, _ARC):
+            arc = radius * np.exp(1j * np.radians(np.linspace(45.0, 135.0, 91)))
+            axes.plot(arc.real, arc.imag, ":", color="0.75", linewidth=0.8, zorder=0)
+            axes.annotate(
+                f"{radius:g} m", (arc.real[0], arc.imag[0]), (4, -4), textcoords="offset points",
+                color="0.4", fontsize="small", va="top",
+            )  # fmt: skip
+        corner = farthest / math.sqrt(2)
+        axes.plot([-corner, 0.0, corner], [corner, 0.0, corner], color="0.3", linewidth=1.0)
+        _draw_fences(axes, [np.column_stack([-f[:, 1], f[:, 0]]) for f in fences.values()])
+        for end, (colour, marker) in ENDS.items():
+            chosen = places[[scene.end == end for scene in landed]]
+            if len(chosen):
+                axes.plot(
+                    -chosen[:, 1], chosen[:, 0], marker, color=colour, markersize=5, alpha=0.8,
+                    markeredgewidth=1.0, label=f"{end} ({len(chosen)})",
+                )  # fmt: skip
+        aside = max(corner, 1.05 * np.abs(places[:, 1]).max())
+        behind = min(-0.04 * farthest, 1.05 * places[:, 0].min())
+        axes.set(xlim=(-aside, aside), ylim=(behind, farthest), aspect="equal")
+        axes.set(xlabel="to the right of home plate (m)", ylabel="x, towards centre field (m)")
+        figure.legend(loc="outside upper left", fontsize="small", ncols=4, frameon=False)
 
 
 def _draw_fences(axes: Axes, lines: Sequence[Array]) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import os
 import re
 import warnings
@@ -17,7 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice, product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,7 @@ from longball.model.scene import (
     Scene,
     may_be_mixed,
     refused,
+    vector_length,
 )
 
 if TYPE_CHECKING:
@@ -54,6 +56,7 @@ def solve_many(
     engine: str | Engine[Any] = "batch",
     *,
     certify: bool = False,
+    paths: int | None = None,
     workers: int = -1,
     **options: Any,
 ) -> pd.DataFrame: ...
@@ -65,6 +68,7 @@ def solve_many(
     engine: str | Engine[Any] = "batch",
     *,
     certify: bool = False,
+    paths: int | None = None,
     workers: int = -1,
     **options: Any,
 ) -> list[Solution]: ...
@@ -75,6 +79,7 @@ def solve_many(
     engine: str | Engine[Any] = "batch",
     *,
     certify: bool = False,
+    paths: int | None = None,
     workers: int = -1,
     **options: Any,
 ) -> Any:
@@ -85,16 +90,21 @@ def solve_many(
     scenes
         Scenes as `solve` takes them; or columns: a mapping or a DataFrame from the names of
         numbers (``pitch.speed``, ``pitch.aim[0]``, ``swing.tilt``, …), and from ``kind``, to arrays
-        of shape (n,) or to one value for all scenes. An empty cell is a value left out: it is the
-        paper's. Empty are NaN, None, pandas' NA and the masked cells of a masked array.
-        ``air=None`` for all scenes takes the air away, as in a scene. Numbers may have any type of
-        Python and NumPy, and stand for the nearest double; bools, complex numbers and times are
-        none. A text is no number, but may be JSON, such as ``"null"`` for no air.
+        of shape (n,) or to one value for all scenes. A vector (``launch.position``) may be one
+        column, of lists or of shape (n, 3), or one list for all scenes. An empty cell is a value
+        left out: it is the paper's. Empty are NaN, None, pandas' NA and the masked cells of a
+        masked array. ``air=None`` for all scenes takes the air away, as in a scene. Numbers may
+        have any type of Python and NumPy, and stand for the nearest double; bools, complex numbers
+        and times are none. A text is no number, but may be JSON, such as ``"null"`` for no air.
     engine, options
         As in `solve`, but that the default is the engine batch.
     certify
         Whether every number comes with a proven bound on its error; where there is none,
         ``certificate`` says why.
+    paths
+        Points of the path of each ball, evenly spaced in time, from the start of its scene to the
+        end: of columns a column ``path`` of arrays of shape (paths, 7) with t (s), x, y, z (m), vx,
+        vy, vz (m/s), None where nothing flies. A solution has them as ``to_dict()["path"]``.
     workers
         Threads of the batch engine, processes of another; -1: one per core. The answers do not
         depend on it.
@@ -137,12 +147,16 @@ def solve_many(
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
         solver = Certifying(flyer)
+    if paths is not None:
+        paths = engines.whole_number("paths", paths, 2)
+        if certify:
+            raise ValueError("paths: their points cannot be certified; take the engine enclosure")
     workers = checked(workers)
     if workers == -1:
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
         names = getattr(scenes, "columns", scenes)
-        table = _solve_table({name: scenes[name] for name in names}, solver, workers)
+        table = _solve_table({name: scenes[name] for name in names}, solver, workers, paths)
         _warn_of_repeated(table.get("id", ()))
         return table.set_axis(scenes.index) if hasattr(scenes, "columns") else table
     if isinstance(scenes, str | bytes | BaseModel):
@@ -154,7 +168,7 @@ def solve_many(
         )
     solutions = [
         Solution(asked if isinstance(asked, BaseModel) else None, result, flyer)
-        for asked, result in _asked_and_results(scenes, solver, workers)
+        for asked, result in _asked_and_results(scenes, solver, workers, paths)
     ]
     _warn_of_repeated(solution.id for solution in solutions)
     return solutions
@@ -168,12 +182,18 @@ def _warn_of_repeated(ids: Iterable[object]) -> None:
 
 
 def _asked_and_results(
-    written: Iterable[object], solver: Engine[Any] | ManyAtOnce, workers: int
+    written: Iterable[object],
+    solver: Engine[Any] | ManyAtOnce,
+    workers: int,
+    paths: int | None = None,
 ) -> Iterator[tuple[Scene | InvalidScene, Result]]:
     """Yield scenes, or why they are none, with their results."""
     asked = [*map(_as_scene_or_error, written)]
     valid = [scene for scene in asked if not isinstance(scene, InvalidScene)]
-    results = iter(chain.solve_each(valid, solver, workers))
+    if paths is None:
+        results = iter(chain.solve_each(valid, solver, workers))
+    else:
+        results = iter(chain.solve_with_points(x, cast(Engine[Any], solver), paths) for x in valid)
     for scene in asked:
         if isinstance(scene, InvalidScene):
             yield scene, refused(scene)
@@ -197,7 +217,10 @@ _MOST_COLUMNS = 12
 
 
 def _solve_table(
-    columns: Mapping[str, Any], solver: Engine[Any] | ManyAtOnce, workers: int
+    columns: Mapping[str, Any],
+    solver: Engine[Any] | ManyAtOnce,
+    workers: int,
+    paths: int | None,
 ) -> pd.DataFrame:
     """Solve the scenes of columns; see `solve_many`."""
     for name in columns:
@@ -206,20 +229,25 @@ def _solve_table(
     # An id may be a number here, and is no part of the scene that it is a name of.
     ids = varied.pop("id", fixed.pop("id", None))
     frame = None
-    if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all"):
+    if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all") and paths is None:
         frame = _solve_as_columns(fixed, varied, solver, workers)
     if frame is None:
         rows = [*_rows(fixed, varied, count)]
         scenes = (_scene_of(row, _json_alone) for row in rows)
-        solved = [*_asked_and_results(scenes, solver, workers)]
+        solved = [*_asked_and_results(scenes, solver, workers, paths)]
         errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
         if errors and len(errors) == count:
             raise InvalidScene(
                 f"no row is a scene: {errors[0]} (row 0 of {count}); "
                 f"the columns are {', '.join(map(str, columns))}"
             )
-        data = (result.data() for _, result in solved)
+        data = [result.data() for _, result in solved]
+        flown = [one.pop("path", None) for one in data]
         frame = _with_engines_signed(results_table(data)).drop(columns="id", errors="ignore")
+        if paths is not None:
+            points = np.empty(count, object)
+            points[:] = [None if path is None else np.array(path, float) for path in flown]
+            frame["path"] = points
     if ids is not None and count:
         frame.insert(0, "id", ids)
     return frame
@@ -249,6 +277,8 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
     for name, value in columns.items():
         if isinstance(value, Mapping):
             fixed |= flat({name: value})
+        elif length := vector_length(str(name)):
+            _put_vector(str(name), value, length, fixed, varied)
         elif _is_single(value):
             # For all scenes it means what it means in one; in a cell it is a value left out.
             fixed[name] = _NO_AIR if name == "air" and value is None else value
@@ -267,6 +297,22 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
             continue
         del varied[name]
     return fixed, varied, count
+
+
+def _put_vector(
+    name: str, value: Any, length: int, fixed: dict[str, Any], varied: dict[str, Any]
+) -> None:
+    """Put a vector of all scenes, or a column of vectors, where single values and columns are."""
+    cells = column_of(value)
+    if cells.ndim == 0 or (cells.ndim == 1 and cells.dtype == float and cells.size):
+        fixed[name] = value
+        return
+    rows = [*cells] if cells.ndim == 2 else [column_of(cell) for cell in cells]
+    vectors = np.array(rows) if rows and all(row.shape == (length,) for row in rows) else None
+    if vectors is None or vectors.dtype != float:  # each row says what is wrong with its cell
+        varied[name] = cells
+        return
+    varied |= {f"{name}[{i}]": vectors[:, i] for i in range(length)}
 
 
 def _is_single(value: Any) -> bool:
@@ -354,7 +400,7 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
     import pandas as pd
 
     frame = pd.DataFrame({name: table[name] for name in sorted(table, key=_place)})
-    frame["error"] = frame["code"] = pd.Series(None, frame.index, "str")
+    frame["error"] = frame["code"] = pd.Series(None, frame.index, object)
     for i, result in reasons.items():
         told = result.outcome, result.engine, result.error, result.code
         frame.loc[i, ["outcome", "engine", "error", "code"]] = told
@@ -383,13 +429,17 @@ def results_table(results: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 _ROWS = 10_000
-_TEXTS = {"outcome": "str", "error": "str", "code": "str"}  # columns that are always there
+_TEXTS = ("outcome", "error", "code")  # columns that are always there
 _DISCRETE = {name: "boolean" if kind is bool else "Int64" for name, kind in DISCRETE.items()}
 
 
 def _typed(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a table of results with the types of its columns, whatever is missing in them."""
-    types = {**_TEXTS, "engine": "str", **_DISCRETE}
+    import pandas as pd
+
+    # pandas 3 calls this "str"; to pandas 2 that is another type, which makes texts of None.
+    text = pd.StringDtype(na_value=math.nan)
+    types: dict[str, Any] = dict.fromkeys((*_TEXTS, "engine"), text) | _DISCRETE
     return frame.astype({name: types[name] for name in frame.columns if name in types})
 
 

@@ -11,7 +11,7 @@ from analysis.random_scenes import FAMILIES, random_scene
 from analysis.survival import FAULTS, examine, verdict_of
 from longball.engines import create
 from longball.engines.chain import solve
-from longball.golden.condition import inputs
+from longball.model.inputs import inputs
 from longball.model.scene import parse_scene
 
 SEED = 2

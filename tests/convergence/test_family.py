@@ -168,7 +168,7 @@ def test_the_change_with_the_phase_is_the_median_of_the_finer_half():
     assert _jump(measured(values, [truth] * 2, phases=2)) == pytest.approx(0.3, abs=0.01)
     # A change that is larger than the error itself is all of it.
     values[:, :, 1] = truth + 9 * STEPS
-    assert _jump(measured(values, [truth] * 2, phases=2)) == pytest.approx(1.0)
+    assert _jump(measured(values, [truth] * 2, phases=2)) == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.parametrize(("share", "jumps"), [(0.9, False), (1.1, True)])

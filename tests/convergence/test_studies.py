@@ -202,7 +202,7 @@ def test_events_at_the_start_are_no_clock():
         values = {"plate.time": [plate], "landing.time": [landing], "landing.distance": [9.0]}
         return studies.Sample("a", "landed", values)
 
-    events = studies._first_and_last_event
+    events = studies.first_and_last_event
     assert events([at(0.5, 4.0), at(0.4, 3.0)]) == (0.4, 4.0)
     assert events([at(0.0, 4.0)]) == (4.0, 4.0)
     assert events([studies.Sample("a", None, {})]) == (1.0, 1.0)  # nothing happens
@@ -221,7 +221,7 @@ def test_only_what_a_scene_should_end_with_is_observed():
         sample("landed"),
         sample(None, landing_distance=[5.0]),
     ]
-    seen = {one.quantity: one.values for one in studies._observed(results, should)}
+    seen = {one.quantity: one.values for one in studies.observed(results, should)}
     np.testing.assert_array_equal(seen["distance"][:, 0], [8.0, *[math.nan] * 3, 5.0])
     assert np.isnan(seen["landing time"]).all()
 

@@ -32,7 +32,7 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
 from longball.engines.series import recurrence
 from longball.model import trace
-from longball.model.law import FORCES, Force, Law, PlaneState, SpaceState, law_with
+from longball.model.law import Law, PlaneState, SpaceState, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Bounded, Contact, Impact, Landing, Plate, Result
@@ -71,9 +71,7 @@ first_fall, two_values, curvature, downward, first_zero, differentiate, root_val
 PAPER = {"drag": 0.0074867, "lift": 0.0037433, "gravity": 9.8}
 
 
-def landing(
-    strengths: dict[str, float], start: PlaneState[float], forces: tuple[Force, ...] = FORCES
-) -> Flight[float]:
+def landing(strengths: dict[str, float], start: PlaneState[float], *forces: Any) -> Flight[float]:
     """Fly to the ground."""
     surface = ground(0.0, start, DOUBLES)
     return Batch().fly(law_with(strengths, forces), start, [surface], 60.0)
@@ -359,14 +357,11 @@ def thinning(motion: Any, p: Any) -> Any:
     return p.push * trace.log(1.0 + z * z), p.aside * u / (1.0 + w * w), p.push * motion.speed
 
 
-HEADWIND = Force(("slope", "middle", "share"), lambda *_: None, headwind)
-THINNING = Force(("push", "aside"), lambda *_: None, thinning)
-
 LAWS: dict[str, Law[float]] = {
     "paper": law_with(PAPER),
-    "exp": law_with(PAPER | {"slope": -0.2, "middle": 6.0, "share": 0.1}, (*FORCES, HEADWIND)),
-    "log": law_with(PAPER | {"push": 0.3, "aside": 0.0}, (*FORCES, THINNING)),
-    "space": law_with(PAPER | {"push": 0.1, "aside": 2.0}, (*FORCES, THINNING)),
+    "exp": law_with(PAPER | {"slope": -0.2, "middle": 6.0, "share": 0.1}, (headwind,)),
+    "log": law_with(PAPER | {"push": 0.3, "aside": 0.0}, (thinning,)),
+    "space": law_with(PAPER | {"push": 0.1, "aside": 2.0}, (thinning,)),
 }
 
 

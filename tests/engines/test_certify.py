@@ -32,12 +32,12 @@ def check(found: Result, truth: Result) -> None:
     """Hold radii against numbers of many more digits."""
     assert found.certificate is None
     assert found.outcome == truth.outcome
-    true = dict(numbers(truth))
-    sizes = lengths(found)
-    for name, number in numbers(found):
-        assert isinstance(number, Certified)
-        off = abs(Decimal(number.value) - Decimal(true[name].value))
-        radius, slack = Decimal(number.radius), Decimal(true[name].radius)
+    sizes, certain = lengths(found), dict(numbers(found))
+    assert all(isinstance(number, Certified) for number in certain.values())
+    for name, true in numbers(truth):
+        number = certain[name]
+        off = abs(Decimal(number.value) - Decimal(true.value))
+        radius, slack = Decimal(number.radius), Decimal(true.radius)
         assert off <= radius + slack, name
         # The ball adds as much again at most, and rounding up to two digits a tenth.
         least = max(off + slack, Decimal(sizes[name]) * Decimal(2) ** -53)

@@ -13,17 +13,19 @@ import pytest
 from longball import engines
 from longball.engines.chain import (
     MODEL,
-    OneCase,
+    Run,
     approach_of,
     collide,
     solve,
     solve_with_path,
     solve_with_restitutions,
 )
-from longball.engines.chain.landing import _stays_aloft
+from longball.engines.chain.landing import Batted, _stays_aloft
 from longball.engines.enclosure import Enclosure
+from longball.engines.engine import Launch
 from longball.engines.ivp import Ivp
-from longball.model.law import DRAG, GRAVITY, LIFT, Force, PlaneState, law_with
+from longball.model.frame import Frame
+from longball.model.law import Force, PlaneState, law_with
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
@@ -138,24 +140,21 @@ def test_another_law_or_collision_may_stand_in_the_chain():
     """Known mistakes, alternative readings and fitted laws are the same chain with other parts."""
     scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
 
-    def dead(cases, contact, error):
-        impact, part = collide(cases, contact, error)
-        return replace(impact, velocity=(0.0, 0.0, 0.0)), part
+    def dead(run, contact, error):
+        impact, parted = collide(run, contact, error)
+        return replace(impact, velocity=(0.0, 0.0, 0.0)), parted
 
     fallen = solve(scene, Ivp(), replace(MODEL, collide=dead))
     assert fallen.contact == solve(scene, Ivp()).contact
     dropped = '{"id":"x","kind":"flight","launch":{"position":%s,"velocity":[0,0,0]}}'
     alone = solved(dropped % list(fallen.contact.position))
     assert fallen.landing.position == alone.landing.position
-    no_lift = solve(scene, Ivp(), replace(MODEL, forces=(DRAG, GRAVITY)))
-    without = '{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03},"air":%s}'
-    assert no_lift == solved(without % '{"lift_coefficient":0}')
 
 
 def test_a_sideways_force_goes_through_the_whole_chain():
     """1 m/s² to the left of the flight, whatever else acts: y = a t²/2 in a vacuum."""
-    across = Force(("push",), lambda scene, frame, numbers: (numbers.exact(1.0),), push_left)
-    model = replace(MODEL, forces=(GRAVITY, across))
+    across = Force(lambda scene, frame, numbers: {"push": numbers.exact(1.0)}, push_left)
+    model = replace(MODEL, forces=(across,))
     scene = parse_scene(
         '{"id":"x","kind":"flight","air":null,"launch":{"position":[0,0,1],"velocity":[30,0,20]}}'
     )
@@ -301,7 +300,7 @@ def test_balls_that_stay_aloft_are_those_that_do_not_land():
         turn = 2 * math.pi / (abs(lift) * _PER_LIFT * math.hypot(u, w))
         scene = parse_scene(LOOP % (gravity, lift, height, u, w, 8 * turn))
         shortcut = solve(scene, Ivp())
-        flown = solve(scene, Ivp(), replace(MODEL, forces=(DRAG, ANY_LIFT, GRAVITY)))
+        flown = solve(scene, Ivp(), replace(MODEL, forces=(NOTHING,)))
         assert shortcut.outcome == flown.outcome
         outcomes.add((gravity, shortcut.outcome))
     assert len(outcomes) == 4
@@ -319,10 +318,10 @@ def test_a_ball_stays_aloft_if_the_bottom_of_its_loop_is_above_the_ground(above,
         height = 30.0 + (speed**2 - bottom**2) / (2 * gravity)
         line = json.loads(LOOP % (gravity, 4.0, 30.0, u, w, 60.0))
         scene = parse_scene(json.dumps(line | {"ground": {"height": height - above}}))
-        start = PlaneState(0.0, 30.0, u, w)
-        case = OneCase(scene, Ivp(), MODEL)
+        launch = Launch((0.0, 0.0, 30.0), (u, 0.0, w), 0.0, 0.0)
         law = law_with({"lift": lift, "gravity": gravity})
-        assert _stays_aloft(case, law, start, case.ground(start)) == (aloft, not aloft)
+        ball = Batted(launch, Frame(0.0, 0.0, 1.0, 0.0), law, PlaneState(0.0, 30.0, u, w))
+        assert _stays_aloft(Run(scene, Ivp(), MODEL), ball, rows=True) is aloft
 
 
 def test_the_way_of_a_ball_that_stays_aloft_is_flown_when_asked():
@@ -340,8 +339,8 @@ def test_the_way_of_a_ball_that_stays_aloft_is_flown_when_asked():
 
 # k_L of a lift coefficient of 1, 1/m: ρ π R² / (2 m).
 _PER_LIFT = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
-# The same force, which the chain takes for another one.
-ANY_LIFT = replace(LIFT, acceleration=lambda motion, p: LIFT.acceleration(motion, p))
+# With it the chain takes the law for another one.
+NOTHING = Force(lambda scene, frame, numbers: {}, lambda motion, p: (ZERO, ZERO, ZERO))
 
 
 @pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "multiprecision"])

@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import json
 import random
 
 import numpy as np
@@ -11,10 +12,10 @@ from hypothesis import strategies as st
 
 from longball import golden
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.batch.columns import ManyCases, Table
+from longball.engines.batch.columns import Columns, Table
 from longball.engines.chain import MODEL, solve
 from longball.model.numbers import DOUBLES, Undecided
-from longball.model.quantities import numbers
+from longball.model.quantities import numbers, replaced
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene, parse_scene
 from tests.strategies import at_bats, flights, impacts
@@ -131,8 +132,8 @@ def test_columns_are_scenes(scenes):
 def test_what_is_exactly_its_error_is_not_decided():
     """Unless that is nothing: as for one scene, of which only the last four are told."""
     x, error = np.array([1.0, -1.0, 0.0, 0.0, 1.5, -1.5, 1.0]), np.array([1, 1, 1, 0, 1, 1, 0.0])
-    cases = ManyCases(None, None, MODEL, Table(len(x)), np.arange(len(x)))
-    positive, other = cases.decide(x, error, "")
+    run = Columns(None, None, MODEL, table=Table(len(x)), row=None)
+    positive, other = run.decide(x, error, "", run.everything)
     assert positive.tolist() == [False, False, False, False, True, False, True]
     assert other.tolist() == [False, False, False, True, False, True, False]
     for i, told in enumerate(positive | other):
@@ -141,3 +142,27 @@ def test_what_is_exactly_its_error_is_not_decided():
         else:
             with pytest.raises(Undecided):
                 DOUBLES.positive(x[i], error[i], "")
+
+
+def test_rows_without_gravity_are_flown_by_the_engine_that_flies_them_alone():
+    """Nothing keeps such a ball from coming to rest, which the compiled code leaves to others."""
+    line = {"kind": "pitch", "id": "x", "earth": {"latitude": 0.7}, "pitch": {"spin": [0, 90, 20]}}
+    scene = parse_scene(json.dumps(line))
+    gravity = [9.8, 0.0, 9.8]
+    table = solve_columns(scene, {"gravity": gravity}, ENGINE)
+    for i, g in enumerate(gravity):
+        result = solve(replaced(scene, {"gravity": g}), ENGINE)
+        assert (table["outcome"][i], table["engine"][i]) == ("crossed", result.engine)
+        assert table["plate.time"][i] == result.plate.time
+    assert table["engine"][0] != table["engine"][1]
+
+
+def test_pitches_along_the_plane_of_the_plate_are_declined_as_alone():
+    """They never cross it, so that nothing says how large an error of the crossing is."""
+    line = {"kind": "pitch", "id": "x", "pitch": {"velocity": [-30.0, 2.0, 1.0]}}
+    crossing = parse_scene(json.dumps(line))
+    beside = parse_scene(json.dumps(line | {"pitch": {"velocity": [0.0, 2.0, 1.0]}}))
+    results = together([crossing, beside] * 16)
+    wanted = [result.line() for result in alone([crossing, beside])]
+    assert [result.line() for result in results] == wanted * 16
+    assert results[1].code == "out_of_range"

@@ -51,7 +51,7 @@ def as_data(scene):
 
 
 def bat_of(approach):
-    return BatSection(approach.pitch.frame, approach.height, 0.0366 + 0.033)
+    return BatSection(approach.pitch.frame, approach.bat.height, 0.0366 + 0.033)
 
 
 def stated_error(approach, engine=ENGINE):
@@ -164,7 +164,7 @@ def test_steep_pitches_by_every_method(method, tolerance):
         scene = at_bat(pitch, rng.normal(0, 0.05), air=air)
         reference = approach_of(scene, ENGINE)
         # Near the ground the search ends where the ball does, before the closest approach.
-        if reference is None or reference.height < 0.3:
+        if reference is None or reference.bat.height < 0.3:
             continue
         crossed += 1
         with precise.in_digits(DIGITS):

@@ -27,7 +27,7 @@ from longball.engines.fence import Stop, at_stop
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
-from longball.model.law import GRAVITY, Force, PlaneState, law_with
+from longball.model.law import PlaneState, law_with
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
 from tests import precise
@@ -40,9 +40,6 @@ DIGITS = 25
 def sway(motion, p):
     """Pushed sideways by its own climbing, so that u is a parabola in time."""
     return -p.sway * motion.velocity[2], 0, 0
-
-
-SWAY = Force(("sway",), lambda scene, frame, numbers: None, sway)
 
 
 @dataclass(frozen=True)
@@ -61,7 +58,7 @@ def fly(case, engine):
     number = engine.numbers.exact
     with engine.numbers.arithmetic():
         strengths = {name: number(k) for name, k in case.strengths.items()}
-        law = law_with(strengths, (GRAVITY, SWAY)) if "sway" in strengths else law_with(strengths)
+        law = law_with(strengths, (sway,) if "sway" in strengths else ())
         start = PlaneState(*map(number, case.start))
         events = [make(case.surface, case.at, start, engine.numbers)]
         return engine.fly(law, start, events, number(case.limit))

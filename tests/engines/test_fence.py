@@ -17,7 +17,7 @@ from longball.engines.fence import chords, falls, first_crossing, stop_at
 from longball.engines.ivp import Ivp
 from longball.model import quantities
 from longball.model.frame import Frame
-from longball.model.law import GRAVITY, Force, PlaneState, SpaceState, law_with
+from longball.model.law import Force, PlaneState, SpaceState, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.scene import FlightScene, InvalidScene, parse_scene
 from tests.strategies import between
@@ -234,12 +234,12 @@ def pushed(left):
     """Constant accelerations to the left and back, m/s²: a wind that pushes all the same."""
 
     def strengths(scene, frame, numbers):
-        return numbers.exact(left), numbers.exact(0.5)
+        return {"left": numbers.exact(left), "back": numbers.exact(0.5)}
 
     def push(motion, p):
         return -p.back, p.left if left else 0, 0
 
-    return Model(forces=(GRAVITY, Force(("left", "back"), strengths, push)))
+    return Model(forces=(Force(strengths, push),))
 
 
 AGAINST, SLIGHTLY, CURVED = pushed(0.0), pushed(0.2), pushed(2.0)
@@ -330,8 +330,8 @@ def crossed(engine, push, across, y):
     """Whether a flight that is pushed back in y crosses a wall at y; None if it is not told."""
     numbers = engine.numbers
     exact = numbers.exact
-    aside = Force(("left",), None, lambda motion, p: (0, -p.left, 0))
-    law = law_with({"left": exact(push), "gravity": exact(9.8)}, (GRAVITY, aside))
+    strengths = {"left": exact(push), "gravity": exact(9.8)}
+    law = law_with(strengths, (lambda motion, p: (0, -p.left, 0),))
     start = law.state_of(PlaneState(exact(0.0), exact(1.0), exact(30.0), exact(40.0)))
     start = start._replace(v=exact(across))
     end = 1.2 * across / push
@@ -388,12 +388,13 @@ def test_columns_have_the_bits_of_single_scenes():
 
 @pytest.mark.parametrize("model", [MODEL, CURVED], ids=["plane", "space"])
 def test_columns_in_plane_and_space(model):
-    scene = flight((40.0, 0.0, 25.0), PARK)
+    scene = flight((40.0, 0.0, 25.0), PARK, air=None)
     speeds = np.linspace(20, 60, 9)
     table = solve_columns(scene, {"launch.velocity[0]": speeds}, ENGINES["batch"], model=model)
     assert set(table["outcome"]) == {"landed", "home_run"}
     for i, speed in enumerate(speeds):
-        result = answer(flight((float(speed), 0.0, 25.0), PARK), ENGINES["batch"], model)
+        alone = flight((float(speed), 0.0, 25.0), PARK, air=None)
+        result = answer(alone, ENGINES["batch"], model)
         assert table["outcome"][i] == result.outcome
         assert table["landing.distance"][i] == result.landing.distance
         if result.fence:

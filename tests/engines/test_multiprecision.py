@@ -8,7 +8,7 @@ import pytest
 from longball.engines import event
 from longball.engines.multiprecision import Multiprecision
 from longball.model.frame import Frame
-from longball.model.law import GRAVITY, Force, PlaneState, SpaceState, law_with
+from longball.model.law import PlaneState, SpaceState, law_with
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
 from longball.model.trace import ZERO, exp, log
@@ -149,10 +149,6 @@ def test_balance_of_energy_with_everything_on():
 # ---- laws of any kind ----------------------------------------------------------------------------
 
 
-def made_up(acceleration, *parameters):
-    return Force(parameters, lambda *_: None, acceleration)
-
-
 def wind_tunnel_law():
     """Linear drag, weight and a constant force to the left, which drives the ball off the plane."""
 
@@ -162,9 +158,8 @@ def wind_tunnel_law():
     def aside(motion, p):
         return ZERO, p.aside, ZERO
 
-    forces = made_up(drag, "rate"), made_up(aside, "aside"), GRAVITY
     strengths = {"rate": exact(0.25), "aside": exact(1.5), "gravity": exact(9.8)}
-    return law_with(strengths, forces), strengths
+    return law_with(strengths, (drag, aside)), strengths
 
 
 def test_a_force_that_leaves_the_plane_is_flown_in_space():
@@ -188,7 +183,7 @@ def height_law(force):
     def acceleration(motion, p):
         return ZERO, ZERO, p.strength * force(motion.position[2])
 
-    return law_with({"strength": exact(1.0)}, (made_up(acceleration, "strength"),))
+    return law_with({"strength": exact(1.0)}, (acceleration,))
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,14 @@
-"""A new force costs one function and one key of the scene: every engine then flies it."""
+"""A new force costs one function and one key of the scene: every engine then flies it.
+
+A new law of a coefficient costs one class.
+"""
 
 import math
+from typing import ClassVar, Literal
 
 import numpy as np
 import pytest
+import scipy.integrate
 
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import Model, solve
@@ -11,7 +16,10 @@ from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import Verlet
-from longball.model.law import FORCES, Force
+from longball.model import trace
+from longball.model.air import Coefficient
+from longball.model.block import NotNegative, Positive
+from longball.model.law import Force
 from longball.model.scene import Air, FlightScene, Launch
 
 
@@ -25,7 +33,7 @@ class ThickFlight(FlightScene):
 
 def strength(scene, frame, numbers):
     rate = scene.air.linear_drag
-    return None if numbers.absent(rate) else (numbers.exact(rate),)
+    return None if numbers.absent(rate) else {"linear_drag": numbers.exact(rate)}
 
 
 def linear_drag(motion, p):
@@ -34,7 +42,7 @@ def linear_drag(motion, p):
     return u, v, w
 
 
-MODEL = Model(forces=(*FORCES, Force(("linear_drag",), strength, linear_drag)))
+MODEL = Model(forces=(Force(strength, linear_drag),))
 
 
 def scene(velocity=(30.0, 3.0, 25.0), **air):
@@ -92,3 +100,59 @@ def test_alone_it_is_the_exponential():
 
 def test_it_changes_something():
     assert landing(scene(linear_drag=0.125), Ivp())[0] < landing(scene(), Ivp())[0] - 5
+
+
+# --- a law of a coefficient -----------------------------------------------------------------------
+
+
+class FadingDrag(Coefficient):
+    """``C_D = a e^(-U/b)``."""
+
+    law: Literal["fading"] = "fading"
+    slow: NotNegative = 0.5  # a
+    speed: Positive = 60.0  # m/s, b
+
+    nonlinear: ClassVar[tuple[str, ...]] = ("speed",)
+
+    def drag(self, flow):
+        return self.slow * (trace.exp(-flow.speed / self.speed) * flow.speed)
+
+
+class FadingAir(Air):
+    drag_coefficient: FadingDrag = FadingDrag()
+
+
+class FadingFlight(FlightScene):
+    air: FadingAir = FadingAir(lift_coefficient=0.0)
+
+
+@pytest.mark.parametrize(
+    ("engine", "error"),
+    [
+        (Enclosure(20), 1e-10),  # SciPy's steps of 1e-12
+        (Multiprecision(20), 1e-10),
+        (Ivp(), 1e-10),
+        (Batch(), 1e-10),
+        (Verlet(1e-4, forces="implicit"), 1e-6),
+    ],
+    ids=["enclosure", "multiprecision", "ivp", "batch", "verlet"],
+)
+def test_all_engines_fly_a_new_law_of_a_coefficient(engine, error):
+    unit = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
+
+    def rates(t, y):
+        speed = math.hypot(y[2], y[3])
+        drag = unit * 0.5 * math.exp(-speed / 60.0) * speed
+        return y[2], y[3], -drag * y[2], -drag * y[3] - 9.8
+
+    def ground(t, y):
+        return y[1]
+
+    ground.terminal, ground.direction = True, -1
+    flight = scipy.integrate.solve_ivp(
+        rates, (0.0, 60.0), (0.0, 1.0, 30.0, 25.0), "DOP853", rtol=1e-12, atol=1e-12, events=ground
+    )
+    launch = Launch(position=(0.0, 0.0, 1.0), velocity=(30.0, 0.0, 25.0))
+    landing = solve(FadingFlight(launch=launch), engine).landing
+    found = [float(landing.position[0]), float(landing.time)]
+    assert found == pytest.approx([flight.y[0, -1], flight.t[-1]], abs=error)

@@ -17,7 +17,7 @@ from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import Verlet
 from longball.model import trace
 from longball.model.frame import Frame
-from longball.model.law import FORCES, LIFT, Force, PlaneState, law_with
+from longball.model.law import PlaneState, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.scene import parse_scene
 
@@ -154,7 +154,7 @@ def test_a_flight_that_goes_on_as_another(engine):
         assert ahead.stopped("vertical")
         assert not ahead.stopped("ground")
         upright = turns.place(ahead.state)
-        behind = engine.fly(law.without(LIFT), upright, [landing], number(60.0))
+        behind = engine.fly(law.without("lift"), upright, [landing], number(60.0))
         whole = ahead.then(behind)
         assert (whole.stop, whole.state) == (behind.stop, behind.state)
         assert_same([whole.time], [ahead.time + behind.time], 0.0)
@@ -179,7 +179,7 @@ def test_a_flight_that_goes_on_has_a_state_at_its_end():
     for limit, speed in rng.uniform([0.5, 20.0], [20.0, 40.0], (100, 2)).tolist():
         level = start._replace(u=speed)
         ahead = IVP.fly(law, level, [vertical(level, DOUBLES)], 60.0)
-        whole = ahead.then(IVP.fly(law.without(LIFT), ahead.state._replace(u=0.0), [], limit))
+        whole = ahead.then(IVP.fly(law.without("lift"), ahead.state._replace(u=0.0), [], limit))
         assert_same(whole.path.at(whole.time), whole.state, 64 * ULPS)  # up to 2 km below
 
 
@@ -300,8 +300,7 @@ def wind(motion, p):
 
 def test_a_ball_dropped_into_a_wind():
     """V is zero at the launch, and the speed in the air is not."""
-    force = Force(("wind", "blown"), lambda scene, frame, numbers: None, wind)
-    law = law_with({**STRENGTHS, "wind": 5.0, "blown": 0.01}, (*FORCES, force))
+    law = law_with({**STRENGTHS, "wind": 5.0, "blown": 0.01}, (wind,))
     start = PlaneState(0.0, 30.0, 0.0, 0.0)
     found, wanted = (
         engine.fly(law, start, [ground(0.0, start, DOUBLES)], 60.0)

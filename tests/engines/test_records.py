@@ -27,7 +27,7 @@ from longball.engines.batch.records import (
 from longball.engines.contact import BatSection
 from longball.engines.event import ground, past, plate, vertical
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import PAPER, PlaneState, SpaceState, law_of, law_with
+from longball.model.law import PlaneState, SpaceState, law_of, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.scene import parse_scene
 
@@ -129,7 +129,6 @@ def test_laws_that_the_compiled_code_takes() -> None:
 
 def test_laws_of_the_paper_are_completed_by_what_does_not_act() -> None:
     law = general(PLANE)
-    assert set(law.forces) == set(PAPER)
     assert law.strengths == {"drag": 0.0075, "lift": 0.0, "gravity": 9.8}
     assert general(law_with({"gravity": 9.8})).program == law.program
     extended = law_of_flight()

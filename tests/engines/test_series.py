@@ -7,7 +7,7 @@ import pytest
 
 from longball.engines.series import recurrence
 from longball.model import trace
-from longball.model.law import FORCES, GRAVITY, Force, law_with
+from longball.model.law import law_with
 from longball.model.numbers import DOUBLES
 from longball.model.trace import ZERO
 
@@ -15,14 +15,9 @@ ORDER = 20
 MPMATH = {"sqrt": mpmath.sqrt, "exp": mpmath.exp, "log": mpmath.log}
 
 
-def made_up(name, acceleration):
-    """A force of one parameter."""
-    return Force((name,), lambda scene, frame, numbers: None, acceleration)
-
-
 def thinning(motion, p):
     """Drag in air that thins out with height."""
-    thin = trace.exp(-motion.position[2] / p.thinning)
+    thin = trace.exp(-motion.position[2] / p.scale_height)
     u, v, w = (-(thin * motion.speed) * x for x in motion.velocity)
     return u, v, w
 
@@ -73,14 +68,14 @@ def aside(motion, p):
 
 PAPER = {"drag": 0.0075, "lift": 0.0037, "gravity": 9.8}
 MADE_UP = {
-    "thinning": (made_up("thinning", thinning), 100.0),
-    "saturating": (made_up("saturating", saturating), 3.0),
-    "inverse": (made_up("inverse", inverse), 5.0),
-    "wind": (made_up("wind", wind), 4.0),
-    "shear": (made_up("shear", shear), 0.01),
-    "bowl": (made_up("bowl", bowl), 2.0),
-    "central": (made_up("central", central), 0.5),
-    "aside": (made_up("aside", aside), 0.01),
+    "scale_height": (thinning, 100.0),
+    "saturating": (saturating, 3.0),
+    "inverse": (inverse, 5.0),
+    "wind": (wind, 4.0),
+    "shear": (shear, 0.01),
+    "bowl": (bowl, 2.0),
+    "central": (central, 0.5),
+    "aside": (aside, 0.01),
 }
 LAWS = {
     "all": law_with(PAPER),
@@ -88,14 +83,14 @@ LAWS = {
     "topspin": law_with({"lift": -0.0037, "gravity": 9.8}),
     "weightless": law_with({"drag": 0.0075, "lift": 0.0037}),
     **{
-        name: law_with({**PAPER, name: strength}, (*FORCES, force))
+        name: law_with({**PAPER, name: strength}, (force,))
         for name, (force, strength) in MADE_UP.items()
     },
     "everything": law_with(
         {**PAPER, **{name: strength for name, (_, strength) in MADE_UP.items()}},
-        (*FORCES, *(force for force, _ in MADE_UP.values())),
+        [force for force, _ in MADE_UP.values()],
     ),
-    "wind alone": law_with({"gravity": 9.8, "wind": 4.0}, (GRAVITY, MADE_UP["wind"][0])),
+    "wind alone": law_with({"gravity": 9.8, "wind": 4.0}, (MADE_UP["wind"][0],)),
 }
 VELOCITIES = [(30.0, 20.0), (0.0, 25.0), (-12.0, -31.0), (0.0, 0.0)]
 

@@ -24,8 +24,7 @@ from longball.engines.multiprecision import Multiprecision
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import Verlet
-from longball.model.aerodynamics import REFERENCE_SPEED
-from longball.model.law import Law, PlaneState, State, law_with
+from longball.model.law import PATH_SPEEDS, Law, PlaneState, State, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.readings import SamplingReading
 from longball.model.scene import (
@@ -51,7 +50,7 @@ def test_what_is_taken_if_nothing_is_said() -> None:
     assert create("verlet") == Verlet(0.05, "old_carried", "interpolated", "first")
     assert SamplingReading().offset_spread == 0.0366
     assert SamplingReading().cell_width == 0.144
-    assert pytest.approx(100 * 1609.344 / 3600, rel=1e-15) == REFERENCE_SPEED  # 100 mph
+    assert pytest.approx(100 * 1609.344 / 3600, rel=1e-15) == PATH_SPEEDS["time"]  # 100 mph
     assert DOUBLES.rounding == np.finfo(float).eps / 2
 
 

@@ -27,7 +27,7 @@ from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.quantities import at, numbers_of, replaced, vector_of
 from longball.model.readings import Reading, SamplingReading
-from longball.model.scene import parse_scene
+from longball.model.scene import InvalidScene, parse_scene
 from longball.model.schema import schemas as contract_schemas
 
 CASES = golden.load("all")
@@ -88,6 +88,45 @@ def test_the_schemas_have_no_words_but_json_schemas():
     case = json.loads(CASES[0].line())
     del case["scene"]["kind"]
     assert not case_schema.is_valid(case)
+
+
+@pytest.mark.parametrize(
+    ("family", "block", "keys"),
+    [
+        ("at-bat", "pitch", {"velocity": [-38.0, 0.0, 1.0]}),  # beside its speed and its aim
+        ("fence", "fence", {"radius": 120.0}),  # beside its polyline
+        ("fence", "fence", None),  # of neither form
+    ],
+)
+def test_the_schema_refuses_two_forms_of_one_thing(family: str, block: str, keys):
+    schema = jsonschema.Draft202012Validator(json.loads(schemas()["case.schema.json"]))
+    case = json.loads(golden.load(family)[0].line())
+    assert schema.is_valid(case)
+    scene = case["scene"]
+    scene[block] = {} if keys is None else scene[block] | keys
+    assert not schema.is_valid(case)
+    with pytest.raises(InvalidScene):
+        parse_scene(json.dumps(scene))
+
+
+def test_the_number_contract_names_every_constant_of_the_formulas():
+    """Of docs/model.md, in the header as in the README beside it."""
+    constants = [
+        "1.2929", "273.15", "0.3783", "101325", "1.217e-4", "611.16", "18.687", "234.5", "257.14",
+        "331.3", "7.292115e-5", "44.704", "0.09", "0.1", "1.5", "0.6",
+    ]  # fmt: skip
+    readme = (DATA / "README.md").read_text(encoding="utf-8")
+    for text in (golden.header().numbers["constants"], readme):
+        assert [
+            x for x in constants if not re.search(rf"(?<![\d.]){re.escape(x)}(?!\d)", text)
+        ] == []
+
+
+def test_the_quick_cases_are_few_and_of_all_kinds():
+    cases = golden.load("quick")
+    assert tuple(case.id for case in cases) == golden.header().quick
+    assert 20 <= len(cases) <= 60
+    assert {case.scene.kind for case in cases} == {"flight", "pitch", "impact", "at-bat"}
 
 
 def test_a_set_goes_into_one_archive(tmp_path):

@@ -14,11 +14,12 @@ from longball.engines.enclosure import Enclosure
 from longball.golden import condition, home_runs, writer
 from longball.golden.case import FOUND, Drafts
 from longball.golden.checker import check
-from longball.golden.condition import inputs, sensitivity, with_input
+from longball.golden.condition import sensitivity
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
 from longball.golden.reader import drafts, header, load, probabilities
 from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
+from longball.model.inputs import inputs, with_input
 from longball.model.quantities import replaced
 from longball.model.result import Bounded
 from longball.model.scene import parse_scene
@@ -347,7 +348,7 @@ def test_inputs_have_paths_and_can_be_set():
     assert "time_limit" not in found
     assert with_input(scene, "launch.velocity[2]", 21.0).launch.velocity == (30.0, 2.0, 21.0)
     assert with_input(scene, "gravity", 9.0).gravity == 9.0
-    assert with_input(scene, "launch.position[2]", -1.0) is None  # underground
+    assert with_input(scene, "ball.mass", -1.0) is None
 
 
 def test_forces_that_a_scene_does_not_name_are_no_inputs():

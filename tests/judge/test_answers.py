@@ -29,8 +29,10 @@ def test_the_quantities_are_those_of_a_result():
         f"{block}.{key}"
         for block, model in (
             ("plate", result.Plate),
+            ("plate.approach", result.Approach),
             ("contact", result.Contact),
             ("impact", result.Impact),
+            ("apex", result.Apex),
             ("fence", result.Fence),
             ("landing", result.Landing),
         )
@@ -41,7 +43,8 @@ def test_the_quantities_are_those_of_a_result():
         "impact.recontact",
         "fence.segment",
         "landing.fair",
-    }  # told, not measured
+        "plate.approach",
+    }  # told, not measured; a block of its own
 
 
 def test_json_lines_keep_every_digit(tmp_path: Path):

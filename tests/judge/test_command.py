@@ -60,9 +60,10 @@ def test_the_reference_passes_and_so_does_its_file(called, tmp_path: Path):
 
 
 def test_a_verdict_in_every_form(called, tmp_path: Path):
-    junit, html = tmp_path / "verdict.xml", tmp_path / "verdict.html"
-    said = called("judge", "--golden", "flight-drag", "--json", "--junit", junit, "--html", html,
-                 *verlet("0.01", "--forces", "old_carried"))  # fmt: skip
+    html = tmp_path / "verdict.html"
+    asked = "judge", "--golden", "flight-drag", "--format"
+    program = verlet("0.01", "--forces", "old_carried")
+    said = called(*asked, "json", "--html", html, *program)
     assert said.returncode == 1
     verdict = json.loads(said.stdout)
     jsonschema.validate(verdict, schema())
@@ -71,11 +72,49 @@ def test_a_verdict_in_every_form(called, tmp_path: Path):
     assert "Verlet" in finding["edit"]
     assert finding["step"] == pytest.approx(0.01)
     assert verdict["convergence"] is None
-    (suite, conduct) = ElementTree.parse(junit).getroot()
+    (suite, conduct) = ElementTree.fromstring(called(*asked, "junit", *program).stdout)
     assert suite.get("name") == "flight-drag"
     assert suite.get("failures") == str(len(verdict["failures"]))
     assert conduct.get("failures") == "1"
     assert html.read_text(encoding="utf-8").count("<img") == 2
+
+
+def test_annotations_for_github_hold_no_command_of_the_program(called):
+    hostile = "import sys; sys.stdin.read(); print('::add-mask::a\\n%', file=sys.stderr)"
+    said = called("judge", "--golden", "pitch", "--format", "github", "--", sys.executable, "-c",
+                  hostile)  # fmt: skip
+    assert said.returncode == 1
+    lines = said.stdout.splitlines()
+    first = next(i for i, line in enumerate(lines) if not line.startswith("::"))
+    *annotations, group, stop = lines[:first]
+    assert all(line.startswith("::error title=longball judge%3A FAILED::") for line in annotations)
+    assert annotations[0].endswith("no answer could be judged")
+    assert group == "::group::verdict"
+    token = stop.removeprefix("::stop-commands::")
+    assert lines[-2:] == [f"::{token}::", "::endgroup::"]
+    assert any("::add-mask::a" in line for line in lines[first:-2])
+    passed = called("judge", "--golden", "pitch", "--format", "github", "--", *LONGBALL, "solve")
+    assert passed.stdout.startswith("::notice title=longball judge%3A PASSED::")
+
+
+def test_scenes_are_sent_as_the_file_has_them(called, tmp_path: Path):
+    scenes = tmp_path / "scenes.jsonl"
+    written = {"id": "a", "kind": "pitch", "air": {"density": 1.0}, "pitch": {"speed": 40.0}}
+    scenes.write_text(json.dumps(written))
+    echo = [sys.executable, "-c", "import sys; sys.stderr.write(sys.stdin.read())"]
+
+    def sent(*options: str) -> dict:
+        said = called("judge", "--scenes", scenes, *options, "--format", "json", "--", *echo)
+        return json.loads(json.loads(said.stdout)["standard_error"])
+
+    assert sent() == written
+    whole = sent("--write-defaults")
+    assert whole["air"]["density"] == 1.0
+    assert whole["air"].keys() == {"density", "drag_coefficient", "lift_coefficient"}
+    assert {"ball", "gravity", "time_limit", "reading"} < whole.keys()
+    launch = {"position": [0, 0, 1], "velocity": [30, 0, 20]}
+    scenes.write_text(json.dumps({"kind": "flight", "launch": launch}))
+    assert called("judge", "--scenes", scenes, "--", *EXAMPLE).returncode == 0
 
 
 def test_a_place_for_the_step_shows_how_it_converges(called, tmp_path: Path):
@@ -86,11 +125,11 @@ def test_a_place_for_the_step_shows_how_it_converges(called, tmp_path: Path):
     said = called("judge", *arguments, "--expected", "2", *command)
     assert said.returncode == 1
     assert said.stdout.splitlines()[0].endswith("--dt 0.002")
-    assert "at least 10 shorter ones, with dt = 0.02 to 0.002" in said.stderr
+    assert "after this run, at dt = 0.002, come some with other steps" in said.stderr
     assert "failed because: convergence: distance: other order" in said.stdout
     assert ", but 2 in theory" in said.stdout
     assert html.read_text(encoding="utf-8").count("<img") == 2
-    said = called("judge", *arguments, "--expected", "1", "--json", *command)
+    said = called("judge", *arguments, "--expected", "1", "--format", "json", *command)
     assert said.returncode == 0, said.stdout
     orders = json.loads(said.stdout)["convergence"]["orders"]
     assert {order["verdict"] for order in orders} == {"as expected"}
@@ -104,8 +143,9 @@ def test_samples_are_judged_alone_and_beside_answers(called, tmp_path: Path):
     assert alone.returncode == 1
     assert alone.stdout.startswith("FAILED: samples.jsonl\nfailed because: sampling: swing.height")
     both = called(
-        "judge", "--golden", "pitch", "--results", results(tmp_path), "--samples", samples, "--json"
-    )
+        "judge", "--golden", "pitch", "--results", results(tmp_path), "--samples", samples,
+        "--format", "json",
+    )  # fmt: skip
     assert both.returncode == 1
     verdict = json.loads(both.stdout)
     jsonschema.validate(verdict, schema())
@@ -206,6 +246,7 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         (["--steps", "0.01:0.1:5", "--", "true", "{dt}"], "from coarse to fine"),
         (["--", "/no/such/program"], "/no/such/program"),
         (["--", ""], "longball"),
+        (["--format", "xml", "--", "true"], "'text', 'json', 'junit', 'github'"),
     ],
 )
 def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: str):

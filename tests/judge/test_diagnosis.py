@@ -6,8 +6,9 @@ The program (`tests/candidates/mistaken.py`) is right to 1e-12 without a mistake
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from longball.judge.diagnosis.residual import data_of, follow, specialised_to, v
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.search import Explanation, Named, defaults
 from longball.judge.quantities import values_of
+from longball.model.scene import parse_scene
 from tests.candidates.mistaken import solve as simulate
 from tests.candidates.mistaken import switches
 
@@ -115,6 +117,63 @@ def test_ends_beside_the_ground_are_no_other_event(side: float):
     reasoned = reason(replace(data, given=given), specialised_to(data))
     assert "landing" in [step.followed.stage.name for step in reasoned.steps]
     assert not any(isinstance(step.found, Named) for step in reasoned.steps)
+
+
+def half_of_drag(scene: dict[str, Any]) -> None:
+    if scene["air"] is not None:
+        scene["air"]["lift_coefficient"] = 0.5 * scene["air"]["drag_coefficient"]
+
+
+def air_where_there_is_none(scene: dict[str, Any]) -> None:
+    if scene["air"] is None:
+        del scene["air"]
+
+
+def down_to_the_height_of_the_launch(scene: dict[str, Any]) -> None:
+    scene["ground"] = {"height": scene["launch"]["position"][2]}
+
+
+def speed_in_miles_per_hour(scene: dict[str, Any]) -> None:
+    scene["pitch"]["speed"] *= 0.44704
+
+
+# Programs that read a scene otherwise: the right engine solves what they read.
+READ = [
+    ("flight-both", half_of_drag, "flight", "takes 0.5 times C_D for C_L"),
+    ("flight-vacuum", air_where_there_is_none, "flight", "takes air = given in every scene"),
+    ("flight-drag", down_to_the_height_of_the_launch, "landing",
+     "takes launch.position_z for ground"),
+    ("pitch", speed_in_miles_per_hour, "pitch",
+     "takes 0.44704 times (0, aim_y, aim_z) - release/|(0, aim_y, aim_z) - release| "
+     "(miles per hour taken for m/s)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("family", "read", "stage", "edit"), READ)
+def test_a_scene_that_is_read_otherwise_is_named(
+    family: str, read: Callable[[dict[str, Any]], None], stage: str, edit: str
+):
+    cases = [case for f in {family, "flight-both"} for case in load(f) if decidable(case)]
+    cases = [case for case in cases if case.scene.kind == load(family)[0].scene.kind]
+    collector = Collector([case.id for case in cases])
+    for number, case in enumerate(cases, 1):
+        scene = json.loads(case.scene.line())
+        read(scene)
+        result = solve(parse_scene(json.dumps(scene)), Ivp())
+        collector.take_line(number, result.line().encode())
+    found = diagnose(cases, collector.answers)
+    assert [(f.stage, f.edit) for f in found.findings if f.stage != "outcome"] == [(stage, edit)]
+
+
+def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
+    cases = [case for case in load("at-bat") if decidable(case)]
+    told = {c.id: dict(values_of(c.expected)) for c in cases}
+    for values_told in told.values():
+        if "contact.margin" in values_told:
+            values_told["contact.margin"] = tuple(-x for x in values_told["contact.margin"])
+    wrong = {c.id: Answer(c.id, c.expected.outcome, told[c.id]) for c in cases}
+    (found,) = diagnose(cases, wrong).findings
+    assert (found.stage, found.edit) == ("margin", "takes -R + r_b - the closest distance")
 
 
 @pytest.mark.parametrize("stage", ["bat velocity", "normal speed", "velocity after"])

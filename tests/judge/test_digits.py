@@ -10,7 +10,7 @@ import pytest
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.diagnosis.digits import digits_of, explain_digits, with_digits
+from longball.judge.diagnosis.digits import Digits, digits_of, explain_digits, with_digits
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import values_of
 
@@ -81,3 +81,10 @@ def test_a_style_shows_in_numbers_that_differ():
     assert digits_of([Decimal("1"), Decimal("0"), Decimal("-1")] * 20) is None
     full = Decimal(repr(0.1 + 0.2)), Decimal(repr(1 / 7)), Decimal(repr(2 / 7))
     assert digits_of([*full, Decimal("0.5")]) is None
+
+
+def test_decimals_that_any_single_has_too_are_decimals():
+    """Numbers in single precision are closer together than 1e-6 from 8 to 16."""
+    draw = np.random.default_rng(1)
+    numbers = [Decimal(f"{x:.6f}") for x in draw.uniform(8, 16, 60)]
+    assert digits_of(numbers) == Digits("decimals", 6)

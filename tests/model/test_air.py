@@ -11,7 +11,7 @@ import pytest
 
 from longball.model.air import CrisisDrag, LinearLift, RationalLift, SpinDrag, Weather, WindProfile
 from longball.model.atmosphere import density, speed_of_sound
-from longball.model.earth import CORIOLIS
+from longball.model.earth import earth_strengths
 from longball.model.frame import Frame
 from longball.model.numbers import DOUBLES
 from longball.model.scene import AtBatScene, InvalidScene, _meet, parse_scene
@@ -92,7 +92,8 @@ def test_the_earth_turns_once_in_a_sidereal_day_about_its_axis() -> None:
         (math.pi / 6, 0.0, (math.cos(math.pi / 6), 0, 0.5)),
     ):
         at = scene(earth={"latitude": latitude, "azimuth": azimuth})
-        found = [float(x or 0.0) for x in CORIOLIS.strengths(at, frame, DOUBLES)]
+        strengths = earth_strengths(at, frame, DOUBLES)
+        found = [strengths.get(f"earth_{name}", 0.0) for name in "syz"]
         cases.append(found)
         assert found == pytest.approx([day * x for x in axis], rel=1e-6, abs=1e-20)
     assert len(cases) == 4
@@ -240,9 +241,10 @@ def test_other_contradictions_of_the_air() -> None:
 
 def test_a_ball_starts_on_the_ground_or_above_and_inside_the_fence() -> None:
     floor, below = {"height": 3.0}, math.nextafter(3.0, 4.0)
-    scene(ground=floor)
+    level = {"position": [0, 0, 3], "velocity": [30, 0, 0]}
+    scene(ground=floor, launch=level)
     with pytest.raises(InvalidScene, match=r"launch.position\[2\] = 3.0 is underground"):
-        scene(ground={"height": below})
+        scene(ground={"height": below}, launch=level)
     scene(launch=LAUNCH | {"position": [3, 4, 1]}, fence={"radius": 5.000001})
     with pytest.raises(InvalidScene, match=r"launch.position is outside, 5.0 m from the plate"):
         scene(launch=LAUNCH | {"position": [3, 4, 1]}, fence={"radius": 5.0})

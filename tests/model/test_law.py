@@ -8,24 +8,21 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from longball.model.aerodynamics import _across, spin_ratio
 from longball.model.air import WindProfile
-from longball.model.force import Flow
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import (
-    DRAG,
-    FORCES,
-    GRAVITY,
-    LIFT,
     Force,
     PlaneState,
+    Shape,
     SpaceState,
+    Strengths,
     law_of,
     law_with,
+    motion_of,
 )
 from longball.model.numbers import DOUBLES
 from longball.model.scene import Air, Ball, FlightScene, Launch
-from longball.model.trace import ZERO, Program, parameter, variable
+from longball.model.trace import ZERO, Program, variable
 
 K_D, K_L, G = sp.symbols("k_D k_L g", positive=True)
 U, V, W = sp.symbols("u v w", real=True)
@@ -75,18 +72,17 @@ def test_the_constants_are_those_of_the_paper():
 @pytest.mark.parametrize(
     ("air", "gravity", "named"),
     [
-        (None, 9.8, {GRAVITY}),
+        (None, 9.8, {"gravity"}),
         (None, 0.0, set()),
-        (Air(density=0.0), 9.8, {GRAVITY}),
-        (Air(drag_coefficient=0.0), 0.0, {LIFT}),
-        (Air(lift_coefficient=0.0), 0.0, {DRAG}),
-        (Air(lift_coefficient=-0.1), 9.8, {DRAG, LIFT, GRAVITY}),
+        (Air(density=0.0), 9.8, {"gravity"}),
+        (Air(drag_coefficient=0.0), 0.0, {"lift"}),
+        (Air(lift_coefficient=0.0), 0.0, {"drag"}),
+        (Air(lift_coefficient=-0.1), 9.8, {"drag", "lift", "gravity"}),
     ],
 )
 def test_only_what_the_scene_names_is_there(air, gravity, named):
     law = law_of(scene(air, gravity), ALONG_X, DOUBLES)
-    assert set(law.forces) == named
-    assert set(law.strengths) == {name for force in named for name in force.parameters}
+    assert set(law.strengths) == named
 
 
 def test_what_is_absent_is_not_computed():
@@ -102,8 +98,8 @@ def sideways(motion, p):
 
 
 def test_a_force_across_takes_the_flight_out_of_its_plane():
-    push = Force(("push",), lambda scene, frame, numbers: (0.5,), sideways)
-    law = law_of(scene(), ALONG_X, DOUBLES, (*FORCES, push))
+    push = Force(lambda scene, frame, numbers: {"push": 0.5}, sideways)
+    law = law_of(scene(), ALONG_X, DOUBLES, (push,))
     assert law.state is SpaceState
     start = law.state_of(PlaneState(0.0, 1.0, 30.0, 10.0))
     assert start == SpaceState(0.0, 0.0, 1.0, 30.0, 0.0, 10.0)
@@ -113,9 +109,15 @@ def test_a_force_across_takes_the_flight_out_of_its_plane():
     assert (dy, dv) == (0.0, 0.5)
 
 
+def test_a_force_that_asks_for_what_it_does_not_have_is_told():
+    misspelt = Force(lambda scene, frame, numbers: {"pushed": 0.5}, sideways)
+    with pytest.raises(AttributeError, match="push"):
+        law_of(scene(), ALONG_X, DOUBLES, (misspelt,))
+
+
 def test_without_a_force():
     law = law_of(scene(), ALONG_X, DOUBLES)
-    assert law.without(LIFT) == law_of(scene(Air(lift_coefficient=0.0)), ALONG_X, DOUBLES)
+    assert law.without("lift") == law_of(scene(Air(lift_coefficient=0.0)), ALONG_X, DOUBLES)
 
 
 def test_a_straight_flight_has_no_root():
@@ -212,16 +214,17 @@ def test_the_spin_ratio_is_of_all_the_spin_or_of_what_is_across_the_velocity(spi
     speed, whole = float(np.linalg.norm(velocity)), float(np.linalg.norm(spin))
     across = float(np.linalg.norm(np.cross(spin, velocity))) / speed
     strengths = dict(zip(("spin_s", "spin_y", "spin_z"), spin, strict=True)) | {"spin": whole}
-    named = SimpleNamespace(**{name: parameter(name) for name in strengths})
-    flow = Flow((variable("u"), variable("v"), variable("w")), variable("speed"))
-    for is_whole, size in ((True, whole), (False, across)):
-        nodes = (*spin_ratio(flow, named, is_whole), _across(flow, named, is_whole))
-        program = Program(("u", "v", "w", "speed"), tuple(strengths), nodes)
-        a, b, c = program.bind(strengths, DOUBLES.functions)(*velocity, speed)
-        assert b / a == pytest.approx(size / speed, rel=1e-14)
-        assert c == pytest.approx(size * speed, rel=1e-14)
+    for reading, size in (("total", whole), ("transverse", across)):
+        shape = Shape(spins=True, spin_parameter=reading, drag_spin=reading)
+        motion = motion_of(Strengths(shape, tuple(strengths)), (ZERO, ZERO, ZERO), MOVING, ZERO)
+        flow = motion.air
+        nodes = flow.speed, flow.top / flow.bottom, flow.spin, flow.drag_spin
+        found = Program(("u", "v", "w"), tuple(strengths), nodes).bind(strengths, FUNCTIONS)
+        wanted = speed, size / speed, size, size * speed
+        assert found(*velocity) == pytest.approx(wanted, rel=1e-14)
 
 
+MOVING, FUNCTIONS = tuple(map(variable, "uvw")), DOUBLES.functions
 ABOVE = {"velocity": (12.0, 0.0, 0.0), "above": 2.0}
 
 
@@ -251,7 +254,7 @@ def test_a_law_of_several_forms_computes_nothing_before_one_is_chosen():
 
 def test_a_law_of_several_forms_without_a_force_keeps_its_forms():
     table = {"law": "table", "of": "speed", "at": (10.0, 20.0), "values": (0.5, 0.3)}
-    law = law_of(scene(Air(drag_coefficient=table)), ALONG_X, DOUBLES).without(LIFT)
+    law = law_of(scene(Air(drag_coefficient=table)), ALONG_X, DOUBLES).without("lift")
     dragged = law_of(scene(Air(drag_coefficient=table, lift_coefficient=0.0)), ALONG_X, DOUBLES)
     for u in (5.0, 15.0, 25.0):
         state = 0.0, 1.0, u, 0.0

@@ -124,7 +124,7 @@ def test_what_is_left_out_is_none():
 
 
 def test_numbers_are_put_in_together_and_validated():
-    low = FlightScene(id="f", launch=Launch(position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, 1.0)))
+    low = FlightScene(id="f", launch=Launch(position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, 0.0)))
     both = {"ground.height": 2.0, "launch.position[2]": 3.0}
     assert replaced(low, both).launch.position == (0.0, 0.0, 3.0)
     with pytest.raises(ValidationError, match="underground"):

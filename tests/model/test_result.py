@@ -7,6 +7,8 @@ import pytest
 from pydantic import ValidationError
 
 from longball.model.result import (
+    Apex,
+    Approach,
     Bounded,
     Certified,
     Contact,
@@ -26,10 +28,12 @@ def read(**values):
 def test_the_keys_are_the_contracts():
     """Other implementations write them: a renamed key would break them all."""
     assert list(Result.model_fields) == [
-        "id", "outcome", "plate", "contact", "impact", "fence", "landing", "path", "engine",
-        "error", "code", "certificate",
+        "id", "outcome", "plate", "contact", "impact", "apex", "fence", "landing", "path",
+        "engine", "error", "code", "certificate",
     ]  # fmt: skip
-    assert list(Plate.model_fields) == ["time", "position", "velocity"]
+    assert list(Plate.model_fields) == ["time", "position", "velocity", "approach"]
+    assert list(Approach.model_fields) == ["vertical", "horizontal"]
+    assert list(Apex.model_fields) == ["time", "position"]
     assert list(Contact.model_fields) == [
         "time", "position", "normal", "bat_velocity", "normal_speed", "margin",
     ]  # fmt: skip
@@ -41,7 +45,7 @@ def test_the_keys_are_the_contracts():
         "time", "position", "velocity", "clearance", "segment", "margin",
     ]  # fmt: skip
     assert list(Landing.model_fields) == [
-        "time", "hang_time", "position", "velocity", "distance", "spin", "path", "fair",
+        "time", "hang_time", "position", "velocity", "distance", "angle", "spin", "path", "fair",
     ]  # fmt: skip
 
 

@@ -163,12 +163,23 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
     ("values", "message"),
     [
         ({"gravity": -1}, "gravity: must not be negative (got -1)"),
-        ({"gravity": "9.8"}, "gravity: must be a valid number (got '9.8')"),
-        ({"gravity": None}, "gravity: must be a valid number (got null)"),
+        ({"gravity": "9.8"}, "gravity: must be a number in m/s² (got '9.8')"),
+        ({"gravity": None}, "gravity: must be a number in m/s² (got null)"),
+        ({"ball": {"mass": "5oz"}}, "ball.mass: must be a number in kg (got '5oz')"),
+        (
+            {"pitch": 5},
+            "pitch: must be an object with the keys speed, release, aim, velocity, spin (got 5)",
+        ),
+        (
+            {"air": {"drag_coefficient": "x"}},
+            "air.drag_coefficient: must be a number, or an object with a law: constant, spin, "
+            "crisis, table (got 'x')",
+        ),
+        ({"pitch": {"speed": -3}}, "pitch.speed: must be positive (got -3)"),
         ({"pitch": {"aim": {"y": 1}}}, "pitch.aim: must be [y, z] in m (got {'y': 1})"),
         ({"pitch": {"aim": [0, None]}}, "pitch.aim[1]: is missing, or null"),
         ({"pitch": {"aim": [0, 1, 2]}}, "pitch.aim: takes at most 2 values, and has 3"),
-        ({"gravity": True}, "gravity: must be a valid number (got true)"),
+        ({"gravity": True}, "gravity: must be a number in m/s² (got true)"),
         ({"ball": {"mass": 0}}, "ball.mass: must be positive (got 0)"),
         (
             {"air": {"density": {"temperature": 20}}},
@@ -261,11 +272,21 @@ def test_all_faults_of_a_line_are_told():
 
 def test_a_start_on_the_ground_is_above_it():
     assert parsed("flight", launch=LAUNCH | {"position": [0, 0, 0]})
-    surface = LEAST["flight"] | {
-        "reading": {"ground_contact": "surface"},
-        "launch": LAUNCH | {"position": [0, 0, 0.03]},
+    surface = LEAST["flight"] | {"reading": {"ground_contact": "surface"}}
+    under = surface | {"launch": {"position": [0, 0, 0.03], "velocity": [30, 0, -1]}}
+    told = str(refused(json.dumps(under)))
+    assert "launch.position[2] = 0.03 is underground: the ball lands at height 0.0366" in told
+    assert "launch.velocity[2] must be positive for it to rise there" in told
+
+
+def test_a_ball_may_rise_to_the_ground_that_it_lands_on_but_not_inside_a_fence():
+    deck = LEAST["flight"] | {
+        "ground": {"height": 8},
+        "launch": {"position": [0, 0, 1], "velocity": [30, 0, 25]},
     }
-    assert "launch.position[2] = 0.03 is underground" in str(refused(json.dumps(surface)))
+    assert parse_scene(json.dumps(deck)).ground.height == 8.0
+    told = str(refused(json.dumps(deck | {"fence": {"radius": 100}})))
+    assert "which with a fence must not be above the launch" in told
 
 
 @pytest.mark.parametrize(

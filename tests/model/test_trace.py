@@ -120,6 +120,23 @@ def test_the_derivative_of_a_size_is_bounded():
     assert value(slope, 0.0, 0.0) == 0.0
 
 
+def test_what_cancels_is_gone():
+    """The square of a root, and the difference of a strength and itself."""
+    root = trace.sqrt(X * X + Y * Y)
+    assert root * root is X * X + Y * Y
+    assert (2.0 * root) * (K * root) is (2.0 * K) * (X * X + Y * Y)
+    assert K - K is trace.ZERO
+
+
+def test_a_derivative_that_is_to_have_derivatives_has_plain_quotients():
+    speed = trace.sqrt(trace.total(map(trace.square, (X, Y))))
+    first = trace.derivative(speed, X, ratio="quotient")
+    assert value(first, x=3.0, y=4.0) == 0.6
+    assert value(trace.derivative(first, X), x=3.0, y=4.0) == pytest.approx(16 / 125, rel=1e-15)
+    with pytest.raises(TypeError, match="a unit has no derivative"):
+        trace.derivative(trace.derivative(speed, X), X)
+
+
 def test_division_by_nothing_is_told():
     with pytest.raises(ZeroDivisionError, match="divides by zero"):
         X / (Y - Y)

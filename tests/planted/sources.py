@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from longball.engines.ivp import Ivp
-from longball.golden import load
+from longball.golden import header, load
 from longball.judge.answers import Answer
 from longball.judge.candidate import Limits, run
 from longball.judge.cases import Case, Converged, Exact, Paper, Profile, decidable, solved
@@ -40,6 +40,10 @@ ROOT = HERE.parent.parent
 FLIGHTS = ("flight-vacuum", "flight-drag", "flight-lift", "flight-both")
 PAPER = (*FLIGHTS, "flight-vertical", "flight-weightless", "pitch", "impact", "at-bat")
 REAL = ("flight-spin-lift", "flight-weather", "impact-oblique", "fence")
+# What doubles cannot decide tells nothing of a mistake; at_bat_lab.py knows no defaults.
+EVERYTHING = tuple(
+    name for name in header().families if not name.startswith("hard") and name != "defaults"
+)
 LIMITS = Limits(scene_seconds=5.0, total_seconds=120.0)
 
 Answers = Mapping[str, Answer]
@@ -160,7 +164,7 @@ def built(source: Path, folder: Path) -> Path:
 
 
 def planted(half: str, folder: Path) -> Iterator[Subject]:
-    """The mistakes of mistakes.csv."""
+    """The mistakes of mistakes.csv and at_bat_lab.json."""
     programs = {
         "ballistics.c": [str(built(HERE / "ballistics.c", folder))],
         "flight.js": ["node", str(HERE / "flight.js")],
@@ -173,6 +177,15 @@ def planted(half: str, folder: Path) -> Iterator[Subject]:
                 families = PAPER if row["golden"] == "paper" else tuple(row["golden"].split())
                 command = [*programs[row["program"]], "--mistake", row["name"]]
                 yield Subject("planted", name, families, Program(command))
+    text = (HERE / "at_bat_lab.py").read_text(encoding="utf-8")
+    lab = json.loads((HERE / "at_bat_lab.json").read_text(encoding="utf-8"))
+    for mistake, row in lab.items():
+        name = f"at_bat_lab.py {mistake}"
+        if half in ("both", half_of(name)):
+            source = text
+            for old, new in row["edits"]:
+                source = source.replace(old, new)
+            yield Subject("planted", name, EVERYTHING, Mutated("at_bat_lab.py", source, (), folder))
 
 
 def half_of(name: str) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from importlib import import_module
+from itertools import takewhile
 from typing import Annotated, Any
 
 import typer
@@ -24,6 +25,10 @@ EXAMPLES = {
     "homerun": "longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png",
     "fit": "longball fit pitches.csv --json > fitted.json",
     "measured": "longball measured statcast.csv --kind batted --figure errors.png",
+    "flight": 'longball flight --speed "103 mph" --angle 28 --park "Coors Field"',
+    "parks": "longball parks flies.jsonl",
+    "aim": "longball aim flight.json --target 110",
+    "infer": "longball infer flight.json --points path.csv --unknown launch.speed",
     "plot": "longball plot at-bats.jsonl -o paths.svg",
     "readings": "longball readings --samples 1000",
 }
@@ -52,10 +57,25 @@ class Commands(TyperGroup):
         module = module_of(cmd_name)
         if cmd_name == "golden":  # which has commands of its own
             return typer.main.get_command(module.app)
+        from longball.cli.command import Command
+
         alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-        command = alone.command(cmd_name, epilog=f"Example: {EXAMPLES[cmd_name]}")
+        command = alone.command(cmd_name, cls=Command, epilog=f"Example: {EXAMPLES[cmd_name]}")
         command(getattr(module, cmd_name))
         return typer.main.get_command(alone)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command that is asked for, and give it what a file of settings has for it."""
+        name, found, rest = super().resolve_command(ctx, args)
+        command: Any = found
+        asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
+        if name in EXAMPLES and not (asks_help or ctx.resilient_parsing):
+            from longball.cli.settings import defaults_of, settings_of
+
+            command.settings, given = settings_of(name, tuple(EXAMPLES))
+            options = command.named_options()
+            ctx.default_map = {name: defaults_of(command.settings, given, options, name)}
+        return name, command, rest
 
     def invoke(self, ctx: Any) -> Any:
         """Call the command that is asked for."""
@@ -65,6 +85,11 @@ class Commands(TyperGroup):
             from longball.model.scene import in_our_words
 
             error.message = in_our_words(error.message)
+            said_by = getattr(error.ctx, "default_map", None) or {}
+            if error.param and error.param.name in said_by:
+                command: Any = error.ctx and error.ctx.command
+                file = command.settings
+                error.message = f"{error.message.removesuffix('.')} (in {file})"
             if choice := re.fullmatch(r"'(.*)' is not one of (.*)\.", error.message):
                 hint = did_you_mean(choice[1], re.findall(r"'([^']*)'", choice[2]))
                 error.message = f"{error.message[:-1]}{hint or '.'}"

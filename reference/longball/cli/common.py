@@ -101,7 +101,7 @@ Steps = Annotated[
     typer.Option(
         metavar="FROM:TO:COUNT",
         help="The time steps, s, that replace {dt} one after the other, evenly spaced in their "
-        "logarithm, at least 5. Default: 0.01:0.0001:9.",
+        "logarithm, at least 5. By default, a few runs choose them.",
     ),
 ]
 Knob = Annotated[

@@ -1,12 +1,14 @@
-"""``longball golden``: list, path, export, write and check."""
+"""``longball golden``: list, path, export, coverage, write and check."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
+from longball.cli.command import Command
 from longball.cli.common import (
     Json,
     Quiet,
@@ -33,7 +35,7 @@ Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]
 Part = Literal["cases", "probability"]
 
 
-@app.command("list", epilog="Example: longball golden list")
+@app.command("list", cls=Command, epilog="Example: longball golden list")
 def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) -> None:
     """List the families, which other commands take as SET, with how many cases each has."""
     top = header_of(folder)
@@ -47,13 +49,13 @@ def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) ->
     note(f"format {top.format}, {top.licence}")
 
 
-@app.command(epilog="Example: ls $(longball golden path)")
+@app.command(cls=Command, epilog="Example: ls $(longball golden path)")
 def path() -> None:
     """Print the folder of the golden data that come with longball."""
     print(reader.DATA)
 
 
-@app.command(epilog="Example: longball golden export golden.zip")
+@app.command(cls=Command, epilog="Example: longball golden export golden.zip")
 def export(
     output: Annotated[
         Path | None, typer.Argument(metavar="[FILE.zip]", help="By default named by version.")
@@ -76,7 +78,7 @@ def header_of(folder: Path | None) -> Header:
         return reader.header(folder or reader.DATA)
 
 
-@app.command(epilog="Example: longball golden write golden-data")
+@app.command(cls=Command, epilog="Example: longball golden write golden-data")
 def write(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],
     part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
@@ -108,7 +110,56 @@ def write(
         note(f"{count} readings' probabilities in {folder}")
 
 
-@app.command(epilog="Example: longball golden check --sample 50")
+@app.command(cls=Command, epilog="Example: longball golden coverage scenes.jsonl")
+def coverage(
+    scenes: Annotated[
+        str, typer.Argument(metavar="SCENES", help="A file of scenes, or - for standard input.")
+    ],
+    most: Annotated[
+        int, typer.Option(min=0, help="How many mistakes that the scenes miss are listed.")
+    ] = 20,
+    every: Annotated[
+        int, typer.Option(min=1, help="Try one edit of so many; 1 for all, which takes minutes.")
+    ] = 8,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Count the mistakes that scenes of your own would show, beside the golden data.
+
+    A mistake is an edit of the model: another symbol, a sign, a factor, a term that is left out.
+    Those are counted that your scenes or the golden data show.
+    """
+    from longball.cli.converge import read_scenes
+    from longball.judge.coverage import coverage as covered
+    from longball.judge.diagnosis.findings import many
+    from longball.judge.fresh import proven
+
+    with refusing():
+        own = proven(list(read_scenes(scenes)), "own")
+    with progress_bar("edits", EDITS // every) as advance:
+        found = covered([*reader.load("all"), *own], every, advance)
+    mine = [i for i, case in enumerate(found.cases) if case.family == "own"]
+    shown = found.noticed[:, mine].sum(axis=1) > 0
+    likeliest = sorted(range(len(shown)), key=found.bits.__getitem__)
+    missed = [found.told(i) for i in likeliest if not shown[i]]
+    by_stage = found.by_stage(shown)
+    if as_json:
+        stages = [{"stage": name, "edits": n, "noticed": k} for name, n, k in by_stage]
+        print(json.dumps({"stages": stages, "missed": missed[:most]}, ensure_ascii=False))
+        return
+    rows = [(name, f"{n:,}", f"{k:,}", f"{k / n:.0%}") for name, n, k in by_stage]
+    show(("stage", "edits", "noticed", ""), rows)
+    if missed[:most]:
+        print("\nmissed, with a golden case that notices it:")
+    for one in missed[:most]:
+        print(f"  {one['stage']}: {one['edit']} ({one['case']})")
+    note(f"{many(len(mine), 'scene')}: {int(shown.sum()):,} of {many(len(shown), 'edit')} noticed")
+
+
+EDITS = 50_000  # about as many as there are, for the bar
+
+
+@app.command(cls=Command, epilog="Example: longball golden check --sample 50")
 def check(
     folder: Folder = None,
     sample: Annotated[

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from longball.cli.common import (
     AsCsv,
     Expected,
-    Json,
     Knob,
     Quiet,
     Steps,
@@ -27,6 +26,9 @@ from longball.cli.common import (
     wrong_call,
 )
 
+STEP = 1e-3  # s, at which a method of order 4 is right to 1e-6
+Form = Literal["text", "json", "junit", "github"]
+
 if TYPE_CHECKING:
     from longball.judge.cases import Case, Profile
     from longball.judge.evaluation import Evaluation
@@ -36,7 +38,7 @@ def judge(
     command: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="-- COMMAND …",
+            metavar="[-- COMMAND …]",
             help="The program to judge: it reads scenes on standard input and writes results on "
             "standard output. If {dt} is in it, it is also run with several time steps, and its "
             "order of convergence is measured.",
@@ -46,8 +48,9 @@ def judge(
         list[str] | None,
         typer.Option(
             metavar="SET",
-            help="Judge by one family of the golden data, by all, or by usual-constants. May be "
-            "given several times. Default: all of the paper's model but hard.",
+            help="Judge by one family of the golden data, by all, by quick, which is a few cases "
+            "of all that notice nearly every mistake, or by usual-constants. May be given several "
+            "times. Default: all of the paper's model but hard.",
         ),
     ] = None,
     scenes: Annotated[
@@ -76,6 +79,14 @@ def judge(
     readings: Annotated[
         bool,
         typer.Option("--readings", help="Judge by golden cases of other readings as well."),
+    ] = False,
+    write_defaults: Annotated[
+        bool,
+        typer.Option(
+            "--write-defaults",
+            help="Write out every default of a scene but those of its reading, also where the "
+            "scene leaves it out.",
+        ),
     ] = False,
     partial: Annotated[
         bool, typer.Option("--partial", help="Scenes and quantities may be left out.")
@@ -123,11 +134,17 @@ def judge(
     expected: Expected = None,
     timeout: Timeout = 60.0,
     total_timeout: Annotated[float, typer.Option(min=0.001, help="Longest run, s.")] = 3600.0,
-    as_json: Json = False,
+    form: Annotated[
+        Form,
+        typer.Option(
+            "--format",
+            help="How the verdict is printed: for people, as JSON, as JUnit's XML, or with "
+            "annotations for GitHub's Actions.",
+        ),
+    ] = "text",
     rows: Annotated[
         bool, typer.Option("--table", help="Print a table of the errors of each quantity.")
     ] = False,
-    junit: Annotated[Path | None, to_file("Write the verdict to this file as JUnit XML.")] = None,
     html: Annotated[
         Path | None, to_file("Write the verdict to this file as a page with pictures.")
     ] = None,
@@ -155,13 +172,14 @@ def judge(
     if html:
         import_module("matplotlib")  # it draws the page's pictures
     # The judge brings compiled code with it, and --help does not need it.
-    from longball.judge import junit as xml
     from longball.judge import page
     from longball.judge.answers import Collector
     from longball.judge.candidate import Limits
     from longball.judge.cases import Paper
     from longball.judge.cases import profile as profile_of
     from longball.judge.evaluation import Judge
+    from longball.judge.github import annotated
+    from longball.judge.junit import junit
     from longball.judge.sampling import judge_samples, read_samples
     from longball.judge.step_sweep import sweep_of
     from longball.judge.text import render
@@ -173,22 +191,23 @@ def judge(
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
         stepped = sweep if sweep and not knob else None
         if stepped and dt is None:
-            dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps)
+            dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps or [STEP])
         cases, truth = (
             cases_of(golden, scenes, random, seed, kind, readings)
             if command or results
             else ([], "")
         )
+        if write_defaults:
+            cases = [with_defaults(case) for case in cases]
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
             columns = dict(split_assignment("--column", text) for text in column or ())
             found = judge.evaluate_file(results, columns, drawn)
         elif command:
             if stepped:
-                values = f"{max(stepped.steps):g} to {min(stepped.steps):g}"
                 note(
-                    f"after this run come at least {2 * len(stepped.steps)} shorter ones, with dt "
-                    f"= {values}; --steps FROM:TO:COUNT makes them fewer"
+                    f"after this run, at dt = {dt:g}, come some with other steps; --steps "
+                    "FROM:TO:COUNT says which"
                 )
             # One bar for both: the scenes answered, then the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
@@ -198,17 +217,21 @@ def judge(
         else:
             assert drawn
             found = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
-    if junit:
-        junit.write_text(xml.junit(found), encoding="utf-8")
     if html:
         html.write_text(page.page(found), encoding="utf-8")
+    text = render(found.verdict, table=rows).rstrip()
+    if further := further_options(found, rule, golden, scenes or random):
+        text += f"\n\nfurther: {further}"
     with failing_unless(found.verdict.passed):
-        if as_json:
-            print(found.verdict.line())
-            return
-        print(render(found.verdict, table=rows).rstrip())
-        if further := further_options(found, rule, golden, scenes or random):
-            print(f"\nfurther: {further}")
+        match form:
+            case "text":
+                print(text)
+            case "json":
+                print(found.verdict.line())
+            case "junit":
+                print(junit(found), end="")
+            case "github":
+                print(annotated(found.verdict, text))
 
 
 def further_options(
@@ -229,6 +252,17 @@ def further_options(
         more = [name for name in reader.header().families if name not in tried]
         said += [f"not tried: {', '.join(more)} (--golden all)"] if more else []
     return "; ".join(said)
+
+
+def with_defaults(case: Case) -> Case:
+    """Return a case whose scene leaves out no default."""
+    from longball.judge.cases import Known
+    from longball.model.scene import written_out
+
+    scene = written_out(case.scene)
+    if isinstance(case, Known):
+        return replace(case, scene=scene)
+    return case.model_copy(update={"scene": scene})
 
 
 def cases_of(

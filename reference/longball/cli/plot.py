@@ -27,11 +27,12 @@ def plot(
     engine: EngineName = "ivp",
     quiet: Quiet = False,
 ) -> None:
-    """Draw the paths of the balls.
+    """Draw the paths of a few balls, or where many come down.
 
-    Scenes are solved; the paths are to scale, from the side and from above, with fences in grey.
+    Scenes are solved. Up to 12 paths are drawn to scale, from the side and from above; more balls
+    make a spray chart with home plate at the bottom. Fences are grey.
     """
-    from longball.pictures import drawn, save_paths
+    from longball.pictures import FEW, drawn, save_paths, save_spray_chart
 
     solver = engines.create(engine)
     change = chosen_changes(set_, fence, reading)
@@ -50,12 +51,13 @@ def plot(
             if result.error is None and trajectory.legs:
                 label = _label(scene.id or str(number), result)
                 around = getattr(scene, "fence", None)
-                pictured.append(drawn(label, trajectory, fence=around, reached=result.fence))
+                pictured.append(drawn(label, trajectory, fence=around, result=result))
             else:
                 tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
                 failed += 1
     if pictured:
-        save_paths(output, pictured)
+        many = len(pictured) > FEW and any(scene.end for scene in pictured)
+        (save_spray_chart if many else save_paths)(output, pictured)
         note(f"the picture is in {output}")
     else:
         tell(f"no paths in {named(source)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 import os
 import re
 import shlex
@@ -246,9 +247,14 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
 
 def _require_lines(beginning: bytes, source: str) -> None:
     """Refuse JSON that stands in several lines, or in one array, before each line is an error."""
-    first, _, more = beginning.removeprefix(BOM_UTF8).lstrip().partition(b"\n")
-    is_array = re.match(rb"\[\s*(\{|$)", first.strip())
-    if is_array or (first.strip() == b"{" and more):
+    text = beginning.removeprefix(BOM_UTF8).lstrip().decode("utf-8", "replace")
+    first, _, more = text.partition("\n")
+    is_array = re.match(r"\[\s*(\{|$)", first.strip())
+    end = 0
+    if text.startswith("{"):
+        with suppress(ValueError, RecursionError):
+            _, end = json.JSONDecoder().raw_decode(text)
+    if is_array or (first.strip() == "{" and more) or "\n" in text[:end]:
         what = "an array" if is_array else "one object over several lines"
         each = "-c '.[]'" if is_array else "-c ."
         file = "" if source == "-" else f" {shlex.quote(source)}"

@@ -173,7 +173,7 @@ def mean_over_phases(values: Array) -> Array:
 def _jump(one: _Measured) -> float:
     """Return how much the error changes with the phase, relative to itself.
 
-    The median over scenes and the finer half of the steps: there a smooth error hardly changes
+    The median over scenes and the finer half of the steps, without what a smooth error changes
     from one phase to the next. Not where rounding rules.
     """
     fine = slice(len(one.steps) // 2, None)
@@ -182,9 +182,14 @@ def _jump(one: _Measured) -> float:
     # Independent roundings add up like the square root of their number.
     noise = 4 * EPSILON * one.size * np.sqrt(one.counts[fine])
     clear = np.isfinite(change) & np.isfinite(error) & (np.maximum(error, change) > noise)
-    with np.errstate(divide="ignore"):
-        relative = change[clear] / np.maximum(error[clear], change[clear])
-    return float(np.median(relative)) if clear.any() else 0.0
+    if not clear.any():
+        return 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = change / np.maximum(error, change)
+        slopes = np.diff(np.log(error), axis=1) / np.diff(np.log(one.steps[fine, 0]))
+    order = max(0.0, float(np.nanmedian(slopes))) if np.isfinite(slopes).any() else 0.0
+    smooth = 1.0 - (one.steps[fine, 1] / one.steps[fine, 0]) ** order
+    return max(0.0, float(np.median((relative - smooth)[clear])))
 
 
 def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order, PowerLaw | None]:

@@ -90,7 +90,7 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
 
 
 def _is_bent(steps: Array, errors: Array) -> bool:
-    """Tell whether a parabola shows another slope at the finest step than the line does."""
+    """True if a parabola has another slope at the finest step than the line."""
     # By more than `HARMLESS`, and by more than scatter explains in 19 of 20 cases.
     x, y = np.log(steps), np.log(errors)
     x = x - x.mean()
@@ -106,7 +106,7 @@ def _is_bent(steps: Array, errors: Array) -> bool:
 
 
 def _falls_on(steps: Array, errors: Array) -> bool:
-    """Tell whether the errors of the steps below a range still fall, so that it is not the last.
+    """True if the errors of the steps below a range still fall, so that it is not the last.
 
     By the median of all slopes between two of them, which a stray error does not move. Fewer steps
     than a range needs are none: a floor may happen to fall over three or four.

@@ -1,4 +1,4 @@
-"""What a family of time steps shows, as JSON, CSV and text."""
+"""Report of a family of time steps, as JSON, CSV and text."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Level(Frozen):
 
 
 class Order(Frozen):
-    """How one quantity converges."""
+    """Convergence of one quantity."""
 
     quantity: str
     unit: str
@@ -76,7 +76,7 @@ class Lost(Frozen):
 
 
 class ConvergenceReport(Frozen):
-    """What a family of steps showed."""
+    """Convergence in a family of steps."""
 
     engine: str | None = Field(description="as the implementation names itself")
     against_truth: bool = Field(description="whether errors are against a truth, or a finest step")
@@ -86,12 +86,12 @@ class ConvergenceReport(Frozen):
 
     @property
     def passed(self) -> bool:
-        """Whether no verdict is against the implementation."""
+        """True if no verdict is against the implementation."""
         return bool(self.orders) and not any(order.verdict in BAD for order in self.orders)
 
     @property
     def faults(self) -> list[str]:
-        """Return what is wrong: nothing but a wrong limit where no order is expected."""
+        """Return the faults: where no order is expected, only a wrong limit is one."""
         if not self.orders:
             return ["nothing was answered that could converge"]
         return [
@@ -105,8 +105,11 @@ class ConvergenceReport(Frozen):
         head = ("quantity", "order", "95 %", "expected", "C", "steps fitted, s", "verdict")
         lines = aligned([head, *(_row(order) for order in self.orders)])
         lines += ["", *(f"{order.quantity}: {order.why}" for order in self.orders)]
-        lost = [(row.step, f"{row.lost} of {row.of} scenes") for row in self.lost if row.lost]
-        lines += [f"step {h:.3g} s: {some} end otherwise than they should" for h, some in lost]
+        lost = {row.step: f"{row.lost} of {row.of} scenes" for row in self.lost if row.lost}
+        where = {step: f"step {step:.3g} s" for step in lost}
+        if len({*lost.values()}) == 1 and len(lost) == len(self.lost):
+            where = {next(iter(lost)): "every step"}
+        lines += [f"{at}: {lost[h]} end otherwise than they should" for h, at in where.items()]
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:

@@ -73,7 +73,7 @@ def study(
     """
     shapes: dict[str, tuple[int, ...]] = {}
 
-    def observed(values: ArrayLike, where: str) -> list[Observed]:
+    def numbers_of(values: ArrayLike, where: str) -> list[Observed]:
         numbers = np.asarray(values, float)
         shapes[where] = numbers.shape
         (first, shape), (last, other) = next(iter(shapes.items())), (where, numbers.shape)
@@ -85,9 +85,9 @@ def study(
         ]
 
     orders, limits = observe(
-        lambda step: observed(function_of_dt(step), f"at dt = {step:g}"),
+        lambda step: numbers_of(function_of_dt(step), f"at dt = {step:g}"),
         step_family(steps),
-        None if truth is None else observed(truth, "in truth"),
+        None if truth is None else numbers_of(truth, "in truth"),
         scenes=[""], expected=expected, first=duration, last=duration, phases=phases,
         progress=lambda done, of: None,
     )  # fmt: skip
@@ -116,7 +116,7 @@ OBSERVABLES = (
 
 @dataclass(frozen=True)
 class Sample:
-    """What is said of a scene, or a part of it."""
+    """Statement about a scene, or a part of it."""
 
     id: str | None
     outcome: str | None  # None if it is not said: it is then taken to be as it should
@@ -168,19 +168,19 @@ def converge(
         raise ValueError("there is no scene to converge in")
     family = step_family(steps)
     ids = ids_of(scenes)
-    finest = _in_order(run(float(family[-1])), ids)
-    should = finest if truth is None else _in_order(truth, ids)
+    finest = in_order(run(float(family[-1])), ids)
+    should = finest if truth is None else in_order(truth, ids)
     lost = {float(family[-1]): _lost(finest, should)}
 
     def evaluate(step: float) -> list[Observed]:
         results = finest
         if step != family[-1]:
-            results = _in_order(run(step), ids)
+            results = in_order(run(step), ids)
             lost[step] = _lost(results, should)
-        return _observed(results, should)
+        return observed(results, should)
 
-    first, last = _first_and_last_event(should)
-    true = None if truth is None else _observed(should, should)
+    first, last = first_and_last_event(should)
+    true = None if truth is None else observed(should, should)
     orders, limits = observe(
         evaluate, family, true, scenes=ids, expected=expected, first=first, last=last,
         phases=phases, progress=progress,
@@ -192,9 +192,9 @@ def converge(
     )  # fmt: skip
 
 
-def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:
-    """Return what is observed of results; NaN of those that end otherwise than they should."""
-    observed = []
+def observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:
+    """Return the observed numbers of results; NaN of those with another end than expected."""
+    found = []
     for name, unit, quantity in OBSERVABLES:
         width = max([1, *(len(end.values.get(quantity, ())) for end in should)])
         values = np.full((len(results), width), np.nan)
@@ -202,12 +202,12 @@ def _observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Obser
             both = quantity in result.values and quantity in end.values
             if both and not _ends_otherwise(result, end):
                 values[scene] = [float(x) for x in result.values[quantity]]
-        observed.append(Observed(name, unit, values))
-    return observed
+        found.append(Observed(name, unit, values))
+    return found
 
 
 def _ends_otherwise(result: Sample, end: Sample) -> bool:
-    """Tell whether a scene ends otherwise than it should, or is not answered."""
+    """True if a scene has another end than it should have, or no answer."""
     if result.outcome is None and result.error is None:
         return False
     return result.outcome != end.outcome
@@ -217,7 +217,7 @@ def _lost(results: Sequence[Sample], should: Sequence[Sample]) -> int:
     return sum(_ends_otherwise(a, b) for a, b in zip(results, should, strict=True))
 
 
-def _first_and_last_event(results: Sequence[Sample]) -> tuple[float, float]:
+def first_and_last_event(results: Sequence[Sample]) -> tuple[float, float]:
     """Return when the first and the last thing happens in any scene, s; 1 s if nothing does."""
     names = ("plate.time", "contact.time", "landing.time")
     times = [float(r.values[name][0]) for r in results for name in names if name in r.values]
@@ -239,7 +239,7 @@ def _as_sample(result: Any) -> Sample:
     return Sample(result.id, result.outcome, values, result.engine, result.error)
 
 
-def _in_order(results: Sequence[Any], ids: Sequence[str]) -> list[Sample]:
+def in_order(results: Sequence[Any], ids: Sequence[str]) -> list[Sample]:
     """Return the results in the order of the scenes; an error for one that is missing."""
     samples = map(_as_sample, results)
     by_id = {sample.id or str(number): sample for number, sample in enumerate(samples, 1)}

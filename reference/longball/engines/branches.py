@@ -54,12 +54,12 @@ def _branches(
             continue
         form = law.on(branches)
         state = form.completed(state, numbers)
-        for level in bend.branches.levels:
+        for level in bend.levels:
             value = form.beyond(bend, level, numbers)
             there, off = value(state), error
             if cast(Any, there) == 0:
                 moving: Any = map(Dual, state, form.rates(numbers)(*state))
                 there, off = sense * value(law.state(*moving)).rate, error * 0
-            question = f"whether {bend.piecewise.question}"
+            question = f"whether {bend.question}"
             branches[which] += numbers.positive(there, off, question)
     return branches

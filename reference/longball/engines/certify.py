@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import arb
 
-from longball.engines.chain import BLOCKS, quantities_of, solve_each
+from longball.engines.chain import quantities_of, solve_each
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine, ManyAtOnce, TooLong
 from longball.model import quantities
@@ -91,11 +91,10 @@ def _with_errors(result: Result, truth: dict[str, Any]) -> tuple[Result, bool]:
     """Return a result with its proven errors, and whether smaller balls would hardly lower them."""
     if result.outcome != truth["outcome"]:
         raise _Refuted(f"the outcome is proven to be {truth['outcome']}, not {result.outcome}")
-    blocks = {name: dict(block) for name in BLOCKS if (block := getattr(result, name)) is not None}
+    certain: dict[str, Any] = {}
     tight = True
     for name, proven in truth.items():
-        block, _, key = name.partition(".")
-        given = blocks.get(block, {}).get(key)
+        given = quantities.at(result, name)
         if given is None:
             continue
         if isinstance(proven, str | int):  # a word, a truth value or a whole number
@@ -105,10 +104,10 @@ def _with_errors(result: Result, truth: dict[str, Any]) -> tuple[Result, bool]:
         one = not isinstance(proven, tuple)
         pairs = [*zip([given] if one else given, [proven] if one else proven, strict=True)]
         numbers = tuple(Certified(value=float(x), radius=_radius(float(x), b)) for x, b in pairs)
-        blocks[block][key] = numbers[0] if one else numbers
+        certain[name] = numbers[0] if one else numbers
         small = _NOTHING * math.hypot(*map(float, numbers))
         tight &= all(b.rad() <= max(small, float(abs(b.mid() - float(x)))) for x, b in pairs)
-    certified = Result(**dict(result) | {name: BLOCKS[name](**b) for name, b in blocks.items()})
+    certified = quantities.rewritten(result, certain)
     for name, number in quantities.numbers(certified):
         if not isinstance(number, Certified | int):
             raise _Refuted(f"there is no proof of {name} where the outcome is {result.outcome}")

@@ -44,15 +44,25 @@ def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
     )
 
 
+def level(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
+    """Return where a flight from a state below a height, m, rises to it."""
+    return Event(
+        "level",
+        "the ball rises to the height that it lands at",
+        lambda state: height - state.z,
+        lambda state: state._replace(z=height),
+        _size(numbers, height, start.z),
+    )
+
+
 def plate(frame: Frame[N], start: State[N], numbers: Numbers[N]) -> Event[N]:
     """Return the crossing of the plane x = 0 by a pitch in a frame, from a state.
 
     A pitch that flies along the plate's plane, from beside it, has an x far smaller than the way.
     """
-    way = -frame.x / frame.cos
 
     def place(state: State[N]) -> State[N]:
-        return state._replace(s=way) if in_plane(state) else state
+        return state._replace(s=-frame.x / frame.cos) if in_plane(state) else state
 
     slope = absolute(frame.cos) if in_plane(start) else numbers.exact(1.0)
     size = slope * _size(numbers, frame.x / slope)

@@ -66,6 +66,10 @@ class MultiprecisionNumbers(Single[Mpf]):
         """Return cosine and sine of an angle in radians."""
         return self.context.cos(angle), self.context.sin(angle)
 
+    def angle(self, y: Mpf, x: Mpf) -> Mpf:
+        """Return the angle from the x axis to a vector, rad."""
+        return self.context.atan2(y, x)
+
     def report(self, x: Mpf) -> Bounded:
         """Return the number rounded to the digits asked for; its error is not proven."""
         if not self.context.isfinite(x):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, Generic, cast
 
 from longball.engines.event import Curve, Events, Met, Piece, first_met
@@ -75,6 +76,31 @@ class Flight(Generic[N]):
     def stopped(self, name: str) -> Any:
         """Tell whether an event of that name stopped it."""
         return self.stop == name
+
+    def highest(self, numbers: Numbers[N]) -> tuple[N, State[N]] | None:
+        """Return when, s since launch, and in what state it is highest; None if it ends so."""
+        found: tuple[N, State[N]] | None = None
+        start = numbers.exact(0.0)
+        for number, piece in enumerate(self.path.pieces()):
+            left = self.time - piece.begin
+            climb, sink = piece.curve(lambda state: state.w), piece.curve(lambda state: -state.w)
+            if number == 0 and not climb(start) > 0:
+                found = start, piece.at(start)
+            over = not piece.length < left
+            end = left if over else piece.length
+            # Most pieces only climb or only sink, which is cheaper to see than where they turn.
+            steady = any(curve(start) > 0 and curve.positive(start, end) for curve in (climb, sink))
+            turns = [] if steady else [start, *climb.turns(start, end), end]
+            for a, b in pairwise(turns):
+                if climb(a) > 0 and not climb(b) > 0:
+                    # A ball straight up comes to rest where a piece ends.
+                    t = climb.zero(a, b) if climb(b) < 0 else b
+                    state = piece.at(t)
+                    if found is None or state.z > found[1].z:
+                        found = piece.begin + t, state
+            if over:
+                break
+        return found
 
     def then(self, second: Flight[N]) -> Flight[N]:
         """Return this flight, going on as another one where it ended."""

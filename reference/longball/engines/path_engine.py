@@ -106,15 +106,15 @@ class PathEngine(Engine[N], ABC):
         found = []
         for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
             for way, number in ((-1, branch - 1), (1, branch)):
-                if 0 <= number < len(bend.branches.levels):
-                    level = bend.branches.levels[number]
+                if 0 <= number < len(bend.levels):
+                    level = bend.levels[number]
                     if bend.blows and way < 0 and self._ends_all_at(level, form, events):
                         continue
                     value = form.beyond(bend, level, self.numbers)
                     if way > 0:
                         value = partial(_negative, value)
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
-                    question = bend.piecewise.question
+                    question = bend.question
                     event = Event("bend", question, value, lambda state: state, size)
                     found.append(_End(event, which, way, _Level(form.passage(bend), level)))
         return found

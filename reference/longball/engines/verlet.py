@@ -51,12 +51,12 @@ from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, To
 from longball.engines.event import Event, Events
 from longball.engines.path import Flight, Path
 from longball.model.arrays import Array
+from longball.model.atmosphere import ROUGHNESS
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
-from longball.model.numbers import DOUBLES, Vector, plus
+from longball.model.numbers import DOUBLES, Numbers, Vector, plus
 from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
 from longball.model.trace import Names, Program, run_source
-from longball.model.wind import ROUGHNESS
 
 T = TypeVar("T")
 Components = tuple[float, ...]
@@ -131,6 +131,20 @@ class SteppedTouch(Touch[float]):
         return self.inside
 
 
+Top = tuple[float, State[float]] | None
+
+
+@dataclass(frozen=True)
+class SteppedFlight(Flight[float]):
+    """A flight whose highest point, on the line between two steps, was noted on the way."""
+
+    top: Top  # s since launch, and the state; None: it only rises
+
+    def highest(self, numbers: Numbers[float]) -> Top:
+        """See `Flight.highest`; a hop within one step has none."""
+        return None if self.top is None or self.top[0] > self.time else self.top
+
+
 @dataclass(frozen=True)
 class Verlet(Stepped[float]):
     """Flights and contacts in fixed steps.
@@ -196,6 +210,7 @@ class Verlet(Stepped[float]):
             if _rests_on(event, start, law):
                 return Flight(path, event.name, 0.0, start)
         count, before, after = 0, start, start
+        top = None if start.w > 0.0 else (0.0, start)
         for done, states in self._march(law, start, limit):
             columns = law.state(*states)
             met = np.array([event.value(columns)[1:] <= 0.0 for event in events])
@@ -203,12 +218,24 @@ class Verlet(Stepped[float]):
             count = done + step
             before, after = (law.state(*row) for row in states.T[step - 1 : step + 1].tolist())
             self._require_finite((*before, *after))
+            top = self._higher(top, law.state(*states[:, : step + 1]), done)
             if met.any():
                 stop, time, state = self.stop_between(count, before, after, events)
                 if time > limit:
-                    return Flight(path, "time", (count - 1) * self.dt, before)
-                return Flight(path, stop, time, state)
-        return Flight(path, "time", count * self.dt, after)
+                    stop, time, state = "time", (count - 1) * self.dt, before
+                return SteppedFlight(path, stop, time, state, top)
+        return SteppedFlight(path, "time", count * self.dt, after, top)
+
+    def _higher(self, top: Top, columns: State[Array], done: int) -> Top:
+        """Return the highest point of some steps, the first being number `done`, or one before."""
+        rises = columns.w > 0.0
+        for k in np.flatnonzero(rises[:-1] & ~rises[1:]).tolist():
+            before, after = (_row(columns, i) for i in (k, k + 1))
+            share = _share(before.w, after.w)
+            state = _between(before, after, share)
+            if top is None or state.z > top[1].z:
+                top = (done + k + share) * self.dt, state
+        return top
 
     def stop_between(
         self, count: int, before: State[float], after: State[float], events: Events[float]
@@ -415,6 +442,12 @@ Value = TypeVar("Value", float, Array)
 def interpolate(before: Value, after: Value, share: float) -> Value:
     """Return the value at a share of the way from one step to the next."""
     return before + share * (after - before)
+
+
+def _row(columns: State[Array], row: int) -> State[float]:
+    state: Any = type(columns)
+    found: State[float] = state(*(x[row].item() for x in columns))
+    return found
 
 
 def _between(before: State[float], after: State[float], share: float) -> State[float]:

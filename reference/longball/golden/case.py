@@ -27,7 +27,7 @@ FOUND = ("undecided", "many-digits", "fragile", "unconfirmed", "wide")
 
 
 class Draft(Strict, extra="ignore"):
-    """What is written of a case; solving its scene, whose id is the case's, gives the rest."""
+    """A case as it is written; its scene, whose id is the case's, gives the rest."""
 
     scene: Scene = Field(discriminator="kind")
     comment: str
@@ -66,7 +66,7 @@ class Quantity(Strict):
 
 
 class Condition(Strict):
-    """How the result depends on its inputs."""
+    """Dependence of the result on its inputs."""
 
     derivatives: dict[str, dict[str, float | None]] = Field(
         description="of the decisive quantities (the level depends on them) by each input that is "
@@ -136,7 +136,7 @@ class Case(Strict):
     def line(self) -> str:
         """Return the case as a line of JSON, scene and result as `longball solve` has them."""
         whole = self.model_dump(mode="json") | {
-            "scene": json.loads(self.scene.line()),
+            "scene": json.loads(self.scene.as_written()),
             "expected": json.loads(self.expected.line()),
         }
         return json_line(whole, separators=(",", ":"))
@@ -151,7 +151,7 @@ class Family(Strict):
 
 
 class Header(Strict):
-    """What one has to know to use the set."""
+    """Header of the set: all that its users have to know."""
 
     title: str
     format: str = Field(description="version of the form of the files; see README.md")
@@ -160,6 +160,10 @@ class Header(Strict):
     levels: dict[str, str]
     flags: dict[str, str] = Field(description="every flag in use, and what it says")
     families: dict[str, Family]
+    quick: tuple[str, ...] = Field(
+        default=(),
+        description="ids of a few cases that notice nearly all mistakes that a case notices",
+    )
     histories: dict[str, str] = Field(description="tables of flights, and what is in them")
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 
@@ -215,7 +219,7 @@ def as_double(number: Bounded) -> float:
 
 
 def decisions(result: Result) -> tuple[object, ...]:
-    """Return what a result says besides numbers: the outcome, and what else is one or the other."""
+    """Return a result's decisions: the outcome, and its flags."""
     mode = result.impact and result.impact.mode
     fair = result.landing and result.landing.fair
     return result.outcome, mode, result.fence and result.fence.segment, fair

@@ -36,8 +36,6 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from pydantic import ValidationError
-
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
@@ -48,21 +46,19 @@ from longball.golden.case import (
     decisions,
     decisive,
 )
-from longball.model.quantities import numbers, numbers_of, replaced, vector_of
+from longball.model.inputs import STEP, inputs, with_input
+from longball.model.quantities import numbers, numbers_of, vector_of
 from longball.model.result import Bounded, Result
-from longball.model.scene import AtBatScene, FlightScene, Scene
+from longball.model.scene import AtBatScene, Scene
 
 # Of an input; see the module's docstring. An input of zero is moved by this in its unit.
-STEP, WIDE_STEP = 2.0**-50, 2.0**-15
+WIDE_STEP = 2.0**-15
 
 # How much differences to either side may differ: three digits.
 _RESOLVED = 1e-3
 
 # A step as short as that, in an input's unit, may change nothing in doubles though it matters.
 _SEEN = 1e-6
-
-# A zero here is a force that the scene does not name, and not a small one.
-_ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")
 
 
 @dataclass(frozen=True)
@@ -73,33 +69,6 @@ class Sensitivity:
     derivatives: Mapping[str, Mapping[str, float | None]]
     # Whether a step of any input, in any direction, changes the outcome or leaves none.
     fragile: bool
-
-
-def inputs(scene: Scene) -> dict[str, float]:
-    """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
-    found = dict(numbers(scene))
-    found.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
-    if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
-        # A vertical launch takes the heading +x; any other heading is a jump away from it.
-        del found["launch.velocity[0]"], found["launch.velocity[1]"]
-    # An input of zero is one if it can be another number in either direction.
-    return {
-        path: x
-        for path, x in found.items()
-        if x
-        or (
-            path not in _ABSENT_AT_ZERO
-            and any(with_input(scene, path, step) for step in (STEP, -STEP))
-        )
-    }
-
-
-def with_input(scene: Scene, path: str, value: float) -> Scene | None:
-    """Return the scene with another value of an input; None if there is no such scene."""
-    try:
-        return replaced(scene, {path: value})
-    except ValidationError:
-        return None
 
 
 def sensitivity(scene: Scene, result: Result, engine: Engine[Any]) -> Sensitivity:

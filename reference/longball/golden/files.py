@@ -16,10 +16,10 @@ from longball.golden.case import Case, Header, Probabilities
 from longball.model.schema import published, text
 
 # The version of the form of the files; README.md in their folder says when it changes.
-FORMAT = "1.0"
+FORMAT = "1.1"
 
 # Files that come with every set, written by hand.
-DOCUMENTS = ("README.md", "LICENSE")
+DOCUMENTS = ("README.md", "CHANGELOG.md", "LICENSE")
 CHECKSUMS = "SHA256SUMS"  # as sha256sum writes and reads it
 HEADER = "header.json"
 HISTORIES = "histories"
@@ -55,7 +55,7 @@ def write_whole(path: Path, content: str) -> None:
 
 
 def inside(folder: Path, name: str) -> bool:
-    """Tell whether a name is that of a file in a folder or below it."""
+    """True if a name is that of a file in a folder or below it."""
     return (folder / name).resolve().is_relative_to(folder.resolve())
 
 

@@ -35,6 +35,7 @@ from longball.golden.files import (
     write_files,
 )
 from longball.golden.reader import DATA, drafts, read_cases
+from longball.golden.reader import header as shipped
 from longball.golden.truth import CONFIRMING, DIGITS, WORK, make
 from longball.model.result import Bounded
 from longball.model.scene import FlightScene
@@ -83,7 +84,9 @@ def write(
     }
     tables = dict(_histories(made))
     about = {name: family.about for name, family in families.items()}
-    top = header(made, about, dict.fromkeys(tables, ABOUT))
+    ids = {case.id for cases in made.values() for case in cases}
+    quick = tuple(name for name in shipped().quick if name in ids)
+    top = header(made, about, dict.fromkeys(tables, ABOUT), quick)
     files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
     write_files(folder, files)
@@ -131,7 +134,12 @@ def fingerprint() -> str:
     """Return a text that changes with the code that takes part and with its libraries."""
     package = Path(longball.__file__).parent
     parts = ("model", "engines", "home_run", "golden")
-    sources = sorted(path for part in parts for path in (package / part).rglob("*.py"))
+    sources = sorted(
+        path
+        for part in parts
+        for path in (package / part).rglob("*.py")
+        if PARTIAL not in path.parts  # joblib keeps copies of the function beside what it finished
+    )
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
     for path in sources:
         digest.update(path.read_bytes())
@@ -142,7 +150,10 @@ def fingerprint() -> str:
 
 
 def header(
-    cases: Mapping[str, list[Case]], about: Mapping[str, str], histories: Mapping[str, str]
+    cases: Mapping[str, list[Case]],
+    about: Mapping[str, str],
+    histories: Mapping[str, str],
+    quick: tuple[str, ...] = (),
 ) -> Header:
     """Return the header of a set of families; `about` says what each one is."""
     used = {flag for family in cases.values() for case in family for flag in case.flags}
@@ -157,6 +168,7 @@ def header(
             name: Family(file=f"{name}.jsonl", cases=len(family), about=about[name])
             for name, family in cases.items()
         },
+        quick=quick,
         histories=dict(histories),
         made_by=made_by(),
     )

@@ -126,7 +126,7 @@ class Samples(Arrays):
 
     @property
     def pitched(self) -> Flags:
-        """Whether the speed is positive.
+        """True where the speed is positive.
 
         The printed columns of Table II draw others, too: such a ball is never pitched.
         """

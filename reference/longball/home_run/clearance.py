@@ -1,4 +1,4 @@
-"""How far inside the home runs an at-bat is: the function whose roots bound them."""
+"""Clearance of an at-bat: the function whose roots bound the home runs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _OFFSETS = 37
 
 @dataclass(frozen=True)
 class Clearance:
-    """How far, m, a landing is inside what is counted; negative outside.
+    """Distance of a landing from the edge of what is counted, m; negative outside.
 
     A ball that is not batted goes no distance at all.
     """

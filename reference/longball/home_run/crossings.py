@@ -1,4 +1,4 @@
-"""Where a function on many lines changes its sign: all places that samples along them tell of.
+"""Sign changes of a function along many lines: all that samples along them show.
 
 The function is a number of metres that is positive where something is counted. It may jump, as
 where a bat ends; it need not be differentiable.
@@ -150,7 +150,7 @@ def _beside_turns(function: Function, grid: Array, values: Array, inside: Flags)
 
 
 def _may_turn(values: Array, inside: Flags) -> Flags:
-    """Tell whether the function may cross zero and come back beside a sample.
+    """True if the function may cross zero and come back beside a sample.
 
     It does if the sample is nearer to zero than both neighbours on the same side, and near enough.
     A parabola through the three goes beyond it by an eighth of the sum of their differences at

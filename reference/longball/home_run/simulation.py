@@ -49,17 +49,17 @@ class Struck(Arrays):
 
     @property
     def batted(self) -> Flags:
-        """Whether the ball was batted and landed, or met the fence."""
+        """True where the ball was batted and landed, or met the fence."""
         return ~np.isnan(self.x)
 
     @property
     def fair(self) -> Flags:
-        """Whether it landed within 45° of the line from the plate to the pitcher."""
+        """True where it landed within 45° of the line from the plate to the pitcher."""
         return np.abs(self.y) <= self.x
 
     @property
     def home_run(self) -> Flags:
-        """Whether it is a home run: D >= 150 m (paper, Sec. IV)."""
+        """True where it is a home run: D >= 150 m (paper, Sec. IV)."""
         return self.distance >= HOME_RUN_DISTANCE
 
 
@@ -71,7 +71,7 @@ class Fenced(Struck):
 
     @property
     def home_run(self) -> Flags:
-        """Whether it is a home run: over the fence."""
+        """True where it is a home run: over the fence."""
         return self.over
 
 

@@ -1,4 +1,4 @@
-"""What a candidate answers: lines of results, read with suspicion and without losing any.
+"""Answers of a candidate: lines of results, of which none is trusted and none is lost.
 
 A candidate is another implementation. Its output is data: every line is either an answer to a
 scene that was asked, or an issue with the number of the line. Nothing is evaluated, no text of
@@ -23,8 +23,8 @@ import numpy as np
 from pydantic import Field
 
 from longball.convergence.report import Frozen
-from longball.engines.chain import BLOCKS as MODELS
-from longball.judge.quantities import BLOCKS, QUANTITIES, Value
+from longball.engines.chain import PARTS
+from longball.judge.quantities import QUANTITIES, Value
 from longball.model.arrays import Array
 from longball.model.csv_files import not_utf8, other_separators, unguarded
 from longball.model.plain import plain
@@ -62,7 +62,7 @@ class Issue(Frozen):
 
 @dataclass(frozen=True)
 class Answer:
-    """What a candidate says of one scene."""
+    """A candidate's answer to one scene."""
 
     id: str  # the scene's
     outcome: Outcome | None  # None if it was left out, or is not one of the contract's
@@ -183,18 +183,22 @@ class Collector:
         values: dict[str, Value] = {}
         told: dict[str, object] = {}
         unreadable = set()
-        for block in BLOCKS:
-            held = {} if data.get(block) is None else data[block]
+        parts = {"": data}  # blocks, and blocks within them
+        for part, model in PARTS.items():
+            outer, _, inner = part.rpartition(".")
+            held = parts[outer].get(inner)
+            parts[part] = held = {} if held is None else held
             if not isinstance(held, dict):
-                fault("not a number", f"{block} is no JSON object")
-                unreadable |= {name for name in QUANTITIES if name.startswith(f"{block}.")}
+                fault("not a number", f"{part} is no JSON object")
+                unreadable |= {name for name in QUANTITIES if name.startswith(f"{part}.")}
+                parts[part] = {}
                 continue
             for key, given in held.items():
-                name = f"{block}.{key}"
+                name = f"{part}.{key}"
                 size = QUANTITIES[name].size if name in QUANTITIES else 0
-                if not size and key not in MODELS[block].model_fields:
+                if not size and key not in model.model_fields:
                     self._report_key(number, name, QUANTITIES)
-                elif given is None:
+                elif given is None or name in PARTS:
                     continue
                 elif not size:
                     told[name] = _whole(given) if isinstance(given, Decimal) else given
@@ -314,7 +318,7 @@ def _points(given: Any) -> Array:
 
 
 def _ordinary(x: Decimal) -> bool:
-    """Tell whether a number is finite, and no larger than errors that a double can hold."""
+    """True if a number is finite, and small enough for its error to be a double."""
     return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
 
 
@@ -377,17 +381,18 @@ def read_results(
 
 # What is told and not measured.
 FACTS = [
-    f"{block}.{key}"
-    for block, model in MODELS.items()
+    name
+    for part, model in PARTS.items()
     for key in model.model_fields
-    if f"{block}.{key}" not in QUANTITIES
+    for name in [f"{part}.{key}"]
+    if name not in {**QUANTITIES, **PARTS}
 ]
 _TEXTS = ("id", "outcome", "error")
 COLUMNS = (*_TEXTS, *(name for spec in QUANTITIES.values() for name in spec.names), *FACTS)
 
 
 def _columns(line: bytes, columns: Mapping[str, str]) -> list[str]:
-    """Return what the columns under a header hold."""
+    """Return the numbers and texts under a header, by column."""
     try:
         header = _cells(line.decode("utf-8-sig", errors="replace"))
     except csv.Error as error:
@@ -429,7 +434,7 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
 
 
 def _fact(cell: str) -> object:
-    """Return what a cell tells that is not measured: a flag, the number of a chord, a text."""
+    """Return a cell's value if it is not measured: a flag, the number of a chord, a text."""
     if cell.lower() in ("true", "false"):
         return cell.lower() == "true"
     return _decimal(cell) if cell.lstrip("-").isdigit() else cell

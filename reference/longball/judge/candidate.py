@@ -30,7 +30,7 @@ REFUSED = 1  # the status of a program that could not solve all of its scenes
 
 @dataclass(frozen=True)
 class Limits:
-    """What a candidate may take."""
+    """Limits of a candidate's time and memory."""
 
     # s that may pass without an answer to another scene; also what it may take to start, and to end
     # after its last answer.
@@ -44,7 +44,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Run:
-    """How a candidate ran."""
+    """A candidate's run."""
 
     collected: Collector  # its answers, and what is wrong with them and with its conduct
     errors: str  # the end of its standard error
@@ -59,10 +59,10 @@ def run(
     progress: Callable[[int], None] = lambda answered: None,
     table: bool = False,
 ) -> Run:
-    """Let a candidate answer scenes; an OSError if it cannot be started.
+    """Let a candidate answer scenes as they are written; an OSError if it cannot be started.
 
     No shell reads the command. `progress` is called with the number of scenes answered whenever
-    that grows. A `table` is CSV with a header, of scenes and results.
+    that grows. A `table` is CSV with a header, of scenes, with all their defaults, and results.
     """
     session = _Session(command, scenes, limits or Limits(), progress, table)
     try:
@@ -92,7 +92,7 @@ class _Session:
         self.collected = Collector(self.ids, table)
         if len(self.collected.asked) < len(scenes):
             raise ValueError("two scenes have the same id")
-        lines = (scene.line().encode() + b"\n" for scene in scenes)
+        lines = (scene.as_written().encode() + b"\n" for scene in scenes)
         self.unsent = as_csv(scenes) if table else lines
         self.sending = next(self.unsent, b"")
         self.input_closed = False

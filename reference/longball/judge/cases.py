@@ -1,4 +1,4 @@
-"""What a candidate is held against: cases with their truth, and how near it must come.
+"""Cases with their truth, and the tolerances of a candidate's answers.
 
 A `Case` is a golden one, or one that `Known` makes of any scene and result.
 """
@@ -61,7 +61,7 @@ def solved(
 
 
 def attainable(case: Case, quantity: str) -> float:
-    """Return what double precision cannot avoid, as the length of the error of a vector.
+    """Return the error that double precision cannot avoid; of a vector, its length.
 
     Of a landing at (0, 0, 0) that is the rounding of the height that the ball falls from.
     """
@@ -92,14 +92,14 @@ MOST_PIECES = 1000  # pieces of a flight that are looked at: a loop has some six
 
 
 def decidable(case: Case) -> bool:
-    """Tell whether there is a truth, and not only in bits that double precision does not have."""
+    """True if there is a truth that double precision can tell."""
     return case.expected.outcome is not None and all(
         math.isfinite(attainable(case, quantity)) for quantity in values_of(case.expected)
     )
 
 
 def _touches_within_errors(scene: FlightScene) -> bool:
-    """Tell whether doubles leave open if a flight touches the ground where it turns."""
+    """True if doubles leave open whether a flight touches the ground where it turns."""
     # Half an ulp of each number of the launch moves a flight by 2⁻⁵³ of its height and of the way
     # flown so far, or a few times that; an engine may add `SLACK` times as much and pass. Where the
     # height turns from falling to rising nearer to the ground than this, it may be hit or not.
@@ -124,7 +124,7 @@ def _touches_within_errors(scene: FlightScene) -> bool:
 
 
 def _passes_corner_within_errors(scene: FlightScene) -> bool:
-    """Tell whether doubles leave open on which side of a corner of the fence a flight passes."""
+    """True if doubles leave open on which side of a corner of the fence a flight passes."""
     # A corner is where the fence ends or has two heights; the way there is taken to be straight.
     # The place is rounded to 2⁻⁵³ of that way; an engine may add `SLACK` times as much and pass.
     frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
@@ -174,11 +174,11 @@ class Profile:
         return max(self.error, SLACK * attainable(case, quantity) + proven)
 
     def allowed(self, size: float) -> float:
-        """Return what passes for a value of that size whose sensitivity is not known."""
+        """Return the tolerance of a value of that size whose sensitivity is not known."""
         return max(self.error, SLACK * UNKNOWN_SENSITIVITY * max(1.0, size))
 
     def may_be_refused(self, case: Case) -> bool:
-        """Tell whether errors that pass leave open what happens: nobody need answer then."""
+        """True if errors within the tolerance leave the outcome open; then no answer is needed."""
         scene, flags = case.scene, case.flags
         if FRAGILE in flags:
             return True
@@ -248,7 +248,7 @@ class Paper(Profile):
         return self.allowed(length(expected))
 
     def allowed(self, size: float) -> float:
-        """Return what passes for a value of that size; see `Profile.allowed`."""
+        """Return the tolerance of a value of that size; see `Profile.allowed`."""
         return SAME_SCHEME * max(1.0, size)
 
 

@@ -25,7 +25,7 @@ from longball.judge.quantities import difference, length, values_of
 from longball.judge.sampling import Sampling
 from longball.judge.step_sweep import FAMILIES, StepSweep, filled, sample
 from longball.judge.verdict import Comparison, Submission, Verdict, compare, verdict
-from longball.model.scene import Scene
+from longball.model.scene import Scene, written_out
 
 # Runs a candidate again: from scenes to answers by id.
 Ask = Callable[[Sequence[Scene]], Mapping[str, Answer]]
@@ -59,7 +59,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class Judge:
-    """What candidates are judged by."""
+    """A judge: the cases, the profile and the limits of its candidates."""
 
     cases: Sequence[Case]  # with their truth
     profile: Profile  # the accuracy required
@@ -88,7 +88,7 @@ class Judge:
         """
         start = time.monotonic()
         stepped = filled(command, "dt", repr(self.dt)) if self.dt else command
-        whole = sweep.filled(stepped, min(sweep.steps)) if sweep else stepped
+        whole = sweep.filled(stepped, min(sweep.steps)) if sweep and sweep.steps else stepped
         ran = run(whole, [case.scene for case in self.cases], limits, progress, table)
         collected, report = ran.collected, None
         well = not any(issue.kind == "process" for issue in collected.issues)
@@ -135,7 +135,7 @@ class Judge:
                 "between them"]  # fmt: skip
 
     def _differ(self, case: Case, a: Answer | None, b: Answer | None) -> bool:
-        """Tell whether two answers differ by more than the profile passes."""
+        """True if two answers differ by more than the profile allows."""
         if a is None or b is None:
             return (a is None) != (b is None)
         if a.outcome != b.outcome or set(a.values) != set(b.values):
@@ -156,7 +156,7 @@ class Judge:
         start = min(failing, key=lambda s: (order.index(s.kind), len(str(s.model_dump()))))
 
         def fails(scenes: Sequence[Any]) -> list[bool]:
-            answers = ask(scenes)
+            answers = ask([*map(written_out, scenes)])
             return [
                 case.id in answers and not compare(case, answers[case.id], self.profile).passed
                 for case in solved(scenes, Ivp())
@@ -208,7 +208,7 @@ class Judge:
         self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
         conduct: list[str], ask: Ask | None,
     ) -> Diagnosis:  # fmt: skip
-        """Return what is wrong, and a small scene that shows it; or why that is not known."""
+        """Return the diagnosis and a small scene that shows it; or the reason why there is none."""
         try:
             diagnosis = self._diagnosed(truths, wrong, submission, conduct, ask)
             if not ask or conduct or self.profile.scheme() is not None:
@@ -245,6 +245,6 @@ class Judge:
 
 
 def _is_upright(scene: Any) -> bool:
-    """Tell whether a scene is a flight straight up, or down, with a lift of its own axis."""
+    """True if a scene is a flight straight up or down, with a lift about an axis of its own."""
     flies = scene.kind == "flight" and scene.air is not None and scene.launch.spin is None
     return flies and not any(scene.launch.velocity[:2]) and bool(scene.air.lift_coefficient)

@@ -21,7 +21,7 @@ from longball.engines.chain import solve
 from longball.judge.cases import Known
 from longball.model.csv_files import guarded
 from longball.model.quantities import nested, numbers
-from longball.model.scene import KINDS, Scene
+from longball.model.scene import KINDS, Scene, written_out
 
 DIGITS = 20  # of the truth: more than any double shows
 USUAL = "usual-constants"  # the name of the set
@@ -54,7 +54,7 @@ def usual_constants() -> list[Scene]:
             ("pitch", {"pitch": {"speed": 34.0 + i / 2}}),
         ):
             given = {"id": f"{USUAL}-{kind}-{i:02}", "gravity": g, "air": {"density": density}}
-            scenes.append(KINDS[kind].model_validate(given | block))
+            scenes.append(written_out(KINDS[kind].model_validate(given | block)))
     return scenes
 
 
@@ -72,7 +72,7 @@ def random_scenes(count: int, seed: int, kinds: Sequence[str] = DRAWN) -> Iterat
         except ValidationError:
             continue  # underground, for one
         made += 1
-        yield scene
+        yield written_out(scene)
 
 
 # Of the kinds, and of each number: from and to. The order is that of the draws.

@@ -45,7 +45,7 @@ def _case(comparison: Comparison) -> ElementTree.Element:
     if comparison.faults:
         sentences = [describe(fault) for fault in comparison.faults]
         child = ElementTree.SubElement(element, "failure", message=printable(sentences[0]))
-        child.text = printable("\n".join([*sentences, f"scene: {case.scene.line()}"]))
+        child.text = printable("\n".join([*sentences, f"scene: {case.scene.as_written()}"]))
     elif not comparison.judged:
         ElementTree.SubElement(element, "skipped", message="double precision cannot decide")
     elif comparison.answer is None or comparison.empty:

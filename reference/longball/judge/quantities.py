@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from longball.engines.chain import BLOCKS as MODELS
-from longball.model.quantities import number, numbers
+from longball.engines.chain import PARTS
+from longball.model.quantities import at, number, numbers
 from longball.model.result import Result
 
 Value = tuple[Decimal, ...]
@@ -25,7 +26,7 @@ ARITHMETIC = decimal.Context(prec=80)
 
 @dataclass(frozen=True)
 class QuantitySpec:
-    """What a quantity of a result is called, and what it consists of."""
+    """The name of a quantity of a result, and its parts."""
 
     name: str  # ``block.key``
     unit: str  # SI; empty for a pure number
@@ -43,7 +44,7 @@ _UNITS = ("s", "m", "m/s", "N s", "J", "rad/s", "rad")
 
 def _specs() -> dict[str, QuantitySpec]:
     """Return the numbers and vectors of the blocks; a field's description begins with its unit."""
-    keys = [(block, *key) for block, model in MODELS.items() for key in model.model_fields.items()]
+    keys = [(part, *key) for part, model in PARTS.items() for key in model.model_fields.items()]
     found = {}
     for block, key, field in keys:
         if "Bounded" in (held := str(field.annotation)):  # and no text or flag
@@ -76,24 +77,34 @@ def values_of(result: Result) -> dict[str, Value]:
 
 
 AT_VERTEX = 1e-9  # m
-OPTIONAL = ("impact.recontact",)  # that a bat which swings on would strike the ball again
+# What need not be answered: that a bat which swings on would strike the ball again, and what was
+# not asked for before version 0.2.
+OPTIONAL = (
+    "impact.recontact",
+    "apex.time",
+    "apex.position",
+    "landing.angle",
+    "plate.approach.vertical",
+    "plate.approach.horizontal",
+)
 
 
 def told_by(result: Result) -> dict[str, object]:
-    """Return what a result tells besides numbers that are measured, by name."""
+    """Return a result's flags, texts and counts, by name."""
     found = {}
-    for block in BLOCKS:
-        held = getattr(result, block)
+    for part in PARTS:
+        held = at(result, part)
         for key in () if held is None else type(held).model_fields:
-            if f"{block}.{key}" not in QUANTITIES and getattr(held, key) is not None:
-                found[f"{block}.{key}"] = getattr(held, key)
+            name = f"{part}.{key}"
+            if name not in {**QUANTITIES, **PARTS} and getattr(held, key) is not None:
+                found[name] = getattr(held, key)
     if result.fence is not None and abs(float(result.fence.margin or 1.0)) < AT_VERTEX:
         del found["fence.segment"]  # it is the one as well as the other
     return found
 
 
 def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object, object]]:
-    """Return what is told besides numbers and is not so: its name, what is right, what was told."""
+    """Return wrong flags, texts and counts: the name, the right value, the given one."""
     right = told_by(result)  # of what is not there only that ball and bat meet again is judged
     known = {name: given for name, given in told.items() if name in right or name in OPTIONAL}
     return [(n, right.get(n), given) for n, given in known.items() if given != right.get(n)]
@@ -108,7 +119,7 @@ WITHOUT = {"missed": (*MET, *STRUCK), "beyond_bat": STRUCK}
 def superfluous(outcome: str | None, expected: Iterable[str], given: Iterable[str]) -> list[str]:
     """Return the blocks given that the truth has not, and quantities that no such outcome has."""
     blocks = {name.partition(".")[0] for name in expected}
-    own = {name: name.partition(".")[0] for name in given}
+    own = {name: name.partition(".")[0] for name in given if name not in OPTIONAL}
     named = {block for block in own.values() if block not in blocks}
     named |= {*WITHOUT.get(outcome or "", ())} & {n for n, block in own.items() if block in blocks}
     return [name for name in (*BLOCKS, *QUANTITIES) if name in named]

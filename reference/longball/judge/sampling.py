@@ -1,4 +1,4 @@
-"""Which known mistakes are in the random at-bats that a candidate draws.
+"""Known mistakes in the random at-bats that a candidate draws.
 
 Some mistakes are made before any scene is there to be solved: the columns of Table II taken as
 printed, a spread with or without its 2, a diameter for a radius. No answer to a golden scene can
@@ -58,7 +58,7 @@ class BadSamples(ValueError):
 
 
 class Drawn(Frozen):
-    """How one random quantity of the at-bats was drawn."""
+    """One random quantity of the at-bats, and its distribution."""
 
     quantity: str
     named: list[str] = Field(description="the mistakes in it; empty if it is as the paper means")
@@ -68,7 +68,7 @@ class Drawn(Frozen):
 
     @property
     def right(self) -> bool:
-        """Whether it is drawn as the paper means it."""
+        """True if it is drawn as the paper means it."""
         return self.fits and not self.named
 
 
@@ -96,7 +96,7 @@ class Dependence(Frozen):
 
 
 class Sampling(Frozen):
-    """What is right and wrong in the at-bats that a candidate draws."""
+    """A judgement of the at-bats that a candidate draws."""
 
     source: str
     at_bats: int = Field(description="different ones")
@@ -114,7 +114,7 @@ class Sampling(Frozen):
 
     @property
     def wrong(self) -> list[Drawn | Constant | Dependence]:
-        """Return what is not the paper's."""
+        """Return the quantities that are not drawn as the paper means them."""
         return [found for found in self.found if not found.right]
 
 
@@ -155,7 +155,7 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
 
 
 def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") -> Sampling:
-    """Return what is right and wrong in the at-bats that a candidate draws, of some source.
+    """Judge the at-bats that a candidate draws, of some source.
 
     They are JSON objects, at least `FEWEST`, drawn from the paper's distributions. A draw that is
     there more than once, such as for several restitutions, counts once; what the scenes leave out

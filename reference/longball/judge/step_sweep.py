@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from longball.convergence import ConvergenceReport, Sample, converge
+from longball.convergence import ConvergenceReport, Sample, chosen_steps, converge
 from longball.convergence.family import PHASES
 from longball.convergence.order import FEWEST
 from longball.judge.answers import Answer
@@ -19,11 +19,10 @@ from longball.model.scene import Scene
 
 SAMPLE = 12  # cases of each family: enough for a typical error
 FAMILIES = ("flight-both", "at-bat")  # of the golden data, where no other is asked for
-STEPS = "0.01:0.0001:9"  # s, evenly spaced in their logarithm
 
 
 def takes(command: Sequence[str], name: str) -> bool:
-    """Tell whether a command has a place for what is varied."""
+    """True if a command has a place for the number that is varied."""
     return any(f"{{{name}}}" in word for word in command)
 
 
@@ -90,8 +89,8 @@ def sample(cases: Sequence[Case], families: Sequence[str] = ()) -> list[Case]:
 class StepSweep:
     """Time steps that a candidate is run with, to see how it converges."""
 
-    # See `longball.convergence.converge`.
-    steps: Sequence[float]
+    # See `longball.convergence.converge`; None: a few runs choose them.
+    steps: Sequence[float] | None
     expected: float | Mapping[str, float] | None = None
     phases: int = PHASES
     # Called with the runs done, and how many there are.
@@ -118,12 +117,15 @@ class StepSweep:
         runs together; none is begun after one that had to be stopped.
         """
         issues: list[str] = []
+        done: dict[float, Sequence[Result | Sample]] = {}
         limits = limits or Limits()
         until = time.monotonic() + limits.total_seconds
         stopped = False
 
         def answers(step: float) -> Sequence[Result | Sample]:
             nonlocal stopped
+            if step in done:
+                return done[step]
             if stopped:
                 return []
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
@@ -132,10 +134,12 @@ class StepSweep:
             told = (issue for issue in ran.collected.issues if issue.kind != "unknown key")
             issues.extend(f"{self.knob} = {step:g}: {issue}" for issue in told)
             by_id = {scene.id: scene for scene in scenes}
-            return [_sample(answer, by_id[i]) for i, answer in ran.collected.answers.items()]
+            some = ran.collected.answers.items()
+            done[step] = [_sample(answer, by_id[i]) for i, answer in some]
+            return done[step]
 
         return converge(
-            answers, scenes, self.steps, truth, self.expected,
+            answers, scenes, self.steps or chosen_steps(answers, scenes), truth, self.expected,
             phases=self.phases, progress=self.progress,
         ), issues  # fmt: skip
 
@@ -161,7 +165,7 @@ def sweep_of(
         varied = {"knob": name, "words": dict(zip(sizes, words, strict=True))}
         return StepSweep(sizes, expected, **options | varied | {"phases": 1})
     if takes(command, "dt"):
-        return StepSweep(parse_steps(steps or STEPS), expected, **options)
+        return StepSweep(parse_steps(steps) if steps else None, expected, **options)
     for option, given in (("--steps", steps), ("--expected", expected)):
         if given is not None:
             raise ValueError(f"{option} needs {{dt}} in the COMMAND, where its time step goes")
@@ -181,7 +185,7 @@ def order_of(report: ConvergenceReport) -> int | None:
 
 
 def _sample(answer: Answer, scene: Scene) -> Sample:
-    """Return what is observed of an answer; points are landed first."""
+    """Return the observed numbers of an answer; sampled points are landed first."""
     if answer.path is not None:
         from longball.judge.paths import landed
 

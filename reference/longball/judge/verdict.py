@@ -59,7 +59,7 @@ class Measured:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within the tolerance."""
+        """True if the error is within the tolerance."""
         return self.error <= self.tolerance
 
 
@@ -80,29 +80,29 @@ class Comparison:
 
     @property
     def refused(self) -> bool:
-        """Whether the candidate said that it cannot answer."""
+        """True if the candidate said that it cannot answer."""
         return self.answer is not None and self.answer.error is not None
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is wrong."""
+        """True if nothing is wrong."""
         return not self.faults
 
     @property
     def empty(self) -> bool:
-        """Whether there is an answer that holds nothing to be judged."""
+        """True if there is an answer without anything to be judged."""
         given = self.answer
         held = given is None or self.refused or self.measured or given.outcome or given.told
         return self.judged and self.passed and not held
 
     @property
     def complete(self) -> bool:
-        """Whether there is an answer with all quantities of the truth."""
+        """True if there is an answer with all quantities of the truth."""
         return self.answer is not None and not self.refused and not self.lacking
 
     @property
     def lacking(self) -> tuple[str, ...]:
-        """What is missing that has to be told."""
+        """Return the required quantities that are missing."""
         return tuple(name for name in self.missing if name not in OPTIONAL)
 
 
@@ -199,7 +199,7 @@ class Row(Frozen):
 
 
 class Fault(Frozen):
-    """What is wrong in one answer."""
+    """A fault of one answer."""
 
     what: str = Field(description="outcome, a quantity, or a block that does not belong there")
     expected: list[str]
@@ -225,12 +225,12 @@ class Failure(Frozen):
 
     @property
     def excess(self) -> float:
-        """That of its worst fault."""
+        """The excess of its worst fault."""
         return max(fault.excess for fault in self.faults)
 
 
 class Confusion(Frozen):
-    """How often one outcome was given for another."""
+    """An outcome that was given for another, and how often."""
 
     expected: str
     obtained: str
@@ -323,7 +323,7 @@ def schema() -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Submission:
-    """What is known of a candidate."""
+    """A candidate, as its author describes it."""
 
     candidate: str  # what it is called
     collected: Collector  # its answers, and what is wrong with its output or conduct
@@ -477,7 +477,7 @@ def right_digits(error: float, size: float) -> float:
 
 def _failure(comparison: Comparison) -> Failure:
     case, faults = comparison.case, list(comparison.faults)
-    scene: dict[str, Any] = json.loads(case.scene.line())
+    scene: dict[str, Any] = json.loads(case.scene.as_written())
     return Failure(id=case.id, family=case.family, flags=[*case.flags], scene=scene, faults=faults)
 
 

@@ -1,34 +1,103 @@
-"""The air as a scene names it: coefficients and their laws, weather, wind."""
+"""The air as a scene names it: coefficients and their laws, weather, wind.
+
+A coefficient's law stands here whole: its keys with their limits, and its formula. The formula is
+over any object with the same keys: in the law of motion (`longball.model.law`) those are nodes, and
+those that C is linear in have the factor ``k = ρ A / (2 m)``. Sources: paper, Sec. III.B; A. M.
+Nathan, Am. J. Phys. 76 (2008) 119, and "Analysis of baseball trajectories" (2016), for the laws and
+their constants.
+"""
 
 from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, model_validator
 
+from longball.model import trace
 from longball.model.block import Block, NotNegative, Point, Positive, Quantity, refuse
+from longball.model.trace import ZERO
+from longball.model.vectors import Vector
 
 # --- coefficients ---------------------------------------------------------------------------------
 
 
-class ConstantDrag(Block):
+class Flow(NamedTuple):
+    """How a ball flies through the air, as coefficients ask for it.
+
+    ω is the spin at launch, ω_T its part across the velocity u through the air, and U = |u|. The
+    spin parameter ``S = R ω_T/U`` is that of the spin that is left; it comes as a fraction, so that
+    nothing is divided by the speed of a ball at rest.
+
+    Attributes
+    ----------
+    velocity
+        u, m/s.
+    speed
+        U, m/s.
+    across
+        ``ω × u``, m/s².
+    drag_spin
+        ``ω_T U`` of the spin that is left, m/s², by the reading `drag_spin`.
+    spin
+        ω_T, rad/s, by the reading `spin_parameter`, as all that follows.
+    top, bottom
+        ``ω_T/U = top/bottom``.
+    lever
+        R times the share of the spin that is left, m: ``S = lever top/bottom``.
+    """
+
+    velocity: Vector
+    speed: Any
+    across: Vector
+    drag_spin: Any
+    spin: Any
+    top: Any
+    bottom: Any
+    lever: Any
+
+    @property
+    def per_spin(self) -> Any:
+        """``U/ω_T``, m; 0 without a spin across the velocity, which lifts nothing."""
+        return ZERO if self.top is ZERO else self.bottom / self.top
+
+
+class Coefficient(Block):
+    """The law of a coefficient.
+
+    A drag has the method `drag`, which returns ``C_D U``, and a lift `lift`, which returns
+    ``C_L U/ω_T = R C_L/S``: both are finite where U or ω_T is 0.
+    """
+
+    # Keys that C is not linear in.
+    nonlinear: ClassVar[tuple[str, ...]] = ()
+
+
+class ConstantDrag(Coefficient):
     """C_D, the same at all speeds."""
 
     law: Literal["constant"]
     value: NotNegative
 
+    def drag(self, flow: Flow) -> Any:
+        """Return ``C_D U``."""
+        return self.value * flow.speed
 
-class SpinDrag(Block):
+
+class SpinDrag(Coefficient):
     """``C_D = c_0 + c_1 ω_T`` (Nathan 2016)."""
 
     law: Literal["spin"]
     constant: NotNegative = Field(default=0.3008, description="c_0")
     per_spin: NotNegative = Field(default=2.788e-4, description="s per radian, c_1")
 
+    def drag(self, flow: Flow) -> Any:
+        """Return ``C_D U``."""
+        return self.constant * flow.speed + self.per_spin * flow.drag_spin
 
-class CrisisDrag(Block):
+
+class CrisisDrag(Coefficient):
     """``C_D = a + (b - a)/(1 + e^((U - U_c)/δ)) + c_1 ω_T``: a drag crisis."""
 
     law: Literal["crisis"]
@@ -38,15 +107,31 @@ class CrisisDrag(Block):
     width: Positive = Field(default=3.0, description="m/s, δ")
     per_spin: NotNegative = Field(default=0.0, description="s per radian, c_1")
 
+    nonlinear: ClassVar[tuple[str, ...]] = ("speed", "width")
 
-class ConstantLift(Block):
+    def drag(self, flow: Flow) -> Any:
+        """Return ``C_D U``."""
+        steepness = trace.exp((flow.speed - self.speed) / self.width)
+        slow = flow.speed / (1.0 + steepness)
+        return (
+            self.high_speed * flow.speed
+            + (self.low_speed - self.high_speed) * slow
+            + self.per_spin * flow.drag_spin
+        )
+
+
+class ConstantLift(Coefficient):
     """C_L, the same at all speeds and spins."""
 
     law: Literal["constant"]
     value: Quantity
 
+    def lift(self, flow: Flow) -> Any:
+        """Return ``R C_L/S``."""
+        return self.value * flow.per_spin
 
-class RationalLift(Block):
+
+class RationalLift(Coefficient):
     """``C_L = c_2 S / (c_0 + c_1 S)`` (Nathan 2016)."""
 
     law: Literal["rational"]
@@ -54,18 +139,83 @@ class RationalLift(Block):
     constant: NotNegative = Field(default=0.583, description="c_0")
     slope: NotNegative = Field(default=2.333, description="c_1")
 
+    nonlinear: ClassVar[tuple[str, ...]] = ("constant", "slope")
+
     @model_validator(mode="after")
     def _has_a_denominator(self) -> Self:
         if self.constant == self.slope == 0.0:
             refuse("constant and slope cannot both be 0: C_L = numerator S / (constant + slope S)")
         return self
 
+    def lift(self, flow: Flow) -> Any:
+        """Return ``R C_L/S``."""
+        denominator = self.constant * flow.bottom + self.slope * (flow.lever * flow.top)
+        return self.numerator * (flow.lever * (flow.bottom / denominator))
 
-class LinearLift(Block):
+
+class LinearLift(Coefficient):
     """``C_L = a S``."""
 
     law: Literal["linear"]
     slope: Quantity = Field(default=1.0, description="a")
+
+    def lift(self, flow: Flow) -> Any:
+        """Return ``R C_L/S``."""
+        return self.slope * flow.lever
+
+
+# --- coefficients by straight lines ---------------------------------------------------------------
+
+
+class BySpeed:
+    """A line of a table: ``C = at_0 + slope U``."""
+
+    passes = "the airspeed"
+
+    at_0: Any
+    slope: Any
+
+    def drag(self, flow: Flow) -> Any:
+        """Return ``C_D U``."""
+        return self.at_0 * flow.speed + self.slope * (flow.speed * flow.speed)
+
+    def lift(self, flow: Flow) -> Any:
+        """Return ``R C_L/S``."""
+        return (self.at_0 + self.slope * flow.speed) * flow.per_spin
+
+    @staticmethod
+    def passed(flow: Flow) -> tuple[Any, Any]:
+        """Return U², as top and bottom of a fraction."""
+        return flow.speed * flow.speed, 1.0
+
+
+class BySpin:
+    """A line of a table: ``C = at_0 + slope S``."""
+
+    passes = "the spin parameter"
+
+    at_0: Any
+    slope: Any
+
+    def drag(self, flow: Flow) -> Any:
+        """Return ``C_D U``."""
+        return self.at_0 * flow.speed + self.slope * (flow.lever * flow.spin)
+
+    def lift(self, flow: Flow) -> Any:
+        """Return ``R C_L/S``."""
+        return self.at_0 * flow.per_spin + self.slope * flow.lever
+
+    @staticmethod
+    def passed(flow: Flow) -> tuple[Any, Any]:
+        """Return S², as top and bottom of a fraction."""
+        return flow.lever * flow.lever * (flow.top * flow.top), flow.bottom * flow.bottom
+
+
+class Lines(NamedTuple):
+    """A coefficient that is linear between nodes: at 0 and the slope of each line, one more."""
+
+    nodes: tuple[Any, ...]
+    lines: tuple[tuple[Any, Any], ...]
 
 
 # Coefficients, densities and winds come in several forms; a form's name, in <>, is no part of where
@@ -76,6 +226,13 @@ class BilinearLift(Block):
     """``C_L = 1.5 S`` below ``S = 0.1``, ``0.09 + 0.6 S`` above (Sawicki et al. 2003)."""
 
     law: Literal["bilinear"]
+
+    of: ClassVar[str] = "spin_parameter"
+
+    def lines(self, exact: Any) -> Lines:
+        """Return the two lines of Am. J. Phys. 71 (2003) 1152."""
+        lines = (exact(0.0), exact(1.5)), (exact(0.09), exact(0.6))
+        return Lines((exact(0.1),), lines)
 
 
 class Table(Block):
@@ -96,6 +253,24 @@ class Table(Block):
             if not x < y:
                 refuse(f"at must increase, but at[{i + 1}] = {y} follows {x}")
         return self
+
+    def lines(self, exact: Any) -> Lines:
+        """Return the lines between the nodes, and those outside."""
+        at, values = [*map(exact, self.at)], [*map(exact, self.values)]
+        nothing = exact(0.0)
+        found = [(values[0], nothing)]
+        for (x, y), (right, above) in pairwise(zip(at, values, strict=True)):
+            slope = (above - y) / (right - x)
+            found.append((y - slope * x, slope))
+        found.append((values[-1], nothing))
+        first = 1 if self.at[0] == 0.0 else 0  # nothing is below 0
+        return Lines(tuple(at[first:]), tuple(found[first:]))
+
+
+def law_name(coefficient: Any) -> str:
+    """Return the name of a coefficient's law; a number, or a column of them, is a constant."""
+    # A float takes long to tell that it has no such attribute.
+    return "constant" if isinstance(coefficient, float) else getattr(coefficient, "law", "constant")
 
 
 def _law(value: Any) -> str:
@@ -122,6 +297,16 @@ LiftCoefficient = Annotated[
     | Annotated[Table, Tag("<table>")],
     Discriminator(_law),
 ]
+
+
+# The classes of laws by name, for scenes whose numbers are columns.
+DRAG_LAWS, LIFT_LAWS = (
+    {get_args(law.model_fields["law"].annotation)[0]: law for law in laws}
+    for laws in (
+        (ConstantDrag, SpinDrag, CrisisDrag, Table),
+        (ConstantLift, RationalLift, LinearLift, BilinearLift, Table),
+    )
+)
 
 
 # --- weather and wind -----------------------------------------------------------------------------
@@ -249,19 +434,19 @@ class Air(Block):
     @property
     def lift_needs_spin(self) -> bool:
         """Whether C_L means nothing without a spin."""
-        return _by_spin(self.lift_coefficient)
+        return by_spin(self.lift_coefficient)
 
     @property
     def needs_spin(self) -> str:
         """The first key that means nothing without a spin; empty if there is none."""
         if self.spin_decay_length is not None:
             return "air.spin_decay_length"
-        if _by_spin(self.drag_coefficient):
+        if by_spin(self.drag_coefficient):
             return "air.drag_coefficient"
         return "air.lift_coefficient" if self.lift_needs_spin else ""
 
 
-def _by_spin(law: Any) -> bool:
+def by_spin(law: Any) -> bool:
     """Tell whether a coefficient, or its law, depends on the spin."""
     name, of = getattr(law, "law", "constant"), getattr(law, "of", "")
     named = name in ("spin", "rational", "linear", "bilinear") or of == "spin_parameter"

@@ -1,8 +1,8 @@
-"""The air: its density from the weather, its density aloft, the speed of sound.
+"""The air around a ball in flight: its density, the speed of sound, the wind.
 
-Sources: density, Nathan's trajectory calculator as coryfront.in and pybaseball have it; vapour
-pressure, A. L. Buck, J. Appl. Meteorol. 20 (1981) 1527, revised 1996. Constants are the doubles
-nearest to what is printed here.
+Heights are those of the scene's z, above the plane z = 0. Sources: density, Nathan's trajectory
+calculator as coryfront.in and pybaseball have it; vapour pressure, A. L. Buck, J. Appl. Meteorol.
+20 (1981) 1527, revised 1996. Constants are the doubles nearest to what is printed here.
 """
 
 from __future__ import annotations
@@ -10,8 +10,11 @@ from __future__ import annotations
 from typing import Any
 
 from longball.model import trace
-from longball.model.force import Thinning
-from longball.model.numbers import N, Numbers, Vector
+from longball.model.numbers import N, Numbers, present
+from longball.model.trace import ZERO
+from longball.model.vectors import Vector, scaled
+
+# --- density --------------------------------------------------------------------------------------
 
 ZERO_CELSIUS = 273.15  # K
 STANDARD_PRESSURE = 101325.0  # Pa
@@ -57,15 +60,41 @@ def speed_of_sound(scene: Any, numbers: Numbers[N]) -> N:
     return numbers.exact(331.3) * numbers.sqrt(temperature / numbers.exact(ZERO_CELSIUS))
 
 
-def _scale(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
-    if scene.air is None or scene.air.density_scale_height is None:
-        return None
-    return (1 / numbers.exact(scene.air.density_scale_height),)
+def thinned(p: Any, height: Any) -> Any:
+    """Return the density of the air, relative to that at height 0: ``e^(-βz)``."""
+    return 1.0 if p.thinning is ZERO else trace.exp(-p.thinning * height)
 
 
-def _thinner(position: Vector[Any], p: Any) -> Any:
-    """Return ``e^(-βz)``."""
-    return trace.exp(-p.thinning * position[2])
+# --- the wind -------------------------------------------------------------------------------------
+
+ROUGHNESS = "roughness"  # z_0, m, as a strength of the law: the profile ends at z = -z_0
 
 
-THINNING = Thinning(("thinning",), _scale, _thinner)
+def wind(p: Any, height: Any) -> Vector:
+    """Return the wind, m/s: the same everywhere, or ``W_h ln((z + z_0)/z_0) / ln((h + z_0)/z_0)``.
+
+    Of a profile, the strengths are ``W_h / ln((h + z_0)/z_0)``.
+    """
+    blows = p.wind_s, p.wind_y, p.wind_z
+    if p.roughness is ZERO:
+        return blows
+    return scaled(p.made_of(trace.log(1.0 + height / p.roughness)), blows)
+
+
+def wind_strengths(
+    scene: Any, frame: Any, numbers: Numbers[N]
+) -> tuple[tuple[dict[str, N], ...], tuple[N, ...]]:
+    """Return the winds from the ground up, and the heights above which the next one blows."""
+    given = scene.air.wind
+    blows = frame.components(getattr(given, "velocity", given), numbers)
+    profile: dict[str, N] = {}
+    if hasattr(given, ROUGHNESS):
+        height, roughness = numbers.exact(given.height), numbers.exact(given.roughness)
+        rise = numbers.functions["log"]((height + roughness) / roughness)
+        blows = blows[0] / rise, blows[1] / rise, blows[2]
+        profile = {ROUGHNESS: roughness}
+    found = present({"wind_s": blows[0], "wind_y": blows[1], "wind_z": blows[2]}, numbers)
+    found = found and found | profile
+    if hasattr(given, "above") and found:
+        return ({}, found), (numbers.exact(given.above),)
+    return (found,), ()

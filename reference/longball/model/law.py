@@ -1,45 +1,47 @@
 """The law of motion: what accelerates a ball in flight.
 
-Each term is one function over any kind of number, and the strengths that a scene gives it
-(`longball.model.force`). The law of a scene is their sum, traced into straight-line code
-(`longball.model.trace`): a term that the scene does not name is not in it, and neither is a
-direction in which nothing moves the ball. A flight whose forces lie in the vertical plane of its
-launch is flown in that plane, in four variables; one with other forces in space, in six. Where spin
-decays, there is one more: what it decays along.
+A flight has a frame of its own: s along the horizontal direction of the launch, y to the left of
+it, z up; u, v, w are the components of the velocity. The law is one function, `acceleration`,
+traced into straight-line code (`longball.model.trace`): what the scene does not name is not in it,
+and neither is a direction in which nothing moves the ball. A flight whose forces lie in the
+vertical plane of its launch is flown in that plane, in four variables; one with other forces in
+space, in six. Where spin decays, there is one more: what it decays along.
 """
 
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, KeysView, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from types import SimpleNamespace
 from typing import Any, Generic, NamedTuple
 
 from longball.model import trace
-from longball.model.aerodynamics import CRISIS, DECAYS, DRAG, LIFT, SPIN_TERMS, TABLES, spin_across
-from longball.model.atmosphere import THINNING
-from longball.model.earth import CORIOLIS
-from longball.model.force import (
-    Branches,
-    Decay,
-    Drag,
+from longball.model.air import (
+    DRAG_LAWS,
+    LIFT_LAWS,
+    BySpeed,
+    BySpin,
+    ConstantDrag,
+    ConstantLift,
     Flow,
-    Force,
-    Lift,
-    Motion,
-    Piecewise,
-    Term,
-    Thinning,
-    Wind,
-    plus,
-    scaled,
-    size,
+    by_spin,
+    law_name,
 )
-from longball.model.numbers import N, Numbers, Vector
+from longball.model.atmosphere import (
+    ROUGHNESS,
+    density,
+    speed_of_sound,
+    thinned,
+    wind,
+    wind_strengths,
+)
+from longball.model.block import Block
+from longball.model.earth import earth_strengths
+from longball.model.numbers import N, Numbers, present
 from longball.model.trace import ZERO, Node, Program
-from longball.model.wind import UNIFORM, WINDS, WINDS_ABOVE
+from longball.model.vectors import Vector, cross, minus, norm, plus, scaled
 
 
 class PlaneState(NamedTuple, Generic[N]):
@@ -80,48 +82,330 @@ def in_plane(state: Any) -> bool:
     return not hasattr(state, "y")
 
 
-# --- the terms ------------------------------------------------------------------------------------
+# --- the law --------------------------------------------------------------------------------------
 
 
-def _weight(scene: Any, frame: Any, numbers: Numbers[N]) -> tuple[N] | None:
-    return None if numbers.absent(scene.gravity) else (numbers.exact(scene.gravity),)
+class Motion(NamedTuple):
+    """What a force may depend on, in the frame of the flight.
+
+    Attributes
+    ----------
+    position
+        m.
+    velocity
+        Over the ground, m/s.
+    air
+        What drag depends on.
+    lift
+        What lift depends on: the same, unless the reading keeps the wind from the lift.
+    density
+        Of the air, relative to that at height 0.
+    spin_left
+        Size of the spin, relative to that at launch.
+    """
+
+    position: Vector
+    velocity: Vector
+    air: Flow
+    lift: Flow
+    density: Any
+    spin_left: Any
+
+    @property
+    def speed(self) -> Any:
+        """The airspeed, m/s."""
+        return self.air.speed
 
 
-def _gravity(motion: Motion, p: Any) -> Vector[Any]:
-    """Return ``-g e_z``."""
-    return ZERO, ZERO, -p.gravity
+def acceleration(p: Strengths, motion: Motion) -> Vector:
+    """Return ``ρ/ρ_0 (-k C_D U u + k R (C_L/S) ω × u) - g e_z - 2 Ω × v``, and what else acts.
+
+    u is the velocity through the air, ω the spin at launch, S the spin parameter of what is left of
+    it; ``k = ρ_0 A / (2 m)``.
+    """
+    air, lift = motion.air, motion.lift
+    drag = p.shape.drag.drag(_Keys(p, "drag"), air)  # k C_D U
+    magnus = p.shape.lift.lift(_Keys(p, "lift"), lift)  # k R C_L/S
+    earth = p.earth_s, p.earth_y, p.earth_z
+    total = scaled(-(motion.density * drag), air.velocity)
+    total = plus(total, scaled(motion.density * magnus, lift.across))
+    total = plus(total, (ZERO, ZERO, -p.gravity))
+    total = plus(total, scaled(-2.0, cross(earth, motion.velocity)))
+    for force in p.shape.forces:
+        total = plus(total, force(motion, p.given))
+    return total
 
 
-GRAVITY = Force(("gravity",), _weight, _gravity)
+def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Motion:
+    """Return how a ball moves through the air, with the spin that is left after a `path`."""
+    through = minus(velocity, wind(p, position[2]))
+    left = _spin_left(p, path, _size(p, through))
+    spin, size = (p.spin_s, p.spin_y, p.spin_z), p.spin
+    air = _flow(p, through, left, spin, size)
+    if not p.shape.spins:
+        # The paper's lift: about an axis fixed at launch, as backspin has it. It is level and
+        # points to the right, so that ê × u turns a level velocity upwards.
+        spin, size = (ZERO, trace.constant(-1.0), ZERO), trace.constant(1.0)
+    lift = _flow(p, velocity if p.shape.wind_acts_on == "drag" else through, left, spin, size)
+    return Motion(position, velocity, air, lift, thinned(p, position[2]), left)
 
-PAPER: tuple[Term, ...] = (DRAG, LIFT, GRAVITY)
-FORCES: tuple[Term, ...] = (
-    *PAPER,
-    *(CRISIS, *SPIN_TERMS, *DECAYS, *WINDS, THINNING, CORIOLIS, *TABLES, *WINDS_ABOVE),
-)
+
+def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) -> Flow:
+    """Return how a ball flies through the air with a spin at launch, of which so much is left."""
+    speed, across = _size(p, velocity), cross(spin, velocity)
+    turning = norm(across)  # ω_T U
+    # ω_T, ω_T U, and top and bottom of ω_T/U: of all the spin, and of its part across the velocity.
+    whole = size, size * speed, size, speed
+    part = turning / speed, turning, turning, speed * speed
+    # All of it is across a flight in its plane, if it is perpendicular to that; and so is an axis
+    # that the scene does not name.
+    level = (spin[0] is ZERO and spin[2] is ZERO and velocity[1] is ZERO) or not p.shape.spins
+    _, of_drag, _, _ = whole if level or p.shape.drag_spin == "total" else part
+    rate, _, top, bottom = whole if level or p.shape.spin_parameter == "total" else part
+    return Flow(velocity, speed, across, left * of_drag, rate, top, bottom, p.radius * left)
+
+
+def _size(p: Strengths, velocity: Vector) -> Any:
+    """Return the size of a velocity: straight up or down, without a root."""
+    moving = [component for component in velocity if component is not ZERO]
+    return p.sense * moving[0] if len(moving) == 1 else norm(velocity)
+
+
+def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
+    """Return the size of the spin, relative to that at launch.
+
+    ``ω' = -(U/L_ω) ω`` has e^(-path/L_ω) of the path through the air; e^(-t/τ) is the same of a
+    path at a fixed speed. With e^(-t U/L_ω) of the present U, ω solves no equation of its own, but
+    the law of motion with it is one in (r, v, t), and solved as such: the path is t times 1 m/s.
+    """
+    if p.decay is ZERO:
+        return 1.0
+    way = -p.decay * path
+    if p.shape.spin_decay == "nathan":
+        way = -(p.decay / p.decay_speed) * (path * speed)
+    return p.made_of(trace.exp(way))
+
+
+# --- what a law is traced with --------------------------------------------------------------------
+
+
+class Force(NamedTuple):
+    """A force besides those of the model.
+
+    Attributes
+    ----------
+    strengths
+        From a scene, the `longball.model.frame.Frame` of a flight and a number system to the values
+        of its parameters, by name; None if the scene does not name the force.
+    acceleration
+        From the `Motion` and an object with the parameters as attributes to the acceleration, m/s².
+    """
+
+    strengths: Callable[[Any, Any, Numbers[Any]], Mapping[str, Any] | None]
+    acceleration: Callable[[Motion, Any], Vector]
+
+
+class Shape(NamedTuple):
+    """What of a scene decides which operations its law has; numbers are strengths."""
+
+    # The laws of the coefficients
+    drag: Any = ConstantDrag
+    lift: Any = ConstantLift
+    spins: bool = False  # whether the scene says how the ball spins
+    # Readings
+    spin_parameter: str = "transverse"
+    drag_spin: str = "transverse"
+    spin_decay: str = "path"
+    wind_acts_on: str = "both"
+    forces: tuple[Callable[[Motion, Any], Vector], ...] = ()
+
+
+class Strengths:
+    """The strengths of a law as nodes, by name; one that has no value is zero."""
+
+    sense: Node  # of a vertical flight; see `Law.straight`
+
+    def __init__(self, shape: Shape, names: tuple[str, ...], polynomial: bool = False) -> None:
+        self.shape = shape
+        self.given = SimpleNamespace(**{name: trace.parameter(name) for name in names})
+        self.polynomial = polynomial
+        self.made: dict[str, Node] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.given, name, ZERO)
+
+    def made_of(self, value: Node) -> Node:
+        """Return an exponential or a logarithm, or the variable that stands for it."""
+        if not self.polynomial or value.static:
+            return value
+        name = next(
+            (n for n, x in self.made.items() if x is value), f"{value.kind}_{len(self.made)}"
+        )
+        self.made[name] = value
+        return trace.variable(name)
+
+
+class _Keys:
+    """The strengths of a coefficient, under the keys of its law."""
+
+    def __init__(self, p: Strengths, coefficient: str) -> None:
+        self._strengths, self._coefficient = p, coefficient
+
+    def __getattr__(self, key: str) -> Any:
+        return getattr(self._strengths, _strength(self._coefficient, key))
+
+
+def _strength(coefficient: str, key: str) -> str:
+    """Return the name of a number of a coefficient as a strength."""
+    return coefficient if key == "value" else f"{coefficient}_{key}"
+
+
+@dataclass(frozen=True, eq=False)
+class _Traced:
+    """What is traced of a law."""
+
+    rates: Mapping[str, Node]  # of the variables, by name
+    spin_left: Node  # the size of the spin, relative to that at launch
+    passed: Mapping[str, tuple[Node, Node]]  # what passes levels, by `Bend.of`: top and bottom
+    # What the variables are that stand for exponentials and logarithms, by name: each in terms of
+    # the variables before it.
+    made: Mapping[str, Node]
+
+
+@cache
+def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool) -> _Traced:
+    """Trace the law where the ball moves in space, in a vertical plane, or vertically.
+
+    Vertically in the air, that is, with which it drifts. See `Law.polynomial`.
+    """
+    p = Strengths(shape, names, polynomial)
+    s, y, z, u, v, w = map(trace.variable, "syzuvw")
+    if moving != "space":
+        y = v = ZERO
+    if moving == "vertical":
+        p.sense = trace.parameter(_SENSE)
+        u, v = (p.wind_s, p.wind_y) if p.roughness is ZERO else (ZERO, ZERO)
+    motion = motion_of(p, (s, y, z), (u, v, w), trace.variable("path"))
+    rates = dict(zip("syzuvw", (u, v, w, *acceleration(p, motion)), strict=True))
+    if p.decay is not ZERO:
+        fixed = shape.spin_decay != "path"
+        rates["path"] = trace.as_node(p.decay_speed if fixed else motion.speed)
+    passed = {"wind": (z, trace.constant(1.0))}
+    for of, law, flow in (("drag", shape.drag, motion.air), ("lift", shape.lift, motion.lift)):
+        if hasattr(law, "passed"):
+            top, bottom = map(trace.as_node, law.passed(flow))
+            passed[of] = top, bottom
+    # Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
+    # singularity that small errors of x come near to.
+    for name, value in p.made.items():
+        (x,), y = value.args, trace.variable(name)
+        grows = trace.total(
+            trace.derivative(x, trace.variable(v), ratio="quotient") * rate
+            for v, rate in rates.items()
+        )
+        rates[name] = (y if value.kind == "exp" else trace.exp(-y)) * grows
+    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.made)
+
+
+def _is_polynomial(node: Node) -> bool:
+    nodes = Program((), (), (node,)).nodes
+    return all(n.static or n.kind in ("variable", "sum", "product") for n in nodes)
+
+
+# What must not change.
+_STILL = {"space": "", "plane": "yv", "vertical": "uv"}
+
+
+@cache
+def _program(
+    shape: Shape,
+    names: tuple[str, ...],
+    moving: str,
+    polynomial: bool,
+    variables: tuple[str, ...] = (),
+) -> Program | None:
+    """Return the program of a law; None if a force drives the ball out of where it holds."""
+    rates = _traced(shape, names, moving, polynomial).rates
+    if any(rates[name] is not ZERO for name in _STILL[moving]):
+        return None
+    variables = variables or (*("syzuvw" if moving == "space" else "szuw"), *[*rates][6:])
+    if rates["y"] is not ZERO and "y" not in variables:
+        return None
+    program = Program(variables, names, tuple(rates[name] for name in variables))
+    if trace.parameter(_SENSE) in program.nodes:
+        program = replace(program, parameters=(*names, _SENSE))
+    return program
+
+
+def _code(
+    shape: Shape, names: tuple[str, ...], in_space: bool = False, polynomial: bool = False
+) -> Program:
+    """Return the program of a law in the plane, if it holds there and is not to be in space."""
+    program = None if in_space else _program(shape, names, "plane", polynomial)
+    program = program or _program(shape, names, "space", polynomial)
+    assert program is not None
+    return program
+
+
+@lru_cache(maxsize=1024)
+def _passage(program: Program, top: Node, bottom: Node) -> Program:
+    value = top - trace.parameter("level") * bottom
+    return replace(program, outputs=(value,), parameters=(*program.parameters, "level"))
+
+
+@lru_cache(maxsize=1024)
+def _value(program: Program, node: Node) -> Program:
+    return replace(program, outputs=(node,))
+
+
+@cache
+def _jacobian(program: Program) -> Program:
+    return program.jacobian()
+
+
+_SENSE = "sense"
 
 
 # --- the law of a scene ---------------------------------------------------------------------------
+
+
+class Bend(NamedTuple, Generic[N]):
+    """A part of a law, whose strengths change where a function of the state passes a level."""
+
+    of: str  # the wind, or the coefficient of drag or lift
+    strengths: tuple[Mapping[str, N], ...] = ({},)  # below the first level, between levels, beyond
+    levels: tuple[N, ...] = ()  # in rising order; without any it is no bend
+    question: str = ""  # whether a level is passed, as a clause
+
+    @property
+    def names(self) -> KeysView[str]:
+        """The strengths that change."""
+        return dict.fromkeys(name for strengths in self.strengths for name in strengths).keys()
+
+    @property
+    def blows(self) -> bool:
+        """Whether it is the wind: where that changes, airspeeds jump."""
+        return self.of == "wind"
 
 
 @dataclass(frozen=True)
 class Law(Generic[N]):
     """The law of motion of a scene.
 
-    Where terms have several forms, no number is computed by the law itself, but by `on(branches)`,
-    with the branches that are valid in the state at hand.
+    Where parts of it have several forms, no number is computed by the law itself, but by
+    `on(branches)`, with the branches that are valid in the state at hand.
 
     Attributes
     ----------
     code
         The rates of change of a state, component by component; of a law without a form, those of
-        all forms of its terms at once, which only tell the variables.
+        all forms at once, which only tell the variables.
     strengths
         Values of the program's parameters, by name; without a form, not those of `bends`.
-    forces
+    shape
         What the program was traced from.
     bends
-        The terms that have several forms.
+        The parts that have several forms.
     form
         Which branch each of them has; None: the law has no form, or needs none.
     polynomial
@@ -131,7 +415,7 @@ class Law(Generic[N]):
 
     code: Program
     strengths: Mapping[str, N]
-    forces: tuple[Term, ...]
+    shape: Shape
     bends: tuple[Bend[N], ...] = ()
     form: tuple[int, ...] | None = None
     polynomial: bool = False
@@ -140,10 +424,10 @@ class Law(Generic[N]):
     def program(self) -> Program:
         """The rates of change of a state, component by component.
 
-        Raises `TypeError` if terms have several forms and none is chosen.
+        Raises `TypeError` if parts have several forms and none is chosen.
         """
         if self.bends and self.form is None:
-            raise TypeError("terms of this law have several forms: ask law.on(branches)")
+            raise TypeError("parts of this law have several forms: ask law.on(branches)")
         return self.code
 
     @property
@@ -156,66 +440,69 @@ class Law(Generic[N]):
         """The class of the states: `PlaneState`, `SpaceState`, or one with more components."""
         return state_of_variables(self.variables)
 
-    def state_of(self, start: State[N]) -> State[N]:
-        """Return a launch as a state of this law."""
-        nothing = start.s * 0
-        state: State[N] = self.state(*(getattr(start, name, nothing) for name in self.variables))
-        return state
+    @property
+    def gravity(self) -> N | None:
+        """g, m/s²; None where there is none."""
+        return self.strengths.get("gravity")
 
-    def in_polynomials(self) -> Law[N]:
-        """Return the law with what bends depend on as variables; see `polynomial`, `completed`."""
-        first = [0] * len(self.bends)  # of all forms the arguments have the same functions
-        if all(map(self.on(first)._is_polynomial, self.bends)):
-            return self
-        law = replace(self, polynomial=True)
-        return replace(law, code=law.on(first).code)
-
-    def completed(self, state: State[N], numbers: Numbers[N]) -> State[N]:
-        """Return a state whose exponentials and logarithms are those of this form.
-
-        They depend on the wind: where it sets in, they jump with the airspeed.
-        """
-        state = self.state_of(state)
-        for name, value in self._traced.made.items():
-            made = self._value(value, numbers)(*state)
-            state = state._replace(**{name: made})
-        return state
-
-    def _is_polynomial(self, bend: Bend[N]) -> bool:
-        nodes = self.passage(bend).nodes
-        return all(n.kind in ("variable", "sum", "product") for n in nodes if not n.static)
-
-    def spin_left(self, state: State[N], numbers: Numbers[N]) -> N:
-        """Return the size of the spin in a state, relative to that at launch."""
-        known = (getattr(state, name) for name in self.program.variables)
-        found: N = self._value(self._traced.spin_left, numbers)(*known)
-        return found
+    @property
+    def is_paper(self) -> bool:
+        """Whether nothing acts but the paper's drag, lift and gravity."""
+        return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.bends
 
     @property
     def bends_of_spin(self) -> frozenset[int]:
         """The numbers of the bends on whose branches the size of the spin depends."""
         nodes = Program((), (), (self._traced.spin_left,)).nodes
         used = {node.args[0] for node in nodes if node.kind == "parameter"}
-        return frozenset(
-            which
-            for which, bend in enumerate(self.bends)
-            if not used.isdisjoint(bend.piecewise.term.parameters)
-        )
+        return frozenset(which for which, bend in enumerate(self.bends) if bend.names & used)
 
     @property
     def _traced(self) -> _Traced:
-        motion = "space" if "y" in self.variables else "plane"
-        return _traced(self.forces, self.code.parameters, motion, self.polynomial)
+        moving = "space" if "y" in self.variables else "plane"
+        return _traced(self.shape, self.code.parameters, moving, self.polynomial)
 
-    def _value(self, node: Node, numbers: Numbers[N]) -> Callable[..., N]:
-        """Return the function from the components of a state to the value of a node."""
-        bound = _value(self.program, node).bind(self.strengths, numbers.functions)
-        return lambda *state: bound(*state)[0]
+    # Other laws.
 
-    @property
-    def gravity(self) -> N | None:
-        """g, m/s²; None where there is none."""
-        return self.strengths.get("gravity")
+    def on(self, branches: Sequence[int]) -> Law[N]:
+        """Return the law with these forms of the parts that have several."""
+        changed = {name for bend in self.bends for name in bend.names}
+        strengths = {name: x for name, x in self.strengths.items() if name not in changed}
+        for bend, branch in zip(self.bends, branches, strict=True):
+            strengths |= bend.strengths[branch]
+        code = _code(self.shape, tuple(strengths), "y" in self.variables, self.polynomial)
+        return replace(self, code=code, strengths=strengths, form=tuple(branches))
+
+    def without(self, strength: str) -> Law[N]:
+        """Return the law without one of its strengths."""
+        strengths = {name: x for name, x in self.strengths.items() if name != strength}
+        names = tuple(name for name in self.code.parameters if name != strength)
+        code = _code(self.shape, names, "y" in self.variables, self.polynomial)
+        return replace(self, code=code, strengths=strengths)
+
+    def straight(self, sense: N) -> Law[N] | None:
+        """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
+
+        The ball drifts with the wind, as it starts; up and down are through the air. The speed is
+        ``sense w`` there, without a square root: this law is smooth where the ball comes to rest,
+        and holds on one side of it. None if a force drives the ball aside.
+        """
+        names, variables = self.program.parameters, self.variables
+        code = _program(self.shape, names, "vertical", self.polynomial, variables)
+        if code is None:
+            return None
+        return replace(self, code=code, strengths={**self.strengths, _SENSE: sense})
+
+    def in_polynomials(self) -> Law[N]:
+        """Return the law with what bends depend on as variables; see `polynomial`, `completed`."""
+        first = self.on([0] * len(self.bends))  # of all forms the arguments have the same functions
+        passed = first._traced.passed
+        if all(_is_polynomial(node) for bend in self.bends for node in passed[bend.of]):
+            return self
+        law = replace(self, polynomial=True)
+        return replace(law, code=law.on(first.form or ()).code)
+
+    # Numbers.
 
     def rates(self, numbers: Numbers[N]) -> Callable[..., tuple[N, ...]]:
         """Return the function from the components of a state to their rates."""
@@ -225,44 +512,63 @@ class Law(Generic[N]):
         """Return the function from the components of a state to the rates' partial derivatives."""
         return _jacobian(self.program).bind(self.strengths, numbers.functions)
 
-    def on(self, branches: Sequence[int]) -> Law[N]:
-        """Return the law with these forms of the terms that have several."""
-        switched = {name for bend in self.bends for name in bend.piecewise.term.parameters}
-        strengths = {n: x for n, x in self.strengths.items() if n not in switched}
-        terms = [f for f in self.forces if switched.isdisjoint(f.parameters)]
-        for bend, branch in zip(self.bends, branches, strict=True):
-            term = bend.piecewise.term
-            strengths |= _named(term, bend.branches.strengths[branch])
-            terms.append(term)
-        law = law_with(strengths, tuple(terms), "y" in self.variables, self.polynomial)
-        return replace(law, bends=self.bends, form=tuple(branches))
+    def state_of(self, start: State[N]) -> State[N]:
+        """Return a launch as a state of this law."""
+        nothing = start.s * 0
+        state: State[N] = self.state(*(getattr(start, name, nothing) for name in self.variables))
+        return state
+
+    def completed(self, state: State[N], numbers: Numbers[N]) -> State[N]:
+        """Return a state whose exponentials and logarithms are those of this form.
+
+        They depend on the wind: where it sets in, they jump with the airspeed.
+        """
+        state = self.state_of(state)
+        for name, node in self._traced.made.items():
+            state = state._replace(**{name: self._value(node, state, numbers)})
+        return state
+
+    def spin_left(self, state: State[N], numbers: Numbers[N]) -> N:
+        """Return the size of the spin in a state, relative to that at launch."""
+        return self._value(self._traced.spin_left, state, numbers)
+
+    def _value(self, node: Node, state: State[N], numbers: Numbers[N]) -> N:
+        bound = _value(self.program, node).bind(self.strengths, numbers.functions)
+        value: N = bound(*(getattr(state, name) for name in self.variables))[0]
+        return value
+
+    def drift(self, nothing: N) -> Vector:
+        """Return the wind, m/s, where it is the same in all of a form: `nothing`, if none blows."""
+        known = {} if ROUGHNESS in self.strengths else self.strengths
+        s, y, z = (known.get(name, nothing) for name in ("wind_s", "wind_y", "wind_z"))
+        return s, y, z
 
     def passage(self, bend: Bend[N]) -> Program:
-        """Return a program that is positive where a bend's argument is beyond a level.
+        """Return a program that is positive where what a bend depends on is beyond a level.
 
         It has the law's variables and parameters, and the parameter `level`.
         """
-        return _passage(self.program, self._traced, bend.piecewise)
+        return _passage(self.program, *self._traced.passed[bend.of])
 
     def beyond(self, bend: Bend[N], level: N, numbers: Numbers[N]) -> Callable[[Any], Any]:
-        """Return a function of the state that is positive where an argument is beyond a level."""
+        """Return a function of the state that is positive beyond a level of a bend."""
         known = {**self.strengths, "level": level}
         bound = self.passage(bend).bind(known, numbers.functions)
         return lambda state: bound(*state)[0]
 
     def branches(self, state: Any, numbers: Numbers[N]) -> list[Any]:
-        """Return which forms the terms have in a state, or in many: by the levels passed.
+        """Return which forms the parts have in a state, or in many: by the levels passed.
 
         The numbers carry no radius.
         """
         return self._branching(numbers)(state)
 
     def _branching(self, numbers: Numbers[N]) -> Callable[[Any], list[Any]]:
-        """Return the function from a state to the forms that the terms have there."""
+        """Return the function from a state to the forms that the parts have there."""
         blowing = [bend.blows for bend in self.bends]
 
         def passed(form: Law[N]) -> list[list[Callable[[Any], Any]]]:
-            return [[form.beyond(b, x, numbers) for x in b.branches.levels] for b in self.bends]
+            return [[form.beyond(bend, x, numbers) for x in bend.levels] for bend in self.bends]
 
         def counted(passages: list[list[Callable[[Any], Any]]], state: Any) -> list[Any]:
             return [sum((value(state) > 0 for value in each), start=0) for each in passages]
@@ -300,266 +606,145 @@ class Law(Generic[N]):
 
         return rates
 
-    def without(self, force: Term) -> Law[N]:
-        """Return the law without a force, or what has its parameters in its place."""
-        kept = tuple(f for f in self.forces if not {*f.parameters} & {*force.parameters})
-        names = {name for f in kept for name in f.parameters}
-        strengths = {n: x for n, x in self.strengths.items() if n in names}
-        parameters = tuple(name for name in self.code.parameters if name in names)
-        code = _code(kept, parameters, "y" in self.variables, self.polynomial)
-        return replace(self, code=code, strengths=strengths, forces=kept)
 
-    def straight(self, sense: N) -> Law[N] | None:
-        """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
-
-        The ball drifts with the wind, as it starts; up and down are through the air. The speed is
-        ``sense w`` there, without a square root: this law is smooth where the ball comes to rest,
-        and holds on one side of it. None if a force drives the ball aside.
-        """
-        vertical = _program(
-            self.forces, self.program.parameters, "vertical", self.polynomial, self.variables
-        )
-        if vertical is None:
-            return None
-        return replace(self, code=vertical, strengths={**self.strengths, "sense": sense})
-
-    def drift(self, nothing: N) -> Vector[N]:
-        """Return the wind, m/s, where it is the same in all of a form: `nothing`, if none blows."""
-        s, y, z = (
-            next((self.strengths[name] for name in names if name in self.strengths), nothing)
-            for names in zip(*UNIFORM, strict=True)
-        )
-        return s, y, z
+PAPER = "drag", "lift", "gravity"  # the strengths of its law
 
 
-@dataclass(frozen=True)
-class Bend(Generic[N]):
-    """A term that has several forms, with its branches in a scene."""
+def law_of(scene: Any, frame: Any, numbers: Numbers[N], forces: Sequence[Force] = ()) -> Law[N]:
+    """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity.
 
-    piecewise: Piecewise
-    branches: Branches
-
-    @property
-    def blows(self) -> bool:
-        """Whether the term is a wind: where its form changes, airspeeds jump."""
-        return isinstance(self.piecewise.term, Wind)
-
-
-def law_of(
-    scene: Any, frame: Any, numbers: Numbers[N], forces: tuple[Term, ...] = FORCES
-) -> Law[N]:
-    """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity."""
-    strengths: dict[str, N] = {}
-    acting: list[Term] = []
-    bends: list[Bend[N]] = []
+    Parameters
+    ----------
+    forces
+        What may act on the ball besides what the model has.
+    """
+    shape = Shape()
+    parts: list[Bend[N]] = []
+    further: dict[str, N] = {}
+    if scene.air is not None:
+        shape, parts, further = _in_air(scene, frame, numbers)
+    bends = [part for part in parts if part.levels]
+    strengths = {n: x for part in parts if not part.levels for n, x in part.strengths[0].items()}
+    if not numbers.absent(scene.gravity):
+        strengths["gravity"] = numbers.exact(scene.gravity)
+    strengths |= further | earth_strengths(scene, frame, numbers)
+    acting = []
     for force in forces:
-        if isinstance(force, Piecewise):
-            branches = force.branches(scene, frame, numbers)
-            if branches is not None and branches.levels:
-                bends.append(Bend(force, branches))
-            elif branches is not None:  # one form: a table of the spin parameter, without spin
-                acting.append(force.term)
-                strengths |= _named(force.term, branches.strengths[0])
-            continue
-        values = force.strengths(scene, frame, numbers)
-        if values is not None:
-            acting.append(force)
-            strengths |= _named(force, values)
-    law = law_with(strengths, tuple(acting))
-    if not bends:
-        return law
+        found = force.strengths(scene, frame, numbers)
+        if found is not None:
+            acting.append(force.acceleration)
+            strengths |= found
+    if acting:
+        shape = shape._replace(forces=tuple(acting))
     # The variables are the same on all branches: those of space, if one of them needs those.
-    of_all = dict(strengths)
-    for bend in bends:
-        acting.append(bend.piecewise.term)
-        for values in bend.branches.strengths:
-            of_all |= _named(bend.piecewise.term, values)
-    return replace(law_with(of_all, tuple(acting)), strengths=strengths, bends=tuple(bends))
-
-
-def _named(term: Term, values: tuple[Any, ...]) -> dict[str, Any]:
-    """Return the strengths of a term by name, without those that are zero."""
-    known = zip(term.parameters, values, strict=True)
-    return {name: value for name, value in known if value is not None}
+    names = dict.fromkeys([*strengths, *(name for bend in bends for name in bend.names)])
+    return Law(_code(shape, tuple(names)), strengths, shape, tuple(bends))
 
 
 def law_with(
-    strengths: Mapping[str, N],
-    forces: tuple[Term, ...] = FORCES,
-    in_space: bool = False,
-    polynomial: bool = False,
+    strengths: Mapping[str, N], forces: Sequence[Callable[[Motion, Any], Vector]] = ()
 ) -> Law[N]:
-    """Return the law of those forces whose parameters have values.
-
-    It is that in the plane, if it holds there and is not to be that `in_space`. A parameter without
-    a value, beside others that have one, is zero. See `Law.polynomial`.
-    """
-    acting = tuple(f for f in forces if any(name in strengths for name in f.parameters))
-    code = _code(acting, tuple(strengths), in_space, polynomial)
-    return Law(code, strengths, acting, polynomial=polynomial)
+    """Return the paper's law with some of its strengths, and what is zero left out, and forces."""
+    shape = Shape(forces=tuple(forces))
+    return Law(_code(shape, tuple(strengths)), strengths, shape)
 
 
-def _code(
-    forces: tuple[Term, ...], names: tuple[str, ...], in_space: bool, polynomial: bool
-) -> Program:
-    """Return the program of a law in the plane, if it holds there and is not to be in space."""
-    program = None if in_space else _program(forces, names, "plane", polynomial)
-    program = program or _program(forces, names, "space", polynomial)
-    assert program is not None
-    return program
+def _in_air(
+    scene: Any, frame: Any, numbers: Numbers[N]
+) -> tuple[Shape, list[Bend[N]], dict[str, N]]:
+    """Return the shape of a scene's law, its parts, and strengths of spin and density."""
+    air, reading, exact = scene.air, scene.reading, numbers.exact
+    spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
+    drag_law, drag = _coefficient("drag", scene, spins, numbers)
+    # A ball that does not spin has no lift, but for the paper's, whose axis no scene names.
+    lift_law: Any = ConstantLift
+    lift: Bend[N] = Bend("lift")
+    if spins or (frame.spin is None and not by_spin(air.lift_coefficient)):
+        lift_law, lift = _coefficient("lift", scene, spins, numbers)
+    parts, shape = [drag, lift], Shape(drag_law, lift_law)
+    found: dict[str, N] = {}
+    if air.wind is not None:
+        shape = shape._replace(wind_acts_on=reading.wind_acts_on)
+        question = "the ball passes the height above which the wind blows"
+        parts.append(Bend("wind", *wind_strengths(scene, frame, numbers), question))
+    if frame.spin is not None:
+        shape = shape._replace(
+            spins=True,
+            spin_parameter=reading.spin_parameter,
+            drag_spin=reading.drag_spin,
+            spin_decay=reading.spin_decay,
+        )
+    if spins:
+        x, y, z = frame.spin
+        s, left, up = frame.turned(frame.spin)
+        found = present({"spin_s": s, "spin_y": left, "spin_z": up}, numbers)
+        found["spin"] = numbers.sqrt(x * x + y * y + z * z)
+        found["radius"] = exact(scene.ball.radius)
+    if frame.spin is not None and air.spin_decay_length is not None:
+        found["decay"] = 1 / exact(air.spin_decay_length)
+        if reading.spin_decay != "path":
+            found["decay_speed"] = exact(PATH_SPEEDS[reading.spin_decay])
+    if air.density_scale_height is not None:
+        found["thinning"] = 1 / exact(air.density_scale_height)
+    return shape, parts, found
 
 
-@dataclass(frozen=True, eq=False)
-class _Traced:
-    """What is traced of a law."""
-
-    rates: Mapping[str, Node]  # of the variables, by name
-    further: tuple[str, ...]  # the variables besides positions and velocities
-    spin_left: Any  # the size of the spin, relative to that at launch
-    # What it was traced with.
-    motion: Motion
-    parameters: Any
-    # What the variables are that stand for exponentials and logarithms, by name: each in terms of
-    # the variables before it.
-    made: Mapping[str, Node] = field(default_factory=dict)
+# m/s, of a path in which spin decays that is not the ball's. A decay in time is quoted as one along
+# a path that is flown at 100 mph.
+PATH_SPEEDS = {"time": 44.704, "nathan": 1.0}
 
 
-@cache
-def _traced(
-    forces: tuple[Term, ...], names: tuple[str, ...], motion: str, polynomial: bool
-) -> _Traced:
-    """Trace the law where the ball moves in space, in a vertical plane, or vertically.
-
-    Vertically in the air, that is, with which it drifts. See `Law.polynomial`.
-    """
-    known = {name: trace.parameter(name) for name in names}
-    named = {name for force in forces for name in force.parameters}
-    named |= {name for names in UNIFORM for name in names}
-    p = SimpleNamespace(**{**dict.fromkeys(named, ZERO), **known})
-    s, y, z, u, v, w = map(trace.variable, "syzuvw")
-    if motion != "space":
-        y = v = ZERO
-    if motion == "vertical":
-        u, v, _ = (trace.total(vars(p)[x] for x in names) for names in zip(*UNIFORM, strict=True))
-    path = trace.variable("path")
-    position, velocity = (s, y, z), (u, v, w)
-    calm = _flow(velocity)
-    air, lift = calm, calm
-    density: Any = 1.0
-    spin_left: Any = 1.0
-    for term in forces:
-        match term:
-            case Wind():
-                wind = term.velocity(position, p)
-                through = plus(air.velocity, scaled(-1.0, wind))
-                if motion == "vertical" and wind[:2] == (u, v):
-                    through = ZERO, ZERO, through[2]
-                air = _flow(through)
-                lift = air if term.lifts else lift
-            case Thinning():
-                density = density * term.density(position, p)
-    further: dict[str, Node] = {}
-    moving = Motion(position, velocity, air, lift, density, spin_left)
-    for term in forces:
-        if isinstance(term, Decay):
-            further = {"path": trace.as_node(term.rate(moving, p))}
-            moving = moving._replace(spin_left=term.left(path, air.speed, p))
-    total: Vector[Any] = (ZERO, ZERO, ZERO)
-    if drags := [term.rate(moving, p) for term in forces if isinstance(term, Drag)]:
-        total = scaled(-(density * trace.total(drags)), air.velocity)
-    if lifts := [term.factor(moving, p) for term in forces if isinstance(term, Lift)]:
-        factor = density * trace.total(lifts)
-        total = plus(total, scaled(factor, spin_across(lift, p)))
-    for term in forces:
-        if isinstance(term, Force):
-            total = plus(total, term.acceleration(moving, p))
-    rates = dict(zip("syzuvw", (*velocity, *total), strict=True)) | further
-    traced = _Traced(rates, tuple(further), trace.as_node(moving.spin_left), moving, p)
-    return _in_polynomials(traced) if polynomial else traced
-
-
-def _in_polynomials(traced: _Traced) -> _Traced:
-    """Return a law whose exponentials and logarithms in winds and spin are variables.
-
-    Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
-    singularity that small errors of x come near to.
-    """
-    made: dict[str, Node] = {}
-    variables: dict[Node, Node] = {}
-
-    def known(value: Node) -> Node:
-        return variables.get(value, value)
-
-    def added(value: Node) -> Node:
-        if value not in variables and not value.static:
-            name = f"{value.kind}_{len(made)}"
-            made[name], variables[value] = value, trace.variable(name)
-        return known(value)
-
-    motion = traced.motion
-    parts = (*motion.air.velocity, *motion.lift.velocity, traced.spin_left)
-    a, b, c, u, v, w, spin_left = trace.again(parts, added)
-    air, lift = _flow((a, b, c)), _flow((u, v, w))
-    rates = dict(zip(traced.rates, trace.again(traced.rates.values(), known), strict=True))
-    for name, value in made.items():
-        (x,) = value.args
-        changes = (trace.derivative(x, trace.variable(v)) * r for v, r in rates.items())
-        (grows,) = trace.again([trace.total(changes)], known)
-        y = trace.variable(name)
-        rates[name] = (y if value.kind == "exp" else trace.exp(-y)) * grows
-    return replace(
-        traced, rates=rates, further=(*traced.further, *made), spin_left=spin_left, made=made,
-        motion=motion._replace(air=air, lift=lift, spin_left=spin_left),
-    )  # fmt: skip
-
-
-# What must not change.
-_STILL = {"space": "", "plane": "yv", "vertical": "uv"}
-
-
-@cache
-def _program(
-    forces: tuple[Term, ...],
-    names: tuple[str, ...],
-    motion: str,
-    polynomial: bool,
-    variables: tuple[str, ...] = (),
-) -> Program | None:
-    """Return the program of a law; None if a force drives the ball out of where it holds."""
-    traced = _traced(forces, names, motion, polynomial)
-    if any(traced.rates[name] is not ZERO for name in _STILL[motion]):
+def per_metre(scene: Any, value: float, numbers: Numbers[N]) -> N | None:
+    """Return ``k C = ρ C A / (2 m)``, 1/m, for a value of a coefficient; None if it is zero."""
+    if numbers.absent(value) or numbers.absent(scene.air.density):
         return None
-    variables = variables or (*("syzuvw" if motion == "space" else "szuw"), *traced.further)
-    if traced.rates["y"] is not ZERO and "y" not in variables:
-        return None
-    program = Program(variables, names, tuple(traced.rates[name] for name in variables))
-    if trace.parameter(_SENSE) in program.nodes:
-        program = replace(program, parameters=(*names, _SENSE))
-    return program
+    radius, mass = numbers.exact(scene.ball.radius), numbers.exact(scene.ball.mass)
+    area = numbers.pi * radius * radius
+    return density(scene, numbers) * numbers.exact(value) * area / (2 * mass)
 
 
-@lru_cache(maxsize=1024)
-def _passage(program: Program, traced: _Traced, piecewise: Piecewise) -> Program:
-    top, bottom = piecewise.argument(traced.motion, traced.parameters)
-    value = trace.as_node(top) - trace.parameter("level") * bottom
-    return replace(program, outputs=(value,), parameters=(*program.parameters, "level"))
-
-
-@lru_cache(maxsize=1024)
-def _value(program: Program, node: Node) -> Program:
-    return replace(program, outputs=(node,))
-
-
-_SENSE = "sense"
-
-
-def _flow(velocity: Vector[Any]) -> Flow:
-    moving = [component for component in velocity if component is not ZERO]
-    if len(moving) == 1:
-        return Flow(velocity, trace.parameter(_SENSE) * moving[0])
-    return Flow(velocity, size(velocity))
+def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers[N]) -> tuple[Any, Bend[N]]:
+    """Return the law of the coefficient of drag or lift, and its strengths."""
+    given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
+    # Of columns there is but the name.
+    law: Any = type(given) if isinstance(given, Block) else laws[law_name(given)]
+    if hasattr(law, "lines"):
+        return _lines(of, given, scene, spins, numbers)
+    linear: dict[str, N] = {}
+    others: dict[str, N] = {}
+    for key in _keys(law):
+        value = getattr(given, key, given)
+        if key in law.nonlinear:
+            others[_strength(of, key)] = numbers.exact(value)
+        elif (strength := per_metre(scene, value, numbers)) is not None:
+            linear[_strength(of, key)] = strength
+    if not linear:
+        return laws["constant"], Bend(of)
+    return law, Bend(of, (linear | present(others, numbers),))
 
 
 @cache
-def _jacobian(program: Program) -> Program:
-    return program.jacobian()
+def _keys(law: Any) -> tuple[str, ...]:
+    """Return the keys of the numbers of a law."""
+    return tuple(key for key in law.model_fields if key != "law")
+
+
+def _lines(
+    of: str, given: Any, scene: Any, spins: bool, numbers: Numbers[N]
+) -> tuple[Any, Bend[N]]:
+    """Return the law of a coefficient that is linear between nodes; see `_coefficient`."""
+    unit = per_metre(scene, 1.0, numbers)
+    if unit is None:
+        return ConstantDrag if of == "drag" else ConstantLift, Bend(of)
+    nodes, lines = given.lines(numbers.exact)
+    law = BySpin if given.of == "spin_parameter" else BySpeed
+    if given.of == "mach":
+        sound = speed_of_sound(scene, numbers)
+        nodes = tuple(node * sound for node in nodes)
+        lines = tuple((at_0, slope / sound) for at_0, slope in lines)
+    if law is BySpin and not spins:
+        nodes, lines = (), ((lines[0][0], numbers.exact(0.0)),)
+    at_0, slope = _strength(of, "at_0"), _strength(of, "slope")
+    strengths = tuple(present({at_0: unit * x, slope: unit * y}, numbers) for x, y in lines)
+    levels = tuple(node * node for node in nodes)
+    return law, Bend(of, strengths, levels, f"{law.passes} passes a node of a table")

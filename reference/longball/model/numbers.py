@@ -12,6 +12,8 @@ from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
 from typing import Any, Generic, Protocol, Self, TypeVar, cast
 
+import numpy as np
+
 from longball.model.result import ErrorCode, Number
 
 
@@ -38,16 +40,6 @@ class Real(Protocol):
 N = TypeVar("N", bound=Real)
 
 Vector = tuple[N, N, N]
-
-
-def dot(a: tuple[N, ...], b: tuple[N, ...]) -> N:
-    """Return ``a · b``, of vectors of three."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def minus(a: Vector[N], b: Vector[N]) -> Vector[N]:
-    """Return ``a - b``."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[float, ...]:
@@ -99,11 +91,19 @@ class Numbers(Protocol[N]):
     def cos_sin(self, angle: N) -> tuple[N, N]:
         """Return cosine and sine of an angle in radians."""
 
+    def angle(self, y: N, x: N) -> N:
+        """Return the angle from the x axis to a vector, rad."""
+
     def positive(self, x: N, error: N, question: str) -> bool:
         """Tell whether ``x > 0``; `Undecided`, with the question, if `x` is within its error."""
 
     def report(self, x: N) -> Number:
         """Return `x` as a result writes it."""
+
+
+def present(strengths: dict[str, Any], numbers: Numbers[N]) -> dict[str, N]:
+    """Return strengths without those that are zero: what they multiply is not there."""
+    return {name: value for name, value in strengths.items() if not numbers.absent(value)}
 
 
 def ratio(part: Any, whole: Any) -> Any:
@@ -167,6 +167,10 @@ class Doubles(Single[float]):
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
         return math.cos(angle), math.sin(angle)
+
+    def angle(self, y: float, x: float) -> float:
+        """Return the angle from the x axis to a vector, rad."""
+        return float(np.arctan2(y, x))  # as of columns: the bits of a row are those of its scene
 
     def report(self, x: float) -> Number:
         """Return the double as it is."""

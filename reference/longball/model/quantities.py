@@ -44,6 +44,11 @@ def vector_of(name: str) -> tuple[str, ...]:
     return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (name,)
 
 
+def steps_of(name: str) -> list[str]:
+    """Return the keys and places on the way to a number: pitch, aim, 0."""
+    return [step for step, _ in _STEP.findall(name)]
+
+
 def at(block: Any, name: str) -> Any:
     """Return what stands under a name, number or not; None if it is left out.
 
@@ -91,9 +96,15 @@ def replaced(block: B, values: Mapping[str, object]) -> B:
     They are put in together. A ValueError says that the block has no number of a name, or that the
     numbers make no valid block (`pydantic.ValidationError`).
     """
+    for name in values:
+        number(block, name)
+    return rewritten(block, values)
+
+
+def rewritten(block: B, values: Mapping[str, object]) -> B:
+    """Return a block with other numbers, or whole vectors, under names that it has."""
     data: Any = block.model_dump()
     for name, value in values.items():
-        number(block, name)
         data = _put(data, _STEP.findall(name), value)
     return type(block).model_validate(data)
 

@@ -76,12 +76,26 @@ else:
 Triple = tuple[Number, Number, Number]
 
 
+class Approach(Strict):
+    """The direction in which a pitch crosses the plate."""
+
+    vertical: Number = Field(
+        description="rad, of the velocity above the horizontal, negative for a pitch that falls: "
+        "the vertical approach angle, VAA"
+    )
+    horizontal: Number = Field(
+        description="rad, of its horizontal part from straight ahead to the catcher's left: the "
+        "horizontal approach angle, HAA, with the sign of y"
+    )
+
+
 class Plate(Strict):
     """The pitch at x = 0 as if there were no bat."""
 
     time: Number = Field(description="s, since release")
     position: Triple = Field(description="m; its z is the height z'_b")
     velocity: Triple = Field(description="m/s")
+    approach: Approach | None = None
 
 
 class Contact(Strict):
@@ -127,6 +141,13 @@ class Impact(Strict):
     )
 
 
+class Apex(Strict):
+    """The highest point of a batted ball; absent if it rises to its end."""
+
+    time: Number = Field(description="s, since the start of the scene")
+    position: Triple = Field(description="m")
+
+
 class Landing(Strict):
     """Where the ball comes down."""
 
@@ -135,6 +156,9 @@ class Landing(Strict):
     position: Triple = Field(description="m")
     velocity: Triple = Field(description="m/s")
     distance: Number = Field(description="m, horizontal, from the plate")
+    angle: Number | None = Field(
+        default=None, description="rad, of the velocity below the horizontal"
+    )
     spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
     path: Number | None = Field(
         default=None, description="m, through the air since contact or launch, if spin decays"
@@ -171,6 +195,7 @@ class Result(Strict):
     plate: Plate | None = None
     contact: Contact | None = None
     impact: Impact | None = None
+    apex: Apex | None = None
     fence: Fence | None = None
     landing: Landing | None = None
     path: tuple[Annotated[tuple[Number, ...], Field(min_length=4, max_length=7)], ...] | None = (

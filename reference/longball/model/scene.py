@@ -32,12 +32,12 @@ from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantit
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
 from longball.model.csv_files import not_utf8
-from longball.model.force import cross, plus, scaled
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.names import did_you_mean, one_of
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
 from longball.model.units import unit_of
+from longball.model.vectors import cross, plus, scaled
 
 
 class InvalidScene(ValueError):
@@ -335,9 +335,17 @@ class _Scene(_Block):
 
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
-        blocks = self.model_dump(mode="json")
-        head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
-        return json_line(head | blocks)
+        return _line_of(self.model_dump(mode="json"))
+
+    def as_written(self) -> str:
+        """Return the scene as one line of JSON, with the keys that were written and no others."""
+        kind = {"kind": type(self).model_fields["kind"].default}
+        return _line_of(kind | self.model_dump(mode="json", exclude_unset=True))
+
+
+def _line_of(blocks: dict[str, Any]) -> str:
+    head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
+    return json_line(head | blocks)
 
 
 class _FlyingScene(_Scene):
@@ -379,7 +387,13 @@ class _FlyingScene(_Scene):
         block, key = ("launch", "position") if flight else ("pitch", "release")
         z, floor = getattr(getattr(self, block), key)[2], landing_height(self)
         if z < floor:
-            _refuse(f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}")
+            under = f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}"
+            if not isinstance(self, FlightScene):
+                _refuse(under)
+            if not self.launch.velocity[2] > 0.0:
+                _refuse(f"{under}, and launch.velocity[2] must be positive for it to rise there")
+            if self.fence is not None:
+                _refuse(f"{under}, which with a fence must not be above the launch")
         return self
 
     @model_validator(mode="after")
@@ -516,6 +530,11 @@ def ids_of(scenes: Sequence[Scene]) -> list[str]:
     return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
 
 
+def written_out(scene: Scene) -> Scene:
+    """Return a scene as if all defaults but those of its reading had been written."""
+    return parse_scene(scene.line())
+
+
 def parse_scene(
     line: str | bytes, change: Callable[[dict[str, Any]], dict[str, Any]] | None = None
 ) -> Scene:
@@ -591,7 +610,7 @@ _DECODER = json.JSONDecoder(
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
-    location = fault["loc"]
+    location, model_asked = fault["loc"], model
     steps, block, annotation, about = _resolved(model, location)
     where = "".join(f"[{x}]" if isinstance(x, int) else f".{x}" for x in steps).removeprefix(".")
     match fault["type"]:
@@ -602,7 +621,8 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
                 return f"{where}: unknown key; put it inside {outer}"
             return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
         case "missing":
-            return f"{where}: is missing"
+            form = "" if isinstance(location[-1], int) else _form_of(annotation, about)
+            return f"{where}: is missing{form and f'; it is {form}'}"
         case "float_type" if fault["input"] is None and isinstance(location[-1], int):
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
         case "too_long" | "too_short" as wrong:
@@ -611,6 +631,16 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: takes at {bound} {limit} values, and has {given}"
         case "tuple_type" | "list_type":
             return f"{where}: must be {_listed(annotation, about)} (got {_short(fault['input'])})"
+        case "model_type" | "model_attributes_type":
+            return f"{where}: must be {_form_of(annotation, about)} (got {_short(fault['input'])})"
+        case "float_type":
+            tags = [str(tag) for tag in _forms(_resolved(model_asked, location[:-1])[2])]
+            others = [tag.strip("<>") for tag in tags[1:]]
+            unit = unit_of(about)
+            form = f"a number{f' in {unit}' if unit else ''}"
+            if len(others) > 1:
+                form += f", or an object with a law: {', '.join(others)}"
+            return f"{where}: must be {form} (got {_short(fault['input'])})"
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
@@ -642,6 +672,14 @@ def _listed(annotation: Any, about: str) -> str:
     unit = unit_of(about)
     places = ", ".join("xyz"[3 - len(numbers) :])  # a place on the plate's plane is [y, z]
     return f"[{places}]{f' in {unit}' if unit else ''}" if numbers else "a list"
+
+
+def _form_of(annotation: Any, about: str) -> str:
+    """Return the form of a vector, or of a block by its keys; empty for other values."""
+    if any(map(_is_vector, map(get_args, _within(annotation)))):
+        return _listed(annotation, about)
+    block = next(filter(_is_model, _within(annotation)), None)
+    return f"an object with the keys {', '.join(block.model_fields)}" if block else ""
 
 
 def _is_vector(parts: tuple[Any, ...]) -> bool:
@@ -694,6 +732,13 @@ def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
         fields = [each.model_fields[key] for each in models if key in each.model_fields]
         annotations = [field.annotation for field in fields]
     return fields
+
+
+def vector_length(name: str) -> int | None:
+    """Return how many numbers the vector under a name has, 2 or 3; None if it is no vector."""
+    fields = [field for kind in KINDS.values() for field in parts_of(kind, name.split("."))]
+    parts = [get_args(x) for field in fields for x in _within(field.annotation)]
+    return next((len(part) for part in parts if _is_vector(part)), None)
 
 
 def keys_of(model: type[BaseModel], keys: Sequence[str]) -> list[str]:

@@ -134,7 +134,7 @@ def _add(a: Node, b: Node) -> Node:
     if a.static and b.static:
         if a.kind == b.kind == "constant":
             return _exact(a, "+", b)
-        return _make("plus", a, b)
+        return ZERO if b is -a else _make("plus", a, b)
     coefficients: dict[Node, Node] = {}
     rest = ZERO
     for part in (a, b):
@@ -169,7 +169,7 @@ def _multiply(a: Node, b: Node) -> Node:
     if a.static and b.static:
         if a.kind == b.kind == "constant":
             return _exact(a, "*", b)
-        return _make("product", a, b)
+        return _make("product", *((b, a) if b is _MINUS_ONE else (a, b)))
     if a.static or b.static:
         factor, node = (a, b) if a.static else (b, a)
         rest, *terms = _as_sum(node)
@@ -177,6 +177,8 @@ def _multiply(a: Node, b: Node) -> Node:
     (c, x), (d, y) = _scaled(a), _scaled(b)
     if c is not _ONE or d is not _ONE:
         return _multiply(_multiply(c, d), _multiply(x, y))
+    if x is y and x.kind == "sqrt":
+        return cast(Node, x.args[0])
     return _make("product", *sorted((x, y), key=_order))
 
 
@@ -242,17 +244,23 @@ def squares(node: Node) -> tuple[Node, ...]:
     return tuple(found) if rest is ZERO else ()
 
 
-def derivative(node: Node, by: Node, known: dict[Node, Node] | None = None) -> Node:
-    """Return the partial derivative of a node by a variable, as a node."""
+def derivative(
+    node: Node, by: Node, known: dict[Node, Node] | None = None, ratio: str = "unit"
+) -> Node:
+    """Return the partial derivative of a node by a variable, as a node.
+
+    `ratio` is the kind of the ratios of a vector's components to its size: ``quotient``, if the
+    derivative is to have derivatives itself.
+    """
     known = {} if known is None else known
     if node not in known:
-        known[node] = _derivative(node, by, known)
+        known[node] = _derivative(node, by, known, ratio)
     return known[node]
 
 
-def _derivative(node: Node, by: Node, known: dict[Node, Node]) -> Node:
+def _derivative(node: Node, by: Node, known: dict[Node, Node], ratio: str) -> Node:
     def of(inner: Node) -> Node:
-        return derivative(inner, by, known)
+        return derivative(inner, by, known, ratio)
 
     if node.static or node.kind == "variable":
         return _ONE if node is by else ZERO
@@ -269,7 +277,7 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node]) -> Node:
             (a,) = node.args
             if parts := squares(a):
                 # Each part is no larger than the root: the ratio is bounded even where both vanish.
-                return total(_make("unit", x, node) * of(x) for x in parts)
+                return total(_make(ratio, x, node) * of(x) for x in parts)
             return of(a) / (2 * node)
         case "exp":
             (a,) = node.args
@@ -412,26 +420,3 @@ def trace(
     inputs = [*map(variable, variables), *map(parameter, parameters)]
     outputs = tuple(as_node(output) for output in formula(*inputs))
     return Program(tuple(variables), tuple(parameters), outputs)
-
-
-def again(nodes: Iterable[Any], instead: Callable[[Node], Node]) -> list[Node]:
-    """Trace nodes once more, with something else instead of each exponential and logarithm.
-
-    What is a ``unit`` becomes a quotient like any other, and has a derivative.
-    """
-    outputs = tuple(map(as_node, nodes))
-    names: dict[str, list[str]] = {"variable": [], "parameter": []}
-    for node in Program((), (), outputs).nodes:
-        if node.kind in names:
-            names[node.kind].append(node.args[0])
-    variables, parameters = map(tuple, names.values())
-    functions: dict[str, Callable[..., Any]] = {
-        "exp": lambda x: instead(exp(x)),
-        "log": lambda x: instead(log(x)),
-        "sqrt": sqrt,
-        "unit": _divide,
-    }
-    bound = Program(variables, parameters, outputs).bind(
-        {name: parameter(name) for name in parameters}, functions
-    )
-    return list(map(as_node, bound(*map(variable, variables))))

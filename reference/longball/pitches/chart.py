@@ -44,7 +44,7 @@ IMPOSSIBLE_SPEED = 60.0
 
 
 class Columns(Strict):
-    """Which column says what, in which unit, seen from where. The defaults are Statcast's."""
+    """Columns of a table: their names, units and frame. The defaults are Statcast's."""
 
     pitch_type: str = "pitch_type"
     speed: str = Field(default="release_speed", description="speed at release")
@@ -72,7 +72,7 @@ class Columns(Strict):
 
 
 class PitchTypes(Strict):
-    """Which types of pitch are straight, which break. The defaults are for Statcast's codes.
+    """Types of pitches that are straight, and that break. The defaults are Statcast's codes.
 
     The paper counts curves and two-seam fastballs among the breaking balls, so that straight is
     the four-seam fastball alone, and with it the fastball that Statcast does not specify (FA).

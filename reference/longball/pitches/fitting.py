@@ -228,7 +228,7 @@ def _likeliest_speeds(pitches: Pitches, edges: Array, counts: Integers) -> Speed
 
 
 def _variance_of_rounding(columns: Columns) -> float:
-    """Return what speeds that are written in steps gain in variance, m²/s² (Sheppard)."""
+    """Return the variance that rounded speeds gain, m²/s² (Sheppard)."""
     return (columns.speed_resolution * SPEED_UNITS[columns.speed_unit]) ** 2 / 12.0
 
 

@@ -20,7 +20,7 @@ STANDARD_GRAVITY = 9.80665  # m/s²
 
 @dataclass(frozen=True)
 class FlightModel:
-    """What acts on a measured ball."""
+    """The forces on a measured ball."""
 
     source: str  # whose it is, and what it was fitted to
     # As ``drag_coefficient`` and ``lift_coefficient`` of a scene; None for both: no air.

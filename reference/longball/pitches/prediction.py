@@ -37,7 +37,7 @@ _ROWS_SHOWN = 20  # of predictions that are compared with nothing
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a model says of measured balls."""
+    """Predictions of a model for measured balls."""
 
     measured: Measured  # the balls
     # As ``measured.measured``, m: y and z at the plate, shape (n, 2), or the distance, (n, 1). NaN
@@ -53,12 +53,12 @@ class Prediction:
 
     @property
     def solved(self) -> Flags:
-        """Which rows have a prediction, shape (n,)."""
+        """True for rows with a prediction, shape (n,)."""
         return ~np.isnan(self.predicted[:, 0])
 
     @property
     def compared(self) -> Flags:
-        """Which of them have a measurement too, shape (n,)."""
+        """True for rows with a prediction and a measurement, shape (n,)."""
         return ~np.isnan(self.error[:, 0])
 
 

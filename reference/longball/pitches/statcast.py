@@ -145,7 +145,7 @@ class MeasuredPitches(Rows):
         return spin
 
     def scene(self, i: int) -> dict[str, Any]:
-        """Return what a scene says of the i-th pitch, without its spin."""
+        """Return the scene of the i-th pitch, without its spin."""
         pitch = {"release": self.release[i].tolist(), "velocity": self.velocity[i].tolist()}
         return {"kind": "pitch", "pitch": pitch}
 
@@ -181,7 +181,7 @@ class MeasuredFlies(Rows):
         return spin
 
     def scene(self, i: int) -> dict[str, Any]:
-        """Return what a scene says of the i-th ball, without its spin."""
+        """Return the scene of the i-th ball, without its spin."""
         launch = {"position": list(CONTACT), "velocity": self.velocity[i].tolist()}
         return {"kind": "flight", "launch": launch}
 

@@ -237,5 +237,5 @@ def require_usual(values: Array, column: str, low: float, high: float, unit: str
 
 
 def and_more(count: int) -> str:
-    """Return what a message about the first of so many rows ends with."""
+    """Return the end of a message about the first of so many rows."""
     return "" if count == 1 else f" ({count} rows in all)"

@@ -17,7 +17,7 @@ from longball.engines.engine import CannotSolve
 from longball.engines.event import ground
 from longball.model import exact
 from longball.model.exact import METHODS
-from longball.model.law import DRAG, FORCES, GRAVITY, Force, PlaneState, SpaceState, law_with
+from longball.model.law import PlaneState, SpaceState, law_with
 from longball.model.trace import exp, log, sqrt
 
 ENGINE = Enclosure(30)
@@ -215,10 +215,6 @@ def test_a_flight_holds_what_extrapolation_finds(drag, lift, velocity):
 # --- other laws -----------------------------------------------------------------------------------
 
 
-def force(acceleration, *parameters):
-    return Force(parameters, lambda scene, numbers: None, acceleration)
-
-
 def dense_air(motion, p):
     """-k V v e^(-z/H): forces depend on the height, which belongs to the core then."""
     thickness = p.dense * exp(p.inverse_height * motion.position[2])
@@ -238,26 +234,21 @@ def side(motion, p):
     return -p.side * (motion.speed * v), p.side * (motion.speed * u), 0.0
 
 
-DENSE = force(dense_air, "dense", "inverse_height")
-CRISIS = force(crisis, "crisis", "scale", "rate")
-SIDE = force(side, "side")
-
-
 def test_the_core_is_what_rates_depend_on():
     assert structure(law(0.01, 0.01).program).core.variables == ("u", "w")
     assert structure(law().program).core.variables == ("u", "w")
     assert structure(law(0.01).straight(arb(1)).program).core.variables == ("w",)
-    dense = law_with({"dense": arb(1), "inverse_height": arb(1)}, (DENSE,))
+    dense = law_with({"dense": arb(1), "inverse_height": arb(1)}, (dense_air,))
     assert structure(dense.program).core.variables == ("z", "u", "w")
     assert structure(dense.program).weights == (0.125, 1.0, 1.0)
-    spun = law_with({"side": arb(0.01), "drag": arb(0.01)}, (*FORCES, SIDE))
+    spun = law_with({"side": arb(0.01), "drag": arb(0.01)}, (side,))
     assert structure(spun.program).core.variables == ("u", "v", "w")
 
 
 def test_forces_that_depend_on_height():
     k, inverse = 2.0**-7, -(2.0**-13)
     field = law_with(
-        {"dense": arb(k), "inverse_height": arb(inverse), "gravity": arb(9.8)}, (DENSE, GRAVITY)
+        {"dense": arb(k), "inverse_height": arb(inverse), "gravity": arb(9.8)}, (dense_air,)
     )
     arrival = fly(state(0, 1, 30, 25), field, 2)
 
@@ -272,7 +263,7 @@ def test_forces_that_depend_on_height():
 def test_a_law_with_all_kinds_of_nodes(velocity):
     k, scale, falls = 0.03125, 16.0, 0.0625
     strengths = {"crisis": k, "scale": scale, "rate": falls, "gravity": 9.8}
-    field = law_with({n: arb(x) for n, x in strengths.items()}, (CRISIS, GRAVITY))
+    field = law_with({n: arb(x) for n, x in strengths.items()}, (crisis,))
     kinds = {node.kind for node in field.program.nodes}
     assert {"sqrt", "quotient", "exp", "log"} <= kinds
     arrival = fly(state(0, 1, *velocity), field, 2)
@@ -289,7 +280,7 @@ def test_a_law_with_all_kinds_of_nodes(velocity):
 def test_such_a_law_from_rest():
     # Every node that is no polynomial, but the speed, is one whose argument does not vanish.
     strengths = {"crisis": 0.03125, "scale": 16.0, "rate": 0.0625, "gravity": 9.8}
-    field = law_with({n: arb(x) for n, x in strengths.items()}, (CRISIS, GRAVITY))
+    field = law_with({n: arb(x) for n, x in strengths.items()}, (crisis,))
     rest = fly(state(0, 1, 1e-70, 0), field, 2).state
     slow = fly(state(0, 1, 1e-20, 0), field, 2).state
     assert rest.z.rad() < 1e-30
@@ -299,7 +290,7 @@ def test_such_a_law_from_rest():
 
 def test_a_flight_in_space():
     k, b = 2.0**-7, 2.0**-8
-    field = law_with({"drag": arb(k), "side": arb(b), "gravity": arb(9.8)}, (DRAG, SIDE, GRAVITY))
+    field = law_with({"drag": arb(k), "side": arb(b), "gravity": arb(9.8)}, (side,))
     start = SpaceState(*map(arb, (0, 0, 1, 30, 0, 25)))
     arrival = fly(start, field, 2)
 
@@ -314,7 +305,9 @@ def test_a_flight_in_space():
 
 
 def test_where_a_law_is_not_defined_no_step_is_taken():
-    root = force(lambda motion, p: (0.0, 0.0, -p.k * sqrt(motion.position[2])), "k")
+    def root(motion, p):
+        return 0.0, 0.0, -p.k * sqrt(motion.position[2])
+
     field = law_with({"k": arb(4.0)}, (root,))
     # It falls to z = 0 in 1 s or so.
     with pytest.raises(CannotSolve):
@@ -365,7 +358,7 @@ def bound_and_separations(field, velocity, error, h, directions=32):
 )
 def test_growth_is_nearly_attained(field, share):
     # In so short a time that the directions of growth hardly turn: the logarithms are as the rates.
-    field = law_with({n: arb(k) for n, k in field.items()}, (*FORCES, force(shear, "shear")))
+    field = law_with({n: arb(k) for n, k in field.items()}, (shear,) if "shear" in field else ())
     bound, separation = bound_and_separations(field, (30.0, 20.0), 2.0**-20, 2.0**-10)
     assert share * math.log(bound) <= math.log(separation) <= math.log(bound)
 
@@ -415,7 +408,7 @@ def test_a_launch_that_is_a_ball_holds_the_flights_of_its_points(field, launch):
 
 def test_a_launch_that_is_a_ball_in_a_law_of_height():
     # e^(-z/8 m): an error in the height becomes one in the velocity.
-    field = law_with({"dense": arb(0.02), "inverse_height": arb(-0.125)}, (DENSE,))
+    field = law_with({"dense": arb(0.02), "inverse_height": arb(-0.125)}, (dense_air,))
     off = 0.01
     wide = PlaneState(arb(0), arb(0, off), arb(20, off), arb(-8, off))
     whole = fly(wide, field, 0.25, Enclosure(5)).state

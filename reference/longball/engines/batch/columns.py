@@ -7,23 +7,22 @@ solved alone it has a reason.
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass, fields, is_dataclass, replace
-from types import SimpleNamespace
-from typing import Any, Protocol, get_args
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol, cast, get_args
 
 import numpy as np
 
 from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records
-from longball.engines.batch.records import Start
-from longball.engines.chain import Cases, Model, OneCase, described, land
+from longball.engines.batch.records import NOT_FLOWN, Bat, Start
+from longball.engines.chain import Run, land
 from longball.engines.contact import BatSection, margin_error
-from longball.engines.engine import Touch
-from longball.engines.event import past
+from longball.engines.engine import Launch, Touch
+from longball.engines.event import Events, past
 from longball.engines.path import Flight, Path
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.law import Law, State
@@ -90,6 +89,10 @@ class Elementwise:
         """Return cosines and sines."""
         return _one_by_one(math.cos)(angle), _one_by_one(math.sin)(angle)
 
+    def angle(self, y: Array, x: Array) -> Array:
+        """Return the angles from the x axis to vectors, rad."""
+        return np.arctan2(y, x)
+
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Tell where ``x > 0``, of numbers without error."""
         return x > 0.0
@@ -121,8 +124,8 @@ class Table:
     def __init__(self, rows: int) -> None:
         self.rows = slice(0, rows)
         self.whole = np.full(rows, UNSOLVED, np.int64)
+        self.alone = np.zeros(rows, bool)  # rows of `whole` that are left to be solved alone
         self.columns: dict[str, Array] = {}
-        self.engines: dict[int, str] = {}  # of rows that others flew than the compiled code
 
     def __len__(self) -> int:
         return self.rows.stop - self.rows.start
@@ -135,14 +138,42 @@ class Table:
     def part(self, rows: slice) -> Table:
         """Return the table of a range of rows."""
         part = copy(self)
-        part.rows = slice(rows.start, min(rows.stop, len(self.whole)))
+        part.rows = rows
         return part
 
     def copy_from(self, other: Table) -> None:
-        """Write the outcomes and columns of another table of as many rows."""
+        """Write what is in another table of as many rows."""
         self.outcome[:] = other.outcome
+        self.alone[self.rows] = other.alone[other.rows]
         for name, column in other.columns.items():
-            self.put(name, slice(None), column[other.rows])
+            self.column(name, column)[self.rows] = column[other.rows]
+
+    def column(self, name: str, values: Any) -> Array:
+        """Return the column of a quantity, made for such values if there is none."""
+        if name not in self.columns:
+            text = np.asarray(values).dtype.kind == "U"
+            empty = np.full(len(self.whole), *(("", "U16") if text else (np.nan, float)))
+            self.columns.setdefault(name, empty)
+        return self.columns[name]
+
+    def put(self, name: str, rows: Flags, values: Any) -> None:
+        """Write a quantity into rows: an array of numbers or texts, or a vector of three."""
+        if isinstance(values, tuple):
+            for i, value in enumerate(values):
+                self.put(f"{name}[{i}]", rows, value)
+        elif rows.any():
+            np.copyto(self.column(name, values)[self.rows], values, where=rows)
+
+    def write(self, i: int, answer: Mapping[str, Any]) -> None:
+        """Write the outcome and the quantities of a row, by name."""
+        place = self.rows.start + i
+        for name, value in answer.items():
+            if name == "outcome":
+                self.whole[place] = OUTCOMES.index(value)
+            elif isinstance(value, tuple):
+                self.write(i, {f"{name}[{k}]": x for k, x in enumerate(value)})
+            else:
+                self.column(name, value)[place] = value
 
     def withdraw_what_is_not_finite(self) -> None:
         """Leave rows without an answer if a quantity of theirs has overflowed."""
@@ -156,17 +187,13 @@ class Table:
                 overflown |= reached & np.isnan(self.columns[quantity][self.rows])
         self.outcome[overflown] = UNSOLVED
 
-    def put(self, name: str, rows: Any, values: Any) -> None:
-        """Write a quantity into rows: an array of numbers or texts, or a vector of three."""
-        if isinstance(values, tuple):
-            for i, value in enumerate(values):
-                self.put(f"{name}[{i}]", rows, value)
-            return
-        if name not in self.columns:
-            empty = "" if np.asarray(values).dtype.kind == "U" else np.nan
-            kind = "U16" if empty == "" else float
-            self.columns.setdefault(name, np.full(len(self.whole), empty, kind))
-        self.columns[name][self.rows][rows] = values
+    def in_order(self, places: Integers) -> Table:
+        """Return the table with its rows at other places."""
+        table = Table(len(self))
+        table.whole[places], table.alone[places] = self.whole, self.alone
+        for name, column in self.columns.items():
+            table.column(name, column)[places] = column
+        return table
 
 
 # --- flights by records ---------------------------------------------------------------------------
@@ -189,191 +216,163 @@ class BatchFlyer(Protocol):
 
 @dataclass(frozen=True)
 class Flights(Flight[Any]):
-    """Flights at their ends, `stop` being codes of `flights`; and where they were near a wall."""
+    """Flights at their ends, `stop` being codes of `records`, with launches and marks.
+
+    See `longball.engines.batch.engine.OneFlight`.
+    """
 
     launch: Start
-    approach: Start
+    mark: Start
+
+    def highest(self, numbers: Any) -> Start:
+        """See `Flight.highest`; NaN where there is none."""
+        lower = np.isnan(self.mark.time) | (self.launch.state.z > self.mark.state.z)
+        return _where(lower & ~(self.launch.state.w > 0.0), self.launch, self.mark)
 
     def stopped(self, name: str) -> Any:
-        """Tell which flights an event of that name stopped."""
+        """Return flags of the flights that an event of that name stopped."""
         return self.stop == records.STOPS[name]  # type: ignore[comparison-overlap]
 
     def then(self, second: Flight[Any]) -> Flights:
-        """Return these flights, going on as others where they ended."""
-        return replace(self, stop=second.stop, time=self.time + second.time, state=second.state)
+        """Return these flights, those of `second` that were flown going on where these ended."""
+        flown = second.stop != NOT_FLOWN  # type: ignore[comparison-overlap]
+        stop: Any = np.where(flown, second.stop, self.stop)[()]
+        end = Start(self.time + second.time, second.state)
+        time, state = _where(flown, end, Start(self.time, self.state))
+        top, other = self.highest(NUMBERS), cast(Start, second.highest(NUMBERS))
+        later = Start(self.time + other.time, other.state)
+        higher = np.isnan(top.time) | (later.state.z > top.state.z)
+        mark = _where(flown, _where(higher, later, top), self.mark)
+        return replace(self, stop=stop, time=time, state=state, mark=mark)
 
 
-@dataclass(frozen=True)
-class Columns:
-    """The engine of the chain over columns."""
+def _where(flags: Any, yes: Start, no: Start) -> Start:
+    """Return times and states: those of `yes` where a flag is set, else those of `no`."""
+    state = (np.where(flags, a, b)[()] for a, b in zip(yes.state, no.state, strict=True))
+    return Start(np.where(flags, yes.time, no.time)[()], type(no.state)(*state))
 
-    flyer: BatchFlyer
+
+@dataclass
+class Columns(Run):
+    """The run of a chain over the rows of a table."""
+
+    table: Table = field(kw_only=True)
+    row: Callable[[int], Any] = field(kw_only=True)  # the scene of a row
 
     numbers = NUMBERS
 
     @property
-    def flight_error(self) -> float:
-        """Error of a state at the end of a flight, relative to its size."""
-        return self.flyer.flight_error
+    def everything(self) -> Flags:
+        """See `Run`."""
+        return np.ones(len(self.table), bool)
 
-    def fly(self, law: Law[Any], start: State[Any], events: Any, limit: Any) -> Flights:
-        """Fly to a stop; see `longball.engines.engine.Engine.fly`."""
+    def some(self, rows: Flags) -> bool:
+        """See `Run`."""
+        return bool(rows.any())
+
+    def decide(self, x: Array, error: Array, question: str, rows: Flags) -> tuple[Flags, Flags]:
+        """See `Run`."""
+        positive = np.greater(x, 0.0)
+        decided = rows & (np.greater(abs(x), error) | ((x == 0.0) & (error == 0.0)))
+        return decided & positive, decided & ~positive
+
+    def touched(self, touch: Touch[Any], rows: Flags) -> tuple[Flags, Flags]:
+        """See `Run`."""
+        code: Any = touch.touched
+        return rows & (code == 1), rows & (code == 0)
+
+    def fly(
+        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
+    ) -> Flights:
+        """See `Run`. What the compiled code does not fly is left to be solved alone."""
         launch = Start(0.0, start)
-        _, ends = records.flown(self.flyer, law, launch, events, limit)
-        # Those are solved alone.
-        ends["stop"][...] = np.where(
-            records.starts_at_corner(law, start), flights.OUT_OF_RANGE, ends["stop"]
-        )
-        return Flights(
-            Path(()),
-            records.stops(ends, events),
-            *records.placed(ends, law, events),
-            launch,
-            records.noted(ends, law, "mark_"),
-        )
+        if records.flies_in_lanes(law):
+            alone = rows & records.starts_at_corner(law, start)
+            for event in events:
+                # The plate has no size for a pitch along its plane, which alone is an error.
+                alone = alone | (rows & ~np.isfinite(event.size))
+            ends = self._flown(law, launch, events, limit, rows & ~alone)
+            stops, arrived = records.stops(ends, events), records.placed(ends, law, events)
+            mark = records.noted(ends, law, "mark_")
+        else:
+            alone, stops, arrived, mark = rows, NOT_FLOWN, launch, launch
+        self.table.alone[self.table.rows] |= alone
+        return Flights(Path(()), stops, *arrived, launch, mark)
+
+    def _flown(
+        self,
+        law: Law[Any],
+        start: Start,
+        events: Events[Any],
+        limit: Any,
+        rows: Flags,
+        bat: Bat | None = None,
+    ) -> Records:
+        """Fly the rows of a mask; return arrivals of all rows, or one if there is none but that."""
+        if rows.any():
+            _, flown = records.flown(self.engine, law, start, events, limit, bat, rows)
+            if flown.ndim == 0 or rows.all():
+                return flown
+        program = records.general(law).program
+        ends = np.zeros(len(rows), flights.arrival_dtype(program))
+        ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
+        for name in program.variables:
+            ends[name] = getattr(start.state, name)
+        if rows.any():
+            ends[rows] = flown
+        return ends
 
     def touch(
-        self, pitch: Flights, law: Law[Any], bat: BatSection[Any], events: Any, limit: Any
+        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Flags
     ) -> Touch[Any]:
-        """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
+        """See `Run`."""
         clear = records.approach_is_clear(bat, pitch.state.z)
-        start = merged(clear, select(pitch.approach, clear), select(pitch.launch, ~clear))
-        error = margin_error(bat, pitch.state.z, self.flight_error, NUMBERS)
+        start = _where(clear, pitch.mark, pitch.launch)
+        error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
-        _, ends = records.flown(self.flyer, law, start, over, limit, records.Bat(bat, error))
+        ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
         touched = ends["stop"] == flights.TOUCH
         missed = np.isin(
             records.stops(ends, over), [records.STOPS[name] for name in ("past", "ground", "time")]
         )
         told = touched | missed | (ends["stop"] == flights.GRAZES_BAT)
         margin = np.where(told, ends["margin"], np.nan)[()]
-        time, state = records.noted(ends, law)
-        told_apart = np.where(touched, 1, np.where(missed, 0, -1))[()]
-        return Touch(margin, told_apart, time, state)  # type: ignore[arg-type]
+        code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
+        return Touch(margin, code, *records.noted(ends, law))
+
+    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Flags) -> bool:
+        """See `Run`. What others than the compiled code fly is left to be solved alone."""
+        for i in np.flatnonzero(rows).tolist():
+            one = Run(self.row(i), self.engine, self.model)
+            with suppress(ArithmeticError):
+                land(one, _row_of(launch, i), outcome, True)
+            if "outcome" in one.answer and {*one.engines} == {self.engine.description}:
+                self.table.write(i, one.answer)
+            else:
+                self.table.alone[self.table.rows][i] = True
+        return True
+
+    def record(self, name: str, value: Any, rows: Flags) -> None:
+        """See `Run`."""
+        self.table.put(name, rows, value)
+
+    def conclude(self, outcome: Outcome, rows: Flags) -> None:
+        """See `Run`."""
+        self.table.outcome[rows] = OUTCOMES.index(outcome)
+
+    def refuse(self, reason: Exception, rows: Flags) -> None:
+        """See `Run`."""
+
+    def follow(self, frame: Any, flight: Flight[Any], begin: Any, rows: Flags) -> None:
+        """See `Run`."""
 
 
-# --- cases in columns -----------------------------------------------------------------------------
+def _row_of(launch: Launch[Any], i: int) -> Launch[float]:
+    """Return the launch of a row."""
 
+    def cell(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(map(cell, value))
+        return value.item(i) if isinstance(value, np.ndarray) else value
 
-@dataclass(frozen=True)
-class ManyCases(Cases[Any]):
-    """Rows of a table."""
-
-    scene: Any
-    engine: Any
-    model: Model
-    table: Table
-    rows: Integers
-
-    @property
-    def empty(self) -> bool:
-        """See `Cases`."""
-        return len(self.rows) == 0
-
-    def decide(self, x: Array, error: Array, question: str) -> tuple[Flags, Flags]:
-        """See `Cases`."""
-        decided = (abs(x) > error) | ((x == 0.0) & (error == 0.0))
-        return decided & (x > 0.0), decided & ~(x > 0.0)
-
-    def touched(self, touch: Touch[Any]) -> tuple[Flags, Flags]:
-        """See `Cases`."""
-        code: Any = touch.touched
-        return code == 1, code == 0
-
-    def take(self, condition: Any, *values: Any) -> tuple[Any, ...]:
-        """See `Cases`."""
-        rows = self._flags(condition)
-        some = replace(self, scene=select(self.scene, rows), rows=self.rows[rows])
-        return some, *(select(value, rows) for value in values)
-
-    def either(
-        self, condition: Any, yes: Callable[..., Any], no: Callable[..., Any], *values: Any
-    ) -> Any:
-        """See `Cases`."""
-        flags = self._flags(condition)
-        answers = [
-            function(*self.take(which, *values)) if which.any() else None
-            for function, which in ((yes, flags), (no, ~flags))
-        ]
-        return merged(flags, *answers)
-
-    def record(self, name: str, value: Any) -> None:
-        """See `Cases`."""
-        self.table.put(name, self.rows, value)
-
-    def conclude(self, outcome: Outcome) -> None:
-        """See `Cases`."""
-        self.table.outcome[self.rows] = OUTCOMES.index(outcome)
-
-    def land_in_space(self, ball: Any, outcome: Outcome) -> None:
-        """See `Cases`. Each alone: what it may cross depends on where it curves to."""
-        for i, row in enumerate(self.rows):
-
-            def one(column: Array, i: int = i) -> Any:
-                return column[i].item()
-
-            case = OneCase(_mapped(one, self.scene), self.engine.flyer, self.model)
-            with contextlib.suppress(ArithmeticError):
-                land(case, _mapped(one, ball.launch), outcome)
-                for name, value in case.answer.items():
-                    if name != "outcome":
-                        self.table.put(name, row, value)
-                self.table.outcome[row] = OUTCOMES.index(case.answer["outcome"])
-                before = [self.engine.flyer.description] if hasattr(self.scene, "pitch") else []
-                place = range(self.table.rows.start, self.table.rows.stop)[row]
-                self.table.engines[place] = described([*before, *case.engines])
-
-    def with_restitution(self, restitution: float, table: Table) -> ManyCases:
-        """Return the same cases with other balls, writing into another table."""
-        ball = SimpleNamespace(**{**vars(self.scene.ball), "restitution": restitution})
-        scene = SimpleNamespace(**{**vars(self.scene), "ball": ball})
-        return replace(self, scene=scene, table=table)
-
-    def _flags(self, condition: Any) -> Flags:
-        return np.broadcast_to(condition, len(self.rows))
-
-
-def select(value: Any, rows: Flags | slice) -> Any:
-    """Return some rows of whatever holds columns; a number is that of every row."""
-    if isinstance(rows, np.ndarray) and rows.all():
-        return value  # a view copies nothing
-    return _mapped(lambda column: column[rows], value)
-
-
-def merged(flags: Flags, yes: Any, no: Any) -> Any:
-    """Return columns that are `yes` where a flag is set, else `no`, each with its own rows only."""
-    if yes is None or no is None:
-        return no if yes is None else yes
-
-    def merge(a: Any, b: Any) -> Any:
-        column = np.empty(len(flags), np.result_type(a, b))
-        column[flags], column[~flags] = a, b
-        return column
-
-    return _mapped(merge, yes, no)
-
-
-def _mapped(function: Callable[..., Any], *values: Any) -> Any:
-    """Return a structure of columns with a function of each."""
-    first = values[0]
-    match first:
-        case np.ndarray():
-            return function(*values)
-        case float() | str() | None if len(values) == 1:
-            return first
-        case tuple() | list():
-            parts = [_mapped(function, *same) for same in zip(*values, strict=True)]
-            return type(first)(*parts) if hasattr(first, "_fields") else type(first)(parts)
-        case Mapping():
-            return {name: _mapped(function, *(value[name] for value in values)) for name in first}
-        case SimpleNamespace():
-            return SimpleNamespace(**_mapped(function, *map(vars, values)))
-        case Law():
-            return replace(first, strengths=_mapped(function, *(law.strengths for law in values)))
-        case _ if is_dataclass(first):
-            names = [f.name for f in fields(first)]
-            changed = {n: _mapped(function, *(getattr(v, n) for v in values)) for n in names}
-            return replace(first, **changed)  # type: ignore[type-var]
-    if any(isinstance(value, np.ndarray) for value in values):
-        return function(*values)
-    return first
+    return Launch(**{key: cell(value) for key, value in vars(launch).items()})

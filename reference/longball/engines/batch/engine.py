@@ -29,7 +29,7 @@ from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander
 from longball.model.law import Law, State
-from longball.model.numbers import DOUBLES, Undecided, doubt
+from longball.model.numbers import DOUBLES, Numbers, Undecided, doubt
 from longball.model.scene import Scene
 from longball.model.trace import Program
 
@@ -41,10 +41,31 @@ SCALAR = Ivp()
 
 @dataclass(frozen=True)
 class OneFlight(Flight[float]):
-    """A flight with its launch, and where it was near the plate."""
+    """A flight with its launch, and what was noted on the way.
+
+    Of a pitch that is where it came near the plate, of another ball its highest point.
+    """
 
     launch: Start
-    approach: Start
+    mark: Start
+
+    def highest(self, numbers: Numbers[float]) -> tuple[float, State[float]] | None:
+        """See `Flight.highest`."""
+        falls = not self.launch.state.w > 0.0
+        known = self.mark.time == self.mark.time
+        if known and not (falls and self.launch.state.z > self.mark.state.z):
+            return self.mark
+        return self.launch if falls else None
+
+    def then(self, second: Flight[float]) -> Flight[float]:
+        """See `Flight.then`."""
+        whole, top = super().then(second), self.highest(DOUBLES)
+        later = second.highest(DOUBLES)
+        if later is not None and (top is None or later[1].z > top[1].z):
+            top = self.time + later[0], later[1]
+        return OneFlight(
+            whole.path, whole.stop, whole.time, whole.state, self.launch, Start(*top or self.mark)
+        )
 
 
 @dataclass(frozen=True)
@@ -132,7 +153,7 @@ class Batch(ManyAtOnce):
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
         if not isinstance(pitch, OneFlight):
             return SCALAR.touch(pitch, law, bat, events, limit)
-        start = pitch.approach if records.approach_is_clear(bat, pitch.state.z) else pitch.launch
+        start = pitch.mark if records.approach_is_clear(bat, pitch.state.z) else pitch.launch
         error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
         ends = [past(bat.frame, bat.reach, DOUBLES), *events]
         flight, end = records.flown(self, law, start, ends, limit, records.Bat(bat, error))

@@ -36,6 +36,7 @@ from longball.engines.batch.roots import (
     first_fall,
     first_zero,
     two_values,
+    value,
 )
 from longball.engines.compiled import compiled
 from longball.model.arrays import Array, Integers
@@ -101,8 +102,10 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
             *((name, np.int64) for name in ("stop", "steps", "event", "rival")),
             # Of the bat, m; the value that lies within its error.
             *((name, np.float64) for name in ("margin", "doubt")),
-            # When, s, and in what state it ends, and it passed the waypoint or, at a bat, first
-            # touched it; that time is NaN if it did not.
+            # When, s, and in what state it ends; and a mark of the way. That is where it passed the
+            # waypoint; or, near a bat, where it first touched it; or, with neither, where between
+            # the ends of a step it ceased to rise, the highest such point. Its time is NaN if it
+            # did not.
             *((f"{prefix}{name}", np.float64) for prefix in ("", "mark_") for name in names),
         ]
     )
@@ -313,6 +316,8 @@ def _fly_all(
                 for k in range(variables):
                     row[1 + k] = x[k * s.block + lane]
             slot.mark[_STEPS] += 1
+            rises = x[(variables - 1) * s.block + lane] > 0.0
+            rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_AHEAD])
             for k in range(s.half):
                 coordinate = abs(x[k * s.block + lane])
                 if coordinate > s.step[farthest_row + lane]:
@@ -322,10 +327,14 @@ def _fly_all(
                 and time + length < slot.flight[_LIMIT]
                 and slot.flight[_REACH] == 0.0
             ):
+                if rises and s.step[(variables - 1) * WIDTH + lane] <= 0.0:
+                    _note_apex(s, slot, time, _take_out(s, slot, length))
                 for k in range(variables):
                     x[k * s.block + lane] = s.step[k * WIDTH + lane]
             else:
                 length = _settle(s, slot, time, _take_out(s, slot, length))
+                if rises and s.state[variables - 1] <= 0.0:
+                    _note_apex(s, slot, time, length)
                 if slot.mark[_STOP] < 0:
                     for k in range(variables):
                         x[k * s.block + lane] = s.state[k]
@@ -582,6 +591,30 @@ def _note(s: _Setup, row: Any, time: float) -> None:
     row[0] = time
     for k in range(s.variables):
         row[1 + k] = s.state[k]
+
+
+@inner
+def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
+    """Mark where a ball ceases to rise within a step, if it did not do so higher before."""
+    top = shifted(slot.arrival, _END + 1 + s.variables)
+    climb = shifted(s.work, (s.variables - 1) * s.width)
+    differentiate(climb, s.order, s.slope)
+    sag = downward(s.slope, s.order - 1, length)
+    t = first_zero(climb, s.slope, s.order, 1.0, 0.0, 0.0, length, sag)
+    t = t if t < length else length
+    highest = s.half  # of the mark: its time, then the positions, z the last of them
+    height = s.work[(s.half - 1) * s.width]
+    rise = value(shifted(s.work, (s.half - 1) * s.width), s.degree, t) - height
+    if top[0] == top[0] and not height + rise > top[highest]:
+        return
+    top[0] = time + t
+    for i in range(s.half):
+        p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
+        start = p[0]
+        p[0] = 0.0
+        change, top[1 + s.half + i] = two_values(p, q, s.degree, t)
+        p[0] = start
+        top[1 + i] = start + (change + s.lost[i * WIDTH + slot.lane])
 
 
 @inner

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from itertools import compress
+from itertools import compress, pairwise
 from operator import attrgetter
-from types import SimpleNamespace
+from types import NoneType, SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -15,20 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ValidationError
 
 from longball.engines import chain, create
-from longball.engines.batch.columns import (
-    OUTCOMES,
-    UNSOLVED,
-    BatchFlyer,
-    Columns,
-    ManyCases,
-    Table,
-    select,
-)
-from longball.engines.chain import BLOCKS, DISCRETE, MODEL, Model
+from longball.engines.batch import records
+from longball.engines.batch.columns import OUTCOMES, UNSOLVED, BatchFlyer, Columns, Table
+from longball.engines.chain import DISCRETE, MODEL, PARTS, Model
 from longball.model import quantities
-from longball.model.air import BilinearLift, WindAbove
-from longball.model.air import Table as AirTable
 from longball.model.arrays import Array, Flags
+from longball.model.frame import Frame
+from longball.model.law import law_of
+from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
@@ -76,27 +71,9 @@ def solve_columns(
     The numbers of the columns are taken as they are. A scene that `longball.model.scene` would
     refuse is not looked for; it has an answer, or none.
     """
-    n, view = _view(scene, columns)
-    flyer = engine or _batch()
-    if not _is_extended(scene):
-        return _named(_solve(scene.kind, n, view, flyer, threads, model), flyer)
-    table = Table(n)
-    if _flies_in_lanes(scene):
-        # What is zero is not computed: the rows of a law are those with the same zeros.
-        kinds = np.zeros(n, np.int64)
-        for zero in (np.asarray(column) == 0.0 for column in columns.values()):
-            if zero.any() and not zero.all():
-                _, kinds = np.unique(2 * kinds + zero, return_inverse=True)
-        for kind in np.unique(kinds):
-            some = kinds == kind
-            rows = np.flatnonzero(some)
-            part = _solve(scene.kind, len(rows), select(view, some), flyer, threads, model)
-            table.outcome[rows] = part.outcome
-            table.engines |= {int(rows[i]): engine for i, engine in part.engines.items()}
-            for name, column in part.columns.items():
-                table.put(name, rows, column)
-    _solve_the_rest(table, scene, columns, flyer, model)
-    return _named(table, flyer)
+    flyer, known = engine or _batch(), _checked(scene, columns)
+    table = _solve(scene, known, flyer, threads, model)
+    return _named(table, scene, known, flyer, model)
 
 
 def solve_columns_with_restitutions(
@@ -110,75 +87,20 @@ def solve_columns_with_restitutions(
 
     The pitches and their touching of the bat, which do not depend on it, are solved once.
     """
-    n, view = _view(scene, columns)
-    flyer = engine or _batch()
-    if _is_extended(scene):
-        balls = [quantities.replaced(scene, {"ball.restitution": e}) for e in restitutions]
-        return [solve_columns(ball, columns, flyer, threads) for ball in balls]
-    tables = [Table(n) for _ in restitutions]
+    flyer, known = engine or _batch(), _checked(scene, columns)
+    balls = [quantities.replaced(scene, {"ball.restitution": e}) for e in restitutions]
 
-    def solve_block(rows: slice) -> None:
+    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Table]) -> None:
         met = Table(rows.stop - rows.start)
-        cases, contact = chain.meet_bat(_cases(met, select(view, rows), flyer))
-        struck = cast(ManyCases, cases)
-        for table, e in zip(tables, restitutions, strict=True):
+        contact = chain.meet_bat(_run(scene, cells, flyer, MODEL, met))
+        for ball, table in zip(balls, tables, strict=True):
             part = table.part(rows)
             part.copy_from(met)
-            chain.finish(struck.with_restitution(e, part), contact)
+            chain.finish(_run(ball, cells, flyer, MODEL, part), contact)
             part.withdraw_what_is_not_finite()
 
-    _in_blocks(solve_block, n, threads)
-    return [_named(table, flyer) for table in tables]
-
-
-def _is_extended(scene: Scene) -> bool:
-    """Tell whether a ball flies under more than the paper's forces.
-
-    Friction gives a batted ball a spin.
-    """
-    if isinstance(scene, ImpactScene) or scene.air is None:
-        return False
-    if isinstance(scene, AtBatScene) and scene.bat.friction is not None:
-        return True
-    thrown: Any = scene.launch if isinstance(scene, FlightScene) else scene.pitch
-    air = scene.air
-    further = (
-        *(thrown.spin, None if isinstance(scene, FlightScene) else thrown.velocity),
-        *(scene.earth, air.wind, air.spin_decay_length, air.density_scale_height),
-    )
-    laws = air.drag_coefficient, air.lift_coefficient, air.density
-    return any(x is not None for x in further) or any(isinstance(x, BaseModel) for x in laws)
-
-
-def _flies_in_lanes(scene: Scene) -> bool:
-    """Tell whether the compiled code flies the balls of an extended scene."""
-    if isinstance(scene, ImpactScene) or scene.air is None:
-        return True
-    air = scene.air
-    pieces = (air.drag_coefficient, air.lift_coefficient, air.wind)
-    smooth = not any(isinstance(x, AirTable | BilinearLift | WindAbove) for x in pieces)
-    return smooth and air.spin_decay_length is None and scene.gravity > 0.0
-
-
-def _solve_the_rest(
-    table: Table, scene: Scene, columns: Mapping[str, ArrayLike], flyer: Any, model: Model
-) -> None:
-    """Solve the scenes that have no answer one at a time."""
-    values = [np.asarray(column).tolist() for column in columns.values()]
-    for i in np.flatnonzero(table.outcome == UNSOLVED).tolist():
-        try:
-            one = quantities.replaced(
-                scene, {name: column[i] for name, column in zip(columns, values, strict=True)}
-            )
-        except ValidationError:
-            continue  # no scene
-        result = chain.solve(one, flyer, model)
-        table.engines[i] = result.engine or ""
-        if result.outcome is not None:
-            table.outcome[i] = OUTCOMES.index(result.outcome)
-        for name, value in quantities.flat(result.data()):
-            if "." in name:  # of a block
-                table.put(name, i, value)
+    tables = _in_blocks(solve_block, scene, known, len(balls), threads)
+    return [_named(t, ball, known, flyer) for ball, t in zip(balls, tables, strict=True)]
 
 
 def _batch() -> BatchFlyer:
@@ -186,32 +108,44 @@ def _batch() -> BatchFlyer:
     return cast(BatchFlyer, flyer)
 
 
-def _cases(table: Table, view: SimpleNamespace, flyer: BatchFlyer, model: Model = MODEL) -> Any:
-    return ManyCases(view, Columns(flyer), model, table, np.arange(len(table)))
-
-
-def _view(scene: Scene, columns: Mapping[str, ArrayLike]) -> tuple[int, SimpleNamespace]:
-    """Return how many scenes there are, and one whose numbers are their columns."""
+def _checked(scene: Scene, columns: Mapping[str, ArrayLike]) -> dict[str, Array]:
+    """Return columns as arrays, if they are of numbers that the scene has, and equally long."""
     names = [name for name, _ in quantities.numbers(scene)]
     n = max((np.size(column) for column in columns.values()), default=1)
-    known: dict[str, Array] = {}
     for name, column in columns.items():
         if name not in names:
             raise quantities.unknown(name, names)
         if np.shape(column) != (n,) or not np.isfinite(column).all():
             raise ValueError(f"{name} must have {n} finite numbers, as the longest column has")
-        known[name] = np.array(column, np.float64)
-    view: SimpleNamespace = _with_columns(scene, known, "")
+    return {name: np.array(column, np.float64) for name, column in columns.items()}
+
+
+def _run(
+    scene: Scene, columns: Mapping[str, Array], flyer: BatchFlyer, model: Model, table: Table
+) -> Columns:
+    """Return the run of a chain over columns."""
+
+    def row(i: int) -> SimpleNamespace:
+        return _view(scene, {name: column.item(i) for name, column in columns.items()})
+
+    return Columns(_view(scene, columns), flyer, model, table=table, row=row)
+
+
+def _view(scene: Scene, columns: Mapping[str, Any]) -> SimpleNamespace:
+    """Return a scene with columns, or numbers, in place of its numbers."""
+    view: SimpleNamespace = _with_columns(scene, columns, "")
     if hasattr(scene, "ground"):
-        view.ground = _with_columns(scene.ground, known, "ground")  # of a pitch: the model's
-    return n, view
+        view.ground = _with_columns(scene.ground, columns, "ground")  # of a pitch: the model's
+    return view
 
 
-def _with_columns(value: Any, columns: Mapping[str, Array], name: str) -> Any:
+def _with_columns(value: Any, columns: Mapping[str, Any], name: str) -> Any:
     """Return a part of a scene with columns for those of its numbers that have them."""
-    if isinstance(value, Reading):
-        return value
-    if isinstance(value, BaseModel):
+    if isinstance(value, float):  # first: a float takes long to tell that it is no model
+        return columns.get(name, value)
+    if isinstance(value, tuple):
+        return tuple(_with_columns(x, columns, f"{name}[{i}]") for i, x in enumerate(value))
+    if isinstance(value, BaseModel) and not isinstance(value, Reading):
         way = f"{name}." if name else ""
         if name and not any(column.startswith(way) for column in columns):
             return value  # none of its numbers differs
@@ -220,66 +154,72 @@ def _with_columns(value: Any, columns: Mapping[str, Array], name: str) -> Any:
             for key in type(value).model_fields
         }
         return SimpleNamespace(**parts)
-    if isinstance(value, tuple):
-        return tuple(_with_columns(x, columns, f"{name}[{i}]") for i, x in enumerate(value))
-    return columns.get(name, value)
+    return value
 
 
-def _named(table: Table, flyer: BatchFlyer) -> dict[str, NDArray[Any]]:
-    names, engines = np.array([*OUTCOMES, ""]), np.full(len(table), flyer.description, object)
-    for i, engine in table.engines.items():
-        engines[i] = engine
-    return {"outcome": names[table.outcome]} | table.columns | {"engine": engines}
+def _named(
+    table: Table,
+    scene: Scene,
+    columns: Mapping[str, Array],
+    flyer: BatchFlyer,
+    model: Model = MODEL,
+) -> dict[str, NDArray[Any]]:
+    """Return a table as columns by name, the rows that are left to be solved alone being solved."""
+    engines = np.full(len(table), flyer.description, object)
+    for i in np.flatnonzero(table.alone).tolist():
+        try:
+            cells = {name: column.item(i) for name, column in columns.items()}
+            result = chain.solve(quantities.replaced(scene, cells), cast(Any, flyer), model)
+        except ValidationError:
+            continue  # no scene
+        engines[i] = result.engine
+        found = {name: x for name, x in quantities.flat(result.data()) if "." in name}  # of blocks
+        table.write(i, found | ({"outcome": result.outcome} if result.outcome else {}))
+    names = np.array([*OUTCOMES, ""])
+    return {"outcome": names[table.whole]} | table.columns | {"engine": engines}
 
 
 def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[dict[str, Any]]:
     """Return the results of scenes of any kinds, in order, as plain data."""
-    alike: defaultdict[tuple[Any, ...], list[int]] = defaultdict(list)
+    alike: defaultdict[Any, list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
-        alike[*_structure(scene), *_zeros(scene, i)].append(i)
+        alike[_structure(scene)].append(i)
     results: dict[int, dict[str, Any]] = {}
     for places in alike.values():
-        if len(places) < FEW:
+        same = [scenes[i] for i in places]
+        if len(same) < FEW or not _flies_in_lanes(same[0], MODEL):
             results |= {i: chain.solve(scenes[i], solver).data() for i in places}
             continue
-        same = [scenes[i] for i in places]
-        _, view = _view(same[0], _columns_of(same))
-        table = _solve(same[0].kind, len(places), view, solver, threads)
-        for row, (i, (outcome, parts)) in enumerate(zip(places, _rows(table), strict=True)):
+        table = _solve(same[0], _columns_of(same), solver, threads)
+        for i, (outcome, parts) in zip(places, _rows(table), strict=True):
             if outcome is None:
                 results[i] = chain.solve(scenes[i], solver).data()  # for the reason
             else:
                 head = {"id": scenes[i].id, "outcome": outcome}
-                engine = table.engines.get(row, solver.description)
-                results[i] = {**head, **parts, "engine": engine}
+                results[i] = {**head, **parts, "engine": solver.description}
     return [results[i] for i in range(len(scenes))]
 
 
-def _structure(scene: Any) -> tuple[Any, ...]:
-    """Return what scenes have in common that differ in nothing but their numbers."""
-    # A block that a scene does not have takes long to be asked for.
-    has = type(scene).model_fields
-    names = ("bat", "incoming", "air", "fence")
-    bat, incoming, air, fence = (getattr(scene, name) if name in has else None for name in names)
-    support = bat and (bat.support, bat.friction is None, bat.tangential_restitution is None)
-    spins = incoming is not None and incoming.spin is not None
-    known = scene.ball.inertia_factor is None, air is None, support, spins
-    return type(scene), scene.reading, fence, known
+def _structure(scene: Scene) -> tuple[Any, ...]:
+    """Return what scenes have in common that differ in nothing but their numbers.
 
-
-def _zeros(scene: Scene, place: int) -> tuple[Any, ...]:
-    """Return which laws an extended scene names, and which of its numbers are zero.
-
-    What is zero is not computed. A scene that the compiled code does not fly is alike no other.
+    Blocks and keys that every scene of a kind has are not looked at: that would take as long again.
     """
-    if not _is_extended(scene):
-        return ()
-    if not _flies_in_lanes(scene):
-        return (place,)
-    air: Any = getattr(scene, "air", None)
-    laws = (getattr(air, key, None) for key in ("drag_coefficient", "lift_coefficient"))
-    zeros = ((name, value == 0.0) for name, value in quantities.numbers(scene))
-    return *(getattr(law, "law", "") for law in laws), *zeros
+    block = scene.__dict__.get
+    bat: Any = block("bat")
+    thrown: Any = block("launch") or block("pitch") or block("incoming")
+    given = [block("earth"), scene.ball.inertia_factor, thrown.spin, thrown.velocity]
+    if bat is not None:
+        given += [bat.support, bat.friction, bat.tangential_restitution]
+    known = [value if isinstance(value, str) else value is None for value in given]
+    return type(scene), scene.reading, block("fence"), *known, _form(block("air"))
+
+
+def _form(part: Any) -> Any:
+    """Return a part of a scene with types in place of its numbers."""
+    if type(part) in (float, tuple, NoneType):
+        return type(part)
+    return part if isinstance(part, str) else (type(part), *map(_form, part.__dict__.values()))
 
 
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
@@ -297,48 +237,97 @@ def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
 
 
 def _solve(
-    kind: str,
-    count: int,
-    view: SimpleNamespace,
+    scene: Scene,
+    columns: Mapping[str, Array],
     flyer: BatchFlyer,
     threads: int,
     model: Model = MODEL,
 ) -> Table:
-    """Solve columns in blocks, each by one thread."""
-    table = Table(count)
+    """Solve columns, but for the rows that are left to be solved alone."""
 
-    def solve_block(rows: slice) -> None:
-        part = table.part(rows)
-        chain.CHAINS[kind](_cases(part, select(view, rows), flyer, model))
+    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Table]) -> None:
+        part = tables[0].part(rows)
+        chain.CHAINS[scene.kind](_run(scene, cells, flyer, model, part))
         part.withdraw_what_is_not_finite()
 
-    _in_blocks(solve_block, count, threads)
+    (table,) = _in_blocks(solve_block, scene, columns, 1, threads, model)
     return table
 
 
-def _in_blocks(solve_block: Callable[[slice], None], count: int, threads: int) -> None:
-    """Call a function for each block of rows, from several threads."""
+def _flies_in_lanes(scene: Any, model: Model) -> bool:
+    """Return True if the compiled code flies the balls of a scene, by their law."""
+    if isinstance(scene, ImpactScene):
+        return True
+    # Friction gives a batted ball some spin.
+    rubbed = isinstance(scene, AtBatScene) and scene.bat.friction is not None
+    thrown = scene.launch if isinstance(scene, FlightScene) else scene.pitch
+    frame = Frame(0.0, 0.0, 1.0, 0.0, (1.0, 1.0, 1.0) if rubbed else thrown.spin)
+    return records.flies_in_lanes(law_of(scene, frame, DOUBLES, model.forces))
 
-    def quietly(start: int) -> None:
+
+# The numbers of a scene that the law of motion is made of, in the frame of the ball's heading.
+_OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
+
+SolveBlock = Callable[[slice, Mapping[str, Array], Sequence[Table]], None]
+
+
+def _in_blocks(
+    solve_block: SolveBlock,
+    scene: Scene,
+    columns: Mapping[str, Array],
+    count: int,
+    threads: int,
+    model: Model = MODEL,
+) -> list[Table]:
+    """Fill tables by a function of rows, their columns and the tables, from several threads.
+
+    What is zero is not computed: rows in a block have the same zeros in what their law is made of.
+    """
+    n = max(map(len, columns.values()), default=1)
+    tables = [Table(n) for _ in range(count)]
+    if not _flies_in_lanes(scene, model):
+        for table in tables:
+            table.alone[:] = True
+        return tables
+
+    # the rows in order of their zeros
+    kinds = np.zeros(n, np.int64)
+    for zero in (column == 0.0 for name, column in columns.items() if _OF_LAW.match(name)):
+        if zero.any() and not zero.all():
+            _, kinds = np.unique(2 * kinds + zero, return_inverse=True)
+    order = np.argsort(kinds, kind="stable") if kinds.any() else None
+    if order is not None:
+        kinds = kinds[order]
+        columns = {name: column[order] for name, column in columns.items()}
+
+    # blocks of rows with the same zeros
+    edges = [0, *(1 + np.flatnonzero(np.diff(kinds))).tolist(), n]
+    blocks = [
+        slice(start, min(start + BLOCK, end))
+        for begin, end in pairwise(edges)
+        for start in range(begin, end, BLOCK)
+    ]
+
+    def quietly(rows: slice) -> None:
         with np.errstate(all="ignore"):  # what overflows is withdrawn
-            solve_block(slice(start, min(start + BLOCK, count)))
+            solve_block(rows, {name: column[rows] for name, column in columns.items()}, tables)
 
-    starts = range(0, count, BLOCK)
-    if threads == 1 or len(starts) == 1:
-        for start in starts:
-            quietly(start)
-        return
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(quietly, starts))
+    if threads == 1 or len(blocks) == 1:
+        for rows in blocks:
+            quietly(rows)
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(quietly, blocks))
+    return tables if order is None else [table.in_order(order) for table in tables]
 
 
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     """Yield the table's rows as outcomes (None: no answer) and parts of results."""
     found: dict[str, dict[str, list[Array]]] = {
-        name: {key: [] for key in block.model_fields} for name, block in BLOCKS.items()
+        name: {key: [] for key in block.model_fields} for name, block in PARTS.items()
     }
     for name, column in table.columns.items():
-        part, quantity = name.partition("[")[0].split(".")
+        part, _, quantity = name.partition("[")[0].rpartition(".")
         found[part][quantity].append(column)
     parts = {
         name: _part(name, {key: columns for key, columns in block.items() if columns})
@@ -347,6 +336,9 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     }
     for i, outcome in enumerate(table.outcome.tolist()):
         known = {name: row for name, rows in parts.items() if (row := rows[i])}
+        for name in [name for name in known if "." in name]:
+            whole, _, key = name.rpartition(".")
+            known[whole][key] = known.pop(name)
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +16,8 @@ from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Events
-from longball.model.force import Term, cross
-from longball.model.law import FORCES, PAPER, Law, State, law_with
+from longball.model.law import PAPER, Law, State, law_with
+from longball.model.vectors import cross
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
 # pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
@@ -33,8 +32,10 @@ STOPS: Mapping[str, int] = {
     "past": 3,
     "fence": 4,
     "fence_behind": 5,
+    "level": 6,
     "time": flights.TIME_LIMIT,
 }
+NOT_FLOWN = -1  # stands for what stopped it where there is no flight
 
 
 class Start(NamedTuple):
@@ -52,12 +53,7 @@ def flies_in_lanes(law: Law[Any]) -> bool:
     """
     if law.bends or "path" in law.variables:
         return False
-    return not _is_extended(law.forces) or law.gravity is not None
-
-
-@cache
-def _is_extended(forces: tuple[Term, ...]) -> bool:
-    return not set(forces).isdisjoint(FORCES[len(PAPER) :])
+    return law.is_paper or law.gravity is not None
 
 
 def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
@@ -65,7 +61,7 @@ def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
 
     Straight up or down through the air, or along their spin.
     """
-    if not _is_extended(law.forces):
+    if law.is_paper:
         return np.False_
     wind = [law.strengths.get(f"wind_{name}", 0.0) for name in "syz"]
     u, v, w = (
@@ -86,14 +82,7 @@ def general(law: Law[Any]) -> Law[Any]:
     So that the same compiled code serves all of the paper's scenes. A law of the extended model is
     as it is.
     """
-    if _is_extended(law.forces):
-        return law
-    paper = {name: 0.0 for force in PAPER for name in force.parameters}
-    absent = [f for f in PAPER if not any(name in law.strengths for name in f.parameters)]
-    forces = [*law.forces, *absent]
-    order = {force: place for place, force in enumerate(PAPER)}
-    forces.sort(key=lambda force: order.get(force, len(PAPER)))
-    return law_with({**paper, **law.strengths}, tuple(forces))
+    return law_with({**dict.fromkeys(PAPER, 0.0), **law.strengths}) if law.is_paper else law
 
 
 @dataclass(frozen=True)
@@ -135,10 +124,12 @@ def records_of(
     limit: Any,
     flight_error: float,
     bat: Bat | None = None,
+    rows: Any = ...,
 ) -> Records:
     """Return flights that start from states, as `general(law)` has them fly.
 
-    The values of the events must be linear in the state.
+    The values of the events must be linear in the state. Columns are those of all flights; of which
+    the flights in `rows` are returned.
     """
     law = general(law)
     names = law.program.variables
@@ -165,6 +156,7 @@ def records_of(
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
         put(("across",), _linear(law, bat.section.frame.towards_x), 0.0)
         put(("above",), _linear(law, lambda state: state.z - bat.section.height), 0.0)
+    columns = {way: value[rows] if np.ndim(value) else value for way, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
     flight = new_flights(law.program, shape, len(events))
     for (name, *place), value in columns.items():
@@ -173,10 +165,16 @@ def records_of(
 
 
 def flown(
-    flyer: Any, law: Law[Any], start: Start, events: Events[Any], limit: Any, bat: Bat | None = None
+    flyer: Any,
+    law: Law[Any],
+    start: Start,
+    events: Events[Any],
+    limit: Any,
+    bat: Bat | None = None,
+    rows: Any = ...,
 ) -> tuple[Records, Records]:
     """Return flights that start from states, and their arrivals; see `records_of`."""
-    starts = records_of(law, start, events, limit, flyer.flight_error, bat)
+    starts = records_of(law, start, events, limit, flyer.flight_error, bat, rows)
     return starts, flyer.fly_all(starts, general(law).program)
 
 
@@ -214,5 +212,5 @@ def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
 def stops(end: Records, events: Events[Any]) -> Any:
     """Return what stopped flights: of `STOPS`, or why there is no answer."""
     numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
-    by_event = end["stop"] < len(events)
+    by_event = (end["stop"] >= 0) & (end["stop"] < len(events))
     return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]

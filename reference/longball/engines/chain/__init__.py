@@ -1,28 +1,21 @@
 """The chain of an at-bat: pitch, plate, contact, impact, landing.
 
-Written once, over any engine, any number system, and one scene or columns of scenes (`cases`). It
+Written once, over any engine, any number system, and one scene or columns of scenes (`run`). It
 follows the paper's Sec. III: the throw, the swing that is aimed at where the throw would cross the
 plate (`at_bat`), the collision of Sec. III.C and Appendix A (`collision`), the flight (`flying`) to
 the ground or the fence (`landing`). Its parts, the forces and the collision, are handed in: a known
 mistake is the same chain with another part. `single` makes results of scenes, one by one.
 """
 
-from longball.engines.chain.at_bat import (
-    CHAINS,
-    Approach,
-    finish,
-    meet_bat,
-    reach_plate,
-    release,
-)
-from longball.engines.chain.cases import Cases
-from longball.engines.chain.collision import MODEL, Ball, ContactState, Model, collide, meet
+from longball.engines.chain.at_bat import CHAINS, finish, meet_bat
+from longball.engines.chain.collision import MODEL, Model, collide
 from longball.engines.chain.flying import fly
 from longball.engines.chain.landing import land
+from longball.engines.chain.run import Run
 from longball.engines.chain.single import (
     BLOCKS,
     DISCRETE,
-    OneCase,
+    PARTS,
     approach_of,
     described,
     quantities_of,
@@ -39,23 +32,17 @@ __all__ = [
     "CHAINS",
     "DISCRETE",
     "MODEL",
-    "Approach",
-    "Ball",
-    "Cases",
-    "ContactState",
+    "PARTS",
     "Model",
-    "OneCase",
+    "Run",
     "approach_of",
     "collide",
     "described",
     "finish",
     "fly",
     "land",
-    "meet",
     "meet_bat",
     "quantities_of",
-    "reach_plate",
-    "release",
     "solve",
     "solve_each",
     "solve_once",

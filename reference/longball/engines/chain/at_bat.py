@@ -4,207 +4,204 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Generic, cast
+from typing import Any
 
-from longball.engines.chain.cases import Cases
 from longball.engines.chain.collision import Ball, ContactState, meet, solve_impacts, strike
-from longball.engines.chain.flying import fly, lift_is_always_up, to_ground, to_plate
+from longball.engines.chain.flying import fly, lift_is_always_up, spin_at
 from longball.engines.chain.landing import land, solve_flights
+from longball.engines.chain.run import Mask, Number, Run
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Stepped, Touch
-from longball.engines.event import Event, vertical
+from longball.engines.event import plate, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import Law, PlaneState, State
-from longball.model.numbers import N, absolute, dot, minus
+from longball.model.law import Law, State
+from longball.model.vectors import dot, minus
 
 
 @dataclass(frozen=True)
-class Pitch(Generic[N]):
+class Pitch:
     """A pitch up to the plate, or to wherever it ended before."""
 
-    frame: Frame[N]
-    law: Law[N]
-    start: State[N]
-    flight: Flight[N]
+    frame: Frame[Any]
+    law: Law[Any]
+    start: State[Any]
+    flight: Flight[Any]
+    crossed: Mask  # whether it reached the plate
 
 
-def release(cases: Cases[N]) -> tuple[Frame[N], Law[N], PlaneState[N]]:
-    """Return frame, law and start of a pitch, from its release towards the point aimed at."""
-    numbers, pitch = cases.numbers, cases.scene.pitch
-    x, y, z = place = cases.vector(pitch.release)
+def throw(run: Run) -> Pitch:
+    """Throw to the plane x = 0, and conclude the pitches that end before it."""
+    numbers, pitch = run.numbers, run.scene.pitch
+
+    # the release, with the velocity given or towards the point aimed at
+    x, y, z = place = run.vector(pitch.release)
     if pitch.velocity is None:
         aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
         toward = (-x, aim_y - y, aim_z - z)
         scale = numbers.exact(pitch.speed) / numbers.sqrt(dot(toward, toward))
         velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
     else:
-        velocity = cases.vector(pitch.velocity)
-    frame, start = launch_frame(place, velocity, numbers, cases.spin(pitch.spin))
-    return frame, cases.law(frame), start
+        velocity = run.vector(pitch.velocity)
+    frame, start = launch_frame(place, velocity, numbers, run.spin(pitch.spin))
+    law = run.law(frame)
+
+    # the flight
+    flight = fly(
+        run,
+        law,
+        start,
+        lambda state: [run.ground(state), plate(frame, state, numbers)],
+        run.time_limit,
+        run.everything,
+    )
+    run.follow(frame, flight, numbers.exact(0.0), run.everything)
+    run.conclude("grounded", run.everything & flight.stopped("ground"))
+    run.conclude("airborne", run.everything & flight.stopped("time"))
+
+    # the plate
+    crossed = run.everything & flight.stopped("plate")
+    if run.some(crossed):
+        _, y, z = frame.position(flight.state)
+        u, v, w = velocity = frame.velocity(flight.state)
+        angle, level = numbers.angle, numbers.sqrt(u * u + v * v)
+        run.record("plate.time", flight.time, crossed)
+        run.record("plate.position", (numbers.exact(0.0), y, z), crossed)
+        run.record("plate.velocity", velocity, crossed)
+        run.record("plate.approach.vertical", angle(w, level), crossed)
+        run.record("plate.approach.horizontal", angle(v, -u), crossed)
+    return Pitch(frame, law, start, flight, crossed)
 
 
-def throw(cases: Cases[N]) -> Pitch[N]:
-    """Throw, and fly to the plane x = 0."""
-    frame, law, start = release(cases)
-    return Pitch(frame, law, start, fly(cases, law, frame, start, to_ground, to_plate))
-
-
-def reach_plate(cases: Cases[N]) -> tuple[Cases[N], Pitch[N]]:
-    """Throw; conclude the pitches that end before the plate, and return the others."""
-    pitch = throw(cases)
-    cases.follow(pitch.frame, pitch.flight, cases.numbers.exact(0.0))
-    for stop, outcome in (("ground", "grounded"), ("time", "airborne")):
-        (ended,) = cases.take(pitch.flight.stopped(stop))
-        ended.conclude(outcome)
-    cases, pitch = cases.take(pitch.flight.stopped("plate"), pitch)
-    if not cases.empty:
-        _, y, z = pitch.frame.position(pitch.flight.state)
-        cases.record("plate.time", pitch.flight.time)
-        cases.record("plate.position", (cases.numbers.exact(0.0), y, z))
-        cases.record("plate.velocity", pitch.frame.velocity(pitch.flight.state))
-    return cases, pitch
-
-
-def solve_pitches(cases: Cases[N]) -> None:
+def solve_pitches(run: Run) -> None:
     """Solve releases and plates."""
-    crossed, _ = reach_plate(cases)
-    crossed.conclude("crossed")
+    run.conclude("crossed", throw(run).crossed)
 
 
 @dataclass(frozen=True)
-class Approach(Generic[N]):
+class Approach:
     """A pitch, the bat, and how they meet."""
 
-    pitch: Pitch[N]
-    bat: BatSection[N]
-    touch: Touch[N]
-
-    @property
-    def height(self) -> N:
-        """Height of the bat's axis, m."""
-        return self.bat.height
+    pitch: Pitch
+    bat: BatSection[Any]
+    touch: Touch[Any]
 
 
-def approach_bat(cases: Cases[N]) -> tuple[Cases[N], Approach[N] | None]:
-    """Throw, put the bat where it is swung, and find how the two meet."""
-    cases, pitch = reach_plate(cases)
-    if cases.empty:
-        return cases, None
-    numbers, scene = cases.numbers, cases.scene
+def approach_bat(run: Run) -> Approach | None:
+    """Throw, put the bat where it is swung, and find how the two meet; None if no pitch arrives."""
+    pitch, numbers, scene = throw(run), run.numbers, run.scene
+    if not run.some(pitch.crossed):
+        return None
     # z_b = z'_b + σ_b (paper, Sec. III.A)
     height = pitch.flight.state.z + numbers.exact(scene.swing.height_offset)
     reach = numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius)
     bat = BatSection(pitch.frame, height, reach)
-    upwards = lift_is_always_up(cases, pitch.law)
-    touch = cases.either(upwards, _find_upwards, _find, pitch, bat)
-    return cases, Approach(pitch, bat, touch)
+    events = [run.ground(pitch.start)]
+    if lift_is_always_up(run, pitch.law):
+        events.append(vertical(pitch.start, numbers))
+    touch = run.touch(pitch.flight, pitch.law, bat, events, pitch.crossed)
+    return Approach(pitch, bat, touch)
 
 
-def _find(cases: Cases[N], pitch: Pitch[N], bat: BatSection[N], *others: Event[N]) -> Touch[N]:
-    events = [cases.ground(pitch.start), *others]
-    return cases.engine.touch(pitch.flight, pitch.law, bat, events, cases.time_limit)
+def meet_bat(run: Run) -> ContactState | None:
+    """Throw and swing; conclude what is not struck, and return the rest, None if nothing is left.
 
-
-def _find_upwards(cases: Cases[N], pitch: Pitch[N], bat: BatSection[N]) -> Touch[N]:
-    return _find(cases, pitch, bat, vertical(pitch.start, cases.numbers))
-
-
-def meet_bat(cases: Cases[N]) -> tuple[Cases[N], ContactState[N] | None]:
-    """Throw and swing; conclude what is not struck, and return the others.
-
-    On what is returned the ball's restitution has no influence.
+    The ball's restitution has no influence on what is returned.
     """
-    cases, approach = approach_bat(cases)
+    approach = approach_bat(run)
     if approach is None:
-        return cases, None
-    touch = approach.touch
-    cases.record("contact.margin", touch.margin)
-    touched, missed = cases.touched(touch)
-    (ended,) = cases.take(missed)
-    ended.conclude("missed")
-    cases, approach = cases.take(touched, approach)
-    if cases.empty:
-        return cases, None
-    touch, frame, law = approach.touch, approach.pitch.frame, approach.pitch.law
+        return None
+    numbers, pitch, touch = run.numbers, approach.pitch, approach.touch
+    run.record("contact.margin", touch.margin, pitch.crossed)
+    touched, missed = run.touched(touch, pitch.crossed)
+    run.conclude("missed", missed)
+    if not run.some(touched):
+        return None
+    error, frame, state = run.engine.flight_error, pitch.frame, touch.state
+    assert state is not None
     ball = Ball(
-        frame.position(touch.state),
-        frame.velocity(touch.state),
-        cases.spin_at(frame, law, touch.state, cases.numbers.exact(cases.engine.flight_error)),
+        frame.position(state),
+        frame.velocity(state),
+        spin_at(frame, pitch.law, state, numbers, numbers.exact(error)),
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
         approach=approach,
     )
-    cases.record("contact.time", touch.time)
-    cases.record("contact.position", ball.position)
-    error = cases.engine.flight_error
-    offset = approach.bat.offset(touch.state, cases.numbers)
-    return meet(cases, ball, offset, error)
+    run.record("contact.time", touch.time, touched)
+    run.record("contact.position", ball.position, touched)
+    return meet(run, ball, approach.bat.offset(state, numbers), error, touched)
 
 
-def finish(cases: Cases[N], contact: ContactState[N] | None) -> None:
+def finish(run: Run, contact: ContactState | None) -> None:
     """Solve at-bats from the impulse on."""
     if contact is None:
         return
-    error = 0.0 if cases.scene.bat.friction is None else _contact_error(cases, contact)
-    cases, contact, impact = strike(cases, contact, error)
-    if cases.empty:
+    engine, touch, pitch = run.engine, contact.ball.approach.touch, contact.ball.approach.pitch
+
+    # the impulse
+    error = 0.0 if run.scene.bat.friction is None else _contact_error(run, contact)
+    impact, parted = strike(run, contact, error)
+    if not run.some(parted):
         return
-    engine, touch, pitch = cases.engine, contact.approach.touch, contact.approach.pitch
+
+    # the ball set free: at once, or by a bat that pushes for some steps
     if isinstance(engine, Stepped):
-        delta_v = minus(impact.velocity, contact.velocity)
-        surface = cases.ground(pitch.start)
-
-        def law_in(frame: Frame[N]) -> Law[N]:
-            return cases.law(replace(frame, spin=impact.spin))
-
-        launch = engine.rebound(pitch.frame, touch, delta_v, law_in, surface)
+        launch = engine.rebound(
+            pitch.frame,
+            touch,
+            minus(impact.velocity, contact.ball.velocity),
+            lambda frame: run.law(replace(frame, spin=impact.spin)),
+            run.ground(pitch.start),
+        )
         launch = replace(launch, spin=impact.spin)
     else:
-        time = cast(N, touch.time)
-        off = _launch_error(cases, contact) if cases.numbers.rounding else None
+        off = _launch_error(run, contact) if run.numbers.rounding else None
         launch = Launch(
-            contact.position, impact.velocity, time, time * 0, spin=impact.spin, error=off
+            contact.ball.position,
+            impact.velocity,
+            touch.time,
+            touch.time * 0,
+            spin=impact.spin,
+            error=off,
         )
-    land(cases, launch, "batted")
+    land(run, launch, "batted", parted)
 
 
-def _contact_error(cases: Cases[N], contact: ContactState[N]) -> N:
+def _contact_error(run: Run, contact: ContactState) -> Number:
     """Return the relative error of velocities and directions at the contact.
 
     Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
     as much more as it is slower towards the bat than past it; but an error δ of the margin moves it
     by √(2 δ/reach) at most, which is the angle between a graze and a touching δ deep.
     """
-    engine, numbers = cases.engine, cases.numbers
-    approach: Approach[N] = contact.approach
-    bat, pitch = approach.bat, approach.pitch
-    moved = margin_error(bat, pitch.flight.state.z, engine.flight_error, numbers) / bat.reach
-    speed = numbers.sqrt(dot(contact.velocity, contact.velocity))
-    towards = absolute(dot(contact.velocity, contact.normal))
+    numbers, error = run.numbers, run.engine.flight_error
+    bat, pitch = contact.ball.approach.bat, contact.ball.approach.pitch
+    moved = margin_error(bat, pitch.flight.state.z, error, numbers) / bat.reach
+    speed = numbers.sqrt(dot(contact.ball.velocity, contact.ball.velocity))
+    towards = abs(dot(contact.ball.velocity, contact.normal))
     most = numbers.sqrt(2 * moved)
     steep = moved * speed > most * towards
     turned = numbers.where(steep, most, moved * speed / numbers.where(steep, speed, towards))
-    return engine.flight_error + moved + turned
+    return error + moved + turned
 
 
-def _launch_error(cases: Cases[N], contact: ContactState[N]) -> N:
+def _launch_error(run: Run, contact: ContactState) -> Number:
     """Return a bound on the error of the velocity after the impulse, m/s.
 
     The ball's own, and that of ``(1 + ẽ) (μ/m) (Ṽ·n) n``: n comes in twice, and the factors before
     are at most two, but under readings that create energy.
     """
-    sqrt = cases.numbers.sqrt
-    ball, bat = contact.velocity, contact.bat_velocity
-    return 5 * _contact_error(cases, contact) * (sqrt(dot(ball, ball)) + sqrt(dot(bat, bat)))
+    sqrt = run.numbers.sqrt
+    ball, bat = contact.ball.velocity, contact.bat_velocity
+    return 5 * _contact_error(run, contact) * (sqrt(dot(ball, ball)) + sqrt(dot(bat, bat)))
 
 
-def solve_at_bats(cases: Cases[N]) -> None:
+def solve_at_bats(run: Run) -> None:
     """Solve whole at-bats."""
-    finish(*meet_bat(cases))
+    finish(run, meet_bat(run))
 
 
-CHAINS: dict[str, Callable[[Cases[Any]], None]] = {
+CHAINS: dict[str, Callable[[Run], None]] = {
     "flight": solve_flights,
     "pitch": solve_pitches,
     "impact": solve_impacts,

@@ -4,152 +4,171 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, Generic, cast
+from typing import Any
 
-from longball.engines.chain.cases import Cases
-from longball.engines.chain.flying import fly, to_ground
-from longball.engines.engine import Engine, Launch, Stepped
-from longball.engines.event import Event, Piece
-from longball.engines.fence import Place, Stop, at_stop, first_crossing, stop_at
+from longball.engines.chain.flying import fly, spin_at
+from longball.engines.chain.run import Mask, Number, Run, Vector
+from longball.engines.engine import Launch, Stepped
+from longball.engines.event import Piece, level
+from longball.engines.fence import Place, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
-from longball.model.aerodynamics import DRAG, LIFT
 from longball.model.frame import Frame, launch_frame
-from longball.model.law import GRAVITY, Law, PlaneState, State, in_plane
-from longball.model.numbers import N, Undecided, Vector, absolute
+from longball.model.law import Law, State, in_plane
+from longball.model.numbers import Undecided
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
 
 
-def solve_flights(cases: Cases[N]) -> None:
+def solve_flights(run: Run) -> None:
     """Solve launches and landings."""
-    position = cases.vector(cases.scene.launch.position)
-    velocity = cases.vector(cases.scene.launch.velocity)
-    nothing, spin = cases.numbers.exact(0.0), cases.spin(cases.scene.launch.spin)
-    land(cases, Launch(position, velocity, nothing, nothing, spin=spin), "landed")
+    launch, nothing = run.scene.launch, run.numbers.exact(0.0)
+    position, velocity = run.vector(launch.position), run.vector(launch.velocity)
+    free = Launch(position, velocity, nothing, nothing, spin=run.spin(launch.spin))
+    land(run, free, "landed", run.everything)
 
 
 @dataclass(frozen=True)
-class Batted(Generic[N]):
+class Batted:
     """A ball that is set free: its launch, and frame, law and start of its flight."""
 
-    launch: Launch[N]
-    frame: Frame[N]
-    law: Law[N]
-    start: PlaneState[N]
+    launch: Launch[Any]
+    frame: Frame[Any]
+    law: Law[Any]
+    start: State[Any]
 
 
-def land(cases: Cases[N], launch: Launch[N], outcome: Outcome) -> None:
+def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
     """Fly from launches to the ground, or to a fence; the `outcome` if the ball lands."""
-    frame, start = launch_frame(launch.position, launch.velocity, cases.numbers, launch.spin)
-    ball = Batted(launch, frame, cases.law(frame), start)
+    frame, start = launch_frame(launch.position, launch.velocity, run.numbers, launch.spin)
+    law = run.law(frame)
+    ball = Batted(launch, frame, law, start)
     if launch.landed:
-        flight = Flight(Path(()), "ground", cases.numbers.exact(0.0), start)
-        _come_down(cases, ball, flight, outcome)
-    elif cases.scene.fence is None:
-        _land(cases, ball, outcome)
-    elif "v" not in ball.law.variables and not isinstance(cases.engine, Stepped):
-        senses = {"fence": 1, "fence_behind": -1}
-        fences = (partial(_to_fence, name, sense) for name, sense in senses.items())
-        flight = fly(cases, ball.law, frame, start, to_ground, *fences)
-        ahead, behind = flight.stopped("fence"), flight.stopped("fence_behind")
-        inside, stayed, whole = cases.take((ahead | behind) ^ True, ball, flight)
-        _come_down(inside, stayed, whole, outcome)
-        for name, sense in senses.items():
-            some, out, way = cases.take(flight.stopped(name), ball, flight)
-            if not some.empty:
-                place = _stop(some, out.frame, out.start, sense).place
-                _meet_fence(some, out, way, place, outcome)
-    else:
-        cases.land_in_space(ball, outcome)
-
-
-def _land(cases: Cases[N], ball: Batted[N], outcome: Outcome) -> None:
-    """Fly from launches to the ground, but for balls that loop above it for ever."""
-    law, start, limit = ball.law, ball.start, cases.time_limit
-    if _may_loop(cases, law):
-        aloft, others = _stays_aloft(cases, law, start, cases.ground(start))
-        (looping,) = cases.take(aloft)
-        path = Path(_when_asked(cases.engine, law, law.state_of(start), limit))
-        looping.follow(ball.frame, Flight(path, "time", limit, start), ball.launch.time)
-        looping.conclude("airborne")
-        cases, ball = cases.take(others, ball)
-        if cases.empty:
+        down = Flight(Path(()), "ground", run.numbers.exact(0.0), start)
+        _come_down(run, ball, down, outcome, rows)
+    elif run.scene.fence is None:
+        if hasattr(run.scene, "launch"):
+            rows = _land_from_below(run, ball, outcome, rows)
+        if not run.some(rows):
             return
-    flight = fly(cases, ball.law, ball.frame, ball.start, to_ground)
-    _come_down(cases, ball, flight, outcome)
+        aloft = _stays_aloft(run, ball, rows)
+        run.conclude("airborne", aloft)
+        rows = rows & (aloft ^ True)
+        if run.some(rows):
+            _come_down(run, ball, _fly_down(run, ball, start, run.time_limit, rows), outcome, rows)
+    elif "v" not in law.variables and not isinstance(run.engine, Stepped):
+        _cross_fence_in_plane(run, ball, outcome, rows)
+    elif not run.land_one_by_one(launch, outcome, rows):
+        _cross_fence_in_space(run, ball, outcome, rows)
+
+
+def _fly_down(run: Run, ball: Batted, start: State[Any], limit: Number, rows: Mask) -> Flight[Any]:
+    """Fly to the ground."""
+    return fly(run, ball.law, start, lambda state: [run.ground(state)], limit, rows)
+
+
+def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Mask:
+    """Land the balls that are launched below the ground; return the other rows.
+
+    One that is hit to an upper deck is such a ball. A landing is a fall through the ground's
+    height: first it rises through that.
+    """
+    height, limit = run.numbers.exact(landing_height(run.scene)), run.time_limit
+    rise = height - ball.start.z
+    under, others = run.decide(rise, rise * 0, "whether the ball starts below the ground", rows)
+    if run.some(under):
+        flight = fly(
+            run, ball.law, ball.start, lambda at: [level(height, at, run.numbers)], limit, under
+        )
+        risen = under & flight.stopped("level")
+        if run.some(risen):
+            down = _fly_down(run, ball, flight.state, limit - flight.time, risen)
+            flight = flight.then(down)
+        _come_down(run, ball, flight, outcome, under)
+    return others
 
 
 def _come_down(
-    cases: Cases[N], ball: Batted[N], flight: Flight[N], outcome: Outcome, fair: bool | None = None
+    run: Run,
+    ball: Batted,
+    flight: Flight[Any],
+    outcome: Outcome,
+    rows: Mask,
+    fair: bool | None = None,
 ) -> None:
     """Conclude flights that end on the ground, or with the time limit.
 
     `fair` is known where the ball has left the field.
     """
-    cases.follow(ball.frame, flight, ball.launch.time)
-    cases, ball, flight = _in_time(cases, ball, flight)
-    (airborne,) = cases.take(flight.stopped("time"))
-    airborne.conclude("home_run" if outcome == "home_run" else "airborne")
-    cases, ball, flight = cases.take(flight.stopped("ground"), ball, flight)
-    if cases.empty:
+    numbers, scene, launch, frame = run.numbers, run.scene, ball.launch, ball.frame
+    run.follow(frame, flight, launch.time, rows)
+    rows = _in_time(run, ball, flight, rows)
+    aloft: Outcome = "home_run" if outcome == "home_run" else "airborne"
+    run.conclude(aloft, rows & flight.stopped("time"))
+    rows = rows & flight.stopped("ground")
+    if not run.some(rows):
         return
-    launch, frame = ball.launch, ball.frame
+
+    _rise(run, ball, flight, rows)
     state: Any = flight.state
     x, y, z = position = frame.position(state)
-    cases.record("landing.time", launch.time + flight.time)
-    cases.record("landing.hang_time", launch.delay + flight.time)
-    cases.record("landing.position", (x, y, z))
-    cases.record("landing.velocity", frame.velocity(state))
-    if cases.scene.reading.distance_origin == "launch":
+    run.record("landing.time", launch.time + flight.time, rows)
+    run.record("landing.hang_time", launch.delay + flight.time, rows)
+    run.record("landing.position", (x, y, z), rows)
+    u, v, w = velocity = frame.velocity(state)
+    run.record("landing.velocity", velocity, rows)
+    run.record("landing.angle", numbers.angle(-w, numbers.sqrt(u * u + v * v)), rows)
+    if scene.reading.distance_origin == "launch":
         # Of the frame, which begins at the launch: no difference of places that are far away.
         x = state.s
         y = x * 0 if in_plane(state) else state.y
-    cases.record("landing.distance", cases.numbers.sqrt(x * x + y * y))
+    run.record("landing.distance", numbers.sqrt(x * x + y * y), rows)
     if frame.spin is not None:
-        cases.record("landing.spin", cases.spin_at(frame, ball.law, state))
-    if hasattr(state, "path") and cases.scene.reading.spin_decay == "path":
-        cases.record("landing.path", state.path)
+        run.record("landing.spin", spin_at(frame, ball.law, state, numbers), rows)
+    if hasattr(state, "path") and scene.reading.spin_decay == "path":
+        run.record("landing.path", state.path, rows)
+
     if fair is not None:
-        cases.record("landing.fair", fair)
-    elif cases.scene.fence is not None:
-        lands_foul, lands_fair = _foul(cases, position, "lands fair")
-        cases.record("landing.fair", lands_fair)
-        (cases,) = cases.take(lands_foul | lands_fair)
-    cases.conclude(outcome)
+        run.record("landing.fair", fair, rows)
+    elif scene.fence is not None:
+        lands_foul, lands_fair = _foul(run, position, "lands fair", rows)
+        run.record("landing.fair", lands_fair, rows)
+        rows = lands_foul | lands_fair
+    run.conclude(outcome, rows)
 
 
-def _in_time(cases: Cases[N], ball: Batted[N], flight: Flight[N]) -> tuple[Any, ...]:
-    """Return those of which it is certain whether the ball lands in the time limit.
+def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
+    """Record the highest point of flights that do not end in it."""
+    top = flight.highest(run.numbers)
+    if top is not None:
+        time, state = top
+        run.record("apex.time", ball.launch.time + time, rows)
+        run.record("apex.position", ball.frame.position(state), rows)
+
+
+def _in_time(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> Mask:
+    """Return the rows in which it is certain whether the ball lands in the time limit.
 
     The engine knows of the errors of its flight, but not of that of the launch.
     """
     error, state = ball.launch.error, flight.state
     if error is None:
-        return cases, ball, flight
-    left = (cases.time_limit - flight.time) * absolute(state.w)
-    above = state.z - cases.numbers.exact(landing_height(cases.scene))
-    margin = cases.numbers.where(flight.stopped("time"), above, left)
+        return rows
+    left = (run.time_limit - flight.time) * abs(state.w)
+    above = state.z - run.numbers.exact(landing_height(run.scene))
+    margin = run.numbers.where(flight.stopped("time"), above, left)
     question = "whether the ball touches the ground in the time limit"
-    certain, never = cases.decide(margin, error * flight.time, question)
-    return cases.take(certain | never, ball, flight)
+    certain, never = run.decide(margin, error * flight.time, question, rows)
+    return certain | never
 
 
-def _may_loop(cases: Cases[N], law: Law[N]) -> bool:
-    """Tell whether nothing but lift about a fixed axis and gravity acts, in some of the cases."""
-    return (
-        LIFT in law.forces
-        and cases.numbers.absent(cast(Any, law.strengths.get("drag", 0.0)))
-        and {DRAG, LIFT, GRAVITY}.issuperset(law.forces)
-        and cases.scene.reading.lift_direction == "fixed_spin_axis"
-        and not isinstance(cases.engine, Stepped)  # whose scheme may well come down
-    )
+# --- balls that never come down -------------------------------------------------------------------
+
+# Far more than the roundings of a flight.
+_TOUCHING = 1e-9
 
 
-def _stays_aloft(
-    cases: Cases[N], law: Law[N], start: State[N], surface: Event[N]
-) -> tuple[Any, Any]:
-    """Return the conditions that a ball without drag never comes down to the ground, or does.
+def _stays_aloft(run: Run, ball: Batted, rows: Mask) -> Mask:
+    """Return the rows in which a ball without drag never comes down to the ground.
 
     It loops, for ever, and an engine would fly every turn. But ``V² + 2 g z`` stays the same, and
     so does ``u - k ∫ V² dV / g``, with the lift k: at the height of the ground, H below the start,
@@ -160,136 +179,162 @@ def _stays_aloft(
     also where g = 0. A ball for which that is more than the speed cannot come there; and as speed
     less horizontal speed is concave in V, any other ball can.
     """
-    numbers, height = cases.numbers, surface.value(start)
+    numbers, law, start = run.numbers, ball.law, ball.start
+    loops = (
+        law.is_paper
+        and "lift" in law.strengths
+        and numbers.absent(law.strengths.get("drag", 0.0))
+        and run.scene.reading.lift_direction == "fixed_spin_axis"
+        and not isinstance(run.engine, Stepped)  # whose scheme may well come down
+    )
+    if not loops:
+        return rows & False
+    height = run.ground(start).value(start)
     slow2 = start.u * start.u + start.w * start.w
-    gravity = law.gravity
-    fast2 = slow2 if gravity is None else slow2 + 2 * gravity * height
+    fast2 = slow2 if law.gravity is None else slow2 + 2 * law.gravity * height
     slow, fast = numbers.sqrt(slow2), numbers.sqrt(fast2)
     total, lift = fast + slow, law.strengths["lift"]
     level = start.u * total + 2 * lift * height * (fast2 + fast * slow + slow2) / 3
     # A ball that only just touches the ground is left to the search for that event.
-    beyond = absolute(level) - fast * total * (1 + _TOUCHING)
-    return cases.decide(beyond, fast * 0, "whether the ball stays above the ground")
+    beyond = abs(level) - fast * total * (1 + _TOUCHING)
+    aloft, _ = run.decide(beyond, fast * 0, "whether the ball stays above the ground", rows)
+    path = Path(_when_asked(run, law, law.state_of(start)))
+    looping = Flight(path, "time", run.time_limit, start)
+    run.follow(ball.frame, looping, ball.launch.time, aloft)
+    return aloft
 
 
-# Far more than the roundings of a flight.
-_TOUCHING = 1e-9
-
-
-def _when_asked(engine: Engine[N], law: Law[N], start: State[N], limit: N) -> Iterator[Piece[N]]:
+def _when_asked(run: Run, law: Law[Any], start: State[Any]) -> Iterator[Piece[Any]]:
     """Yield the pieces of a flight that is only flown if somebody wants to know its way."""
-    yield from engine.fly(law, start, (), limit).path.pieces()
+    yield from run.engine.fly(law, start, (), run.time_limit).path.pieces()
 
 
 # --- the fence ------------------------------------------------------------------------------------
 
 
-def _to_fence(name: str, sense: int, cases: Cases[N], frame: Frame[N], start: State[N]) -> Event[N]:
-    return at_stop(name, _stop(cases, frame, start, sense), sense, cases.numbers)
-
-
-def _flight_error(cases: Cases[N]) -> float:
+def _flight_error(run: Run) -> float:
     """Return the relative error of a state of a flight and of a few roundings of it."""
-    return cases.engine.flight_error + 8 * cases.numbers.rounding
+    error: float = run.engine.flight_error + 8 * run.numbers.rounding
+    return error
 
 
-def _heading_error(cases: Cases[N]) -> float:
+def _heading_error(run: Run) -> float:
     """Return the relative error of where a flight in its plane heads for.
 
     The flight itself adds none; the heading of a batted ball has its pitch's error.
     """
-    rounded = 8 * cases.numbers.rounding
-    return rounded if hasattr(cases.scene, "launch") else _flight_error(cases)
+    rounded: float = 8 * run.numbers.rounding
+    return rounded if hasattr(run.scene, "launch") else _flight_error(run)
 
 
-def _stop(cases: Cases[N], frame: Frame[N], start: State[N], sense: int) -> Stop[N]:
-    error = cases.numbers.exact(_heading_error(cases))
-    return stop_at(cases.scene.fence, frame, start.s, sense, error, cases.numbers)
-
-
-def _foul(cases: Cases[N], position: Vector[N], what: str) -> tuple[Any, Any]:
-    """Return the conditions that a ball is foul, and that it is fair: the foul line is."""
+def _foul(run: Run, position: Vector, what: str, rows: Mask) -> tuple[Mask, Mask]:
+    """Return the rows in which a ball is foul, and those in which it is fair: the foul line is."""
     x, y, _ = position
-    error = _flight_error(cases) * (absolute(x) + absolute(y))
-    return cases.decide(absolute(y) - x, error, f"whether the ball {what}")
+    error = _flight_error(run) * (abs(x) + abs(y))
+    return run.decide(abs(y) - x, error, f"whether the ball {what}", rows)
+
+
+def _cross_fence_in_plane(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> None:
+    """Fly to the ground, or to the place of the fence that the ball heads for, ahead or behind."""
+    numbers, start, senses = run.numbers, ball.start, {"fence": 1, "fence_behind": -1}
+    error = numbers.exact(_heading_error(run))
+    stops = {
+        name: stop_at(run.scene.fence, ball.frame, start.s, sense, error, numbers)
+        for name, sense in senses.items()
+    }
+    fences = [at_stop(name, stops[name], sense, numbers) for name, sense in senses.items()]
+    flight = fly(
+        run, ball.law, start, lambda state: [run.ground(state), *fences], run.time_limit, rows
+    )
+    inside = rows & (flight.stopped("ground") | flight.stopped("time"))
+    if run.some(inside):
+        _come_down(run, ball, flight, outcome, inside)
+    for name, stop in stops.items():
+        stopped = rows & flight.stopped(name)
+        if run.some(stopped):
+            _meet_fence(run, ball, flight, stop.place, outcome, stopped)
+
+
+def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> None:
+    """Fly to the ground, and follow the flight, which leaves its plane, past the fence."""
+    frame, numbers = ball.frame, run.numbers
+    flight = _fly_down(run, ball, ball.start, run.time_limit, rows)
+    error = numbers.exact(_flight_error(run))
+    (x, y, z), w = frame.position(flight.state), frame.velocity(flight.state)[2]
+    off = error * (1 + abs(x) + abs(y) + abs(z))
+    late = off / abs(w) if flight.stop == "ground" else numbers.exact(0.0)
+    pieces = flight.path.pieces()
+    met = first_crossing(run.scene.fence, frame, pieces, flight.time, late, error, numbers)
+    if met is None:
+        _come_down(run, ball, flight, outcome, rows)
+        return
+    x, y, z = frame.position(met.state)
+    above = z - numbers.exact(landing_height(run.scene))
+    off = error * (1 + abs(x) + abs(y) + abs(z))
+    run.decide(above, off, "whether the ball reaches the fence before it touches the ground", rows)
+    if met.doubtful:
+        reason = "it comes as close as a state's error"
+        question = "whether the ball reaches the fence"
+        run.refuse(Undecided(f"{question} cannot be decided: {reason}"), rows)
+    stopped = Flight(flight.path, "fence", met.time, met.state)
+    _meet_fence(run, ball, stopped, met.place, outcome, rows, flight)
 
 
 def _meet_fence(
-    cases: Cases[N],
-    ball: Batted[N],
-    flight: Flight[N],
-    place: Place[N],
+    run: Run,
+    ball: Batted,
+    flight: Flight[Any],
+    place: Place[Any],
     outcome: Outcome,
-    landing: Flight[N] | None = None,
+    rows: Mask,
+    landing: Flight[Any] | None = None,
 ) -> None:
     """Conclude flights that are at the fence; `landing` has where they land if they go on."""
-    numbers, frame = cases.numbers, ball.frame
+    numbers, frame, begin = run.numbers, ball.frame, ball.launch.time
     x, y, z = frame.position(flight.state)
     u, v, w = frame.velocity(flight.state)
     clearance = z - place.height
-    if cases.scene.reading.fence_clearance == "surface":
-        clearance = clearance - numbers.exact(cases.scene.ball.radius)
-    cases.record("fence.time", ball.launch.time + flight.time)
-    cases.record("fence.position", (x, y, z))
-    cases.record("fence.velocity", (u, v, w))
-    cases.record("fence.clearance", clearance)
-    cases.record("fence.segment", place.segment)
+    if run.scene.reading.fence_clearance == "surface":
+        clearance = clearance - numbers.exact(run.scene.ball.radius)
+    run.record("fence.time", begin + flight.time, rows)
+    run.record("fence.position", (x, y, z), rows)
+    run.record("fence.velocity", (u, v, w), rows)
+    run.record("fence.clearance", clearance, rows)
+    run.record("fence.segment", place.segment, rows)
     if place.margin is not None:
-        cases.record("fence.margin", place.margin)
-    error = _flight_error(cases) * (1 + absolute(x) + absolute(y) + absolute(z))
-    heading = _heading_error(cases) if landing is None else _flight_error(cases)
+        run.record("fence.margin", place.margin, rows)
+
+    # over a part of the fence that has one height
+    error = _flight_error(run) * (1 + abs(x) + abs(y) + abs(z))
+    heading = _heading_error(run) if landing is None else _flight_error(run)
     question = "on which side the ball passes a vertex where the fence ends or has two heights"
-    aside = heading * (1 + absolute(x) + absolute(y))
-    known, at_vertex = cases.decide(place.to_break, aside, question)
-    (ended,) = cases.take(at_vertex)
-    ended.refuse(Undecided(f"{question} cannot be said: it passes over the vertex itself"))
+    aside = heading * (1 + abs(x) + abs(y))
+    known, at_vertex = run.decide(place.to_break, aside, question, rows)
+    reason = f"{question} cannot be said: it passes over the vertex itself"
+    run.refuse(Undecided(reason), at_vertex)
+
+    # against the wall
     # What the place is off, the ball's way makes of it by its steepness, and the top by its own.
-    steepness = absolute(w) / numbers.sqrt(u * u + v * v) + absolute(place.slope)
-    over, into = cases.decide(
-        clearance, error * (1 + steepness), "whether the ball clears the fence"
+    steepness = abs(w) / numbers.sqrt(u * u + v * v) + abs(place.slope)
+    over, into = run.decide(
+        clearance, error * (1 + steepness), "whether the ball clears the fence", rows
     )
-    wall, stopped, way = cases.take(known & into, ball, flight)
-    wall.follow(stopped.frame, way, stopped.launch.time)
-    wall.conclude("wall")
-    cases, ball, flight = cases.take(known & over, ball, flight)
-    if cases.empty:
+    into = known & into
+    run.follow(frame, flight, begin, into)
+    if run.some(into):
+        _rise(run, ball, flight, into)
+    run.conclude("wall", into)
+    over = known & over
+    if not run.some(over):
         return
+
+    # out of the field
     if landing is None:
-        left = cases.time_limit - flight.time
-        second = fly(cases, ball.law, ball.frame, flight.state, to_ground, limit=left)
-        landing = flight.then(second)
-    conditions = _foul(cases, ball.frame.position(flight.state), "leaves the field fair")
-    around = cases.scene.fence.polyline is None
-    for fair, condition in zip((False, True), conditions, strict=True):
-        some, gone, way = cases.take(condition, ball, landing)
-        if not some.empty:
-            beyond: Outcome = "home_run" if fair or around else outcome
-            _come_down(some, gone, way, beyond, fair)
-
-
-def land_in_space(case: Cases[N], ball: Batted[N], outcome: Outcome) -> None:
-    """Follow a flight that leaves its plane past the fence, of one scene; see `Cases`."""
-    frame, numbers = ball.frame, case.numbers
-    flight = fly(case, ball.law, frame, ball.start, to_ground)
-    fence, pieces, error = (
-        case.scene.fence,
-        flight.path.pieces(),
-        numbers.exact(_flight_error(case)),
-    )
-    (x, y, z), w = frame.position(flight.state), frame.velocity(flight.state)[2]
-    off = error * (1 + absolute(x) + absolute(y) + absolute(z))
-    late = off / absolute(w) if flight.stop == "ground" else numbers.exact(0.0)
-    met = first_crossing(fence, frame, pieces, flight.time, late, error, numbers)
-    if met is None:
-        _come_down(case, ball, flight, outcome)
-        return
-    x, y, z = frame.position(met.state)
-    above = z - numbers.exact(landing_height(case.scene))
-    question = "whether the ball reaches the fence before it touches the ground"
-    off = error * (1 + absolute(x) + absolute(y) + absolute(z))
-    case.decide(above, off, question)
-    if met.doubtful:
-        reason = "it comes as close as a state's error"
-        case.refuse(Undecided(f"whether the ball reaches the fence cannot be decided: {reason}"))
-    stopped = Flight(flight.path, "fence", met.time, met.state)
-    _meet_fence(case, ball, stopped, met.place, outcome, flight)
+        left = run.time_limit - flight.time
+        landing = flight.then(_fly_down(run, ball, flight.state, left, over))
+    foul, fair = _foul(run, frame.position(flight.state), "leaves the field fair", over)
+    around = run.scene.fence.polyline is None
+    if run.some(fair):
+        _come_down(run, ball, landing, "home_run", fair, True)
+    if run.some(foul):
+        _come_down(run, ball, landing, "home_run" if around else outcome, foul, False)

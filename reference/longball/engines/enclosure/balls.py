@@ -54,8 +54,12 @@ class Balls(Single[arb]):
         """Return cosine and sine of an angle in radians."""
         return angle.cos(), angle.sin()
 
+    def angle(self, y: arb, x: arb) -> arb:
+        """Return the angle from the x axis to a vector, rad."""
+        return arb.atan2(y, x)
+
     def positive(self, x: arb, error: arb, question: str) -> bool:
-        """Tell whether ``x > 0``; see `longball.model.numbers.Numbers.positive`."""
+        """True if ``x > 0``; see `longball.model.numbers.Numbers.positive`."""
         if x > error:
             return True
         if x <= -error:

@@ -37,11 +37,11 @@ class Curve:
     first: arb | None = None
 
     def __call__(self, t: arb) -> arb:
-        """Return what contains the values at all times of `t`."""
+        """Return a ball that contains the values at all times of `t`."""
         return self.first if self.first is not None and t == 0 else self.value(t)
 
     def positive(self, a: arb, b: arb) -> bool:
-        """Tell whether the value is certainly positive from a to b."""
+        """True if the value is certainly positive from a to b."""
         return bool(self.value(a.union(b)) > 0)
 
     def turns(self, a: arb, b: arb) -> Sequence[arb]:
@@ -155,7 +155,7 @@ class EnclosedPiece:
     start: State[arb]  # the state at `begin`
 
     def at(self, t: arb) -> State[arb]:
-        """Return what contains the states at all times of `t`, s since `begin`."""
+        """Return balls that contain the states at all times of `t`, s since `begin`."""
         if t == 0:
             return self.start
         return type(self.families)(*(family(t) for family in self.families))

@@ -1,4 +1,4 @@
-"""How well polynomials solve a traced law: the defect."""
+"""The defect of polynomials as solutions of a traced law."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TRANSCENDENTAL = ("sqrt", "quotient", "exp", "log")
 
 
 class Defect:
-    """What polynomials miss a program's equations ``x' = f(x)`` by."""
+    """Residuals of polynomials in a program's equations ``x' = f(x)``."""
 
     def __init__(
         self,
@@ -117,7 +117,7 @@ def polynomial_of(node: Node, value: Mapping[Node, Any]) -> arb_poly:
 
 
 def _residual(node: Node, value: Mapping[Node, Any]) -> arb_poly:
-    """Return what an approximation misses its node's equation by."""
+    """Return the residual of an approximation in its node's equation."""
     n, a = value[node], value[node.args[0]]
     residual: arb_poly
     match node.kind:

@@ -131,7 +131,7 @@ def brought_to_rest(core: Start, structure: Structure, negligible: arb) -> Start
 
 
 def _is_uncertain(system: System, bits: int) -> bool:
-    """Tell whether a parameter is off by more than roundings, as the spin after an impact is."""
+    """True if a parameter is off by more than roundings, as the spin after an impact is."""
     return any(
         x.rad() > abs(x.mid()) * arb(2) ** -bits * _TOLERANCE
         for node, x in system.static.items()

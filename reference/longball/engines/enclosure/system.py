@@ -1,4 +1,4 @@
-"""What the enclosure needs of a law, made once for a flight."""
+"""A law as the enclosure needs it, made once for a flight."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TIME_SCALE = 8.0
 
 @dataclass(frozen=True)
 class Structure:
-    """How the variables of a program depend on each other."""
+    """Dependence of the variables of a program on each other."""
 
     # The program of those variables that rates depend on, and of those whose rates are not linear
     core: Program

@@ -152,9 +152,12 @@ thins = switch(
     * thins,
 )
 area = named("A", math.pi * (I["R"] * I["R"]))
-k = named("k", ρ * area / (2.0 * I["m"]))
+k = named(
+    "k",
+    switch("air", {"null": constant(0.0, (-1, 0, 0)), "given": ρ * area / (2.0 * I["m"])}),
+)
 
-_rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
+rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
 )
 W = named(
@@ -165,7 +168,7 @@ W = named(
             "none": constant(0.0, SPEED, True),
             "uniform": I["W_0"],
             "above": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
-            "profile": _rise * level(I["wind.velocity"]),
+            "profile": rise * level(I["wind.velocity"]),
         },
     ),
 )
@@ -311,6 +314,9 @@ n = own("contact.normal", "n", NONE, True)
 V_b = own("contact.bat_velocity", "V_b", SPEED, True)
 w = own("contact.normal_speed", "Ṽ·n", SPEED)
 own("contact.margin", "margin", M)
+# Of the undisturbed pitch from the bat's axis: a minimum, which no formula gives
+# (`longball.judge.diagnosis.residual.data_of`).
+closest = symbol("the closest distance", M)
 ẽ = own("impact.restitution", "ẽ")
 J = own("impact.impulse", "J", IMPULSE)
 after = own("impact.velocity", "V⁺", SPEED, True)
@@ -629,6 +635,7 @@ CHAIN = (
         "plate", ("plate.position",), "event", {"zero": component(plate, 0)},
         scenes=("pitch", "at-bat"),
     ),
+    _formula("margin", "contact.margin", reach - closest, ("at-bat",)),
     Stage(
         "touching", ("contact.position", "contact.velocity", "contact.spin"), "flight",
         _pitched(contact_time), _forms, ("at-bat",),

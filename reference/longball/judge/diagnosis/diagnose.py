@@ -74,22 +74,77 @@ def diagnose(
         if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
     ]
     same = [case for case in known if answers[case.id].outcome in (None, case.expected.outcome)]
-    plain, chain = prepared(same, answers, scheme, granted)
-    data = with_digits(plain, answers)
-    _, first = follow(chain, data)
     if not causes:
+        plain, chain = prepared(same, answers, scheme, granted)
+        data = with_digits(plain, answers)
+        _, first = follow(chain, data)
         return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
-    mended, found = outputs(data, chain)
-    short = explain_digits(chain, plain, answers)
-    found += [_finding(step, mended) for step in reason(mended, chain, dt, solve, scheme).steps]
+    made = conclude(same, answers, dt, scheme, granted, solve)
+    found = [*made.outputs, *(_finding(step, made.mended) for step in made.steps)]
+    if made.digits is not None:
+        found = [told.digits(made.digits, made.first, made.mended)]
     every = data_of(known, answers, granted)
     columns, _ = follow(specialised_to(every), every)
     stages = {finding.stage for finding in found}
     found += outcome_findings(known, answers, columns, stages)
-    if short is not None and not any(f.kind == "named" for f in found):
-        found = [told.digits(short, first, data), *(f for f in found if f.stage == "outcome")]
     found.sort(key=lambda finding: finding.kind != "named")
-    return told.diagnosis(first, found, data)
+    return told.diagnosis(made.first, found, made.mended)
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """Everything that explains a candidate's numbers.
+
+    Attributes
+    ----------
+    first
+        The stages without any edit.
+    mended
+        The data with outputs converted back.
+    outputs
+        Findings of those conversions.
+    digits
+        The style in which the candidate writes numbers, if that is all that is wrong.
+    steps
+        The stages in the order of explanation.
+    chain, data
+        The chain with every edit that is named, and the data with every scheme.
+    """
+
+    first: Sequence[Followed]
+    mended: Data
+    outputs: Sequence[Finding]
+    digits: str | None
+    steps: tuple[Step, ...]
+    chain: tuple[Stage, ...]
+    data: Data
+
+
+def conclude(
+    cases: Sequence[Case],
+    answers: Mapping[str, Answer],
+    dt: float | None = None,
+    scheme: Verlet | None = None,
+    granted: float = 0.0,
+    solve: Solve | None = None,
+) -> Conclusion:
+    """Explain a candidate's numbers in cases with a right outcome; see `diagnose`."""
+    plain, chain = prepared(cases, answers, scheme, granted)
+    data = with_digits(plain, answers)
+    _, first = follow(chain, data)
+    mended, found = outputs(data, chain)
+    reasoned = reason(mended, chain, dt, solve, scheme)
+    if found:
+        # Another unit of an input may look like those of some outputs.
+        other = reason(data, chain, dt, solve, scheme)
+        counts = [(x.unexplained, len(x.steps) + extra) for x, extra in
+                  ((other, 0), (reasoned, len(found)))]  # fmt: skip
+        if counts[0] < counts[1]:
+            mended, found, reasoned = data, [], other
+    digits = None
+    if not found and not any(step.explained for step in reasoned.steps):
+        digits = explain_digits(chain, plain, answers)
+    return Conclusion(first, mended, found, digits, reasoned.steps, reasoned.chain, reasoned.data)
 
 
 def prepared(
@@ -114,6 +169,13 @@ class Step:
     followed: Followed
     found: Named | Located | Scheme
 
+    @property
+    def explained(self) -> bool:
+        """True if the cause is named."""
+        if isinstance(self.found, Scheme):
+            return self.found.adequate
+        return isinstance(self.found, Named)
+
 
 @dataclass(frozen=True)
 class Reasoned:
@@ -128,6 +190,11 @@ class Reasoned:
     chain: tuple[Stage, ...]
     data: Data
     steps: tuple[Step, ...]
+
+    @property
+    def unexplained(self) -> int:
+        """Number of stages whose cause is not named."""
+        return sum(not step.explained for step in self.steps)
 
 
 # Of the errors of a stage, what an edit may leave in a few scenes: the last digits of its number.

@@ -22,6 +22,7 @@ from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
 DIFFERENT = 4  # distinct numbers that a style needs: a constant 1 is not rounded to one digit
+TELLING = 9  # digits in which a number in single precision differs from its neighbours
 # Single-precision roundings that a calculation may add up, such as one in each of so many steps.
 ROUNDINGS = 1e3
 
@@ -70,7 +71,7 @@ def digits_of(numbers: Iterable[Decimal]) -> Digits | None:
     digits = max(len(x.as_tuple().digits) for x in known)
     decimals = max(0, *(-int(x.as_tuple().exponent) for x in known))
     ways = [Digits("digits", digits), Digits("decimals", decimals)]
-    if all(_is_single(x) for x in known):
+    if digits >= TELLING and all(_is_single(x) for x in known):
         ways.append(Digits("single"))
     best = min(ways, key=lambda style: style.bits(known))
     return best if best.bits(known) + CHANCE < DOUBLE * len(known) else None

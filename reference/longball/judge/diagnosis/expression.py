@@ -397,6 +397,12 @@ class Values:
     def __contains__(self, node: object) -> bool:
         return node in self._known
 
+    def beside(self) -> Values:
+        """The same values, to which others may be added that these do not keep."""
+        other = Values(self.columns)
+        other._known = {**self._known}
+        return other
+
     def next(self, node: Node) -> Any:
         """The value of a node whose arguments' values are known."""
         if node not in self._known:
@@ -415,13 +421,14 @@ class Values:
 class Evaluator:
     """Expressions bound to columns, as a function of the symbols that move.
 
-    Nodes without such a symbol are computed once, or taken from `Values` of the same columns.
+    Nodes without such a symbol are computed once, or taken from `Values` of the same columns, which
+    do not keep others: thousands of edits pass by them.
     """
 
     def __init__(
         self, roots: Sequence[Node], columns: Columns | Values, moving: frozenset[str] = frozenset()
     ) -> None:
-        known = columns if isinstance(columns, Values) else Values(columns)
+        known = columns.beside() if isinstance(columns, Values) else Values(columns)
         nodes = ordered(roots, known)
         place = {node: i for i, node in enumerate(nodes)}
         self._values: list[Any] = [None] * len(nodes)

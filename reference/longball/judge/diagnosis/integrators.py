@@ -268,7 +268,7 @@ class Way:
 
 
 def ways_of(engine: Verlet) -> dict[str, Way]:
-    """How the paper's scheme flies: to the line between two steps, and straight on to the bat."""
+    """Ways of the paper's scheme: to the line between two steps, and straight on to the bat."""
     way = Way(VERLET[TREATMENTS[engine.forces]], engine.dt, chord=True)
     batted = replace(way, push=engine.contact_force)
     return {"pitch": way, "touching": straight(way), **dict.fromkeys(BATTED, batted)}

@@ -246,6 +246,9 @@ def _others(site: Site) -> Iterator[Option]:
     choice = math.log2(1 + len(same))
     for b in same:
         yield b, BITS["other"] + choice, f"takes {words(b)} for {words(a)}", ()
+        if a.op == b.op == "symbol" and not a.vector:
+            cost = BITS["other"] + BITS["free factor"] + choice
+            yield free() * b, cost, f"takes {{c}} times {words(b)} for {words(a)}", (a / b,)
     if a.op in ("symbol", "named"):
         for b in same:
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
@@ -485,10 +488,16 @@ def pool_of(chain: Iterable[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     found: dict[int, Node] = {}
     kin = [s for s in chain if (s.kind == "flight") == (stage.kind == "flight")]
     near = [stage] if stage.kind == "flight" else kin[: kin.index(stage) + 1]
-    for one in near:
-        for node in ordered(one.roots.values()):
-            if node.op in ("symbol", "named") and node.data != FREE:
-                found[id(node)] = node
+    roots = [root for one in near for root in one.roots.values()]
+    if stage.kind == "event":  # where the flight that it ends began
+        ends = (s for s in chain if s.kind == "flight" and s.quantities[0] == stage.quantities[0])
+        roots += [flight.roots["place"] for flight in ends]
+    for node in ordered(roots):
+        if node.op in ("symbol", "named") and node.data != FREE:
+            found[id(node)] = node
+    if stage.kind == "event":
+        places = [x for x in found.values() if x.op == "symbol" and x.vector and x.dimension == M]
+        found |= {id(x): x for place in places for i in range(3) for x in [component(place, i)]}
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
         found[id(node)] = node

@@ -19,7 +19,7 @@ from scipy.integrate import DOP853
 from longball.engines.fence import chords
 from longball.judge.answers import Answer
 from longball.judge.cases import SLACK, Case, attainable
-from longball.judge.diagnosis.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage
+from longball.judge.diagnosis.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage, closest
 from longball.judge.diagnosis.evidence import ADEQUATE
 from longball.judge.diagnosis.expression import (
     JUMPS,
@@ -32,6 +32,7 @@ from longball.judge.diagnosis.expression import (
     symbol,
 )
 from longball.judge.quantities import values_of
+from longball.model.air import Air
 from longball.model.arrays import Array
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import at as value_at
@@ -88,7 +89,7 @@ class Data:
     ways: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
 
     def way(self, stage: Stage) -> Callable[..., Any] | None:
-        """How the candidate flies a stage; None for an exact flight, or what is none."""
+        """The candidate's way to fly a stage; None for an exact flight, or if it is no flight."""
         return self.ways.get(stage.name) if stage.kind == "flight" else None
 
 
@@ -110,8 +111,15 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     scenes = [case.scene for case in cases]
     tops = given["fence.position"][2] - given["fence.clearance"]
     chords_at = _fences(scenes, given["fence.position"], tops)
+    # The margin of another pitch is another one, of which the truth tells nothing.
+    pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
+    given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
     columns = {**inputs(scenes), **switches(scenes), **chords_at}
+    columns[str(closest.data)] = columns["R"] + columns["r_b"] - expected["contact.margin"]
     return Data(cases, columns, given, expected, errors, granted=granted)
+
+
+SAME_PITCH = 1e-9  # m: pitches that are nearer to each other at the plate are one
 
 
 def _floats(value: Sequence[Any]) -> Any:
@@ -122,16 +130,14 @@ def _floats(value: Sequence[Any]) -> Any:
 def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
     """The numbers of scenes by symbol."""
     found = {}
+    # A program that overlooks a null has the default air.
+    filled = [
+        scene.model_copy(update={"air": Air()}) if getattr(scene, "air", 0) is None else scene
+        for scene in scenes
+    ]
     for node, path, null in INPUTS:
         nothing: Any = (null,) * 3 if node.vector else null
-        # Without air its numbers are 0.
-        vacuum = path in ("air.density", "air.drag_coefficient", "air.lift_coefficient")
-        column = [
-            0.0
-            if vacuum and getattr(scene, "air", scene) is None
-            else _number(scene, path, nothing)
-            for scene in scenes
-        ]
+        column = [_number(scene, path, nothing) for scene in filled]
         found[str(node.data)] = np.array(column, dtype=float).T
     for side in ("drag", "lift"):
         key = f"air.{side}_coefficient"
@@ -177,6 +183,7 @@ def _options(scene: Any) -> dict[str, str]:
         f"reading.{key}": getattr(scene.reading, key) for key in type(scene.reading).model_fields
     }
     found["kind"] = scene.kind
+    found["air"] = "null" if air is None else "given"
     for key in ("drag", "lift"):
         law: Any = getattr(air, f"{key}_coefficient", 0.0)
         name = getattr(law, "law", "number")
@@ -257,6 +264,8 @@ class Launched:
     ----------
     y
         Place, velocity, and the path through the air; a column a ball.
+    spin
+        At the start.
     duration
         s.
     rates
@@ -266,6 +275,7 @@ class Launched:
     """
 
     y: Array
+    spin: Array
     duration: Array
     rates: Callable[..., Array]
     ended: Callable[[Array], dict[str, Array]]
@@ -314,7 +324,7 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             found[names[2]] = share * columns["ω0"]
         return found
 
-    return Launched(y, duration, rates, ended)
+    return Launched(y, columns["ω0"], duration, rates, ended)
 
 
 def flown(

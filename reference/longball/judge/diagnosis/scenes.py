@@ -1,4 +1,4 @@
-"""Which scenes fail: the smallest rule over their fields and flags, and the smallest such scene."""
+"""Rules for the scenes that fail, over their fields and flags; and the smallest such scene."""
 
 from __future__ import annotations
 
@@ -11,21 +11,20 @@ from itertools import accumulate, islice
 from operator import attrgetter, eq, gt, lt, ne
 from typing import Any
 
-from longball.engines.chain import MODEL, OneCase
-from longball.engines.chain.flying import fly, to_ground
+from longball.engines.chain import MODEL, Run, fly
 from longball.engines.ivp import Ivp
 from longball.judge.cases import MOST_PIECES, Case
 from longball.model.frame import launch_frame
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import Reading
-from longball.model.scene import KINDS, AtBatScene, Scene
+from longball.model.scene import KINDS, AtBatScene, Scene, written_out
 
 Features = dict[str, Any]
 
 
 def features(case: Case) -> Features:
-    """Return what a rule may speak of: numbers, switches, flags and kind."""
+    """Return the features of a scene for rules: numbers, switches, flags and kind."""
     scene: Any = case.scene
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"reading.{name}": value for name, value in scene.reading}
@@ -102,11 +101,11 @@ def _extremes_of_path(case: Case) -> tuple[float, float] | None:
     if velocity[2] <= 0.0 and not lifted:
         return start.z, start.u
     looked_at = [(tops, attrgetter("z")), *([(forward, attrgetter("u"))] if lifted else [])]
-    held = OneCase(scene, engine, MODEL)
-    law = held.law(frame)
+    run = Run(scene, engine, MODEL)
+    law = run.law(frame)
     try:
         if scene.reading.lift_direction == "always_up":
-            path = fly(held, law, frame, start, to_ground).path
+            path = fly(run, law, start, lambda s: [run.ground(s)], run.time_limit, True).path
         else:  # that takes a third of the time
             path = engine.path(law, law.state_of(start), float(truth.landing.hang_time))
         for piece in islice(path.pieces(), MOST_PIECES):
@@ -221,7 +220,7 @@ def _text(conditions: Iterable[Condition]) -> str:
 
 
 def _sorts(name: str) -> bool:
-    """Tell whether a feature is one that scenes are sorted by: numbers may follow from those."""
+    """True if scenes are sorted by a feature, such as a kind: numbers may follow from it."""
     by_name = (*FORMS, "kind", "outcome", "air", "impact.mode", TURNED)
     return name in by_name or name.startswith(("reading.", "flag ")) or _law(name)
 
@@ -238,7 +237,7 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Condition:
-    """What may tell scenes: a feature, in words, and for which values of it it holds."""
+    """A condition on a scene: a feature, in words, and the values for which it holds."""
 
     name: str
     text: str
@@ -247,7 +246,7 @@ class Condition:
     measured: bool = False  # whether it is one of how large a number is
 
     def holds(self, found: Features) -> bool:
-        """Tell whether it holds for a scene with such features."""
+        """True if it holds for a scene with such features."""
         return self.of(found[self.name]) if self.name in found else self.without
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
@@ -349,7 +348,8 @@ def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
     """Return a scene with less in it that fails still; `fails` tells it of several at once."""
 
     def failing(scenes: Sequence[Any]) -> Sequence[bool]:
-        return fails([s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes)])
+        named = (s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes))
+        return fails([written_out(s) for s in named])
 
     for _ in range(LARGEST_SHRINKS):
         changed = [(_simplified(scene, change), change) for change in simpler(scene)]
@@ -377,6 +377,6 @@ def _simplified(scene: Any, change: Simplification) -> Any:
 
 
 def _plainness(scene: Any) -> tuple[Any, ...]:
-    """Return what orders scenes: without air first, then by what they say besides the defaults."""
+    """Return a sort key: scenes without air come first, then those with the fewest keys."""
     has_air = getattr(scene, "air", None) is not None
     return has_air, len(str(scene.model_dump(exclude_defaults=True))), len(scene.line())

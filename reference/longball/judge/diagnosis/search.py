@@ -113,6 +113,11 @@ def _in_floors(f: Followed) -> Array:
     return np.where(np.isfinite(f.off) & ~np.isfinite(r), LOST, r)
 
 
+def _median(x: Any) -> float:
+    known = np.asarray(x)[np.isfinite(x)]
+    return float(np.median(known)) if known.size else 0.0
+
+
 def _evenly(some: Index, most: int) -> Index:
     """At most so many of some scenes, evenly spread."""
     if len(some) <= most:
@@ -294,7 +299,7 @@ class Explanation:
 
     def _starts(self, edit: Edit, at: Values) -> list[float]:
         """Initial values of an edit's free number; an expression gives its median."""
-        return [float(np.nanmedian(at.of(x))) if isinstance(x, Node) else x for x in edit.starts]
+        return [_median(at.of(x)) if isinstance(x, Node) else x for x in edit.starts]
 
     def settled(self, edit: Edit) -> tuple[Edit, Array, tuple[float, float]]:
         """An edit with the roundest free number that fits.

@@ -1,0 +1,73 @@
+"""A command of the command line: its help, and the options that a file of settings gives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from typer.core import TyperCommand
+
+from longball.cli.common import note
+from longball.cli.settings import INSTEAD
+
+# What help calls the types of values; other forms stand as they are, as a|b.
+TYPES = {"str": "TEXT", "int": "N", "float": "X", "path": "FILE"}
+
+
+class Command(TyperCommand):
+    """A command whose help has no types of Python, and says which options a file has given."""
+
+    settings = ""  # the file
+
+    def named_options(self) -> Mapping[str, Any]:
+        """Return parameters by their long names; the argument of a COMMAND is one of them."""
+        long = {o.lstrip("-"): p for p in self.params for o in p.opts if o.startswith("--")}
+        return long | {p.name: p for p in self.params if p.name == "command"}
+
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Parse the arguments; what they give stands for what a file gives in its place."""
+        rest = super().parse_args(ctx, args)
+        for names in INSTEAD:
+            if any(_from(ctx, name) == "COMMANDLINE" for name in names):
+                ctx.params |= {name: None for name in names if _from(ctx, name) == "DEFAULT_MAP"}
+        return rest
+
+    def invoke(self, ctx: Any) -> Any:
+        """Call the command."""
+        names = (name for name, parameter in self.named_options().items()
+                 if _from(ctx, parameter.name) == "DEFAULT_MAP"
+                 and ctx.params.get(parameter.name) is not None)  # fmt: skip
+        if given := ", ".join(names):
+            note(f"{self.settings} gives {given}")
+        return super().invoke(ctx)
+
+    def collect_usage_pieces(self, ctx: Any) -> list[str]:
+        """Return what stands behind the command's name in its usage."""
+        arguments = (p for p in self.params if p.param_type_name == "argument")
+        return ["[OPTIONS]", *(str(p.metavar) for p in arguments)]
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the sections of arguments and options."""
+        rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
+        for parameter in self.get_params(ctx):
+            if record := parameter.get_help_record(ctx):
+                name = parameter.metavar if parameter.param_type_name == "argument" else None
+                rows[parameter.param_type_name].append((name or _spelled(record[0]), record[1]))
+        for title, kind in (("Arguments", "argument"), ("Options", "option")):
+            if rows[kind]:
+                with formatter.section(title):
+                    formatter.write_dl(rows[kind])
+
+
+def _from(ctx: Any, name: str) -> str:
+    """Return where a value is from."""
+    source = ctx.get_parameter_source(name)
+    return source.name if source else ""
+
+
+def _spelled(name: str) -> str:
+    """Return an option with the form of its value in place of the type."""
+    return re.sub(
+        r"<(?:list\[)?(.*?)\]?(?: range)?>", lambda form: TYPES.get(form[1], form[1]), name
+    )

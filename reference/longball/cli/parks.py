@@ -1,0 +1,93 @@
+"""``longball parks``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+from longball import engines
+from longball.cli.changes import ReadingOption, SetOption, chosen_changes
+from longball.cli.common import Json, named, reading_from, refusing, show, tell
+from longball.model.jsonl import json_line
+from longball.model.scene import InvalidScene, parse_scene
+from longball.pitches.statcast import FOOT
+from longball.questions.parks import InPark, Park, in_parks, park
+from longball.questions.parks import parks as every_park
+
+
+def parks(
+    source: Annotated[
+        str | None,
+        typer.Argument(metavar="[SCENES|-]", help="Batted balls as JSON Lines; - reads stdin."),
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--park", metavar="NAME", help="Only in this park; repeatable."),
+    ] = None,
+    set_: SetOption = None,
+    reading: ReadingOption = None,
+    engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "ivp",
+    as_json: Json = False,
+) -> None:
+    """Tell in which parks batted balls are home runs, and by how much.
+
+    Each scene is flown with the fence of each park, and at its elevation if the scene's density is
+    a weather. Without scenes the parks are listed, with their numbers in feet and their sources.
+    """
+    with refusing("--park: "):
+        where = [park(name) for name in only] if only else [*every_park()]
+    if source is None:
+        _list(where)
+        return
+    change = chosen_changes(set_, None, reading)
+    with refusing():
+        solver = engines.create(engine)
+    failed = told = 0
+    with reading_from(source) as lines:
+        for number, line in enumerate(lines, 1):
+            if not line.strip():
+                continue
+            told += 1
+            try:
+                scene = parse_scene(line, change)
+                found = in_parks(scene, where, solver)
+            except InvalidScene as error:
+                failed += 1
+                tell(f"line {number}: {error}")
+                continue
+            _show(scene.id or str(number), found, as_json)
+            failed += all(each.result.error for each in found)
+    if not told:
+        tell(f"no scenes in {named(source)}")
+    if failed or not told:
+        raise typer.Exit(1)
+
+
+def _list(where: Sequence[Park]) -> None:
+    def feet(lengths: Sequence[float]) -> str:
+        return "/".join(f"{round(length / FOOT, 2):g}" for length in lengths)
+
+    rows = [[one.name, one.seasons, feet(one.distances), feet(one.walls)] for one in where]
+    show(["park", "seasons", "distances, ft", "walls, ft"], rows)
+
+
+def _show(name: str, found: list[InPark], as_json: bool) -> None:
+    if as_json:
+        for each in found:
+            known = {"id": name, "park": each.park.name, "outcome": each.result.outcome}
+            more = {"clearance": each.clearance, "error": each.result.error}
+            print(json_line(known | {key: x for key, x in more.items() if x is not None}))
+        return
+    out = sum(each.is_out for each in found)
+    print(f"{name}: a home run in {out} of {len(found)} parks")
+    rows = []
+    for each in sorted(found, key=lambda each: -_order(each)):
+        over = "" if each.clearance is None else f"{each.clearance:+.2f}"
+        rows.append([each.park.name, str(each.result.outcome or each.result.error), over])
+    show(["park", "outcome", "above the fence, m"], rows)
+
+
+def _order(each: InPark) -> float:
+    return float("-inf") if each.clearance is None else each.clearance

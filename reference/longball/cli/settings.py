@@ -1,0 +1,65 @@
+"""Options that are always the same: longball.toml, or [tool.longball] of pyproject.toml.
+
+Both stand in the working directory, and have a table for each command.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from longball.cli.common import wrong_call
+from longball.model.names import one_of
+
+FILES = ("longball.toml", "pyproject.toml")  # the first one that has settings is taken
+
+# Of each line one is given: what the command line gives stands for what the file gives.
+INSTEAD = (("command", "results"), ("golden", "scenes", "random"), ("steps", "knob"))
+
+
+def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, Any]]:
+    """Return the file that has settings, and those of a command; a wrong one is a wrong call."""
+    for file in map(Path, FILES):
+        if not file.is_file():
+            continue
+        try:
+            found = tomllib.loads(file.read_text(encoding="utf-8"))
+        except ValueError as error:  # also of text that is not UTF-8
+            wrong_call(f"{file}: not TOML: {error}")
+        if file.name == "pyproject.toml":
+            found = found.get("tool", {}).get("longball", {})
+        for name, table in found.items():
+            if name not in commands:
+                wrong_call(f"{file}: {name}: no such command{one_of('they are', name, commands)}")
+            if not isinstance(table, dict):
+                wrong_call(f"{file}: {name}: must be a table of options, [{name}]")
+        if found:
+            return file.name, found.get(command, {})
+    return "", {}
+
+
+def defaults_of(
+    file: str, given: Mapping[str, Any], options: Mapping[str, Any], command: str
+) -> dict[str, Any]:
+    """Return settings by the names of parameters; `options` has these by the names of options."""
+    found = {}
+    for name, value in given.items():
+        where = f"{file}: {command}.{name}"
+        if name not in options:
+            wrong_call(f"{where}: no such option{one_of('they are', name, options)}")
+        parameter = options[name]
+        many = parameter.nargs == -1 or getattr(parameter, "multiple", False)
+        if isinstance(value, dict):
+            wrong_call(f"{where}: must be a value, not a table")
+        if name == "command" and not isinstance(value, list):
+            wrong_call(f'{where}: must be a list of words, as ["python", "my_simulator.py"]')
+        if isinstance(value, list) and not many:
+            wrong_call(f"{where}: takes one value, not a list")
+        if getattr(parameter, "is_flag", False) and not isinstance(value, bool):
+            wrong_call(f"{where}: must be true or false")
+        values = value if isinstance(value, list) else [value]
+        texts = [x if isinstance(x, bool) else str(x) for x in values]
+        found[parameter.name] = texts if many else texts[0]
+    return found

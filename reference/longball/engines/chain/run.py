@@ -1,0 +1,158 @@
+"""The run of a chain over one scene, with masks that let it run over columns of scenes as well.
+
+A mask says for which scenes something holds: a bool for one scene, an array of flags for columns.
+A stage of the chain runs on the rows of a mask, and only if there are some. Numbers in other rows
+have no meaning, and are never recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from longball.engines.contact import BatSection
+from longball.engines.engine import CannotSolve, Launch, Touch
+from longball.engines.event import Event, Events, ground
+from longball.engines.path import Flight, Leg, Path
+from longball.model.frame import Frame
+from longball.model.law import Law, State, law_of
+from longball.model.numbers import Undecided
+from longball.model.result import Outcome
+from longball.model.scene import landing_height
+
+if TYPE_CHECKING:
+    from longball.engines.chain.collision import Model
+
+Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
+Vector = tuple[Number, Number, Number]
+Mask = Any  # bool or array of flags
+
+
+@dataclass
+class Run:
+    """A scene on its way through a chain; `longball.engines.batch.columns.Columns` has many.
+
+    Attributes
+    ----------
+    scene
+        Has the blocks of a scene as attributes, in columns with a number or an array each.
+    engine, model
+        The engine that computes; the parts of the chain.
+    answer
+        What is recorded, by name, with the outcome.
+    legs
+        The flights of the scene, in order.
+    engines
+        Descriptions of the engines that flew the ball, in order.
+    """
+
+    scene: Any
+    engine: Any
+    model: Model
+    answer: dict[str, Any] = field(default_factory=dict)
+    legs: list[Leg[Any]] = field(default_factory=list)
+    engines: list[str] = field(default_factory=list)
+
+    # --- masks -----------------------------------------------------------------------------------
+
+    @property
+    def everything(self) -> Mask:
+        """The mask of all scenes."""
+        return True
+
+    def some(self, rows: Mask) -> bool:
+        """Return True if a mask has any rows."""
+        return bool(rows)
+
+    def decide(self, x: Number, error: Number, question: str, rows: Mask) -> tuple[Mask, Mask]:
+        """Return the rows in which ``x > 0``, and those in which it is not.
+
+        In doubt a row of columns is in neither.
+
+        Raises `Undecided` for one scene, in doubt.
+        """
+        positive = rows and self.numbers.positive(x, error, question)
+        return positive, rows and not positive
+
+    def touched(self, touch: Touch[Any], rows: Mask) -> tuple[Mask, Mask]:
+        """Return the rows in which ball and bat touch, and in which they miss; see `decide`."""
+        if touch.touched is None:
+            raise Undecided(touch.doubt)
+        return touch.touched, not touch.touched
+
+    # --- flights ---------------------------------------------------------------------------------
+
+    def fly(
+        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Number, rows: Mask
+    ) -> Flight[Any]:
+        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
+
+        In other rows the flight stays at its start, and nothing stops it.
+        """
+        if not rows:
+            return Flight(Path(()), "", self.numbers.exact(0.0), start)
+        flight: Flight[Any] = self.engine.fly(law, start, events, limit)
+        self.engines.append(flight.flown_by or self.engine.description)
+        return flight
+
+    def touch(
+        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Mask
+    ) -> Touch[Any]:
+        """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
+        touch: Touch[Any] = self.engine.touch(pitch, law, bat, events, self.time_limit)
+        return touch
+
+    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Mask) -> bool:
+        """Land the balls of columns one after the other; return False for one scene, as it is."""
+        return False
+
+    # --- answers ---------------------------------------------------------------------------------
+
+    def record(self, name: str, value: Any, rows: Mask) -> None:
+        """Write a quantity of the results, a number or a vector: ``plate.time``."""
+        if rows:
+            self.answer[name] = value
+
+    def conclude(self, outcome: Outcome, rows: Mask) -> None:
+        """Write the outcome."""
+        self.record("outcome", outcome, rows)
+
+    def refuse(self, reason: CannotSolve | Undecided, rows: Mask) -> None:
+        """Give no answer. For one scene, raise the reason."""
+        if rows:
+            raise reason
+
+    def follow(self, frame: Frame[Any], flight: Flight[Any], begin: Number, rows: Mask) -> None:
+        """Keep a flight that begins at a time, s since the start of the scene."""
+        if rows:
+            self.legs.append(Leg(begin, frame, flight))
+
+    # --- the scene -------------------------------------------------------------------------------
+
+    @property
+    def numbers(self) -> Any:
+        """The number system; see `longball.model.numbers.Numbers`."""
+        return self.engine.numbers
+
+    @property
+    def time_limit(self) -> Number:
+        """The longest time of flight, s."""
+        return self.numbers.exact(self.scene.time_limit)
+
+    def vector(self, values: Sequence[float]) -> Vector:
+        """Return three numbers of the scene."""
+        x, y, z = map(self.numbers.exact, values)
+        return x, y, z
+
+    def spin(self, values: Sequence[float] | None) -> Vector | None:
+        """Return the spin that the scene gives the ball, rad/s; None if it gives none."""
+        return None if values is None else self.vector(values)
+
+    def law(self, frame: Frame[Any]) -> Law[Any]:
+        """Return the law of motion of a flight in a frame."""
+        return law_of(self.scene, frame, self.numbers, self.model.forces)
+
+    def ground(self, start: State[Any]) -> Event[Any]:
+        """Return the landing of a flight from a state."""
+        return ground(self.numbers.exact(landing_height(self.scene)), start, self.numbers)

@@ -1,0 +1,457 @@
+"""Coverage of a set of cases: which edits of the model it notices, and which cases notice them.
+
+The operators of the diagnosis (`longball.judge.diagnosis.operators`) the other way round: the
+diagnosis asks which edit explains a program's errors, this asks which edits a set of cases would
+show. Every stage starts from the true values of the stages before it, so that a formula needs no
+flight, and an edited law is evaluated along the right path alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from longball.engines.chain import solve
+from longball.engines.ivp import Ivp
+from longball.golden.case import decisions
+from longball.judge.answers import Answer
+from longball.judge.cases import Case, decidable
+from longball.judge.diagnosis.chain import CHAIN, INPUTS, LAW, OWN, I, Stage, r, rise, spin0
+from longball.judge.diagnosis.expression import (
+    Columns,
+    Evaluator,
+    Node,
+    Values,
+    component,
+    depends,
+    norm,
+    ordered,
+    substitute,
+    symbol,
+    where,
+)
+from longball.judge.diagnosis.operators import IN_FLIGHT, Edit, edits
+from longball.judge.diagnosis.residual import (
+    COARSE,
+    ROUNDING,
+    Data,
+    Index,
+    begun,
+    data_of,
+    flown,
+    launched,
+    take,
+    values,
+)
+from longball.judge.diagnosis.search import defaults
+from longball.judge.quantities import values_of
+from longball.model.arrays import Array
+from longball.model.quantities import replaced
+from longball.model.scene import AtBatScene, Scene
+
+Bools = NDArray[np.bool_]
+
+# An edit is noticed where it moves a number by so many times the error that doubles cannot avoid:
+# ten times what the judge lets pass.
+NOTICED = 1e3
+# Of a number, or of 1 in its unit: what rounding leaves in the difference of two formulas.
+SEEN = ROUNDING
+
+
+# Why no case notices an edit.
+NO_STEP = "no scene takes this step"
+NO_NUMBER = "it takes what no scene has there, or divides by 0"
+THE_SAME = "it comes to the same numbers"
+TOO_SMALL = "it moves numbers by less than is noticed"
+REASONS = NO_STEP, NO_NUMBER, THE_SAME, TOO_SMALL
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Edits of the model, and the cases that notice them.
+
+    Attributes
+    ----------
+    cases
+        The cases, in order.
+    edits
+        Edits that move a number of some case; of those that move the same numbers, the cheapest.
+    stages
+        The stage that each is made at.
+    noticed
+        True where a case notices an edit, shape (edits, cases).
+    unnoticed
+        Edits that no case notices, their stages, and why: one of `REASONS`.
+    """
+
+    cases: Sequence[Case]
+    edits: tuple[Edit | Replaced, ...]
+    stages: tuple[str, ...]
+    noticed: Bools
+    unnoticed: tuple[tuple[Edit | Replaced, str, str], ...]
+
+    @property
+    def bits(self) -> list[float]:
+        """How surprising each edit is."""
+        return [edit.bits for edit in self.edits]
+
+    def by_stage(self, some: Bools) -> list[tuple[str, int, int]]:
+        """The stages, with their numbers of edits, and of `some` edits among them."""
+        names = np.array(self.stages)
+        order = dict.fromkeys([*(stage.name for stage in CHAIN), *self.stages])
+        here = [(name, names == name) for name in order]
+        return [(name, int(at.sum()), int(some[at].sum())) for name, at in here if at.any()]
+
+    def told(self, i: Any) -> dict[str, str]:
+        """An edit in words, by its place, with its stage and the first case that notices it."""
+        case = self.cases[int(self.noticed[i].argmax())]
+        return {"stage": self.stages[i], "edit": self.edits[i].words, "case": case.id}
+
+
+# --- edits that are no operator's -----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Replaced:
+    """A mistake that acts like another number in the scene, and shows in the outcome alone."""
+
+    bits = 0.0
+    words: str
+    number: str  # its name
+    by: Callable[[float], float]
+
+    def notices(self, case: Case) -> bool:
+        """True if it changes the outcome of a case, or leaves it without one."""
+        scene: Any = case.scene
+        if self.number not in type(scene).model_fields:
+            return False
+        value = self.by(getattr(scene, self.number))
+        if value == getattr(scene, self.number) or value <= 0.0:
+            return bool(value <= 0.0)
+        if case.expected.outcome != "airborne":
+            return value < max(_durations(case), default=0.0)
+        moved = solve(replaced(scene, {self.number: value}), Ivp())
+        return decisions(moved) != decisions(case.expected)
+
+
+def _durations(case: Case) -> Iterator[float]:
+    """How long the flights of a case last, s."""
+    found = case.expected
+    for block in (found.plate, found.landing, found.fence):
+        begun = found.contact.time if found.contact and block is not found.plate else 0.0
+        if block is not None:
+            yield float(block.time) - float(begun or 0.0)
+
+
+LIMITS = (
+    Replaced("cuts the time limit to whole seconds", "time_limit", math.floor),
+    Replaced("takes 60 s for the time limit", "time_limit", lambda limit: 60.0),
+    Replaced("takes half the time limit", "time_limit", lambda limit: limit / 2),
+    Replaced("takes twice the time limit", "time_limit", lambda limit: limit * 2),
+)
+
+LEFT_OUT = "left out: "  # before the symbol of a number: 1 where the scene does not write it
+
+
+def _other_defaults() -> Iterator[Edit]:
+    """Another default for each number that has one: a tenth more, or 0.1 for 0."""
+    usual = AtBatScene()
+    for node, path, _ in INPUTS:
+        name = str(node.data)
+        if name not in defaults() and path not in ("pitch.release", "ball.inertia_factor"):
+            continue
+        vector = isinstance(getattr(usual.pitch, path.rpartition(".")[2], None), tuple)
+        zero = defaults().get(name) == 0.0 and not vector
+        more = symbol(LEFT_OUT + name) * (symbol(DEVIATION, node.dimension) if zero else 0.1 * node)
+        yield Edit(node, node + more, 0.0, f"takes another default for {path}")
+
+
+DEVIATION = "0.1 in its unit"
+
+
+def _beside() -> Iterator[Edit]:
+    """Mistakes that no operator makes."""
+    yield from _other_defaults()
+    above_ground = substitute(rise, component(r, 2), component(r, 2) - I["ground"])
+    yield Edit(rise, above_ground, 0.0, "counts the heights of a wind profile from the ground")
+    (lift,) = (n for n in ordered([LAW]) if n.op == "switch" and n.data[0] == "spin")
+    paper, _ = lift.args
+    yield Edit(lift, where(norm(spin0), lift, paper), 0.0, "lifts a ball of spin 0 as one without")
+
+
+def _left_out(scenes: Sequence[Scene]) -> dict[str, Array]:
+    """1 for each scene that leaves a number out, by the number's symbol."""
+    found = {}
+    for node, path, _ in INPUTS:
+        left = [_leaves_out(scene, path.partition("[")[0]) for scene in scenes]
+        found[LEFT_OUT + str(node.data)] = np.array(left, dtype=float)
+    return found | {DEVIATION: np.full(len(scenes), 0.1)}
+
+
+def _leaves_out(scene: Any, path: str) -> bool:
+    block = scene
+    for key in path.split("."):
+        fields = getattr(type(block), "model_fields", {})
+        if key in fields and key not in block.model_fields_set:
+            return True
+        block = getattr(block, key, None)
+    return False
+
+
+# --- what they do ---------------------------------------------------------------------------------
+
+NODES = 4  # of a Gauss-Legendre rule over the time of flight, at which laws are evaluated
+
+
+class _Flown:
+    """What edits do to the ends of a stage's flights.
+
+    A change of the acceleration moves an end by its integrals, as if nothing else moved: right to
+    a factor near 1, where an edit is noticed by many powers of ten or not at all.
+    """
+
+    def __init__(self, stage: Stage, columns: Columns) -> None:
+        self.stage = stage
+        count = len(columns["kind"])
+        x, weights = np.polynomial.legendre.leggauss(NODES)
+        shares = np.repeat([*(x + 1.0) / 2.0, 1.0], count)
+        on_path = take(columns, np.tile(np.arange(count), NODES + 1))
+        balls = launched(stage, on_path)
+        y = flown(balls, shares * balls.duration, COARSE)
+        self._duration = balls.duration[:count]
+        self._weights = weights[:, None] / 2.0 * self._duration
+        self._left = (1.0 - (x[:, None] + 1.0) / 2.0) * self._duration
+        self._velocity = y[3:6, -count:]
+        begun = {"r0": balls.y[:3], "v0": balls.y[3:6], "ω0": balls.spin}
+        moving = {"r": y[:3], "v": y[3:6], "t": shares * balls.duration, "path": y[6]}
+        every = {**on_path, **begun, **moving}
+        self.at = Values(take(every, np.arange(NODES * count)))
+        self._end = Values(take(every, np.arange(NODES * count, (NODES + 1) * count)))
+        self._launch = Values(columns)
+
+    def moved(self, stage: Stage) -> Array:
+        """About the change of place, velocity and spin at the end."""
+        found = np.zeros((9, len(self._duration)))
+        for name, root in stage.roots.items():
+            old = self.stage.roots[name]
+            if root is old:
+                continue
+            where = {"law": self.at, "spin_left": self._end}.get(name, self._launch)
+            change = Evaluator([root], where)()[0] - where.of(old)
+            match name:
+                case "law":
+                    pushed = np.broadcast_to(change, (3, NODES * found.shape[1]))
+                    pushed = pushed.reshape(3, NODES, -1) * self._weights
+                    found[3:6] += pushed.sum(axis=1)
+                    found[:3] += (pushed * self._left).sum(axis=1)
+                case "place":
+                    found[:3] += change
+                case "velocity":
+                    found[:3] += change * self._duration
+                    found[3:6] += change
+                case "duration":
+                    found[:3] += change * self._velocity
+                case "spin":
+                    found[6:] += change
+                case "spin_left":
+                    found[6:] += change * self._launch.of(self.stage.roots["spin"])
+        return found
+
+
+class _Direct:
+    """What edits do to a formula, or to the function that an event falls through zero of."""
+
+    def __init__(self, stage: Stage, columns: Columns) -> None:
+        self.at = Values(columns)
+        (self._value,) = (self.at.of(root) for root in stage.roots.values())
+
+    def moved(self, stage: Stage) -> Array:
+        """The change of the value."""
+        (root,) = stage.roots.values()
+        return np.atleast_2d(Evaluator([root], self.at)()[0] - self._value)
+
+
+@dataclass(frozen=True)
+class _Effects:
+    """What edits do at a stage, in the scenes that have it."""
+
+    some: Index
+    effects: _Flown | _Direct
+    allowed: Array  # what passes unnoticed of each number
+
+    def of(self, stage: Stage) -> Array:
+        """The changes of numbers by an edit, NaN where there is no number."""
+        moved = self.effects.moved(stage)[: len(self.allowed)]
+        moved = np.where(np.isfinite(self.allowed) & np.isfinite(moved), moved, np.nan)
+        return np.broadcast_to(moved, self.allowed.shape)
+
+
+# Flights that are a part of another one, by one law.
+PARTS = "touching", "fence"
+
+
+def _edited_roots(stage: Stage) -> Stage:
+    """A stage with the formulas alone in which edits are looked at."""
+    passed = {"through", "law"} if stage.name in PARTS else {"through"}
+    return replace(stage, roots={n: x for n, x in stage.roots.items() if n not in passed})
+
+
+def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
+    """The effects at a stage; None if no scene has it."""
+    here = np.isin(columns["kind"], stage.scenes)
+    first = np.atleast_2d(data.expected[stage.quantities[0]])
+    some = np.flatnonzero(here & np.isfinite(first).all(axis=0))
+    if not len(some):
+        return None
+    rows = []
+    for quantity in stage.quantities:
+        # The ball that meets the bat is not reported: its spin is that of an impact without
+        # friction, and its velocity is nowhere wrong where its place is right.
+        told = {"contact.spin": "impact.spin"}.get(quantity, quantity)
+        known = np.isfinite(np.atleast_2d(data.expected[told])).all(axis=0)
+        errors = np.where(known, data.attainable[told], np.inf)[some]
+        size = np.sqrt(np.square(np.atleast_2d(columns[str(OWN[told].data)][..., some])).sum(0))
+        least = np.maximum(NOTICED * errors, SEEN * np.fmax(size, 1.0))
+        rows += [least] * (3 if OWN[quantity].vector and stage.kind != "event" else 1)
+    own = take(columns, some)
+    own["spin"] = own[stage.spins]
+    effects = (_Flown if stage.kind == "flight" else _Direct)(stage, own)
+    return _Effects(some, effects, np.array(rows))
+
+
+def _settled(edit: Edit, at: Values) -> Edit:
+    """An edit with a value for its free number: one of a mistake that many scenes would show."""
+    if not edit.starts:
+        return edit
+    x = edit.starts[len(edit.starts) // 2]
+    value = 1.1 if edit.factor else float(np.nanmedian(at.of(x))) if isinstance(x, Node) else x
+    return edit.settled(value, 0.0)
+
+
+def _why(moved: Array, allowed: Array) -> str:
+    """Why changes are not noticed, as if none were."""
+    if np.isnan(moved).all():
+        return NO_NUMBER
+    # Rounding leaves less than a thousandth of what is noticed: see `SEEN`.
+    return TOO_SMALL if (np.abs(moved) > allowed / 1e3).any() else THE_SAME
+
+
+def _hash(moved: Array) -> int:
+    """What is the same of numbers that agree to three digits."""
+    bits = moved.astype(np.float32).view(np.int32)
+    return hash((((bits + 0x1000) >> 13) * (moved != 0)).tobytes())
+
+
+def _edited(stage: Stage, edit: Edit) -> Stage:
+    """The stage with an edit; what exists in flight alone is nowhere else."""
+    made = stage.edited(edit.place, edit.by)
+    if made is stage or not depends(edit.by, IN_FLIGHT):
+        return made
+    roots = {n: made.roots[n] if n in FLYING else root for n, root in stage.roots.items()}
+    return replace(stage, roots=roots)
+
+
+FLYING = "law", "spin_left"  # formulas of a flight that hold during it
+
+
+def every_edit(every: int = 1) -> Iterator[tuple[Stage, Edit]]:
+    """Edits of the model, each once, with the first stage that it is made at.
+
+    Of those that the operators make, one of so many, or none for 0; and all others.
+    """
+    seen = set[tuple[Node, Node]]()
+    for stage in CHAIN if every else ():
+        for edit in edits(CHAIN, stage, defaults(), {}):
+            if (edit.place, edit.by) not in seen:
+                seen.add((edit.place, edit.by))
+                if len(seen) % every == 0:
+                    yield stage, edit
+    for edit in _beside():
+        yield next(s for s in CHAIN if s.edited(edit.place, edit.by) is not s), edit
+
+
+@np.errstate(all="ignore")
+def coverage(
+    cases: Sequence[Case],
+    every: int = 1,
+    progress: Callable[[int], None] = lambda done: None,
+) -> Coverage:
+    """Find out which edits of the model cases notice.
+
+    Parameters
+    ----------
+    cases
+        Golden cases, or others with their truth; those without an outcome notice nothing.
+    every
+        How many edits the operators make for each that is tried: 1 for all, which take some minutes
+        for a thousand cases; 0 if none is.
+    progress
+        Called now and then with the number of edits that have been tried.
+
+    Returns
+    -------
+    Coverage
+        Its cases are those that have an outcome.
+    """
+    cases = [case for case in cases if decidable(case)]
+    true = [Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases]
+    data = data_of(cases, {answer.id: answer for answer in true})
+    columns = begun(data) | _left_out([case.scene for case in cases])
+    stages: dict[int, _Effects] = {}  # by place in the chain
+    for place, stage in enumerate(CHAIN):
+        if stage.name == "touching" and stage.kind == "flight":
+            columns = _with_contact(stage, columns, data)
+        if (effects := _effects(stage, columns, data)) is not None:
+            stages[place] = effects
+    rows: dict[int, tuple[Edit | Replaced, str, Bools]] = {}
+    unnoticed: list[tuple[Edit | Replaced, str, str]] = []
+    nowhere = Values(columns)
+    chain = {i: _edited_roots(CHAIN[i]) for i in stages}
+    parts = {i: {*ordered(stage.roots.values())} for i, stage in chain.items()}
+    for done, (first, edit) in enumerate(every_edit(every), 1):
+        touched = [i for i in stages if edit.place in parts[i]]
+        edit = _settled(edit, stages[touched[0]].effects.at if touched else nowhere)
+        noticed, key, why = np.zeros(len(cases), dtype=bool), 0, NO_STEP
+        for place in touched:
+            one = stages[place]
+            moved = one.of(_edited(chain[place], edit))
+            shows = np.abs(moved) > one.allowed
+            if shows.any():
+                noticed[one.some] |= shows.any(axis=0)
+                key = hash((key, place, _hash(np.where(shows, moved, 0.0))))
+            why = max(why, _why(moved, one.allowed), key=REASONS.index)
+        if not noticed.any():
+            unnoticed.append((edit, first.name, why))
+        elif key not in rows or edit.bits < rows[key][0].bits:
+            rows[key] = edit, first.name, noticed
+        if done % 100 == 0:
+            progress(done)
+    for limit in LIMITS:
+        row = np.array([limit.notices(case) for case in cases])
+        rows[hash(limit)] = limit, "outcome", row
+    found = [*rows.values()]
+    return Coverage(
+        cases,
+        tuple(edit for edit, _, _ in found),
+        tuple(name for _, name, _ in found),
+        np.array([row for *_, row in found]),
+        tuple(unnoticed),
+    )
+
+
+def _with_contact(stage: Stage, columns: Mapping[str, Any], data: Data) -> dict[str, Any]:
+    """Columns with velocity and spin at the contact, which results do not tell."""
+    some = np.flatnonzero(
+        (columns["kind"] == "at-bat") & np.isfinite(data.expected["contact.time"])
+    )
+    found, filled = values(stage, take(columns, some)), {**columns}
+    for quantity in ("contact.velocity", "contact.spin"):
+        name = str(OWN[quantity].data)
+        filled[name] = filled[name].copy()
+        filled[name][:, some] = found[quantity]
+    return filled

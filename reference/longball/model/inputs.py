@@ -1,0 +1,158 @@
+"""The inputs of a scene: the numbers that its result depends on, and what trackers give instead.
+
+Of a launch a tracker gives speed, angle and direction of the velocity, and the components of the
+spin along axes that go with it (A. M. Nathan's convention): they are inputs, too, under the names
+`TRACKED`. Each changes with the others of these held fixed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from pydantic import ValidationError
+
+from longball.model.names import one_of
+from longball.model.numbers import DOUBLES, N, Numbers, Vector
+from longball.model.quantities import number, numbers, replaced
+from longball.model.scene import FlightScene, Scene
+from longball.model.vectors import dot
+
+# A zero here is a force that the scene does not name, and not a small one.
+_ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")
+
+# Of an input of zero, in its unit, and of others relative to them.
+STEP = 2.0**-50
+
+# m/s, rad, rad; rad/s: what is tracked of a velocity, and of a spin.
+_OF_VELOCITY = ("launch.speed", "launch.angle", "launch.direction")
+_OF_SPIN = ("launch.backspin", "launch.side_spin", "launch.gyrospin")
+TRACKED = (*_OF_VELOCITY, *_OF_SPIN)
+
+
+def inputs(scene: Scene) -> dict[str, float]:
+    """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
+    found = dict(numbers(scene))
+    found.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
+    if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
+        # A vertical launch takes the heading +x; any other heading is a jump away from it.
+        del found["launch.velocity[0]"], found["launch.velocity[1]"]
+    # An input of zero is one if it can be another number in either direction.
+    return {
+        path: x
+        for path, x in found.items()
+        if x
+        or (
+            path not in _ABSENT_AT_ZERO
+            and any(with_input(scene, path, step) for step in (STEP, -STEP))
+        )
+    }
+
+
+def with_input(scene: Scene, path: str, value: float) -> Scene | None:
+    """Return the scene with another value of an input; None if there is no such scene."""
+    try:
+        return replaced(scene, {path: value})
+    except ValidationError:
+        return None
+
+
+def axes_of(angle: N, direction: N, numbers: Numbers[N]) -> tuple[Vector[N], ...]:
+    """Return unit vectors along the velocity, and of the axes of backspin and of side spin.
+
+    Backspin is about the horizontal axis across the velocity, and lifts the ball; side spin about
+    the axis across both, and turns the ball to the left; gyrospin about the velocity itself.
+    """
+    level, rise = numbers.cos_sin(angle)
+    ahead, aside = numbers.cos_sin(direction)
+    nothing = numbers.exact(0.0)
+    return (
+        (level * ahead, level * aside, rise),
+        (aside, -ahead, nothing),
+        (-rise * ahead, -rise * aside, level),
+    )
+
+
+def tracked(scene: Scene) -> dict[str, float]:
+    """Return what trackers give of the launch of a scene, by its names in `TRACKED`.
+
+    Nothing of other scenes than flights, of a launch at rest, and of its spin if it has none.
+    """
+    if not isinstance(scene, FlightScene) or not any(scene.launch.velocity):
+        return {}
+    x, y, z = scene.launch.velocity
+    angle, direction = math.atan2(z, math.hypot(x, y)), math.atan2(y, x)
+    found = dict(zip(_OF_VELOCITY, (math.hypot(x, y, z), angle, direction), strict=True))
+    if scene.launch.spin is not None:
+        along, back, side = axes_of(angle, direction, DOUBLES)
+        spin = scene.launch.spin
+        parts = dot(spin, back), dot(spin, side), dot(spin, along)
+        found |= dict(zip(_OF_SPIN, parts, strict=True))
+    return found
+
+
+def launched(values: Mapping[str, N], numbers: Numbers[N]) -> dict[str, Vector[N]]:
+    """Return the velocity, and if there is one the spin, of a launch from what is tracked of it."""
+    speed, angle, direction = (values[name] for name in _OF_VELOCITY)
+    along, back, side = axes_of(angle, direction, numbers)
+    made = {"launch.velocity": _combined((speed,), (along,))}
+    if _OF_SPIN[0] in values:
+        parts = tuple(values[name] for name in _OF_SPIN)
+        made["launch.spin"] = _combined(parts, (back, side, along))
+    return made
+
+
+def _combined(parts: tuple[N, ...], axes: tuple[Vector[N], ...]) -> Vector[N]:
+    x, y, z = (
+        sum((part * axis[i] for part, axis in zip(parts[1:], axes[1:], strict=True)), first)
+        for i in range(3)
+        for first in [parts[0] * axes[0][i]]
+    )
+    return x, y, z
+
+
+def value_of(scene: Scene, name: str) -> float:
+    """Return an input of a scene by its name, one of `TRACKED` or its path.
+
+    Raises `ValueError`, with the name that is meant, if the scene has no such number.
+    """
+    of_launch = tracked(scene)
+    if name in of_launch:
+        return of_launch[name]
+    if name in TRACKED:
+        lacks = "launch.spin" if isinstance(scene, FlightScene) else "launch"
+        raise ValueError(f"{name}: the scene has no {lacks}")
+    try:
+        return float(number(scene, name))
+    except ValueError:
+        known = [*of_launch, *inputs(scene)]
+        raise ValueError(
+            f"{name}: the scene has no such number{one_of('its numbers are', name, known)}"
+        ) from None
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """Return the scene with other values of inputs, by their paths or by names of `TRACKED`.
+
+    Raises `pydantic.ValidationError` if there is no such scene.
+    """
+    of_scene = {name: x for name, x in values.items() if name not in TRACKED}
+    changed: Scene = replaced(scene, of_scene) if of_scene else scene
+    of_launch = {name: x for name, x in values.items() if name in TRACKED}
+    if not of_launch:
+        return changed
+    made = launched({**tracked(changed), **of_launch}, DOUBLES)
+    return replaced(
+        changed,
+        {f"{vector}[{i}]": x for vector, parts in made.items() for i, x in enumerate(parts)},
+    )
+
+
+def require_inputs(scene: Scene, names: Iterable[str]) -> list[str]:
+    """Return names of inputs of a scene, each checked; see `value_of`."""
+    checked = [*names]
+    for name in checked:
+        value_of(scene, name)
+    if repeated := {name for name in checked if checked.count(name) > 1}:
+        raise ValueError(f"{min(repeated)} is named more than once")
+    return checked

@@ -1,0 +1,1 @@
+"""Questions that people ask: pure functions of scenes, paths and measured numbers."""

@@ -1,0 +1,380 @@
+"""Inverse problems: the scene that fits what was measured, and the launch that hits a target.
+
+Both are Gauss-Newton (`scipy.optimize.least_squares`) on the derivatives of
+`longball.engines.tangent`, which have twelve digits, so that what has been computed without an
+error is recovered to ten.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+from scipy.optimize import least_squares
+
+from longball.api import as_engine, as_scene, differentiable, error_of
+from longball.engines import chain
+from longball.engines.engine import CannotSolve
+from longball.engines.path import Trajectory
+from longball.engines.path_engine import PathEngine
+from longball.engines.tangent import (
+    Tangent,
+    derivatives_by,
+    not_beyond_a_kink,
+    plain_of,
+    rate_of,
+    seeded_by,
+)
+from longball.model.arrays import Array
+from longball.model.inputs import require_inputs, value_of, with_values
+from longball.model.numbers import Undecided
+from longball.model.plain import column_of
+from longball.model.quantities import numbers, unknown
+from longball.model.scene import InvalidScene, Scene
+
+# Of the largest singular value: derivatives have twelve digits, and what they tell less of than
+# this is not determined by them.
+_DETERMINED = 1e-10
+
+# Steps that are smaller, relative, are rounding.
+_CONVERGED = 1e-15
+_MOST_STEPS = 100
+
+_POINT = ("t", "x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The scene that fits a measurement best.
+
+    Attributes
+    ----------
+    scene
+        The scene with the numbers found.
+    value
+        The numbers found, by name.
+    sigma
+        Their standard errors; NaN if nothing says how good the measurements are, as no `sigma` is
+        given and there are as many unknowns.
+    covariance
+        Of the numbers found, shape (n, n), in the order of `value`.
+    residuals
+        Measured less computed in standard deviations; of points, shape (points, 3).
+    chi_squared
+        The sum of their squares.
+    freedom
+        How many more measurements there are than unknowns.
+    """
+
+    scene: Any  # of the kind that was given
+    value: Mapping[str, float]
+    sigma: Mapping[str, float]
+    covariance: Array
+    residuals: Array
+    chi_squared: float
+    freedom: int
+
+    def __getitem__(self, name: str) -> float:
+        """Return a number found."""
+        if name not in self.value:
+            raise KeyError(str(unknown(name, self.value)))
+        return self.value[name]
+
+    def __repr__(self) -> str:
+        rows = [
+            f"  {name:<26}{x:.9g}" + (f" ± {error:.2g}" if math.isfinite(error) else "")
+            for (name, x), error in zip(self.value.items(), self.sigma.values(), strict=True)
+        ]
+        return "\n".join([*rows, f"  chi² = {self.chi_squared:.4g} of {self.freedom} in excess"])
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """Measurements, and how a scene's are computed."""
+
+    values: Array  # shape (m,)
+    names: tuple[str, ...]  # of each
+    shape: tuple[int, ...]  # of the residuals
+    place: NDArray[np.intp]  # where each stands among these
+    # From a scene, unknowns and an engine to what is measured, and its derivatives, shape (m, n)
+    model: Callable[[Scene, Sequence[str], PathEngine[Any]], tuple[Array, Array]]
+
+
+def fit(
+    measured: Any,
+    scene: object,
+    *,
+    unknowns: Iterable[str],
+    sigma: Any = None,
+    engine: str = "ivp",
+    **options: Any,
+) -> Fit:
+    """Find the numbers of a scene that fit a measurement best, by least squares.
+
+    Parameters
+    ----------
+    measured
+        Points of a path: rows of t (s since the start of the scene), x, y, z (m), or a data frame
+        with these columns; NaN is not measured. Or numbers of the result by name, such as
+        ``{"landing.distance": 118.2, "landing.hang_time": 5.3}``.
+    scene
+        As `solve` takes it, with all that is known, and what the unknowns are to start from.
+    unknowns
+        Numbers of the scene, such as ``air.drag_coefficient``; or ``launch.`` and an argument of
+        `longball.launch`, such as ``launch.speed``.
+    sigma
+        Standard deviations of the measurements, in their units: one number, one for each of x, y
+        and z, or by name. If left out, they are taken as equal, and as large as the residuals say.
+    engine, options
+        As `solve` takes them.
+
+    Raises
+    ------
+    InvalidScene
+        If `scene` describes none.
+    ValueError
+        If the scene has no number of a name; if there are fewer measurements than unknowns, or
+        `measured` or `sigma` is none.
+    CannotSolve
+        If the measurements do not determine the unknowns, and along which direction; if the scene
+        to start from has no such result; if no scene near fits.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> true = lb.Flight(launch=lb.launch(speed=46.0, angle=0.45))
+    >>> seen = lb.solve(true).path.sample(20)
+    >>> start = lb.Flight(launch=lb.launch(speed=40.0, angle=0.4))
+    >>> found = lb.fit(seen, start, unknowns=["launch.speed", "launch.angle"], sigma=0.01)
+    >>> round(found["launch.speed"], 9), round(found["launch.angle"], 9)
+    (46.0, 0.45)
+    """
+    asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
+    names = require_inputs(asked, unknowns)
+    data = _measured(measured)
+    deviations = _deviations(sigma, data)
+    if not names:
+        raise ValueError("unknowns: name at least one number of the scene")
+    if len(data.values) < len(names):
+        raise ValueError(
+            f"measured: {len(data.values)} numbers cannot determine {len(names)} unknowns; measure "
+            "more, or fix some of the unknowns"
+        )
+    x, residuals, jacobian = _least_squares(asked, names, data, deviations, solver)
+
+    # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements
+    lengths = np.linalg.norm(jacobian, axis=0)
+    _require_determined(names, jacobian, lengths)
+    _, sizes, axes = np.linalg.svd(jacobian / lengths, full_matrices=False)
+    root = axes.T / sizes / lengths[:, None]
+    freedom = len(data.values) - len(names)
+    chi_squared = float(residuals @ residuals)
+    scale = 1.0 if sigma is not None else (chi_squared / freedom if freedom else math.nan)
+    covariance = scale * (root @ root.T)
+    value = dict(zip(names, x, strict=True))
+    shown = np.full(data.shape, math.nan)
+    shown.reshape(-1)[data.place] = residuals
+    errors = np.sqrt(np.diag(covariance)).tolist()
+    return Fit(
+        with_values(asked, value),
+        value,
+        dict(zip(names, errors, strict=True)),
+        covariance,
+        shown,
+        chi_squared,
+        freedom,
+    )
+
+
+def _least_squares(
+    scene: Scene, names: list[str], data: _Measured, deviations: Array, engine: PathEngine[Any]
+) -> tuple[list[float], Array, Array]:
+    """Return the unknowns, the residuals and minus their derivatives."""
+    start = np.array([value_of(scene, name) for name in names])
+    known: dict[tuple[float, ...], tuple[Array, Array]] = {}
+
+    def solved(x: Array) -> tuple[Array, Array]:
+        if tuple(x) not in known:
+            there = with_values(scene, dict(zip(names, x.tolist(), strict=True)))
+            found, slopes = data.model(there, names, engine)
+            known[tuple(x)] = (data.values - found) / deviations, slopes / deviations[:, None]
+        return known[tuple(x)]
+
+    def residuals(x: Array) -> Array:
+        try:
+            return solved(x)[0]
+        except (CannotSolve, InvalidScene, Undecided, ValidationError):
+            return np.full(len(deviations), math.nan)  # too far: a shorter step is taken
+
+    solved(start)  # what the start cannot do is said in its own words
+    found = least_squares(
+        residuals,
+        start,
+        lambda x: -solved(x)[1],
+        x_scale="jac",
+        ftol=None,
+        gtol=None,
+        xtol=_CONVERGED,
+        max_nfev=_MOST_STEPS,
+    )
+    if found.status == 0 and not _is_settled(found):
+        raise CannotSolve(
+            f"no fit is found in {_MOST_STEPS} steps; start nearer to it, or fix some unknowns"
+        )
+    return (found.x.tolist(), *solved(found.x))
+
+
+def _is_settled(found: Any) -> bool:
+    """True if no step that is left makes the residuals smaller by what shows."""
+    slopes = np.linalg.norm(found.jac, axis=0) * max(np.linalg.norm(found.fun), 1e-12)
+    return bool((np.abs(found.grad) <= 1e-6 * slopes).all())
+
+
+def _require_determined(names: list[str], jacobian: Array, lengths: Array) -> None:
+    """Require measurements to depend on all unknowns, and on each in a way of its own."""
+    without = [name for name, length in zip(names, lengths, strict=True) if not length > 0]
+    if without:
+        raise CannotSolve(
+            f"the measurements do not depend on {' and '.join(without)}; take it from the unknowns"
+        )
+    _, sizes, axes = np.linalg.svd(jacobian / lengths, full_matrices=False)
+    # By steps in standard deviations of the measurements, and so in units of the unknowns:
+    open_ = axes[sizes <= _DETERMINED * sizes[0]] / lengths
+    if len(open_):
+        directions = "; and ".join(_direction(names, axis) for axis in open_)
+        raise CannotSolve(
+            "the measurements do not determine the unknowns: they stay the same along "
+            f"{directions}; fix one of these, or measure something else"
+        )
+
+
+def _direction(names: list[str], axis: Array) -> str:
+    """Return a direction in the unknowns as a text, largest part first of what matters."""
+    order = [i for i in np.argsort(-np.abs(axis)) if abs(axis[i]) > 1e-6 * np.abs(axis).max()]
+    axis = axis / axis[order[0]]
+    return ", ".join(f"{names[i]} {axis[i]:+.4g}" for i in order)
+
+
+# --- what is measured -----------------------------------------------------------------------------
+
+
+def _measured(given: Any) -> _Measured:
+    if isinstance(given, Mapping) and not set(_POINT) & set(given):
+        return _of_result(given)
+    if hasattr(given, "columns") or isinstance(given, Mapping):
+        if missing := [name for name in _POINT if name not in given]:
+            raise ValueError(
+                f"measured: a column {missing[0]} is missing; points have {', '.join(_POINT)}"
+            )
+        table = np.column_stack([column_of(given[name]) for name in _POINT])
+    else:
+        table = column_of(given)
+    if table.dtype != float or table.ndim != 2 or table.shape[1] < len(_POINT):
+        raise ValueError(
+            "measured: rows of t, x, y, z are needed, a data frame with these columns, or numbers "
+            "of the result by name, such as {'landing.distance': 118.2}"
+        )
+    times, points = table[:, 0], table[:, 1:4]
+    if not (np.isfinite(times) & (times >= 0)).all() or np.isinf(points).any():
+        raise ValueError(
+            "measured: every point needs a time since the start, and a number or NaN for x, y, z"
+        )
+    seen = ~np.isnan(points)
+    names = [f"{axis} at {t:g} s" for t in times for axis in _POINT[1:]]
+    place = np.flatnonzero(seen)
+
+    def model(
+        scene: Scene, unknowns: Sequence[str], engine: PathEngine[Any]
+    ) -> tuple[Array, Array]:
+        found, slopes = of_path(scene, times, unknowns, engine)
+        return found.reshape(-1)[place], slopes.reshape(-1, len(unknowns))[place]
+
+    shown = tuple(names[i] for i in place)
+    return _Measured(points.reshape(-1)[place], shown, points.shape, place, model)
+
+
+def of_path(
+    scene: Scene, times: Array, unknowns: Sequence[str], engine: PathEngine[Any]
+) -> tuple[Array, Array]:
+    """Return points of a path, shape (times, 3), and derivatives, (times, 3, unknowns)."""
+    columns = []
+    for name in unknowns:
+        marked, speed = seeded_by(scene, name)
+        found, slopes = _points(marked, times, engine)
+        columns.append(slopes / speed)
+    return found, np.stack(columns, axis=-1)
+
+
+def _points(scene: Scene, times: Array, engine: PathEngine[Any]) -> tuple[Array, Array]:
+    """Return the points of a path at some times, and their derivatives, shape (times, 3) each."""
+    tangent = Tangent(engine)
+    with not_beyond_a_kink():
+        result, way = chain.solve_with_path(scene, tangent)
+        if result.error is not None:
+            raise error_of(result)
+        if not way.legs:
+            raise ValueError("an impact has no path: nothing flies in it")
+        with engine.numbers.arithmetic():
+            points = [_position(way, tangent.numbers.exact(t)) for t in times.tolist()]
+    found, slopes = (
+        np.array([[float(of(x)) for x in point] for point in points]) for of in (plain_of, rate_of)
+    )
+    return found, slopes
+
+
+def _position(way: Trajectory[Any], time: Any) -> Any:
+    """Return where the ball is; after a landing, where it would be without a ground.
+
+    So a path may be fitted that is longer than the one to start from.
+    """
+    leg = [leg for leg in way.legs if not time < leg.begin][-1]
+    return leg.frame.position(leg.flight.path.at(time - leg.begin))
+
+
+def _of_result(given: Mapping[Any, Any]) -> _Measured:
+    names = tuple(map(str, given))
+    values = column_of([*given.values()])
+    if values.dtype != float or values.ndim != 1 or not np.isfinite(values).all():
+        raise ValueError("measured: every number of the result needs a finite value")
+
+    def model(
+        scene: Scene, unknowns: Sequence[str], engine: PathEngine[Any]
+    ) -> tuple[Array, Array]:
+        return of_result(scene, names, unknowns, engine)
+
+    return _Measured(values, names, values.shape, np.arange(len(values)), model)
+
+
+def _deviations(sigma: Any, data: _Measured) -> Array:
+    """Return the standard deviation of every measurement."""
+    if isinstance(sigma, Mapping):
+        if missing := [name for name in data.names if name not in sigma]:
+            raise ValueError(f"sigma: none is given of {missing[0]}")
+        table = np.array([sigma[name] for name in data.names], float)
+    else:
+        wide = np.broadcast_to(np.asarray(1.0 if sigma is None else sigma, float), data.shape)
+        table = wide.reshape(-1)[data.place]
+    if not (np.isfinite(table) & (table > 0)).all():
+        raise ValueError(f"sigma = {sigma!r}: standard deviations must be positive")
+    return table
+
+
+def of_result(
+    scene: Scene, quantities: Sequence[str], unknowns: Sequence[str], engine: PathEngine[Any]
+) -> tuple[Array, Array]:
+    """Return numbers of a result, shape (m,), and their derivatives, shape (m, unknowns)."""
+    result = chain.solve(scene, engine)
+    if result.error is not None:
+        raise error_of(result)
+    found = dict(numbers(result))
+    for name in quantities:
+        if name not in found:
+            raise CannotSolve(f"measured: {unknown(name, found)}; the outcome is {result.outcome}")
+    values = [float(getattr(found[name], "value", found[name])) for name in quantities]
+    slopes = [derivatives_by(scene, name, engine) for name in unknowns]
+    return np.array(values), np.array([[float(by[q]) for by in slopes] for q in quantities])

@@ -1,0 +1,298 @@
+"""Pitches as trackers publish them: nine parameters, and how far air moves a ball.
+
+Trackers fit a constant acceleration to a pitch and publish nine numbers: place, velocity and
+acceleration at one plane. Here they are in the frame of scenes, in SI units, with x = 0 at the
+front of the plate, as in `longball.pitches.statcast`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+
+from longball.api import Path, Solution, as_scene, solve
+from longball.model.arrays import Array
+from longball.model.scene import InvalidScene, PitchScene
+from longball.model.scene import Pitch as PitchBlock
+from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT
+
+Vector = tuple[float, float, float]
+
+# m, x of the planes at which trackers give the parameters (50 ft from the tip of the plate), and
+# from which pfx is counted (40 ft).
+TRACKED, PFX = FIT_PLANE - PLATE_FRONT, 40.0 * FOOT - PLATE_FRONT
+
+# Of the Gauss-Legendre rule for the mean square over a pitch. Its path is analytic: with 12 nodes
+# nine parameters of pitches of the shipped day are the same to 1e-12.
+_NODES = 16
+
+
+@dataclass(frozen=True)
+class NineParameters:
+    """A pitch of constant acceleration, at one moment.
+
+    Attributes
+    ----------
+    position
+        m, ``[x, y, z]``.
+    velocity
+        m/s.
+    acceleration
+        m/s².
+    residual
+        m, root mean square of the distance to the path that they were fitted to; 0 if they were
+        not fitted.
+
+    Examples
+    --------
+    >>> from scipy.constants import foot
+    >>> import longball as lb
+    >>> tracked = lb.NineParameters(
+    ...     position=(48.58 * foot, 0.5, 1.8), velocity=(-41, -1, -1.5), acceleration=(8, -2, -5)
+    ... )
+    >>> scene = lb.Pitch(pitch=tracked.pitch(release=16.8))
+    >>> [round(v, 2) for v in scene.pitch.velocity]
+    [-41.39, -0.9, -1.26]
+    """
+
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
+    residual: float = 0.0
+
+    def at(self, x: float) -> NineParameters:
+        """Return the parameters where the ball is at a place x, m, on its way to the plate.
+
+        Raises
+        ------
+        ValueError
+            If it never comes there: the deceleration turns it round before.
+        """
+        distance, speed, push = x - self.position[0], self.velocity[0], self.acceleration[0]
+        square = speed * speed + 2.0 * push * distance
+        if not (speed < 0.0 and square >= 0.0):
+            turns = "" if not push > 0.0 else f"; it turns at x = {self._turn():.6g} m"
+            raise ValueError(
+                f"the pitch of these nine parameters never is at x = {x} m on its way to the "
+                f"plate: velocity[0] = {speed} m/s, acceleration[0] = {push} m/s²{turns}"
+            )
+        # The root of speed t + push t²/2 = distance that is next to 0, without a difference.
+        time = 2.0 * distance / (speed - math.sqrt(square))
+        r, v = self._moved(time)
+        return NineParameters((x, *r[1:]), v, self.acceleration, self.residual)
+
+    def pitch(self, release: float) -> PitchBlock:
+        """Return the block of a scene: the pitch released at a place x, m; see `at`."""
+        start = self.at(release)
+        return PitchBlock(release=start.position, velocity=start.velocity)
+
+    @property
+    def approach(self) -> tuple[float, float]:
+        """The vertical and the horizontal approach angle there, rad; see `result.Approach`."""
+        u, v, w = self.velocity
+        return math.atan2(w, math.hypot(u, v)), math.atan2(v, -u)
+
+    def _moved(self, time: float) -> tuple[Vector, Vector]:
+        parts = zip(self.position, self.velocity, self.acceleration, strict=True)
+        moved = [(r + (v + 0.5 * a * time) * time, v + a * time) for r, v, a in parts]
+        (x, u), (y, v), (z, w) = moved
+        return (x, y, z), (u, v, w)
+
+    def _turn(self) -> float:
+        return self.position[0] - self.velocity[0] ** 2 / (2.0 * self.acceleration[0])
+
+
+def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameters:
+    """Fit a constant acceleration to a pitch, as trackers do.
+
+    Its squared distance from the path, averaged over the time from the release to the plate, is the
+    least: a fit to the whole way, not a Taylor polynomial at a point.
+
+    Parameters
+    ----------
+    path
+        Of a pitch, or its solution; of an at-bat the solution, whose pitch ends at the plate.
+    at
+        m, x of the plane at which the parameters are given, by default 50 ft from the plate's tip.
+
+    Raises
+    ------
+    ValueError
+        If the pitch does not reach the plate, or the fit is never at that plane.
+    TypeError
+        If `path` is neither a path nor a solution.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> result = lb.solve(lb.Pitch(pitch={"release": [16.5, 0.6, 1.8]}))
+    >>> fitted = lb.nine_parameters(result)
+    >>> [round(a, 2) for a in fitted.acceleration], f"{1000 * fitted.residual:.1f} mm"
+    ([8.86, 0.32, -4.99], '1.8 mm')
+    """
+    way, end = _pitch_of(path)
+    nodes, weights = leggauss(_NODES)
+    half = 0.5 * (end - way.start)
+    places = way.at(way.start + half * (1.0 + nodes)).position
+    # The projection on 1, τ, (3τ² - 1)/2, which are orthogonal over the pitch, τ from -1 to 1.
+    basis = np.stack([np.ones_like(nodes), nodes, 1.5 * nodes**2 - 0.5])
+    mean, slope, bend = (basis * weights) @ places * np.array([[0.5], [1.5], [2.5]])
+    fitted = basis.T @ np.stack([mean, slope, bend])
+    residual = math.sqrt(0.5 * float(weights @ np.sum((places - fitted) ** 2, axis=1)))
+    middle = NineParameters(
+        _vector(mean - 0.5 * bend), _vector(slope / half), _vector(3.0 * bend / half**2), residual
+    )
+    return middle.at(at)
+
+
+def _pitch_of(path: Path | Solution) -> tuple[Path, float]:
+    """Return a path, and when its pitch is at the plate, s."""
+    if isinstance(path, Solution):
+        if path.plate is None:
+            raise ValueError(f"the pitch does not reach the plate: it is {path.outcome}")
+        return path.path, float(path.plate.time)
+    if not isinstance(path, Path):
+        raise TypeError(
+            f"path: the path or the solution of a pitch is needed; not a {type(path).__name__}"
+        )
+    if path.at(path.end).position[0] > 1e-6:
+        raise ValueError(f"the pitch does not reach the plate: its path ends at {path.end:.6g} s")
+    return path, path.end
+
+
+def _vector(values: Array) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+@dataclass(frozen=True)
+class Movement:
+    """How far the air moves a pitch across its way, where it crosses the plate.
+
+    Attributes
+    ----------
+    across, up
+        m, to the catcher's left and up.
+    clock
+        The direction on a clock as the pitcher sees it, such as ``"12:00"`` for straight up; empty
+        if it does not move.
+    """
+
+    across: float
+    up: float
+
+    @property
+    def clock(self) -> str:
+        """See `Movement`; of a pitch whose whole spin is active it is the spin's direction."""
+        return clock(self.across, self.up)
+
+
+def clock(across: float, up: float) -> str:
+    """Return a direction on a clock that the pitcher looks at, to a minute; "" for no direction.
+
+    Backspin, which lifts a ball, is 12:00; a movement to the pitcher's right, which is the
+    catcher's left, 3:00.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> lb.clock(0.0, 0.4), lb.clock(0.2, 0.2), lb.clock(0.0, -0.3)
+    ('12:00', '1:30', '6:00')
+    """
+    if across == up == 0.0:
+        return ""
+    minutes = round(math.atan2(across, up) * 360.0 / math.pi) % 720
+    return f"{minutes // 60 or 12}:{minutes % 60:02}"
+
+
+def movement(
+    scene: object,
+    without: Literal["air", "lift"] = "air",
+    since: float | None = None,
+    **options: Any,
+) -> Movement:
+    """Compute how far a pitch moves from where it would go without air, or without lift.
+
+    Parameters
+    ----------
+    scene
+        A pitch, as `solve` takes it.
+    without
+        ``"air"``: compared with gravity alone, at the time of crossing the plate; from 40 ft on
+        this is pfx. ``"lift"``: compared with the same ball under gravity and drag, where each
+        crosses the plate; from the release on this is the induced break.
+    since
+        m, x of the place from which the two go apart; the release if left out. 40 ft from the
+        plate's tip are `longball.questions.movement.PFX`, 11.76 m from its front.
+    options
+        ``engine=`` and options of it, as of `solve`.
+
+    Raises
+    ------
+    InvalidScene
+        If `scene` describes no pitch.
+    ValueError
+        If the pitch does not reach the plate, or is not released before `since`.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> fastball = lb.Pitch(
+    ...     pitch={"release": [16.5, 0.6, 1.8], "velocity": [-42, -1, -1], "spin": [0, 200, -60]},
+    ...     air={"lift_coefficient": {"law": "rational"}},
+    ... )
+    >>> lb.movement(fastball).clock
+    '12:35'
+    """
+    asked = as_scene(scene)
+    if not isinstance(asked, PitchScene):
+        raise InvalidScene(f"kind: must be 'pitch' here, and is {asked.kind!r}")
+    if without not in ("air", "lift"):
+        raise ValueError(f"without must be 'air' or 'lift' (got {without!r})")
+    result = solve(asked, **options)
+    way, end = _pitch_of(result)
+    begin = way.start if since is None else _time_at(way, end, since)
+    _, place, velocity = way.at(begin)
+    crossed = way.at(end).position
+    if without == "air":
+        left = end - begin
+        free = place + velocity * left - [0.0, 0.0, 0.5 * asked.gravity * left**2]
+        across, up = (crossed - free)[1:].tolist()
+        return Movement(across, up)
+    straight = _without_lift(asked, place.tolist(), velocity.tolist())
+    found = solve(straight, **options)
+    if found.plate is None:
+        raise ValueError(f"without lift the pitch does not reach the plate: it is {found.outcome}")
+    across, up = (crossed - np.array([*map(float, found.plate.position)]))[1:].tolist()
+    return Movement(across, up)
+
+
+def _without_lift(scene: PitchScene, place: Sequence[float], velocity: Sequence[float]) -> Any:
+    """Return the same pitch from a place on, its spin still there, which drag may depend on."""
+    data = scene.model_dump(mode="json", exclude_defaults=True) | {"kind": "pitch"}
+    thrown = {"release": place, "velocity": velocity, "spin": scene.pitch.spin}
+    data["pitch"] = {key: value for key, value in thrown.items() if value is not None}
+    if scene.air is not None:
+        data["air"] = data.get("air", {}) | {"lift_coefficient": 0.0}
+    return as_scene(data)
+
+
+def _time_at(path: Path, end: float, x: float) -> float:
+    """Return when a pitch is at a place x, m, by bisection: it comes nearer all the time."""
+    low, high = path.start, end
+    if not path.at(low).position[0] >= x > 0.0:
+        raise ValueError(
+            f"since = {x} m: the pitch is released at x = {path.at(low).position[0]} m"
+        )
+    for _ in range(64):
+        middle = 0.5 * (low + high)
+        if path.at(middle).position[0] > x:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,208 @@
+"""The spin that a pitch needs for its movement, by the scene's own law of lift.
+
+With the velocity v and the acceleration a at a point of the pitch, u the velocity through the air,
+
+    a_D = -(a + g e_z)·û,   a_M = a + g e_z + a_D û,   C_L = |a_M| / (k U²),   k = ρ A / (2 m),
+
+and the law of C_L gives S = R ω_T / U: how fast the ball turns across its way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from longball.api import as_scene
+from longball.model.air import Air, law_name
+from longball.model.arrays import Array
+from longball.model.law import per_metre
+from longball.model.names import one_of
+from longball.model.numbers import DOUBLES
+from longball.model.scene import AtBatScene, PitchScene
+
+# Of a share: of a ball whose spin is all active the law there and back gives 1 to 1e-13.
+_ROUNDING = 1e-12
+
+# Laws of the spin parameter, which can be asked for it.
+_INVERTED = ("rational", "linear", "bilinear", "table")
+
+
+@dataclass(frozen=True)
+class SpinFromMovement:
+    """The spin that a movement needs; arrays have a number for each pitch.
+
+    Attributes
+    ----------
+    transverse
+        rad/s, shape (…, 3): the spin across the velocity through the air.
+    drag_coefficient, lift_coefficient
+        C_D and C_L, shape (…).
+    active_share
+        Of the measured rate, shape (…); None if no rate is given. Above 1 the ball moves more than
+        its whole spin can move it: the movement has another cause, or the rate is wrong.
+    spin
+        rad/s, shape (…, 3): with the part along the velocity; NaN where the share is above 1, and
+        None without a rate.
+    above_one
+        Where the share is above 1, shape (…); None without a rate.
+    reasons
+        Why pitches have no spin, by their number, in order.
+    """
+
+    transverse: Array
+    drag_coefficient: Any
+    lift_coefficient: Any
+    active_share: Any = None
+    spin: Array | None = None
+    above_one: Any = None
+    reasons: dict[int, str] = field(default_factory=dict)
+
+    @property
+    def rate(self) -> Any:
+        """The size of the transverse spin, rad/s, shape (…)."""
+        return np.linalg.norm(self.transverse, axis=-1)[()]
+
+
+def spin_from_movement(
+    scene: object,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    rate: ArrayLike | None = None,
+    gyro: ArrayLike = 1.0,
+    height: float = 0.0,
+) -> SpinFromMovement:
+    """Compute the spin across its way that a pitch needs for its acceleration.
+
+    Parameters
+    ----------
+    scene
+        A pitch or an at-bat, as `solve` takes it: its ball, air, gravity and law of lift count; a
+        mapping need not have a spin. A law of the spin parameter is needed: rational, linear,
+        bilinear, or a table.
+    velocity, acceleration
+        m/s and m/s², shape (…, 3), at one point of the pitch; of nine parameters best in the middle
+        of the way, where the acceleration is nearest to its mean.
+    rate
+        rad/s, shape (…): the whole spin that was measured. With it the active share is returned.
+    gyro
+        The sign of the spin along the velocity, shape (…): 1 along it, -1 against it.
+    height
+        m, of that point: for a wind or a density that depend on it.
+
+    Raises
+    ------
+    InvalidScene
+        If `scene` describes none.
+    ValueError
+        If its law of lift cannot be asked for a spin. Of a single pitch also if its C_L is above
+        what the law reaches; of many such a row is NaN, and named in `reasons`.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> air = {"lift_coefficient": {"law": "rational"}, "density": 1.2}
+    >>> found = lb.spin_from_movement(
+    ...     {"kind": "pitch", "air": air}, [-40, 0, -2], [8, 0, -3.6], rate=240
+    ... )
+    >>> f"C_L = {found.lift_coefficient:.3f}, {found.active_share:.0%} active"
+    'C_L = 0.207, 87% active'
+    """
+    if isinstance(scene, Mapping) and scene.get("kind") in ("pitch", "at-bat"):
+        # Whoever asks for the spin has none to give, and a law of it must have one in a scene.
+        pitch = scene.get("pitch", {})
+        if isinstance(pitch, Mapping):
+            scene = {**scene, "pitch": {"spin": [0.0, 0.0, 0.0], **pitch}}
+    asked = as_scene(scene)
+    if not isinstance(asked, PitchScene | AtBatScene):
+        raise ValueError(f"scene: a pitch or an at-bat is needed, and this is a {asked.kind}")
+    air = _air_of(asked)
+    per_unit = per_metre(asked, 1.0, DOUBLES)
+    if per_unit is None:
+        raise ValueError("air.density: is 0, and nothing can move the ball")
+    if air.density_scale_height is not None:
+        per_unit *= float(np.exp(-height / air.density_scale_height))
+
+    # the forces
+    v, a = np.asarray(velocity, float), np.asarray(acceleration, float)
+    wind = np.array(air.wind_at(height, 1.0))
+    u = v - wind
+    speed = np.linalg.norm(u, axis=-1)
+    ahead = u / speed[..., None]
+    free = a + np.array([0.0, 0.0, asked.gravity])
+    slowing = -np.sum(free * ahead, axis=-1)
+    moving = free + slowing[..., None] * ahead
+    force = np.linalg.norm(moving, axis=-1)
+    pressure = per_unit * speed**2
+    drag, lift = slowing / pressure, force / pressure
+
+    # the spin
+    spin_parameter, most = _spin_parameter(air, lift)
+    sense = -1.0 if most < 0.0 else 1.0
+    beyond = np.isnan(spin_parameter)
+    told = (
+        "C_L = {:.4g} is above what the law of air.lift_coefficient reaches, "
+        f"{abs(most):.4g}: no spin moves a ball so far"
+    )
+    if beyond.ndim == 0 and beyond:
+        raise ValueError(told.format(float(lift)))
+    size = spin_parameter * speed / asked.ball.radius
+    unit = moving / np.where(force > 0.0, force, 1.0)[..., None]
+    transverse = sense * size[..., None] * np.cross(ahead, unit)
+    reasons = {int(i): told.format(lift.flat[i]) for i in np.flatnonzero(beyond)}
+    if rate is None:
+        return SpinFromMovement(transverse, drag[()], lift[()], reasons=reasons)
+    whole = np.asarray(rate, float)
+    share = size / whole
+    above = share > 1.0 + _ROUNDING
+    along = np.sqrt(np.where(above, np.nan, np.maximum(whole**2 - size**2, 0.0)))
+    spin = transverse + (np.sign(gyro) * along)[..., None] * ahead
+    return SpinFromMovement(transverse, drag[()], lift[()], share[()], spin, above[()], reasons)
+
+
+def _air_of(scene: PitchScene | AtBatScene) -> Air:
+    """Return the air of a scene whose law of lift can be asked for a spin."""
+    if scene.air is None:
+        raise ValueError("air: there is none, and nothing can move the ball")
+    law: Any = scene.air.lift_coefficient
+    name = law_name(law)
+    if name not in _INVERTED or getattr(law, "of", "spin_parameter") != "spin_parameter":
+        what = "a constant" if name == "constant" else f"a {name} of {law.of}"
+        raise ValueError(
+            f"air.lift_coefficient: {what} says nothing of the spin"
+            f"{one_of('laws that do are', name, _INVERTED)}"
+        )
+    if scene.reading.spin_parameter == "total":
+        raise ValueError(
+            "reading.spin_parameter = total: its lift depends on the whole spin; take transverse"
+        )
+    return scene.air
+
+
+def _spin_parameter(air: Air, lift: Array) -> tuple[Array, float]:
+    """Return S at values of |C_L|, NaN beyond what the law reaches; and that, with its sign."""
+    law: Any = air.lift_coefficient
+    match law_name(law):
+        case "linear":
+            most = np.copysign(np.inf, law.slope)
+            return lift / abs(law.slope) if law.slope else np.where(lift, np.nan, 0.0), most
+        case "rational":
+            most = law.numerator / law.slope if law.slope else np.copysign(np.inf, law.numerator)
+            left = abs(law.numerator) - law.slope * lift
+            with np.errstate(divide="ignore", invalid="ignore"):
+                return np.where(left > 0.0, law.constant * lift / left, np.nan), most
+        case "bilinear":
+            (node,), ((_, steep), (base, slope)) = law.lines(float)
+            low = lift <= steep * node
+            return np.where(low, lift / steep, (lift - base) / slope), np.inf
+    at, values = np.array(law.at), np.array(law.values)
+    if at[0] != 0.0 or values[0] != 0.0 or not np.all(np.diff(np.abs(values)) > 0.0):
+        raise ValueError(
+            "air.lift_coefficient: to be asked for a spin a table must begin with 0 at 0 and rise, "
+            "or fall, all the way"
+        )
+    inside = np.where(lift <= abs(values[-1]), lift, np.nan)
+    return np.interp(inside, np.abs(values), at), float(values[-1])

@@ -1,0 +1,252 @@
+"""How uncertain a result is whose scene is: J C Jᵀ, and how far that can be believed."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from longball.api import as_engine, as_scene, differentiable, error_of
+from longball.engines import chain
+from longball.engines.engine import CannotSolve
+from longball.engines.tangent import derivatives_of
+from longball.model.arrays import Array
+from longball.model.inputs import require_inputs, value_of, with_values
+from longball.model.quantities import numbers, unknown
+from longball.model.result import Result
+from longball.model.scene import Scene
+
+# Of a standard deviation: from there on the second-order terms are said. A term of second order
+# that is a tenth of it makes it half a percent larger.
+_LARGE = 0.1
+
+# Of the largest variance, relative: what rounding makes of one that is zero.
+_ROUNDED = 1e-12
+
+
+@dataclass(frozen=True)
+class Uncertainty(Mapping[str, float]):
+    """Standard deviations of the numbers of a result, by name.
+
+    Attributes
+    ----------
+    value
+        The numbers of the result themselves.
+    sigma
+        Their standard deviations to first order, the square roots of the diagonal of J C Jᵀ.
+    covariance
+        J C Jᵀ, shape (n, n), in the order of `value`.
+    shift
+        What the second-order term adds to the mean of each.
+    second
+        The standard deviation that the second-order term alone has.
+    warnings
+        What makes the first order a poor description, one sentence each.
+    """
+
+    value: Mapping[str, float]
+    sigma: Mapping[str, float]
+    covariance: Array
+    shift: Mapping[str, float]
+    second: Mapping[str, float]
+    warnings: tuple[str, ...]
+
+    def __getitem__(self, quantity: str) -> float:
+        """Return the standard deviation of a number of the result."""
+        if quantity not in self.sigma:
+            raise KeyError(str(unknown(quantity, self.sigma)))
+        return self.sigma[quantity]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.sigma)
+
+    def __len__(self) -> int:
+        return len(self.sigma)
+
+    def __repr__(self) -> str:
+        rows = (f"  {name:<22}{x:.7g} ± {self.sigma[name]:.2g}" for name, x in self.value.items())
+        return "\n".join([*rows, *self.warnings])
+
+
+def uncertainty(
+    scene: object,
+    spread: Any,
+    *,
+    quantities: Iterable[str] | None = None,
+    engine: str = "ivp",
+    **options: Any,
+) -> Uncertainty:
+    """Propagate the uncertainty of numbers of a scene to its result, to first order.
+
+    The covariance of the result is J C Jᵀ, with the derivatives J of `solve`. The second-order term
+    is taken from the same result one standard deviation away, along every principal axis of C and
+    between them; where it is more than a tenth of the first, a `UserWarning` says so.
+
+    Parameters
+    ----------
+    scene
+        As `solve` takes it.
+    spread
+        Standard deviations by name, in SI units, as of ``{"launch.speed": 0.5}``; or a covariance:
+        a data frame with these names on both sides, or a mapping from names to its rows. A name is
+        that of a number of the scene, or ``launch.`` and an argument of `longball.launch`.
+    quantities
+        Numbers of the result; all if left out.
+    engine, options
+        As `solve` takes them.
+
+    Raises
+    ------
+    InvalidScene
+        If `scene` describes none.
+    ValueError
+        If the scene has no number of a name; if `spread` is no covariance, or a quantity is none
+        of the result.
+    CannotSolve, Undecided
+        If the scene has no result, or the result no derivative.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> ball = lb.Flight(launch=lb.launch(speed=46.0, angle=0.45))
+    >>> found = lb.uncertainty(ball, {"launch.speed": 0.5, "launch.angle": 0.01})
+    >>> round(found["landing.distance"], 3)
+    1.203
+    """
+    asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
+    names, covariance = _covariance(asked, spread)
+    result = chain.solve(asked, solver)
+    if result.error is not None:
+        raise error_of(result)
+    value = _numbers(result)
+    if quantities is not None:
+        for quantity in (chosen := [*quantities]):
+            if quantity not in value:
+                raise unknown(quantity, value)
+        value = {quantity: value[quantity] for quantity in chosen}
+
+    derivatives = derivatives_of(asked, value, names, solver)
+    for name, reason in derivatives.refused.items():
+        raise CannotSolve(f"{name}: {reason}")
+    jacobian = np.array([[float(derivatives[q][name]) for name in names] for q in value])
+    jacobian = jacobian.reshape(len(value), len(names))
+    spread_of_result = jacobian @ covariance @ jacobian.T
+    sigma = dict(zip(value, np.sqrt(np.diag(spread_of_result)).tolist(), strict=True))
+
+    bend, warned = _second_order(asked, result, value, names, covariance, solver)
+    shift = dict(zip(value, (0.5 * np.trace(bend, axis1=0, axis2=1)).tolist(), strict=True))
+    size = np.sqrt(0.5 * np.square(bend).sum(axis=(0, 1)))
+    second = dict(zip(value, size.tolist(), strict=True))
+    for name in value:
+        largest = max(abs(shift[name]), second[name])
+        # A size of 1 is that of a number that is zero.
+        if largest > _LARGE * sigma[name] + _ROUNDED * (1.0 + abs(value[name])):
+            warned.append(
+                f"{name}: the second-order term is large: it shifts the mean by {shift[name]:.2g} "
+                f"and has a standard deviation of {second[name]:.2g}, beside {sigma[name]:.2g} to "
+                "first order"
+            )
+    for sentence in warned:
+        warnings.warn(sentence, stacklevel=2)
+    return Uncertainty(value, sigma, spread_of_result, shift, second, tuple(warned))
+
+
+def _numbers(result: Result) -> dict[str, float]:
+    """Return the numbers of a result that are measured, not counted."""
+    return {
+        name: float(getattr(x, "value", x))
+        for name, x in numbers(result)
+        if name not in chain.DISCRETE
+    }
+
+
+def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
+    """Return names of numbers of a scene, and the covariance that is given of them."""
+    given = spread.to_dict() if hasattr(spread, "to_dict") else spread
+    if not isinstance(given, Mapping):
+        raise TypeError(
+            "spread: standard deviations by name are needed, such as {'launch.speed': 0.5}, or a "
+            f"covariance; not {type(spread).__name__}"
+        )
+    names = require_inputs(scene, map(str, given))
+    if not names:
+        raise ValueError("spread: no number of the scene is uncertain; name one")
+    rows = [*given.values()]
+    if not any(isinstance(row, Mapping) for row in rows):
+        for name, sigma in zip(names, rows, strict=True):
+            if not (isinstance(sigma, int | float) and 0 < sigma < math.inf):
+                raise ValueError(f"spread: the standard deviation of {name} must be positive")
+        return names, np.diag(np.square(np.array(rows, float)))
+    if not all(isinstance(row, Mapping) and set(map(str, row)) == set(names) for row in rows):
+        raise ValueError(
+            "spread: the rows of a covariance must have the names of its columns: "
+            f"{', '.join(names)}"
+        )
+    table = np.array([[float(row[name]) for name in given] for row in rows])
+    if not np.isfinite(table).all() or not np.allclose(table, table.T, rtol=1e-9, atol=0.0):
+        raise ValueError("spread: a covariance must be symmetric")
+    if np.linalg.eigvalsh(_scaled(table))[0] < -1e-9:
+        raise ValueError(
+            "spread: a covariance cannot have a negative variance along any direction of "
+            f"{', '.join(names)}; check the signs and sizes of its correlations"
+        )
+    return names, table
+
+
+def _scaled(covariance: Array) -> Array:
+    """Return the correlations of a covariance."""
+    sigma = np.sqrt(np.diag(covariance))
+    if not (sigma > 0).all():
+        raise ValueError("spread: every variance of a covariance must be positive")
+    correlations: Array = covariance / np.outer(sigma, sigma)
+    return correlations
+
+
+def _second_order(
+    scene: Scene,
+    result: Result,
+    value: Mapping[str, float],
+    names: list[str],
+    covariance: Array,
+    engine: Any,
+) -> tuple[Array, list[str]]:
+    """Return the second derivatives along the principal axes of a covariance, and doubts.
+
+    Of shape (axes, axes, quantities), by an axis as long as its standard deviation:
+    ``Q(a + b) - Q(a) - Q(b) + Q`` of two, and ``Q(a) - 2 Q + Q(-a)`` of one.
+    """
+    sigma = np.sqrt(np.diag(covariance))
+    sizes, turned = np.linalg.eigh(_scaled(covariance))
+    axes = (sigma[:, None] * turned * np.sqrt(np.maximum(sizes, 0.0))).T
+    here = np.array([value_of(scene, name) for name in names])
+    middle = np.array([*value.values()])
+    doubts: list[str] = []
+
+    def at(step: Array) -> Array:
+        moved = dict(zip(names, (here + step).tolist(), strict=True))
+        try:
+            found = chain.solve(with_values(scene, moved), engine)
+            said = found.error or f"the outcome is {found.outcome} instead of {result.outcome}"
+        except ValidationError:
+            found, said = None, "there is no such scene"
+        known = {} if found is None else _numbers(found)
+        if found is None or found.outcome != result.outcome or not known.keys() >= value.keys():
+            where = ", ".join(f"{name} = {x:.6g}" for name, x in moved.items())
+            doubts.append(f"one standard deviation away, at {where}: {said}")
+            return np.full(len(value), math.nan)
+        return np.array([known[quantity] for quantity in value])
+
+    ahead, behind = ([at(sense * axis) for axis in axes] for sense in (1.0, -1.0))
+    bend = np.empty((len(names), len(names), len(value)))
+    for i, j in combinations_with_replacement(range(len(names)), 2):
+        if i == j:
+            bend[i, i] = ahead[i] - 2 * middle + behind[i]
+        else:
+            bend[i, j] = bend[j, i] = at(axes[i] + axes[j]) - ahead[i] - ahead[j] + middle
+    return bend, doubts[:1]

@@ -1,0 +1,158 @@
+"""The highest point of a batted ball, and the angles at which balls come down and cross the plate.
+
+Expected values are closed forms, or come from SciPy's DOP853 at 1e-12 with the law written out.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from longball import engines
+from longball.engines.batch import solve_columns
+from longball.engines.chain import solve
+from longball.model.scene import Scene, parse_scene
+
+ENGINES = {
+    "ivp": {},
+    "batch": {},
+    "enclosure": {"digits": 20},
+    "multiprecision": {"digits": 20},
+    "verlet": {"dt": 2.0**-10},
+}
+# Of Verlet in a vacuum: an apex between two steps is off by g dt²/8 = 1.2e-6 m at most.
+OFF = {"verlet": 2e-6}
+
+
+def scene(**blocks: object) -> Scene:
+    flying = {"kind": "flight", "air": None, "gravity": 9.8}
+    return parse_scene(json.dumps(flying | blocks))
+
+
+def launch(position: list[float], velocity: list[float]) -> dict[str, object]:
+    return {"position": position, "velocity": velocity}
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_without_air_it_is_galileos(name: str) -> None:
+    found = solve(
+        scene(launch=launch([1, 2, 0.5], [12, 9, 20])), engines.create(name, **ENGINES[name])
+    )
+    off = OFF.get(name, 1e-13)
+    time, height = 20 / 9.8, 0.5 + 20**2 / (2 * 9.8)
+    assert float(found.apex.time) == pytest.approx(time, abs=off)
+    at = [1 + 12 * time, 2 + 9 * time, height]
+    assert [*map(float, found.apex.position)] == pytest.approx(at, abs=15 * off)
+    down = math.sqrt(20**2 + 2 * 9.8 * 0.5)
+    assert float(found.landing.angle) == pytest.approx(math.atan(down / 15), abs=off)
+
+
+@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure"])
+def test_the_papers_ball_is_scipys(name: str) -> None:
+    paper = '{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, 25]}}'
+    found = solve(parse_scene(paper), engines.create(name))
+    x, _, z = map(float, found.apex.position)
+    assert float(found.apex.time) == pytest.approx(2.44058447637175, abs=1e-13)
+    assert (x, z) == pytest.approx((52.30603649, 29.63445112), abs=5e-9)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_ball_lands_on_what_is_above_its_launch(name: str) -> None:
+    deck = scene(launch=launch([0, 0, 0], [30, 0, 25]), ground={"height": 8})
+    found = solve(deck, engines.create(name, **ENGINES[name]))
+    time = (25 + math.sqrt(25**2 - 2 * 9.8 * 8)) / 9.8
+    off = OFF.get(name, 1e-13)
+    assert float(found.landing.time) == pytest.approx(time, abs=off)
+    assert float(found.landing.distance) == pytest.approx(30 * time, abs=30 * off)
+    assert float(found.landing.position[2]) == 8.0
+    assert float(found.apex.time) == pytest.approx(25 / 9.8, abs=off)
+
+
+def test_a_ball_that_does_not_get_up_there_is_airborne() -> None:
+    low = scene(launch=launch([0, 0, 0], [30, 0, 12]), ground={"height": 8}, time_limit=5)
+    found = solve(low, engines.create("ivp"))
+    assert (found.outcome, found.apex, found.landing) == ("airborne", None, None)
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_ball_hit_down_is_highest_at_its_launch(name: str) -> None:
+    found = solve(
+        scene(launch=launch([1, 0, 2], [40, 0, -3])), engines.create(name, **ENGINES[name])
+    )
+    assert [*map(float, found.apex.position)] == [1.0, 0.0, 2.0]
+    assert float(found.apex.time) == 0.0
+
+
+@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure"])
+def test_a_ball_straight_up_rests_there(name: str) -> None:
+    # z' = √(g/k) tan(arctan(√(k/g) w0) - √(g k) t), with drag k z'² that is on; no lift.
+    air = {"density": 1.2, "drag_coefficient": 0.4, "lift_coefficient": 0.0}
+    up = scene(launch=launch([0, 0, 1], [0, 0, 30]), air=air)
+    found = solve(up, engines.create(name))
+    k = 1.2 * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
+    time = math.atan(30 * math.sqrt(k / 9.8)) / math.sqrt(9.8 * k)
+    assert float(found.apex.time) == pytest.approx(time, rel=1e-13)
+    height = 1 + math.log1p(k * 30**2 / 9.8) / (2 * k)
+    assert float(found.apex.position[2]) == pytest.approx(height, rel=1e-13)
+
+
+def test_a_ball_that_meets_a_wall_on_its_way_up_has_none() -> None:
+    near = [[10, 8, 30], [10, -8, 30]]
+    wall = scene(launch=launch([0, 0, 1], [30, 0, 25]), fence={"polyline": near})
+    found = solve(wall, engines.create("ivp"))
+    assert (found.outcome, found.apex) == ("wall", None)
+
+
+@pytest.mark.parametrize("height", [1.0, 25.0])
+def test_an_apex_beyond_a_fence_counts(height: float) -> None:
+    over = [[10, 8, 5], [10, -8, 5]]  # crossed after a third of a second, on the way up
+    flown = scene(launch=launch([0, 0, height], [30, 0, 25]), fence={"polyline": over})
+    for name in ("ivp", "batch"):
+        found = solve(flown, engines.create(name))
+        assert found.outcome == "home_run"
+        assert float(found.apex.time) == pytest.approx(25 / 9.8, abs=1e-12)
+
+
+def test_rows_of_columns_have_the_bits_of_their_scenes() -> None:
+    base = parse_scene(
+        '{"kind": "at-bat", "pitch": {"speed": 38.0}, "swing": {"tilt": 0.1}, '
+        '"fence": {"polyline": [[40, 40, 3], [60, 0, 3], [40, -40, 3]]}}'
+    )
+    columns = {
+        "swing.height_offset": np.linspace(-0.06, 0.03, 40),
+        "pitch.aim[0]": np.linspace(-0.2, 0.2, 40),
+    }
+    table = solve_columns(base, columns)
+    flown = {"batted", "home_run", "wall", "missed"}
+    assert {"batted", "home_run"} <= {*table["outcome"]} <= flown
+    for i, outcome in enumerate(table["outcome"]):
+        values = {name: float(column[i]) for name, column in columns.items()}
+        swung = {"tilt": 0.1, "height_offset": values["swing.height_offset"]}
+        pitch = {"speed": 38.0, "aim": [values["pitch.aim[0]"], 1.8]}
+        one = base.model_dump(mode="json", exclude_defaults=True) | {"kind": "at-bat"}
+        found = solve(
+            parse_scene(json.dumps(one | {"swing": swung, "pitch": pitch})), engines.create("batch")
+        )
+        assert found.outcome == outcome
+        asked = (found.plate.approach.vertical, found.plate.approach.horizontal)
+        names = ["plate.approach.vertical", "plate.approach.horizontal"]
+        assert asked == tuple(table[name][i] for name in names)
+        if found.apex is None:
+            assert np.isnan(table["apex.time"][i])
+        else:
+            at = tuple(table[f"apex.position[{k}]"][i] for k in range(3))
+            assert (found.apex.time, *found.apex.position) == (table["apex.time"][i], *at)
+
+
+def test_a_pitch_comes_from_where_it_falls_and_turns() -> None:
+    """Without air: down by g t at the plate, and across as at the release."""
+    thrown = {"release": [18, 0.9, 2], "velocity": [-40, -2, 0.5]}
+    pitch = parse_scene(json.dumps({"kind": "pitch", "air": None, "gravity": 9.8, "pitch": thrown}))
+    for name in ("ivp", "batch"):
+        angle = solve(pitch, engines.create(name)).plate.approach
+        fall = 0.5 - 9.8 * 18 / 40
+        assert angle.vertical == pytest.approx(math.atan(fall / math.hypot(40, 2)), rel=1e-13)
+        assert angle.horizontal == pytest.approx(-math.atan(2 / 40), rel=1e-13)  # to the right

@@ -1,0 +1,324 @@
+"""Derivatives in jets: against closed forms, against differences of proven results, golden data.
+
+Two bounds come up. A golden derivative is a difference good to a thousandth, rounded to three
+digits: 6 in the third digit at most. And what is proven to 40 digits at two inputs 2^-49 apart has
+a slope of 20 digits, so that a difference from it is the derivative's own error; that is held
+against 1e-12 of the size of the quantity for an input that changes by its size, as a derivative
+that is zero has no relative error.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+
+import pytest
+
+import longball as lb
+from longball import golden
+from longball.engines.chain import solve
+from longball.engines.enclosure import Enclosure
+from longball.engines.engine import CannotSolve
+from longball.engines.ivp import Ivp
+from longball.engines.multiprecision import Multiprecision
+from longball.engines.tangent import Kink, derivatives_by, derivatives_of
+from longball.golden.case import ROUNDING, decisions
+from longball.golden.condition import magnitudes
+from longball.model.inputs import STEP, inputs, with_input
+from longball.model.numbers import Undecided
+from longball.model.quantities import numbers_of
+from longball.model.scene import FlightScene, parse_scene
+
+THREE_DIGITS, GOOD = 6e-3, 1e-12
+FAMILIES = list(golden.header().families)
+
+# The launch is 1e-12 from a node of a table, and a rounding of the airspeed a hundredth of it: how
+# the result depends on the node is known to two digits.
+AT_A_NODE = re.compile(r"flight-kinks-.*-node-.*-1e-12")
+
+# One number of each of these is at a corner; a golden derivative there is a difference across it.
+AT_A_CORNER = {
+    "the pitch passes the bat's axis": ("edges-tip-out", "swing.height_offset", "contact.margin"),
+    "the launch is at the height where the wind sets in": (
+        "flight-kinks-on-height-down",
+        "launch.position[2]",
+        "landing.distance",
+    ),
+    "the launch is from the ground, along it": (
+        "hard-ground-along-vacuum",
+        "launch.position[2]",
+        "landing.distance",
+    ),
+}
+
+
+def case_of(identity: str) -> golden.Case:
+    return next(case for f in FAMILIES for case in golden.load(f) if case.id == identity)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_derivatives_are_those_of_the_golden_cases(family, nightly):
+    cases = [
+        case
+        for case in golden.load(family)
+        if case.condition is not None and not AT_A_NODE.fullmatch(case.id)
+    ]
+    faults = []
+    for case in cases if nightly else cases[2::60]:
+        sizes = {name: abs(q.double) for name, q in case.quantities.items()}
+        for name, x in list(inputs(case.scene).items())[:: 1 if nightly else 3]:
+            try:
+                found = derivatives_by(case.scene, name, Ivp())
+            except (CannotSolve, Undecided):
+                continue
+            for quantity, row in case.condition.derivatives.items():
+                known, slope = row[name], found[quantity]
+                if known is None or math.isnan(slope):
+                    continue
+                off = THREE_DIGITS * abs(known) + GOOD * (1 + sizes[quantity]) / (abs(x) or 1.0)
+                if not (abs(slope - known) <= off or confirmed(case.scene, name, quantity, slope)):
+                    faults.append((case.id, name, quantity, slope, known))
+    assert faults == []
+
+
+def confirmed(scene, name: str, quantity: str, slope: float) -> bool:
+    """True if proven slopes say otherwise than a golden one, whose differences may be wider.
+
+    They differ to the left and to the right; or they agree with the derivative.
+    """
+    left, right = (one_sided(scene, name, side) for side in (-1, 1))
+    if left is None or right is None or is_corner(scene, name):
+        return True
+    return math.isclose(slope, (left[quantity] + right[quantity]) / 2, rel_tol=1e-9)
+
+
+def is_corner(scene, name: str) -> bool:
+    """True where proven slopes to the left and to the right differ."""
+    left, right = (one_sided(scene, name, side) for side in (-1, 1))
+    return left is None or any(
+        not math.isclose(left[q], right[q], rel_tol=1e-3, abs_tol=1e-9) for q in left
+    )
+
+
+def one_sided(scene, name: str, side: int) -> dict[str, float] | None:
+    x = inputs(scene)[name]
+    moved = x + side * STEP * (abs(x) or 1.0)
+    there = with_input(scene, name, moved)
+    engine = Enclosure(40)
+    here, beyond = solve(scene, engine), there and solve(there, engine)
+    if beyond is None or decisions(here) != decisions(beyond):
+        return None
+    ends = zip(numbers_of(here), numbers_of(beyond), strict=True)
+    width = Decimal(moved) - Decimal(x)
+    return {q: float((Decimal(b.value) - Decimal(a.value)) / width) for (q, a), (_, b) in ends}
+
+
+PROVEN = [
+    ("flight-real-0003", 12),
+    ("at-bat-real-0002", 10),
+    ("combined-at-bat-0001", 12),
+    ("impact-oblique-0004", 3),
+    ("fence-stepped-0000", 6),
+    ("flight-kinks-moving-table-time", 5),
+    ("hard-graze-plus-1e-06", 5),
+    ("hard-dip-phugoid-under-1e-06", 4),
+]
+
+
+@pytest.mark.parametrize(("identity", "every"), PROVEN)
+def test_derivatives_have_twelve_digits(identity, every, nightly):
+    case = case_of(identity)
+    names = [*inputs(case.scene)]
+    assert twelve_digits(case, names if nightly else names[1::every]) == []
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("family", FAMILIES)
+def test_derivatives_have_twelve_digits_in_all_families(family):
+    cases = [case for case in golden.load(family) if case.condition is not None]
+    faults = [twelve_digits(case, [*inputs(case.scene)][::3]) for case in cases[::8]]
+    assert [fault for each in faults for fault in each] == []
+
+
+def twelve_digits(case: golden.Case, names: list[str]) -> list[tuple[object, ...]]:
+    """Return derivatives that are off, beside the difference of proven results."""
+    faults: list[tuple[object, ...]] = []
+    sizes = magnitudes(case.expected)
+    for name in names:
+        left, right = (one_sided(case.scene, name, side) for side in (-1, 1))
+        try:
+            found = derivatives_by(case.scene, name, Ivp())
+        except (CannotSolve, Undecided):
+            continue
+        if left is None or right is None:
+            continue
+        x = abs(inputs(case.scene)[name]) or 1.0
+        for quantity in found.keys() & sizes.keys():
+            slope = found[quantity]
+            truth = (left[quantity] + right[quantity]) / 2
+            off = GOOD * (abs(truth) + sizes[quantity] / x)
+            if quantity == "contact.margin":
+                off += turned(case) * abs(found["plate.time"]) * sizes["plate.velocity[0]"]
+            if not (abs(slope - truth) <= off or math.isnan(slope)):
+                faults.append((case.id, name, quantity, slope, truth))
+    return faults
+
+
+def turned(case: golden.Case) -> float:
+    """Return by how much, rad, doubles turn the direction from the bat's axis to the ball.
+
+    By roundings of the way from the mound, over the distance from the axis. A margin changes by
+    that much of the way by which an input moves the ball.
+    """
+    reach = case.scene.bat.radius + case.scene.ball.radius
+    away = reach - case.quantities["contact.margin"].double
+    return case.scene.pitch.release[0] * 8 * ROUNDING / away
+
+
+@pytest.mark.parametrize("of", AT_A_CORNER)
+def test_there_is_no_derivative_at_a_corner(of):
+    identity, name, quantity = AT_A_CORNER[of]
+    scene = case_of(identity).scene
+    derivatives = derivatives_of(scene, [quantity], [name], Ivp())
+    assert math.isnan(derivatives[quantity][name])
+    assert is_corner(scene, name)
+
+
+def test_a_refusal_has_its_reason():
+    scene = case_of("flight-kinks-on-height-down").scene
+    derivatives = derivatives_of(scene, ["landing.time"], ["gravity", "air.wind.above"], Ivp())
+    assert derivatives["landing.time"]["gravity"] < 0
+    (reason,) = derivatives.refused.values()
+    assert "the ball passes the height above which the wind blows" in reason
+
+
+def test_a_ball_that_grazes_the_ground_is_refused():
+    # v²/(2g) above its lowest point: it only touches the ground, z = 0, there.
+    scene = FlightScene.model_validate(
+        {
+            "air": {"density": 1.25, "drag_coefficient": 0.0, "lift_coefficient": 0.0},
+            "launch": {"position": (0, 0, 0), "velocity": (30.0, 0, 0)},
+        }
+    )
+    with pytest.raises(Kink):
+        derivatives_by(scene, "launch.velocity[2]", Ivp())
+
+
+def test_a_ball_that_is_dropped_with_a_spin_is_refused():
+    # The velocity across the spin is zero: its direction, that of the lift, is none.
+    scene = case_of("hard-rest-dropped-air-spin").scene
+    with pytest.raises(Kink, match="at rest in the air"):
+        derivatives_by(scene, "ball.mass", Ivp())
+
+
+def vacuum(gravity=9.8, x=0.5, z=1.25, u=31.0, w=22.0, ground=0.25) -> FlightScene:
+    return FlightScene.model_validate(
+        {
+            "air": None,
+            "gravity": gravity,
+            "launch": {"position": (x, 0, z), "velocity": (u, 0, w)},
+            "ground": {"height": ground},
+        }
+    )
+
+
+@pytest.mark.parametrize("engine", [Ivp(), Multiprecision(20), Enclosure(20)], ids=repr)
+def test_a_parabola_has_the_derivatives_of_its_closed_form(engine):
+    # t = (w + √D)/g, D = w² + 2 g (z - h); d = x + u t
+    g, u, w, drop = 9.8, 31.0, 22.0, 1.0
+    root = math.sqrt(w * w + 2 * g * drop)
+    t = (w + root) / g
+    expected = {
+        "launch.position[0]": 1.0,
+        "launch.position[2]": u / root,
+        "launch.velocity[0]": t,
+        "launch.velocity[2]": u * (1 + w / root) / g,
+        "gravity": u * (drop / (g * root) - t / g),
+        "ground.height": -u / root,
+    }
+    for name, slope in expected.items():
+        found = derivatives_by(vacuum(), name, engine)["landing.distance"]
+        assert float(found) == pytest.approx(slope, rel=1e-14)
+
+
+def test_what_trackers_give_has_the_derivatives_of_its_closed_form():
+    scene = vacuum(z=0.25)
+    v, angle = math.hypot(31.0, 22.0), math.atan2(22.0, 31.0)
+    # d - x = v² sin 2θ / g
+    by = {
+        "launch.speed": 2 * v * math.sin(2 * angle) / 9.8,
+        "launch.angle": 2 * v * v * math.cos(2 * angle) / 9.8,
+        "launch.direction": 0.0,
+    }
+    for name, slope in by.items():
+        found = derivatives_by(scene, name, Ivp())
+        assert found["landing.distance"] == pytest.approx(slope, rel=1e-13, abs=1e-12)
+    aside = derivatives_by(scene, "launch.direction", Ivp())["landing.position[1]"]
+    assert aside == pytest.approx(v * v * math.sin(2 * angle) / 9.8, rel=1e-13)
+
+
+# Dimensions of the inputs: powers of kg, m, s.
+DIMENSIONS = {
+    "ball.mass": (1, 0, 0),
+    "ball.radius": (0, 1, 0),
+    "air.density": (1, -3, 0),
+    "gravity": (0, 1, -2),
+    "launch.position": (0, 1, 0),
+    "launch.velocity": (0, 1, -1),
+    "launch.spin": (0, 0, -1),
+    "air.wind": (0, 1, -1),
+    "air.density_scale_height": (0, 1, 0),
+    "ground.height": (0, 1, 0),
+}
+
+
+def test_other_units_change_a_distance_as_euler_says():
+    # Σ (power of a unit in x) x ∂d/∂x is that power of d, for each unit; no form of the air's laws
+    # below has a constant with a dimension.
+    scene = parse_scene(
+        '{"kind": "flight", "launch": {"position": [0.5, 0.1, 1], "velocity": [38, 6, 21], '
+        '"spin": [20, -180, 40]}, "air": {"density": 1.2, "drag_coefficient": 0.35, '
+        '"lift_coefficient": {"law": "rational"}, "wind": [3, -1, 0.25], '
+        '"density_scale_height": 9000}, "ground": {"height": 0.25}}'
+    )
+    sums, sizes = [0.0] * 3, [0.0] * 3
+    for name, x in inputs(scene).items():
+        slope = derivatives_by(scene, name, Ivp())["landing.distance"]
+        for unit, power in enumerate(DIMENSIONS.get(name.partition("[")[0], (0, 0, 0))):
+            sums[unit] += power * x * slope
+            sizes[unit] += abs(power * x * slope)
+    distance = solve(scene, Ivp()).landing.distance
+    for total, size, power in zip(sums, sizes, (0, 1, 0), strict=True):
+        assert size > 0
+        assert total == pytest.approx(power * distance, abs=GOOD * size)
+
+
+# --- as `lb.solve` gives them ---------------------------------------------------------------------
+
+
+def test_a_solution_has_them_if_asked():
+    scene = vacuum()
+    result = lb.solve(scene, derivatives=True)
+    assert set(result.derivatives["landing.distance"]) == set(inputs(scene))
+    assert set(result.derivatives) >= {"landing.time", "landing.velocity[2]"}
+    some = lb.solve(scene, derivatives=["gravity"]).derivatives
+    assert some["landing.time"] == {"gravity": result.derivatives["landing.time"]["gravity"]}
+    with pytest.raises(KeyError, match=r"the nearest are landing\.distance"):
+        some["landing.distnce"]
+    with pytest.raises(ValueError, match="derivatives=True"):
+        _ = lb.solve(scene).derivatives
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"derivatives": ["launch.sped"]}, "did you mean launch.speed"),
+        ({"derivatives": "gravity"}, "a list of names is needed"),
+        ({"derivatives": True, "engine": "verlet"}, "take ivp, multiprecision or enclosure"),
+        ({"derivatives": True, "certify": True}, "enclosure"),
+    ],
+)
+def test_what_has_no_derivatives_is_refused(options, sentence):
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        lb.solve(vacuum(), **options)

@@ -1,0 +1,230 @@
+"""Fits and aims: closed forms without air, round trips, and what cannot be had."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+
+import longball as lb
+
+RECOVERED = 1e-10  # relative; of unknowns, from what is computed of a scene in doubles
+
+
+def flight(speed=46.0, angle=0.45, **blocks):
+    return lb.Flight(launch=lb.launch(speed=speed, angle=angle), **blocks)
+
+
+def real(seed):
+    draw = random.Random(seed)
+    launch = lb.launch(
+        speed=draw.uniform(35, 50),
+        angle=draw.uniform(0.2, 0.8),
+        direction=draw.uniform(-0.6, 0.6),
+        backspin=draw.uniform(100, 300),
+        side_spin=draw.uniform(-150, 150),
+    )
+    air = {
+        "density": draw.uniform(0.95, 1.25),
+        "drag_coefficient": draw.uniform(0.25, 0.45),
+        "lift_coefficient": {"law": "rational"},
+        "wind": [draw.uniform(-4, 4), draw.uniform(-4, 4), 0.0],
+    }
+    return lb.Flight(launch=launch, air=air)
+
+
+UNKNOWNS = [
+    "launch.speed",
+    "launch.angle",
+    "launch.direction",
+    "launch.backspin",
+    "launch.side_spin",
+    "air.drag_coefficient",
+]
+
+
+def off(scene, unknowns):
+    """Return the scene with unknowns some percent off."""
+    from longball.model.inputs import value_of, with_values
+
+    return with_values(
+        scene, {n: value_of(scene, n) * (1.05 if i % 2 else 0.96) for i, n in enumerate(unknowns)}
+    )
+
+
+def recovered(found, scene, unknowns):
+    from longball.model.inputs import value_of
+
+    return max(
+        abs(found[name] - value_of(scene, name)) / max(1e-1, abs(value_of(scene, name)))
+        for name in unknowns
+    )
+
+
+def test_a_path_gives_its_scene_back(nightly):
+    for seed in range(1000 if nightly else 2):
+        scene = real(seed)
+        seen = lb.solve(scene).path.sample(25)
+        found = lb.fit(seen, off(scene, UNKNOWNS), unknowns=UNKNOWNS, sigma=0.01)
+        assert recovered(found, scene, UNKNOWNS) < RECOVERED
+
+
+def test_a_landing_gives_its_launch_back(nightly):
+    names = ["landing.position[0]", "landing.position[1]", "landing.hang_time"]
+    unknowns = UNKNOWNS[:3]
+    for seed in range(1000 if nightly else 2):
+        scene = real(seed)
+        result = lb.solve(scene)
+        seen = {name: result[name] for name in names}
+        found = lb.fit(seen, off(scene, unknowns), unknowns=unknowns)
+        assert recovered(found, scene, unknowns) < RECOVERED
+
+
+def test_a_pitch_gives_its_drag_back():
+    scene = lb.Pitch(pitch={"speed": 40.0, "aim": [0.2, 1.0]})
+    result = lb.solve(scene)
+    seen = {"plate.time": result.plate.time}
+    start = scene.replace(**{"air.drag_coefficient": 0.3})
+    found = lb.fit(seen, start, unknowns=["air.drag_coefficient"])
+    assert found["air.drag_coefficient"] == pytest.approx(scene.air.drag_coefficient, rel=1e-10)
+    assert lb.solve(found.scene).plate.time == pytest.approx(result.plate.time, rel=1e-13)
+
+
+def test_errors_are_those_of_least_squares():
+    # x = x₀ + u t without air: the variance of u from n points is σ²/Σ(t - t̄)²
+    times = np.linspace(0.0, 1.0, 11)
+    scene = lb.Flight(
+        air=None, launch={"position": [0, 0, 10], "velocity": [30, 0, 5]}, gravity=9.8
+    )
+    noise = 0.01 * np.array([1, -1, 0, 1, 0, -1, 1, 0, -1, 1, -1])
+    points = np.column_stack([times, 30 * times + noise, np.full((11, 2), math.nan)])
+    unknowns = ["launch.position[0]", "launch.velocity[0]"]
+    found = lb.fit(points, scene, unknowns=unknowns, sigma=0.01)
+    spread = np.square(times - times.mean()).sum()
+    slope, constant = np.polyfit(times, points[:, 1], 1)
+    assert found["launch.velocity[0]"] == pytest.approx(slope, rel=1e-12)
+    assert found["launch.position[0]"] == pytest.approx(constant, abs=1e-12)
+    assert found.sigma["launch.velocity[0]"] == pytest.approx(0.01 / math.sqrt(spread), rel=1e-9)
+    assert found.freedom == 9
+    left = (points[:, 1] - slope * times - constant) / 0.01
+    assert found.chi_squared == pytest.approx(left @ left, rel=1e-9)
+    assert np.isnan(found.residuals[:, 1:]).all()
+    # without sigma the residuals say how large it is
+    free = lb.fit(points, scene, unknowns=unknowns)
+    scale = math.sqrt(left @ left / 9)
+    assert free.sigma["launch.velocity[0]"] == pytest.approx(
+        scale * found.sigma["launch.velocity[0]"], rel=1e-9
+    )
+
+
+AIR = ["air.density", "air.drag_coefficient", "air.lift_coefficient"]
+
+
+def test_a_direction_that_is_not_determined_is_named():
+    # Drag is ½ρ C_D A/m: a path knows the product of density and coefficient alone.
+    scene = flight()
+    seen = lb.solve(scene).path.sample(10)
+    known = ["launch.speed", "gravity", "ball.mass", *AIR]
+    with pytest.raises(lb.CannotSolve) as refused:
+        lb.fit(seen, scene, unknowns=known)
+    assert "do not determine" in str(refused.value)
+    assert "air.density" in str(refused.value)
+    assert "launch.speed" not in str(refused.value)
+    with pytest.raises(lb.CannotSolve, match=r"do not depend on ball\.restitution"):
+        lb.fit(seen, scene, unknowns=["launch.speed", "ball.restitution"])
+
+
+@pytest.mark.parametrize(
+    ("measured", "unknowns", "sigma", "sentence"),
+    [
+        ({"landing.distance": 100.0}, ["launch.speed", "launch.angle"], None, "1 numbers cannot"),
+        ({"landing.distance": 100.0}, ["launch.sped"], None, "did you mean launch.speed"),
+        ({"landing.distance": 100.0}, [], None, "name at least one"),
+        ({"landing.distance": 100.0}, ["launch.speed"], 0.0, "must be positive"),
+        ({"landing.distance": 100.0}, ["launch.speed"], {"landing.time": 1.0}, "none is given of"),
+        ({"landing.distance": math.nan}, ["launch.speed"], None, "needs a finite value"),
+        ([[0.0, 1.0]], ["launch.speed"], None, "rows of t, x, y, z"),
+        ([[-1.0, 1.0, 0.0, 2.0]], ["launch.speed"], None, "a time since the start"),
+        ({"t": [0.0], "x": [1.0]}, ["launch.speed"], None, "a column y is missing"),
+    ],
+)
+def test_what_is_no_measurement_is_refused(measured, unknowns, sigma, sentence):
+    with pytest.raises((ValueError, lb.CannotSolve), match=sentence):
+        lb.fit(measured, flight(), unknowns=unknowns, sigma=sigma)
+
+
+def test_a_number_that_the_result_has_not_is_refused():
+    with pytest.raises(lb.CannotSolve, match=r"plate\.time is not the name of a number here"):
+        lb.fit({"plate.time": 0.4}, flight(), unknowns=["launch.speed"])
+
+
+# --- aim ------------------------------------------------------------------------------------------
+
+
+def vacuum(speed=40.0):
+    return lb.Flight(
+        air=None, launch={"position": [0, 0, 0.5], "velocity": [speed, 0, 0]}, gravity=9.8
+    )
+
+
+def angles(x, z, v=40.0, g=9.8):
+    root = math.sqrt(v**4 - g * (g * x * x + 2 * z * v * v))
+    return [math.atan((v * v + sense * root) / (g * x)) for sense in (-1, 1)]
+
+
+def test_a_place_is_hit_low_and_high_as_the_closed_form_says():
+    hits = lb.aim(vacuum(), [90.0, 0.0])
+    found = [math.atan2(hit.launch.velocity[2], hit.launch.velocity[0]) for hit in hits]
+    assert found == pytest.approx(angles(90.0, -0.5), rel=1e-12)
+
+
+def test_a_point_is_passed_low_and_high_as_the_closed_form_says():
+    x, y, z = 60.0, 25.0, 12.0
+    hits = lb.aim(vacuum(), [x, y, z])
+    found = [
+        math.atan2(hit.launch.velocity[2], math.hypot(*hit.launch.velocity[:2])) for hit in hits
+    ]
+    assert found == pytest.approx(angles(math.hypot(x, y), z - 0.5), rel=1e-12)
+    for hit in hits:
+        u, v, _ = hit.launch.velocity
+        assert math.atan2(v, u) == pytest.approx(math.atan2(y, x), rel=1e-12)
+
+
+def test_a_curved_ball_lands_where_it_is_aimed():
+    scene = real(3)
+    for hit in lb.aim(scene, [95.0, -20.0]):
+        landing = lb.solve(hit).landing.position
+        assert landing == pytest.approx((95.0, -20.0, 0.0), abs=1e-9)
+        assert hit.launch.position == scene.launch.position
+
+
+def test_a_speed_is_found():
+    (hit,) = lb.aim(vacuum(), 15.0, unknowns=["launch.speed"])
+    # level, from h = 0.5 m: v = d √(g/(2 h))
+    assert hit.launch.velocity[0] == pytest.approx(15.0 * math.sqrt(9.8), rel=1e-12)
+
+
+def test_beyond_reach_it_says_how_far_it_gets():
+    v, g, h = 40.0, 9.8, 0.5
+    farthest = v / g * math.sqrt(v * v + 2 * g * h)
+    with pytest.raises(lb.CannotSolve, match=f"the ball gets {farthest:.6g} m of 200 m at most"):
+        lb.aim(vacuum(), 200.0)
+    # the envelope: z = v²/2g - g x²/2v²
+    high = h + v * v / (2 * g) - g * 60.0**2 / (2 * v * v)
+    with pytest.raises(lb.CannotSolve, match=f"is {high:.6g} m high at most"):
+        lb.aim(vacuum(), [60.0, 0.0, 90.0])
+
+
+@pytest.mark.parametrize(
+    ("scene", "target", "unknowns", "sentence"),
+    [
+        ({"kind": "pitch"}, 1.0, None, "a flight is needed"),
+        (vacuum(), [1, 2, 3, 4], None, "a distance is needed"),
+        (vacuum(), math.inf, None, "must be finite"),
+        (vacuum(), 1.0, ["launch.angel"], "did you mean launch.angle"),
+        (vacuum(), 1.0, ["launch.angle", "launch.direction"], "a target of 1 numbers takes"),
+    ],
+)
+def test_what_is_no_target_is_refused(scene, target, unknowns, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        lb.aim(scene, target, unknowns=unknowns)

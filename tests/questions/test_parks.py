@@ -1,0 +1,138 @@
+"""Parks: fences by their published numbers, and the commands that ask for them."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+
+import pytest
+
+import longball as lb
+from longball.pitches.statcast import FOOT
+
+ROOT2 = math.sqrt(0.5)
+
+
+def run(*arguments: str, text: str = "") -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "longball", *arguments]
+    return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+
+
+def ball(speed: float, direction: float = 0.0) -> lb.Flight:
+    """Return a ball in a vacuum, launched at 45° from the plate on the ground."""
+    launch = lb.launch(speed, math.pi / 4, direction, position=[0, 0, 0])
+    return lb.Flight(air=None, gravity=9.8, launch=launch)
+
+
+def test_fences_stand_where_they_are_published():
+    fence = lb.park("Fenway Park").fence.polyline
+    assert fence[0] == pytest.approx((310 * ROOT2 * FOOT, 310 * ROOT2 * FOOT, 37 * FOOT))
+    assert fence[2] == pytest.approx((390 * FOOT, 0, 17 * FOOT))
+    assert fence[-1] == pytest.approx((302 * ROOT2 * FOOT, -302 * ROOT2 * FOOT, 5 * FOOT))
+
+
+def test_every_park_encloses_fair_ground_and_names_its_source():
+    for park in lb.parks():
+        line = park.fence.polyline
+        assert line[0][0] == line[0][1]
+        assert line[-1][0] == -line[-1][1]
+        # By the rules 250 ft at least, and no fence of today is beyond 440 ft or 40 ft high.
+        assert all(250 < far / FOOT < 440 for far in park.distances)
+        assert all(3 <= top / FOOT < 40 for top in park.walls)
+        assert park.source
+        assert "-" in park.seasons
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch"])
+def test_a_parabola_clears_a_park_by_what_galileo_says(engine):
+    """Over flat ground z = x - g x²/V² at 45°."""
+    (found,) = lb.in_parks(ball(38.0), [lb.park("Yankee Stadium")], engine)
+    x = 408 * FOOT
+    over = x - 9.8 * x**2 / 38.0**2 - 8 * FOOT
+    assert found.is_out
+    assert found.clearance == pytest.approx(over, abs=1e-11)
+
+
+def test_the_same_ball_is_out_here_and_not_there():
+    found = {each.park.name: each for each in lb.in_parks(ball(32.0, math.radians(44.9)))}
+    assert found["Daikin Park"].is_out  # 315 ft and 19 ft high
+    assert found["Fenway Park"].result.outcome == "wall"  # 310 ft and 37 ft high
+    assert found["Fenway Park"].clearance < 0
+
+
+def test_weather_is_at_the_parks_elevation_and_a_number_stays():
+    parks = [lb.park("Coors Field"), lb.park("Yankee Stadium")]
+    launch = lb.launch(46.0, 0.5)
+    air = {"density": {"temperature": 295.0}, "lift_coefficient": 0.1}
+    high, low = lb.in_parks(lb.Flight(launch=launch, air=air), parks)
+    assert high.result.landing.distance > low.result.landing.distance + 5.0
+    high, low = lb.in_parks(lb.Flight(launch=launch), parks)
+    assert high.result.landing.distance == low.result.landing.distance
+
+
+def test_an_unknown_park_names_the_nearest():
+    with pytest.raises(ValueError, match=r"'Fenway' is not known, did you mean Fenway Park\?"):
+        lb.park("Fenway")
+    asked = run("parks", "--park", "Fenway")
+    assert asked.returncode == 2
+    assert "did you mean Fenway Park?" in asked.stderr
+    with pytest.raises(lb.InvalidScene, match="must be 'flight' or 'at-bat' here"):
+        lb.in_parks(lb.Pitch())
+
+
+def test_parks_of_a_file():
+    lines = [ball(45.0).line(), "{", ball(20.0).line()]
+    told = run("parks", "-", "--json", "--park", "Petco Park", text="\n".join(lines))
+    answers = [json.loads(line) for line in told.stdout.splitlines()]
+    assert [answer["outcome"] for answer in answers] == ["home_run", "landed"]
+    assert [answer["id"] for answer in answers] == ["1", "3"]
+    assert "line 2: not JSON" in told.stderr
+    assert told.returncode == 1
+    shown = run("parks", "-", text=ball(45.0).line()).stdout
+    assert shown.startswith(f"1: a home run in {len(lb.parks())} of {len(lb.parks())} parks")
+
+
+@pytest.mark.parametrize(
+    ("options", "distance"),
+    # By SciPy's DOP853 with the law written out, not by longball.
+    [([], 127.11188723858902), (["--elevation", "7349 ft", "--temperature", "72 F"],
+                                140.01515250821657)],
+    ids=["sea level", "Mexico City"],
+)  # fmt: skip
+def test_a_flight_in_a_line(options, distance):
+    asked = ["flight", "--speed", "103 mph", "--angle", "28", "--bats", "R", "--json"]
+    answer = json.loads(run(*asked, *options).stdout)
+    assert answer["landing"]["distance"] == pytest.approx(distance, rel=1e-12)
+
+
+def test_units_wind_and_park_of_a_flight():
+    asked = ["flight", "--speed", "46.04512 m/s", "--angle", "0.4886921905584123 rad"]
+    same = ["flight", "--speed", "103 mph", "--angle", "28"]
+    assert run(*asked).stdout == run(*same).stdout
+    out, into = (run(*same, "--wind", f"10 mph {way}", "--json").stdout for way in ("out", "in"))
+    assert json.loads(out)["landing"]["distance"] > json.loads(into)["landing"]["distance"] + 15
+    park = json.loads(run(*same, "--park", "Coors Field", "--json").stdout)
+    assert math.hypot(*park["fence"]["position"][:2]) == pytest.approx(415 * FOOT)
+    plain = json.loads(run(*same, "--park", "Coors Field", "--set", "fence.radius=100",
+                           "--json").stdout)  # fmt: skip
+    assert math.hypot(*plain["fence"]["position"][:2]) == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--speed", "103 moh", "--angle", "28"], "did you mean mph?"),
+        (["--speed", "fast", "--angle", "28"], "a number is needed"),
+        (["--speed", "-3", "--angle", "28"], "must be positive"),
+        (["--speed", "40", "--angle", "28", "--wind", "10 mph"], "say where it blows to"),
+        (["--speed", "40", "--angle", "28", "--model", "nathn"], "did you mean nathan?"),
+        (["--speed", "40", "--angle", "28", "--bats", "S"], "R or L"),
+    ],
+)
+def test_a_flight_that_cannot_be_says_why(options, said):
+    asked = run("flight", *options)
+    assert asked.returncode == 2
+    assert said in asked.stderr
+    assert "Traceback" not in asked.stderr

@@ -1,0 +1,110 @@
+"""The propagation of uncertainty, against closed forms and Monte Carlo."""
+
+import math
+import warnings
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import longball as lb
+
+
+def vacuum(angle):
+    v = 40.0
+    velocity = [v * math.cos(angle), 0, v * math.sin(angle)]
+    return lb.Flight(air=None, launch={"position": [0, 0, 0], "velocity": velocity})
+
+
+def test_a_parabola_has_the_uncertainty_of_its_closed_form():
+    # d = v² sin 2θ / g
+    found = lb.uncertainty(vacuum(0.5), {"launch.speed": 0.01, "gravity": 0.001})
+    d = 1600 * math.sin(1.0) / 9.8
+    assert found["landing.distance"] == pytest.approx(
+        d * math.hypot(2 * 0.01 / 40, 0.001 / 9.8), rel=1e-12
+    )
+
+
+def test_correlations_count():
+    by_rows = {
+        "launch.speed": {"launch.speed": 1e-4, "gravity": 9e-6},
+        "gravity": {"launch.speed": 9e-6, "gravity": 1e-6},
+    }
+    a, b = 2 / 40, -1 / 9.8
+    d = 1600 * math.sin(1.0) / 9.8
+    expected = d * math.sqrt(a * a * 1e-4 + 2 * a * b * 9e-6 + b * b * 1e-6)
+    for covariance in (by_rows, pd.DataFrame(by_rows)):
+        found = lb.uncertainty(vacuum(0.5), covariance, quantities=["landing.distance"])
+        assert found["landing.distance"] == pytest.approx(expected, rel=1e-12)
+        assert [*found] == ["landing.distance"]
+
+
+def test_where_the_second_order_is_small_monte_carlo_agrees(nightly):
+    spread = {"launch.velocity[0]": 0.4, "launch.velocity[2]": 0.4, "air.drag_coefficient": 0.01}
+    scene = lb.Flight(launch={"position": [0, 0, 1], "velocity": [38, 0, 16]})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = lb.uncertainty(scene, spread)
+    n = 1_000_000 if nightly else 20_000
+    rng = np.random.default_rng(1)
+    draws = rng.normal(size=(3, n))
+    columns = {
+        "kind": "flight",
+        "launch.position[0]": 0.0, "launch.position[1]": 0.0, "launch.position[2]": 1.0,
+        "launch.velocity[0]": 38 + 0.4 * draws[0],
+        "launch.velocity[1]": 0.0,
+        "launch.velocity[2]": 16 + 0.4 * draws[1],
+        "air.drag_coefficient": scene.air.drag_coefficient + 0.01 * draws[2],
+    }  # fmt: skip
+    solved = lb.solve_many(columns, engine="batch")
+    for name in ("landing.distance", "landing.time"):
+        # The sample's own error is σ/√(2n); five of them, and what the second order adds.
+        drawn = solved[name].std()
+        second = found.second[name] ** 2 / (2 * found[name])
+        assert abs(drawn - found[name]) < 5 * found[name] / math.sqrt(2 * n) + 2 * second
+
+
+def test_where_the_second_order_is_large_it_is_said():
+    # At 45° the distance does not change with the angle, but for -2 d δ².
+    with pytest.warns(UserWarning, match=r"landing\.distance: the second-order term is large"):
+        found = lb.uncertainty(
+            vacuum(math.pi / 4), {"launch.angle": 0.05}, quantities=["landing.distance"]
+        )
+    d = 1600 / 9.8
+    assert found["landing.distance"] < 1e-10
+    # ½ d'' σ² = -2 d σ², by finite steps of a cosine: 1 - cos 2σ
+    assert found.shift["landing.distance"] == pytest.approx(d * (math.cos(0.1) - 1), rel=1e-9)
+
+
+def test_another_outcome_nearby_is_said():
+    scene = lb.Flight(launch=lb.launch(speed=44.0, angle=0.5), fence={"radius": 110.0})
+    with pytest.warns(UserWarning, match="instead of"):
+        lb.uncertainty(scene, {"launch.speed": 10.0}, quantities=["landing.distance"])
+
+
+@pytest.mark.parametrize(
+    ("spread", "sentence"),
+    [
+        ({"launch.sped": 1.0}, "did you mean launch.speed"),
+        ({"launch.speed": 0.0}, "must be positive"),
+        ({"launch.speed": -1.0}, "must be positive"),
+        ({}, "no number of the scene is uncertain"),
+        ({"gravity": {"gravity": 1.0, "launch.speed": 0.0}}, "names of its columns"),
+        (
+            {
+                "gravity": {"gravity": 1.0, "launch.speed": 2.0},
+                "launch.speed": {"gravity": 2.0, "launch.speed": 1.0},
+            },
+            "negative variance",
+        ),
+    ],
+)
+def test_what_is_no_spread_is_refused(spread, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        lb.uncertainty(vacuum(0.5), spread)
+
+
+def test_it_is_refused_where_there_is_no_derivative():
+    scene = lb.Flight(launch={"position": [0, 0, 0], "velocity": [30, 0, 0]})
+    with pytest.raises(lb.CannotSolve, match="ends where it starts"):
+        lb.uncertainty(scene, {"launch.position[0]": 0.01})
