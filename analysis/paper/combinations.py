@@ -14,7 +14,6 @@ from analysis.paper.distances import (
     BIN,
     HEIGHT_AND_SLOPE,
     LEVEL,
-    Distance,
     Peak,
     Score,
     distance,
@@ -64,10 +63,11 @@ class Trial(NamedTuple):
     rows: list[Estimate]  # at the five restitutions
     mode: float  # m, the middle of the highest bin of D, where it is farthest out
     low: float  # the share of D in the first bin, at the lowest restitution
-    # To Fig. 7's curves, with samples of their own for each e; and to the caption's if the paper
-    # took the same samples for all.
-    to: dict[str, Distance]
-    scores: dict[float, Score]  # both figures, by the width of Fig. 6's bins; empty if far off
+    # d² from Fig. 7's curves, with samples of their own for each e; and, `shared`, from the
+    # caption's if the paper took the same samples for all.
+    to: dict[str, float]
+    # Both figures, by the width of Fig. 6's bins; empty without drawn papers.
+    scores: dict[float, Score]
 
     @property
     def shares(self) -> list[float]:
@@ -91,7 +91,7 @@ class Trial(NamedTuple):
 
     @property
     def peaks(self) -> dict[float, Peak]:
-        """The peaks of Fig. 6 in bins of 10 m, by restitution; empty if far off."""
+        """The peaks of Fig. 6 in bins of 10 m, by restitution; empty without drawn papers."""
         return self.scores[BIN].peaks if self.scores else {}
 
     @property
@@ -115,13 +115,13 @@ def trials(base: Base, spaces: Sequence[Space], count: int, draws: int) -> list[
 
 
 def trial(base: Base, space: Space, struck: Sequence[Balls], draws: int = distances.DRAWS) -> Trial:
-    """Hold struck balls against Fig. 7; and against both figures, if they come near that one."""
+    """Hold struck balls against Fig. 7; and against both figures, if papers are to be drawn."""
     rows = space.estimates(struck)
     flown = {e: space.distances(one) for e, one in zip(RESTITUTIONS, struck, strict=True)}
     to = {name: distance(rows, curve) for name, curve in PAPER_CURVES.items()}
     to["shared"] = distance(rows, PAPER_CURVES["caption"], shared=True)
     found: dict[float, Score] = {}
-    if draws and to["caption"].squared <= WITHIN:
+    if draws:
         cells = {
             row.e: distances.in_cells(flown[row.e], len(flown[row.e]) / row.trials) for row in rows
         }
@@ -157,7 +157,7 @@ def study() -> SimpleNamespace:
         return list(in_parallel(trials, calls, workers=-1, threads=True))
 
     first = look((base, SPACES, FIRST_SAMPLES, 0) for base in bases())
-    worth = [[one for one in some if one.to["caption"].squared <= WITHIN] for some in first]
+    worth = [[one for one in some if one.to["caption"] <= WITHIN] for some in first]
     calls = [
         (some[0].base, [one.space for one in some], CLOSER_SAMPLES, DRAWS) for some in worth if some
     ]
@@ -165,7 +165,7 @@ def study() -> SimpleNamespace:
     families = []
     for _, group in groupby(near, key=lambda one: one.but_width):
         alike = list(group)
-        best = max(alike, key=lambda one: (one.p_value, -one.to["caption"].squared))
+        best = max(alike, key=lambda one: (one.p_value, -one.to["caption"]))
         widths = [one.base.sampling.cell_width for one in alike if one.p_value >= LEVEL]
         families.append(Family(best, sorted(widths)))
     # Those that may be it, with more at-bats.
@@ -174,7 +174,7 @@ def study() -> SimpleNamespace:
     families = [one for one in families if one not in maybe] + [
         family._replace(best=best) for family, (best,) in zip(maybe, look(calls), strict=True)
     ]
-    families.sort(key=lambda one: (-one.best.p_value, one.best.to["caption"].squared))
+    families.sort(key=lambda one: (-one.best.p_value, one.best.to["caption"]))
     (default,) = trials(Base(AtBatScene(id="base")), SPACES[:1], balls.SAMPLES, 0)
     every = list(chain(*first))
     return SimpleNamespace(first=every, near=near, families=families, default=default)
@@ -190,7 +190,17 @@ def cases() -> Cases:
 
 
 STEP = 0.05  # s, as printed
-SHOWN = 12  # rows of a table of readings
+# Attributes of a trial that readings differ in, by what tables call them.
+SWITCHES = {
+    "contact_force": "base.contact_force",
+    **{
+        name: f"base.scene.reading.{name}"
+        for name in ("bat_ball_restitution", "effective_mass", "reduced_mass", "inertia")
+    },
+    "offset_spread": "base.sampling.offset_spread",
+    "ball.radius": "base.scene.ball.radius",
+    "samples": "space.name",
+}
 
 
 def surviving(families: Sequence[Family], width: float) -> int:
@@ -210,7 +220,7 @@ def section(report: Report) -> str:
     # The same with a ball of the other size.
     other = best.base.replaced({"ball.radius": HALF if best.usual else USUAL})
     (resized,) = balls.strike_in_steps(other, samples, RESTITUTIONS[:1], Verlet(STEP))
-    by_steps = trial(best.base, best.space, stepped)
+    by_steps = trial(best.base, best.space, stepped, 0)
     return report.render(
         "combinations", globals(),
         found=found, default=found.default, best=best, combined=len(list(bases())) * len(SPACES),
@@ -233,7 +243,8 @@ def draw_plane(report: Report, found: SimpleNamespace) -> None:
             return height, slope * (max(RESTITUTIONS) - min(RESTITUTIONS))
 
         all_of_them = [one.shares for one in found.first]
-        axes.plot(*at(all_of_them), ",", color="0.65", label=f"all {len(all_of_them):,} tried")
+        style: Any = {"markersize": 2, "color": "0.7"}
+        axes.plot(*at(all_of_them), ".", **style, label=f"all {len(all_of_them):,} tried")
         survivors = [one.best.shares for one in found.families if one.survives]
         if survivors:
             look: Any = {"color": "#009E73", "markersize": 7, "markerfacecolor": "none"}

@@ -35,30 +35,16 @@ def covariance(p: Array, shared: bool) -> Array:
     return np.diag(p * (1 - p))
 
 
-class Distance(NamedTuple):
-    """How far the paper's curve lies from a reading, if it was fitted to 1,000 samples a point.
+def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> float:
+    """Return d², how far the paper's curve lies from a reading: squared, in units of the noise.
 
-    Level and slope are the curve's mean and slope over the five restitutions, less the reading's,
-    each in its own standard errors. The square is of both together: χ² with 2 degrees of freedom if
-    the reading is the paper's.
-    """
+    Both the curve's mean and its slope over the five restitutions count. If the reading is the
+    paper's, and the curve was fitted to 1,000 samples a point, this is a χ² with 2 degrees of
+    freedom, below `NEAR` 95 % of the time.
 
-    level: float
-    slope: float
-    squared: float
-
-    @property
-    def near(self) -> bool:
-        """Whether the two cannot be told apart at a level of 95 %."""
-        return self.squared <= NEAR
-
-
-def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> Distance:
-    """Return how far the paper's curve lies from a reading.
-
-    The rows are its P at the five restitutions, from the same samples. The rounding of a printed
-    curve's parameters is a tenth of the noise. `shared` is whether the paper took the same samples
-    for all restitutions, which it does not say.
+    The rows are the reading's P at the five restitutions, from the same samples. The rounding of a
+    printed curve's parameters is a tenth of the noise. `shared` is whether the paper took the same
+    samples for all restitutions, which it does not say.
     """
     # Half a home run more and half a miss: a share of 0 is not certain either.
     p = np.array([(row.home_runs + 0.5) / (row.trials + 1) for row in rows])
@@ -66,8 +52,7 @@ def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> Di
     noise = covariance(p, shared) / SAMPLES + ours
     off = HEIGHT_AND_SLOPE @ (np.array([curve(e) for e in RESTITUTIONS]) - p)
     spread = HEIGHT_AND_SLOPE @ noise @ HEIGHT_AND_SLOPE.T
-    level, slope = off / np.sqrt(np.diag(spread))
-    return Distance(float(level), float(slope), float(off @ np.linalg.solve(spread, off)))
+    return float(off @ np.linalg.solve(spread, off))
 
 
 def histogram(distances: Array) -> Integers:
@@ -105,7 +90,7 @@ class Score(NamedTuple):
 
 def scores(
     cells: Mapping[float, Array],
-    seven: Distance,
+    seven: float,
     generator: np.random.Generator,
     draws: int = DRAWS,
 ) -> dict[float, Score]:
@@ -117,7 +102,7 @@ def scores(
         The shares of a reading's samples in cells of D, as `in_cells` returns them, at the five
         restitutions.
     seven
-        How far the paper's curve lies from the reading.
+        d² of the paper's curve from the reading, see `distance`.
     generator, draws
         What the papers are drawn with, and how many.
 
@@ -139,7 +124,7 @@ def scores(
     by_curve = np.einsum("id,id->d", off, np.linalg.solve(spread, off))
     found = {}
     for width in BINS:
-        ours, printed, peaks = by_curve.copy(), seven.squared, {}
+        ours, printed, peaks = by_curve.copy(), seven, {}
         for e, at in PEAKS.items():
             counts = drawn[e].reshape(draws, -1, round(width / CELL)).sum(axis=2)
             # A random number below 1 picks one of bins that are equally high.

@@ -135,7 +135,7 @@ def section(report: Report, cases: Cases) -> str:
             axes.grid(visible=False, axis="y")
         lines, _ = panels[0].get_legend_handles_labels()
         shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]
-        place: Any = {"loc": "lower center", "bbox_to_anchor": (0.3, 1.1), "ncols": 4}
+        place: Any = {"loc": "lower center", "bbox_to_anchor": (0.3, 1.07), "ncols": 4}
         panels[0].legend(handles=[*shades, *lines], **place)
     return report.render(
         "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
