@@ -49,7 +49,7 @@ IN_THEORY = {
 ADDED = {x: (LINE, HALF_FORCE.format(x), FORCE.format(x), PLATE, GROUND) for x in SHOWN}
 
 # What figures call them.
-SAID = {"force": "drag and lift at the wrong velocity"}
+SAID = {"force": "steps in flight"}
 TITLES = {
     "old_carried": "drag and lift at the old velocity",
     "implicit": "drag and lift at the new velocity",

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from scipy.stats import norm
 
-from analysis.paper import combinations, distances, printed
+from analysis.paper import balls, combinations, distances, printed
 from analysis.paper.balls import Balls, Space, strike
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
