@@ -194,20 +194,22 @@ def run(report: Report, full: bool) -> str:
             # One label serves both.
             label = "_" * i + "normal density, same P and same value at 150 m"
             above.plot(d[near], normal, color=line["color"], linewidth=0.7, label=label)
-            for angle, laid in one.flights.items():
+            alike = one.flights == found[1 - i].flights
+            lines = {} if i and alike else one.flights  # those of the first stand for both
+            for angle, laid in lines.items():
                 flown = ranges(one.base, angle)
                 first = angle == ELEVATIONS[0]
-                label = "_" * (not first) + f"{one.name} reading"
+                label = "_" * (not first) + ("both readings" if alike else f"{one.name} reading")
                 below.plot(SPEEDS, flown, color=line["color"], linewidth=1.8, label=label)
                 label = "_" * (i > 0 or not first) + "straight line laid through it"
                 straight = laid.slope * SPEEDS + laid.intercept
                 below.plot(SPEEDS, straight, color="black", linestyle=":", label=label)
-                place: Any = {"textcoords": "offset points", "va": "center"}
-                below.annotate(f"{angle:g}°", (SPEEDS[-1], flown[-1]), (4, 0), **place)
+                place: Any = {"textcoords": "offset points", "va": "center", "ha": "right"}
+                below.annotate(f"{angle:g}°", (SPEEDS[0], flown[0]), (-4, 0), **place)
         above.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, label="150 m")
         above.set(xlabel="distance D, m", ylabel="probability density, 1/m")
         above.set(xlim=(0.0, 250.0), ylim=(0.0, top))
-        above.legend(loc="upper right")
-        below.set(xlabel="exit speed, m/s", ylabel="distance D, m")
+        above.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+        below.set(xlabel="exit speed, m/s", ylabel="distance D, m", xlim=(38.5, 61.0))
         below.legend(loc="upper left")
     return report.render("argument", vars(printed) | globals(), found=found)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from scipy.stats import norm
 
 from analysis.paper import balls, combinations, distances, printed
-from analysis.paper.balls import Balls, Space, strike
+from analysis.paper.balls import Balls, Space
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
 from analysis.paper.printed import FLAT, PAIRS, PEAKS, UZR_SPAN, Season
@@ -47,7 +47,7 @@ def reproduced() -> list[Reproduced]:
     restitutions = sorted({*RESTITUTIONS, *(one.restitution for pair in PAIRS for one in pair)})
     found = []
     for name, (base, space) in combinations.cases().items():
-        at_all = strike(base, base.drawn(), restitutions)
+        at_all = balls.strike(base, base.drawn(), restitutions)
         struck = dict(zip(restitutions, at_all, strict=True))
         trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS])
         density = {e: distances.density(space.distances(struck[e])) for e in PEAKS}
@@ -124,7 +124,7 @@ def run(report: Report, full: bool) -> str:
             axes.set(xlim=(0.0, 300.0), ylim=(0.0, 1.05 * top))
             axes.legend(loc="center right")
     grid = np.linspace(0.408, 0.452, 100)
-    with report.figure("paper_fig7", size=(6.4, 4.2)) as (axes,):
+    with report.figure("paper_fig7", size=(6.4, 4.8)) as (axes,):
         for name, curve in PAPER_CURVES.items():
             label = f"paper's {name}: C₁ = {curve.c1:g} m, σ = {curve.sigma:g} m"
             style = STYLES[f"paper's {name}"] | {"marker": ""}
@@ -140,7 +140,7 @@ def run(report: Report, full: bool) -> str:
             axes.errorbar(RESTITUTIONS, p, 1.96 * printed.noise(p), **points, label=label)
         axes.set(xlabel="coefficient of restitution e of the ball", ylim=(0.0, None))
         axes.set_ylabel("probability of a home run P(e)")
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="x-small")
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01))
     return report.render("home_run_figures", globals(), found=found)
 
 
