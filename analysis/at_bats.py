@@ -38,7 +38,7 @@ def run(report: Report, full: bool) -> str:
                 axes.plot(*along(way, way.legs[-1].begin, way.end), linestyle=dash, label=label)
         axes.set(xlabel="x towards the pitcher, m", ylabel="height z, m", aspect="equal", ylim=0.0)
         axes.legend(fontsize="small", loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5)
-    with report.figure("at_bats_contact", columns=len(SWINGS), size=(9.0, 2.6)) as panels:
+    with report.figure("at_bats_contact", columns=len(SWINGS), size=(6.4, 2.0)) as panels:
         for axes, (name, (result, way)) in zip(panels, solved.items(), strict=True):
             scene = scenes[name]
             height = number(result, "plate.position[2]") + scene.swing.height_offset
@@ -52,6 +52,8 @@ def run(report: Report, full: bool) -> str:
                 axes.plot(*batted, color="C0", linewidth=1.8)
             axes.plot(*pitch, **thin)
             axes.set(title=name, xlabel="x, m", xlim=(-0.15, 0.15), ylim=(1.08, 1.38), aspect=1.0)
+            axes.set(xticks=(-0.1, 0.0, 0.1), yticks=(1.1, 1.2, 1.3))
+            axes.tick_params(labelleft=axes is panels[0])
         panels[0].set_ylabel("height z, m")
     return report.render("at_bats", globals(), solved=solved)
 

@@ -34,15 +34,15 @@ def run(report: Report, full: bool) -> str:
     shares, held_out, spread = held_out_shares(pitches)
     of_pitches = pitch_predictions(pitches)
     of_pitches[HELD_OUT] = held_out
-    with report.figure("reality_flies", columns=3, size=(9.0, 3.4)) as panels:
+    with report.figure("reality_flies", rows=3, size=(6.4, 8.4)) as panels:
         for name, axes in zip(COMPARED, panels, strict=True):
             angle, off = np.degrees(flies.angle), of_flies[name].error[:, 0]
             axes.plot(angle, off, ".", markersize=3, color="0.6")
             means = [((a + b) / 2, off[which].mean()) for a, b, which in bands(angle, ANGLES)]
             axes.plot(*zip(*means, strict=True), "ko-", markersize=4)
             axes.axhline(0.0, color="black", linewidth=0.8)
-            axes.set(title=name, xlabel="angle of launch, °", ylim=(-45.0, 60.0))
-        panels[0].set_ylabel("predicted too far by, m")
+            axes.set(title=name, ylabel="predicted too far by, m", ylim=(-45.0, 60.0))
+        panels[-1].set_xlabel("angle of launch, °")
     with report.figure("reality_pitches", size=(6.4, 4.2)) as (axes,):
         draw_errors(axes, held_out)
     there = vars(scipy.stats) | vars(statcast) | vars(prediction) | globals()

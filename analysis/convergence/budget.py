@@ -48,6 +48,13 @@ IN_THEORY = {
 # What the whole with a treatment of the force is made of.
 ADDED = {x: (LINE, HALF_FORCE.format(x), FORCE.format(x), PLATE, GROUND) for x in SHOWN}
 
+# What figures call them.
+SAID = {"force": "steps in flight"}
+TITLES = {
+    "old_carried": "drag and lift at the old velocity",
+    "implicit": "drag and lift at the new velocity",
+}
+
 
 # --- engines that are the reference but for one part ----------------------------------------------
 
@@ -226,20 +233,20 @@ def run(report: Report, full: bool) -> str:
     seen = {name: typical(rms(part)) for name, part in parts.items()}
     left = {}
     # The errors of the parts against the step, a panel a treatment.
-    with report.figure("convergence_budget", columns=2, size=(9.0, 4.6)) as panels:
+    with report.figure("convergence_budget", rows=2, size=(6.4, 8.0)) as panels:
         for axes, (treatment, names) in zip(panels, ADDED.items(), strict=True):
             whole = WHOLE.format(treatment)
             left[treatment] = typical(rms(parts[whole] - sum(parts[name] for name in names)))
-            for name in (*names, BELOW):
+            axes.plot(STEPS, seen[whole], "k-", linewidth=2, label="the whole scheme")
+            for name in names:
                 part = name.removesuffix(f": {treatment}")
-                axes.plot(STEPS, seen[name], **STYLES[part], markersize=4, linewidth=1, label=part)
-            axes.plot(STEPS, seen[whole], "k-", linewidth=2, label="the whole")
-            axes.plot(STEPS, left[treatment], "k:", linewidth=2, label="the whole less its parts")
-            axes.set(xscale="log", yscale="log", xlabel="step Δt, s", title=f"verlet {treatment}")
-        panels[0].set(ylabel="error of D, m")
+                line: Any = STYLES[part] | {"markersize": 4, "linewidth": 1}
+                axes.plot(STEPS, seen[name], **line, label=SAID.get(part, part))
+            axes.set(xscale="log", yscale="log", xlabel="step Δt, s", title=TITLES[treatment])
+            axes.set_ylabel("error of the distance D, m")
         panels[1].sharey(panels[0])
         labels = panels[0].get_legend_handles_labels()
-        panels[0].figure.legend(*labels, loc="outside lower center", ncols=3)
+        panels[0].figure.legend(*labels, loc="outside lower center", ncols=2)
     laws = {name: fit_power_law(np.array(STEPS), of) for name, of in seen.items()}
     return report.render(
         "budget", globals(), scenes=len(scenes), phases=phases, seen=seen, laws=laws,

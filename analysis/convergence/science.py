@@ -3,15 +3,15 @@
 import math
 from itertools import product
 from statistics import NormalDist
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy.stats import ks_2samp
 
 from analysis.convergence.pieces import each
-from analysis.paper.printed import AT_BATS, P_TEXT, noise
-from analysis.paper.printed import SAMPLES as PAPER_SAMPLES
+from analysis.paper import printed
+from analysis.paper.printed import AT_BATS, P_TEXT
 from analysis.writing import LINES, STYLES, Report
 from longball import home_run
 from longball.engines.ivp import Ivp
@@ -101,7 +101,8 @@ def run(report: Report, full: bool) -> str:
     crossing = crossings(found)
     report.write_table("convergence_crossings", crossing)
     return report.render(
-        "science", globals(), count=len(chunks) * CHUNK, found=found, crossing=crossing,
+        "science", vars(printed) | globals(), count=len(chunks) * CHUNK, found=found,
+        crossing=crossing,
         exact=found[DEFAULT.name, None, E], coarse=found[DEFAULT.name, STEPS[0], E],
         failed=sum(int(found[DEFAULT.name, step, E].failed.sum()) for step in STEPS),
         ks_2samp=ks_2samp,
@@ -124,32 +125,29 @@ def crossings(found: Found) -> pd.DataFrame:
 
 def draw(report: Report, found: Found) -> None:
     """Draw the bias of P, and the distribution of D."""
-    with report.figure("convergence_probability", columns=2, size=(9.0, 3.8)) as (left, right):
+    with report.figure("convergence_probability", size=(6.4, 4.0)) as (axes,):
         for case, aside in zip(CASES, (0.95, 1.0, 1.05), strict=True):
             style = STYLES[f"verlet {case.forces}" if case.name == IMPLICIT else case.name]
             ends = [bias(found, case.name, step, E) for step in STEPS]
             p = float(found[case.name, None, E].home_run.mean())
             values = np.array([1 + one.value / p for one in ends])
             bars = np.abs(1 + np.array([one.interval for one in ends]).T / p - values)
-            points = style | {"linestyle": "none", "markersize": 4, "capsize": 2}
+            points = style | {"linestyle": "none", "markersize": 5, "capsize": 2}
             points |= {"label": f"{case.name}, P = {p:.3f}"}
-            left.errorbar(np.array(STEPS) * aside, values, bars, **points)
-            if case.name != IMPLICIT:
-                limit = 1 - noise(p) / p
-                left.axhline(limit, color=style["color"], linestyle=":")
-                text = f"noise of {PAPER_SAMPLES:,} samples, {case.name}"
-                place: Any = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-                left.annotate(text, (0.02, limit), (0, -2), **place, va="top", fontsize="x-small")
-        left.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) / P of the reference")
-        left.set_ylim(0.0, 1.3)
-        left.legend(loc="lower left", fontsize="small")
+            axes.errorbar(np.array(STEPS) * aside, values, bars, **points)
+        axes.axhline(1.0, color="black", linewidth=0.8)
+        axes.set(xscale="log", xlabel="step Δt, s", ylabel="P(0.42) by the scheme / P")
+        axes.set_ylim(0.0, 1.3)
+        axes.legend(loc="lower left")
+    with report.figure("convergence_distances", size=(6.4, 3.6)) as (axes,):
         edges, top = np.arange(0.0, 201.0, 10.0), 0.0
-        cases = (("reference", None), ("Δt = 0.01 s", 0.01), ("Δt = 0.05 s", 0.05))
+        cases = (("without steps", None), ("Δt = 0.01 s", 0.01), ("Δt = 0.05 s", 0.05))
         for (name, step), dash in zip(cases, LINES, strict=False):
             one = found[DEFAULT.name, step, E]
-            density = np.histogram(one.distance[one.batted], edges)[0] / (0.01 * one.batted.sum())
-            label = f"{name}; first bin: {density[0]:.0f}"
-            right.stairs(density, edges, linestyle=dash, linewidth=1.4, label=label)
+            density = np.histogram(one.distance[one.batted], edges)[0] / (10 * one.batted.sum())
+            label = f"{name}; first bin: {density[0]:.3f}"
+            axes.stairs(density, edges, linestyle=dash, linewidth=1.4, label=label)
             top = max(top, 1.3 * density[1:].max())
-        right.set(xlabel="D, m", ylabel="density among batted balls, 1/km", ylim=(0.0, top))
-        right.legend()
+        axes.set(xlabel="distance D of batted balls, m", ylabel="probability density, 1/m")
+        axes.set_ylim(0.0, top)
+        axes.legend()

@@ -184,21 +184,32 @@ def run(report: Report, full: bool) -> str:
     found = everything()
     d = np.arange(0.0, 300.0, 5.0) + 2.5
     near = (d > WINDOW[0] - 50) & (d < WINDOW[1] + 50)
-    with report.figure("paper_argument", columns=2, size=(9.0, 4.0)) as (left, right):
-        for one in found:
+    with report.figure("paper_argument", rows=2, size=(6.4, 8.0)) as (above, below):
+        top = 1.05 * max(one.density[2:].max() for one in found)
+        for i, one in enumerate(found):
             line = {key: STYLES[one.name][key] for key in ("color", "linestyle")}
-            left.plot(d, 1e3 * one.density, **line, linewidth=1.6, label=f"{one.name} reading")
-            normal = 1e3 * norm.pdf(d[near], one.tail["mean"], one.tail["sigma"])
-            left.plot(d[near], normal, **line, linewidth=0.7, label="normal, same P and density")
-            for marker, (angle, laid) in zip("v^s", one.flights.items(), strict=True):
-                look: Any = line | {"marker": marker, "markersize": 4, "markevery": 5}
+            above.plot(d, one.density, **line, linewidth=1.8, label=f"{one.name} reading")
+            normal = norm.pdf(d[near], one.tail["mean"], one.tail["sigma"])
+            normal[normal > top] = np.nan  # where it leaves the figure
+            # One label serves both.
+            label = "_" * i + "normal density, same P and same value at 150 m"
+            above.plot(d[near], normal, color=line["color"], linewidth=0.7, label=label)
+            alike = one.flights == found[1 - i].flights
+            lines = {} if i and alike else one.flights  # those of the first stand for both
+            for angle, laid in lines.items():
                 flown = ranges(one.base, angle)
-                right.plot(SPEEDS, flown, **look, label=f"{one.name}, {angle:g}°")
-                right.plot(SPEEDS, laid.slope * SPEEDS + laid.intercept, ":", color="0.5")
-        left.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, linestyle=":")
-        left.set(xlabel="distance D, m", ylabel="probability density, 1/km", xlim=(0.0, 250.0))
-        left.set_ylim(0.0, 1.05 * max(1e3 * one.density[2:].max() for one in found))
-        left.legend(fontsize="small")
-        right.set(xlabel="exit speed, m/s", ylabel="distance D, m")
-        right.legend(fontsize="small", ncols=2)
+                first = angle == ELEVATIONS[0]
+                label = "_" * (not first) + ("both readings" if alike else f"{one.name} reading")
+                below.plot(SPEEDS, flown, color=line["color"], linewidth=1.8, label=label)
+                label = "_" * (i > 0 or not first) + "straight line laid through it"
+                straight = laid.slope * SPEEDS + laid.intercept
+                below.plot(SPEEDS, straight, color="black", linestyle=":", label=label)
+                place: Any = {"textcoords": "offset points", "va": "center", "ha": "right"}
+                below.annotate(f"{angle:g}°", (SPEEDS[0], flown[0]), (-4, 0), **place)
+        above.axvline(HOME_RUN_DISTANCE, color="black", linewidth=0.8, label="150 m")
+        above.set(xlabel="distance D, m", ylabel="probability density, 1/m")
+        above.set(xlim=(0.0, 250.0), ylim=(0.0, top))
+        above.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+        below.set(xlabel="exit speed, m/s", ylabel="distance D, m", xlim=(38.5, 61.0))
+        below.legend(loc="upper left")
     return report.render("argument", vars(printed) | globals(), found=found)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from analysis.paper import argument, home_run_figures, pitch_fits, printed
+from analysis.paper import argument, combinations, home_run_figures, pitch_fits, printed
 from analysis.writing import Report
 from longball.pitches import EXAMPLE, fit_pitches
 
@@ -45,7 +45,8 @@ def run(report: Report, full: bool) -> str:
     """Write the section; `full` takes more draws of pitches."""
     default, nearest = home_run_figures.reproduced()
     draws = pitch_fits.FULL_DRAWS if full else pitch_fits.DRAWS
-    return report.render(
+    brief = report.render("in_brief", vars(combinations), found=combinations.study())
+    return brief + report.render(
         "counterparts", vars(home_run_figures) | globals(), default=default,
         nearest=nearest, found=argument.everything(), noise=printed.noise,
         determination=pd.DataFrame(pitch_fits.determine(draws)),

@@ -1,20 +1,22 @@
 """How far a reading is from the paper's Figs. 6 and 7, in units of their Monte-Carlo noise."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import chi2
 
 from analysis.paper.printed import PEAKS, SAMPLES
-from longball.home_run import RESTITUTIONS, Curve, Estimate
+from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS, Curve, Estimate
 from longball.model.arrays import Array, Integers
 
-# Of 20 correct readings, one is farther off: from Fig. 7, and from it and both peaks of Fig. 6.
-NEAR, NEAR_BOTH = float(chi2.ppf(0.95, df=2)), float(chi2.ppf(0.95, df=6))
-BIN = 10.0  # m; the peaks at 75 m and 125 m are the middles of bins of 10 m
-DRAWS = 10_000  # of the paper's samples, for the peaks: a chance of 1 % is known to 10 % of it
+LEVEL = 0.05  # of 20 correct readings, one is farther off
+NEAR = float(chi2.ppf(1.0 - LEVEL, df=2))
+BIN = 10.0  # m; the peaks at 75 m and 125 m are the middles of bins of 10 m, and of 50 m
+BINS = (10.0, 20.0, 25.0, 50.0)  # m; the paper does not say how wide its bins are
+CELL, CELLS = 5.0, 100  # m; cells of which all these bins consist, the last one open
+DRAWS = 4_000  # of the paper: a chance of 5 % is known to 7 % of it
 
 _E = np.array(RESTITUTIONS)
 # What five points have to say about a curve that is nearly straight over them: a height and a
@@ -33,30 +35,16 @@ def covariance(p: Array, shared: bool) -> Array:
     return np.diag(p * (1 - p))
 
 
-class Distance(NamedTuple):
-    """How far the paper's curve lies from a reading, if it was fitted to 1,000 samples a point.
+def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> float:
+    """Return d², how far the paper's curve lies from a reading: squared, in units of the noise.
 
-    Level and slope are the curve's mean and slope over the five restitutions, less the reading's,
-    each in its own standard errors. The square is of both together: χ² with 2 degrees of freedom if
-    the reading is the paper's.
-    """
+    Both the curve's mean and its slope over the five restitutions count. If the reading is the
+    paper's, and the curve was fitted to 1,000 samples a point, this is a χ² with 2 degrees of
+    freedom, below `NEAR` 95 % of the time.
 
-    level: float
-    slope: float
-    squared: float
-
-    @property
-    def near(self) -> bool:
-        """Whether the two cannot be told apart at a level of 95 %."""
-        return self.squared <= NEAR
-
-
-def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> Distance:
-    """Return how far the paper's curve lies from a reading.
-
-    The rows are its P at the five restitutions, from the same samples. The rounding of a printed
-    curve's parameters is a tenth of the noise. `shared` is whether the paper took the same samples
-    for all restitutions, which it does not say.
+    The rows are the reading's P at the five restitutions, from the same samples. The rounding of a
+    printed curve's parameters is a tenth of the noise. `shared` is whether the paper took the same
+    samples for all restitutions, which it does not say.
     """
     # Half a home run more and half a miss: a share of 0 is not certain either.
     p = np.array([(row.home_runs + 0.5) / (row.trials + 1) for row in rows])
@@ -64,8 +52,7 @@ def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> Di
     noise = covariance(p, shared) / SAMPLES + ours
     off = HEIGHT_AND_SLOPE @ (np.array([curve(e) for e in RESTITUTIONS]) - p)
     spread = HEIGHT_AND_SLOPE @ noise @ HEIGHT_AND_SLOPE.T
-    level, slope = off / np.sqrt(np.diag(spread))
-    return Distance(float(level), float(slope), float(off @ np.linalg.solve(spread, off)))
+    return float(off @ np.linalg.solve(spread, off))
 
 
 def histogram(distances: Array) -> Integers:
@@ -83,21 +70,8 @@ def highest(distances: Array) -> float:
     return BIN * (int(np.argmax(histogram(distances))) + 0.5)
 
 
-def peak_chances(distances: Array, share: float, generator: np.random.Generator) -> Array:
-    """Return the chance of each bin to be the highest of a histogram of 1,000 samples.
-
-    The distances, m, are those of many samples of which a share has one.
-    """
-    counts = histogram(distances)
-    shares = np.append(counts * (share / counts.sum()), 1 - share)
-    drawn = generator.multinomial(SAMPLES, shares, DRAWS)[:, :-1]
-    # A random number below 1 picks one of bins that are equally high.
-    tops = np.argmax(drawn + generator.random(drawn.shape), axis=1)
-    return np.bincount(tops, minlength=len(counts)) / DRAWS
-
-
 class Peak(NamedTuple):
-    """The highest peak of D at one restitution.
+    """The highest peak of D at one restitution, in bins of one width.
 
     The p value is twice the chance of a peak as near as the paper's or nearer, or as far or
     farther, whichever is smaller: small if the reading does not have it there.
@@ -107,20 +81,72 @@ class Peak(NamedTuple):
     p_value: float
 
 
-def peak(e: float, distances: Array, share: float, generator: np.random.Generator) -> Peak:
-    """Compare the highest peak at a restitution with the one of Fig. 6."""
-    chances = peak_chances(distances, share, generator)
-    at = int(PEAKS[e] / BIN)
-    tail = min(chances[: at + 1].sum(), chances[at:].sum())
-    # One more, the paper's own, so that no finite number of draws makes it impossible.
-    p_value = 2 * (tail * DRAWS + 1) / (DRAWS + 1)
-    return Peak(BIN * (int(np.argmax(chances)) + 0.5), min(1.0, float(p_value)))
+class Score(NamedTuple):
+    """Figs. 6 and 7 together, with a histogram in bins of one width."""
+
+    p_value: float  # of the figures together: chance of a paper that is as far off, or farther
+    peaks: dict[float, Peak]  # by restitution
 
 
-def total(seven: Distance, peaks: Sequence[Peak]) -> float:
-    """Return the distance to Fig. 7 and the peaks of Fig. 6 together, by Fisher's method.
+def scores(
+    cells: Mapping[float, Array],
+    seven: float,
+    generator: np.random.Generator,
+    draws: int = DRAWS,
+) -> dict[float, Score]:
+    """Hold both figures against a reading, by the width of the bins of Fig. 6, m.
 
-    -2 Σ ln p, a χ² with 2 degrees of freedom for each p if the reading is the paper's and the
-    figures come from samples of their own; that of Fig. 7 is the distance itself, squared.
+    Parameters
+    ----------
+    cells
+        The shares of a reading's samples in cells of D, as `in_cells` returns them, at the five
+        restitutions.
+    seven
+        d² of the paper's curve from the reading, see `distance`.
+    generator, draws
+        What the papers are drawn with, and how many.
+
+    Notes
+    -----
+    The papers are drawn under the reading: five samples of 1,000, two of which have a
+    histogram, too. A paper's score is its distance from the reading in Fig. 7, squared, less
+    2 ln p for both peaks. The p value is the rank of the printed figures among them, so that it
+    does not matter that the figures share samples.
     """
-    return seven.squared - 2 * sum(math.log(one.p_value) for one in peaks)
+    drawn = {
+        e: generator.multinomial(SAMPLES, shares, draws)[:, :-1] for e, shares in cells.items()
+    }
+    fence = round(HOME_RUN_DISTANCE / CELL)
+    p = np.array([shares[fence:-1].sum() for shares in cells.values()])
+    seen = np.array([counts[:, fence:].sum(axis=1) for counts in drawn.values()]) / SAMPLES
+    off = HEIGHT_AND_SLOPE @ (seen - p[:, None])
+    spread = HEIGHT_AND_SLOPE @ covariance(p, shared=False) @ HEIGHT_AND_SLOPE.T / SAMPLES
+    by_curve = np.einsum("id,id->d", off, np.linalg.solve(spread, off))
+    found = {}
+    for width in BINS:
+        ours, printed, peaks = by_curve.copy(), seven, {}
+        for e, at in PEAKS.items():
+            counts = drawn[e].reshape(draws, -1, round(width / CELL)).sum(axis=2)
+            # A random number below 1 picks one of bins that are equally high.
+            tops = np.argmax(counts + generator.random(counts.shape), axis=1)
+            # With the paper's own among them no finite number of draws makes it impossible.
+            # A peak that is printed at the edge of two bins lies in the upper one.
+            chances = np.bincount(np.append(tops, int(at / width)), minlength=counts.shape[1])
+            below, above = np.cumsum(chances), np.cumsum(chances[::-1])[::-1]
+            p_values = np.minimum(1.0, 2.0 * np.minimum(below, above) / (draws + 1))
+            ours -= 2.0 * np.log(p_values[tops])
+            printed -= 2.0 * math.log(p_values[int(at / width)])
+            most = width * (int(np.argmax(np.bincount(tops))) + 0.5)
+            peaks[e] = Peak(most, float(p_values[int(at / width)]))
+        p_value = float((ours >= printed).sum() + 1) / (draws + 1)
+        found[width] = Score(p_value, peaks)
+    return found
+
+
+def in_cells(distances: Array, share: float) -> Array:
+    """Return the shares of samples in cells of D, and last of those that have none.
+
+    The distances, m, are those of many samples of which a share has one.
+    """
+    cells = np.minimum((distances / CELL).astype(int), CELLS - 1)
+    return np.append(np.bincount(cells, minlength=CELLS) * (share / len(distances)), 1.0 - share)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from scipy.stats import norm
 
 from analysis.paper import balls, combinations, distances, printed
-from analysis.paper.balls import Balls, Space, strike
+from analysis.paper.balls import Balls, Space
 from analysis.paper.combinations import Trial
 from analysis.paper.distances import BIN, covariance
 from analysis.paper.printed import FLAT, PAIRS, PEAKS, UZR_SPAN, Season
@@ -47,9 +47,9 @@ def reproduced() -> list[Reproduced]:
     restitutions = sorted({*RESTITUTIONS, *(one.restitution for pair in PAIRS for one in pair)})
     found = []
     for name, (base, space) in combinations.cases().items():
-        at_all = strike(base, base.drawn(), restitutions)
+        at_all = balls.strike(base, base.drawn(), restitutions)
         struck = dict(zip(restitutions, at_all, strict=True))
-        trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS], balls.SEED)
+        trial = combinations.trial(base, space, [struck[e] for e in RESTITUTIONS])
         density = {e: distances.density(space.distances(struck[e])) for e in PEAKS}
         flown = space.distances(struck[UZR_E])
         uzr_share = float(np.mean((flown >= UZR_SPAN[0]) & (flown < UZR_SPAN[1])))
@@ -112,7 +112,7 @@ def curve_share(curve: Curve, e: float, low: float, high: float) -> float:
 def run(report: Report, full: bool) -> str:
     """Write the section; `full` changes nothing."""
     found = reproduced()
-    with report.figure("paper_fig6", columns=len(found), size=(9.0, 3.4)) as panels:
+    with report.figure("paper_fig6", rows=len(found), size=(6.4, 6.8)) as panels:
         for axes, one in zip(panels, found, strict=True):
             top = 1.25 * draw_stairs(axes, one.density, linewidth=1.5, color="black")
             for e, at in PEAKS.items():
@@ -124,7 +124,7 @@ def run(report: Report, full: bool) -> str:
             axes.set(xlim=(0.0, 300.0), ylim=(0.0, 1.05 * top))
             axes.legend(loc="center right")
     grid = np.linspace(0.408, 0.452, 100)
-    with report.figure("paper_fig7", size=(6.4, 4.2)) as (axes,):
+    with report.figure("paper_fig7", size=(6.4, 4.8)) as (axes,):
         for name, curve in PAPER_CURVES.items():
             label = f"paper's {name}: C₁ = {curve.c1:g} m, σ = {curve.sigma:g} m"
             style = STYLES[f"paper's {name}"] | {"marker": ""}
@@ -140,14 +140,14 @@ def run(report: Report, full: bool) -> str:
             axes.errorbar(RESTITUTIONS, p, 1.96 * printed.noise(p), **points, label=label)
         axes.set(xlabel="coefficient of restitution e of the ball", ylim=(0.0, None))
         axes.set_ylabel("probability of a home run P(e)")
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="x-small")
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01))
     return report.render("home_run_figures", globals(), found=found)
 
 
 def draw_stairs(axes: Axes, densities: dict[float, Array], **style: Any) -> float:
-    """Draw densities of D by restitution; return the highest value behind the first bin, 1/km."""
+    """Draw densities of D by restitution; return the highest value behind the first bin, 1/m."""
     for (e, density), dash in zip(densities.items(), LINES, strict=False):
         edges = BIN * np.arange(len(density) + 1)
-        axes.stairs(1e3 * density, edges, linestyle=dash, **style, label=f"e = {e:g}")
-    axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/km")
-    return 1e3 * max(float(density[1:].max()) for density in densities.values())
+        axes.stairs(density, edges, linestyle=dash, **style, label=f"e = {e:g}")
+    axes.set(xlabel="distance D from the plate, m", ylabel="probability density, 1/m")
+    return max(float(density[1:].max()) for density in densities.values())

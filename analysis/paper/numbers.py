@@ -52,25 +52,25 @@ def section(report: Report, cases: Cases) -> str:
         changes = [[share(drawn(x), space).above(before) for x in ends] for ends in others]
         found[name] = before, changes
     heights = np.arange(len(UNKNOWN))[::-1]
-    with report.figure("paper_numbers", columns=len(found), size=(9.0, 3.2)) as panels:
+    with report.figure("paper_numbers", rows=len(found), size=(6.4, 6.4)) as panels:
         for axes, (name, (before, ranged)) in zip(panels, found.items(), strict=True):
             low, high = before.p + np.array(ranged)[:, :, 0].T
             axes.plot([low, high], [heights, heights], color="0.6", linewidth=3.0)
             axes.plot(low, heights, **STYLES["measured"], label="low end")
             axes.plot(high, heights, "s", color="black", label="high end")
-            mark_p(axes, before.p, "printed or default", name)
-            labels = [f"{one.name}\n{one.low:g} to {one.high:g} {one.unit}" for one in UNKNOWN]
-            axes.set_yticks(heights, labels, fontsize="small")
+            mark_p(axes, before.p, "as it is", name)
+            labels = [f"{one.label},\n{one.low:g} to {one.high:g} {one.unit}" for one in UNKNOWN]
+            axes.set_yticks(heights, labels)
             # A mark at 0 is seen whole.
             axes.set(xlim=(-0.004, None), ylim=(-0.6, len(UNKNOWN) - 0.4))
             axes.locator_params(axis="x", nbins=5)
-        panels[0].legend(fontsize="small", loc="center", bbox_to_anchor=(0.62, 0.5))
+        panels[0].legend(loc="lower center", bbox_to_anchor=(0.4, 1.08), ncols=4)
     ends = itertools.product(*([(one.name, one.low), (one.name, one.high)] for one in UNKNOWN))
     corners: dict[str, list[Trial]] = {name: [] for name in cases}
     for values, (name, (base, space)) in itertools.product(ends, cases.items()):
         corner = base.replaced(dict(values))
         struck = strike(*drawn(corner, CORNER_SAMPLES), RESTITUTIONS)
-        corners[name].append(trial(corner, space, struck))
+        corners[name].append(trial(corner, space, struck, 0))
     return report.render("numbers", globals(), near=NEAR, found=found, corners=corners)
 
 
@@ -78,7 +78,7 @@ def mark_p(axes: Axes, p: float, label: str, reading: str) -> None:
     """Draw the P of a reading and the caption's across a panel of changes of P."""
     axes.axvline(p, color="black", linewidth=0.8, label=label)
     caption = PAPER_CURVES["caption"](E)
-    axes.axvline(caption, color="black", linestyle=":", label="paper's caption")
+    axes.axvline(caption, color="black", linestyle=":", label="Fig. 7, caption")
     axes.set(xlabel=f"P({E})", title=f"from the {reading} reading")
 
 

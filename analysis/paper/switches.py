@@ -1,8 +1,9 @@
 """The ledger of readings, one switch turned at a time."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -13,13 +14,15 @@ from analysis.paper.balls import SPACES, Base, Share, Space, strike
 from analysis.paper.combinations import RADII, STEP, Cases
 from analysis.paper.numbers import mark_p
 from analysis.paper.printed import P_TEXT
-from analysis.writing import Report
+from analysis.writing import Report, data
 from longball.engines.verlet import Verlet
 from longball.home_run import PAPER_CURVES, RESTITUTIONS
-from longball.model.readings import LEDGER, SCHEME_OPTIONS, readings_of
+from longball.model.readings import LEDGER, SCHEME_OPTIONS, ContactForce, readings_of
 
 E = P_TEXT[0]
 # Where the ledger has switches of what no at-bat of the paper has: spin, wind, friction, a fence.
+VISIBLE = 0.002  # of P: a shorter bar is a line
+LABELS = data(__file__)  # of switches with their options, as people say them
 ELSEWHERE = ("extended model", "not in the paper")
 
 
@@ -43,13 +46,16 @@ def options(base: Base, space: Space) -> Iterator[tuple[str, str, Base, Space]]:
 
 def turned_to(base: Base, switch: str, option: str) -> Base | None:
     """Return a reading with one switch set; None if it has no such switch, or contradicts it."""
-    scene, sampling = base
+    scene, sampling, _ = base
+    if switch == "contact_force":
+        return base._replace(contact_force=cast(ContactForce, option))
     turned = {switch: float(option) if option[0].isdigit() else option}
     try:
         readings = readings_of(scene.reading.model_dump() | sampling.model_dump() | turned)
     except ValueError:
         return None
-    return Base(scene.model_copy(update={"reading": readings[0]}), readings[1])
+    scene = scene.model_copy(update={"reading": readings[0]})
+    return base._replace(scene=scene, sampling=readings[1])
 
 
 def turn(base: Base, space: Space) -> tuple[Share, pd.DataFrame]:
@@ -81,13 +87,22 @@ def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
     The defaults come first, without an option.
     """
     turns = [("default", "")]
-    turns += [(x.switch, o) for x in LEDGER if x.belongs == "scheme" for o in x.options[1:]]
+    chosen = {"contact_force": base.contact_force}
+    turns += [
+        (entry.switch, option)
+        for entry in LEDGER if entry.belongs == "scheme"
+        for option in entry.options if option != chosen.get(entry.switch, entry.options[0])
+    ]  # fmt: skip
     samples = base.drawn(balls.STEPPED_SAMPLES)
     found, before = [], None
     for switch, option in turns:
-        chosen: Any = {SCHEME_OPTIONS[switch]: option} if option else {}
-        scheme = Verlet(dt=STEP, **chosen)
-        (struck,) = balls.strike_in_steps(base, samples, [E], scheme)
+        scheme, other = Verlet(dt=STEP), base
+        if switch == "contact_force":
+            other = base._replace(contact_force=cast(ContactForce, option))
+        elif option:
+            one: Any = {SCHEME_OPTIONS[switch]: option}
+            scheme = replace(scheme, **one)
+        (struck,) = balls.strike_in_steps(other, samples, [E], scheme)
         share = space.share(struck)
         before = before or share
         row = {"switch": switch, "option": option, "batted": struck.batted.mean(), "share": share}
@@ -101,25 +116,27 @@ def section(report: Report, cases: Cases) -> str:
     for name, case in cases.items():
         before, turned = turn(*case)
         found.append(SimpleNamespace(name=name, case=case, before=before, turned=turned))
-    # A bar for each option, from P before to P after, the longest above.
-    longest = max(len(one.turned) for one in found)
-    size = (9.6, 0.6 + 0.24 * longest)
-    with report.figure("paper_tornado", columns=len(found), size=size) as panels:
-        for axes, of in zip(panels, found, strict=True):
-            rows = of.turned.sort_values("change", key=abs, kind="stable")
-            heights = np.arange(longest - len(rows), longest)
+    # A bar for each option that is seen, from P before to P after, the longest above.
+    seen = [one.turned[one.turned["change"].abs() >= VISIBLE] for one in found]
+    sizes = [len(rows) for rows in seen]
+    size = (6.4, 1.4 + 0.26 * sum(sizes))
+    with report.figure("paper_tornado", rows=len(found), size=size) as panels:
+        for axes, of, turned in zip(panels, found, seen, strict=True):
+            rows = turned.sort_values("change", key=abs, kind="stable")
+            heights = np.arange(len(rows))
             axes.barh(
                 heights, rows["change"], left=of.before.p, height=0.6,
                 color=np.where(rows["change"] > 0, "0.75", "0.35"),
                 xerr=2 * rows["change_error"], error_kw={"elinewidth": 0.8, "capsize": 2},
             )  # fmt: skip
             mark_p(axes, of.before.p, "no switch turned", of.name)
-            axes.set_yticks(heights, rows["name"], fontsize="x-small")
-            axes.set(xlim=(0.0, None), ylim=(-0.8, longest))
+            axes.set_yticks(heights, [LABELS.get(name, name) for name in rows["name"]])
+            axes.set(xlim=(0.0, None), ylim=(-0.8, len(rows) - 0.2))
             axes.grid(visible=False, axis="y")
         lines, _ = panels[0].get_legend_handles_labels()
         shades = [Patch(color="0.75", label="raises P"), Patch(color="0.35", label="lowers P")]
-        panels[0].legend(handles=[*shades, *lines], loc="lower center", fontsize="small")
+        place: Any = {"loc": "lower center", "bbox_to_anchor": (0.3, 1.07), "ncols": 4}
+        panels[0].legend(handles=[*shades, *lines], **place)
     return report.render(
         "switches", globals(), found=found, schemes=turn_scheme(*cases["nearest"]),
         caption=PAPER_CURVES["caption"],

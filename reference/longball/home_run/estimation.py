@@ -66,13 +66,18 @@ def estimates(
 
 
 def wilson(successes: int, trials: int) -> tuple[float, float]:
-    """Return Wilson's score interval of 95 % for a probability; NaN without a trial."""
-    from scipy.stats import binomtest  # slow to import, and not needed for --help
+    """Return Wilson's score interval of 95 % for a probability; NaN without a trial.
 
+    The roots p of (k/n - p)² = z² p (1 - p)/n: E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
+    """
     if trials == 0:
         return math.nan, math.nan
-    low, high = binomtest(successes, trials).proportion_ci(method="wilson")
-    return float(low), float(high)
+    z, p = NormalDist().inv_cdf(0.975), successes / trials
+    middle = p + z * z / (2 * trials)
+    half = z * math.sqrt(p * (1 - p) / trials + (z / (2 * trials)) ** 2)
+    low, high = ((middle + side * half) / (1 + z * z / trials) for side in (-1, 1))
+    # At no success and at none missing one end is exact.
+    return (0.0 if successes == 0 else low), (1.0 if successes == trials else high)
 
 
 def columns(row: Estimate | Integral) -> dict[str, float]:

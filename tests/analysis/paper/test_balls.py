@@ -50,9 +50,34 @@ def test_the_two_ways_of_counting_agree(balls):
 
 def test_flies_are_some_of_the_batted_balls(balls):
     trials = [space.estimate(0.42, balls[0]).trials for space in SPACES]
-    pitches, batted, fair, flies, fair_flies = trials
+    pitches, batted, fair, flies, fair_flies, *beyond = trials
     assert pitches == COUNT > batted > max(fair, flies) > fair_flies > 0
     assert len(SPACES[4].distances(balls[0])) == fair_flies
+    # Batted and fair, beyond ever more metres.
+    assert batted > beyond[0] > beyond[2] > beyond[4] > 0
+    assert fair > beyond[1] > beyond[3] > beyond[5] > 0
+
+
+def test_balls_beyond_a_distance():
+    far = Space("", "batted", beyond=40.0)
+    balls = strike(BASE, draw(AT_BATS, COUNT, 5), [0.42])[0]
+    assert far.distances(balls).min() > 40.0
+    assert far.members(balls).sum() == (balls.distance[balls.batted] > 40.0).sum()
+
+
+@pytest.mark.parametrize("contact_force", ["carried", "early"])
+def test_another_contact_force_is_its_limit_without_steps(contact_force):
+    """The impulse is multiplied; the same balls are batted, as by the scheme in short steps."""
+    base = BASE._replace(contact_force=contact_force)
+    samples = BASE.drawn(200, 5)
+    (usual,), (other,) = (strike(one, samples, [0.42]) for one in (BASE, base))
+    (stepped,) = strike_in_steps(base, samples, [0.42], Verlet(2e-4))
+    assert (usual.batted == other.batted).all()
+    (livelier,) = strike(BASE, samples, [{"carried": 0.775, "early": 0.065}[contact_force]])
+    np.testing.assert_allclose(other.distance, livelier.distance, rtol=1e-9)
+    both = other.batted & stepped.batted
+    assert np.median(np.abs(stepped.exit_speed[both] - other.exit_speed[both])) < 0.1
+    assert np.median(np.abs(stepped.distance[both] - other.distance[both])) < 0.5
 
 
 def test_the_error_of_a_share_is_binomial(balls):
@@ -91,3 +116,5 @@ def test_a_reading_is_told_by_what_differs():
     assert describe(base, Space("flies", "batted", flies=True)) == (
         "ball.radius = 0.0183, cell_width = 0.12, samples: flies"
     )
+    carried = Base(AtBatScene(id="base"), contact_force="carried")
+    assert describe(carried, SPACES[0]) == "contact_force = carried"

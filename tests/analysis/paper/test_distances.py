@@ -6,20 +6,17 @@ import numpy as np
 import pytest
 
 from analysis.paper.distances import (
+    CELL,
     DRAWS,
     NEAR,
-    NEAR_BOTH,
-    Distance,
-    Peak,
     covariance,
     distance,
     highest,
     histogram,
-    peak,
-    peak_chances,
-    total,
+    in_cells,
+    scores,
 )
-from analysis.paper.printed import SAMPLES
+from analysis.paper.printed import PEAKS, SAMPLES
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
 
 CURVE = PAPER_CURVES["caption"]
@@ -32,9 +29,8 @@ def estimates(p, trials):
     ]
 
 
-def test_thresholds_are_those_of_the_tables():
+def test_the_threshold_is_that_of_the_tables():
     assert pytest.approx(5.991, abs=5e-4) == NEAR
-    assert pytest.approx(12.592, abs=5e-4) == NEAR_BOTH
 
 
 @pytest.mark.parametrize("shared", [True, False])
@@ -51,18 +47,18 @@ def test_the_covariance_is_that_of_drawn_home_runs(shared):
 def test_the_curve_is_no_distance_from_itself():
     rows = estimates([CURVE(e) for e in RESTITUTIONS], 10**7)
     # Half a home run in 10⁷ is nothing in units of the noise of 1,000.
-    assert distance(rows, CURVE).squared == pytest.approx(0.0, abs=1e-4)
-    assert distance(rows, CURVE).near
-    assert not distance(rows, PAPER_CURVES["text"]).near
+    assert distance(rows, CURVE) == pytest.approx(0.0, abs=1e-4)
+    assert distance(rows, PAPER_CURVES["text"]) > NEAR
 
 
-def test_a_height_is_told_from_a_slope():
+def test_a_height_and_a_slope_count():
     p = np.array([CURVE(e) for e in RESTITUTIONS])
     lower, flatter = estimates(p - 0.02, 10**7), estimates(p.mean() + 0 * p, 10**7)
-    assert distance(lower, CURVE).level > 3.0
-    assert distance(lower, CURVE).slope == pytest.approx(0.0, abs=0.1)
-    assert distance(flatter, CURVE).level == pytest.approx(0.0, abs=0.01)
-    assert distance(flatter, CURVE).slope > 2.0
+    # The mean of 5,000 flags of 0.17 has the standard error √(0.17 · 0.83 / 5,000) = 0.0053; the
+    # slope of five shares of 0.19, √(0.19 · 0.81 / 1,000 / 0.001) = 0.39 (Σ(e - 0.43)² = 0.001).
+    assert distance(lower, CURVE) == pytest.approx((0.02 / 0.0053) ** 2, rel=0.02)
+    slope = (p[-1] - p[0]) / 0.04
+    assert distance(flatter, CURVE) == pytest.approx((slope / 0.39) ** 2, rel=0.02)
 
 
 def test_a_curve_fitted_to_a_thousand_samples_a_point_is_as_far_as_chi_squared_says():
@@ -79,7 +75,7 @@ def test_a_curve_fitted_to_a_thousand_samples_a_point_is_as_far_as_chi_squared_s
         ]
         fitted = fit(rows)
         assert fitted is not None
-        squared.append(distance(truth, fitted.curve).squared)
+        squared.append(distance(truth, fitted.curve))
     # χ² with 2 degrees of freedom has mean and standard deviation 2; a fit weights the points,
     # the height and slope do not, which is a few per cent.
     assert np.mean(squared) == pytest.approx(2.0, abs=4 * 2 / math.sqrt(400))
@@ -90,7 +86,7 @@ def test_samples_that_are_shared_leave_the_slope_less_open():
     p = np.array([CURVE(e) for e in RESTITUTIONS])
     flatter = estimates(0.5 * (p + p.mean()), 10**7)
     alone, shared = (distance(flatter, CURVE, shared=s) for s in (False, True))
-    assert shared.slope > 2 * alone.slope
+    assert shared > 4 * alone
 
 
 def test_bins_of_ten_metres():
@@ -99,28 +95,66 @@ def test_bins_of_ten_metres():
     assert highest(d) == 75.0
 
 
-def test_two_equal_bins_are_the_highest_half_of_the_time_each():
-    d = np.repeat([75.0, 125.0], 500)
-    chances = peak_chances(d, 1.0, np.random.default_rng(3))
-    assert chances[7] + chances[12] == pytest.approx(1.0)
-    assert chances[7] == pytest.approx(0.5, abs=4 * 0.5 / math.sqrt(DRAWS))
+def test_samples_in_cells():
+    cells = in_cells(np.array([1.0, 4.9, 5.0, 1e6]), 0.5)
+    assert cells[0] == 2 / 8
+    assert cells[1] == 1 / 8
+    assert cells[-2:].tolist() == [1 / 8, 0.5]  # beyond the last cell, and without a distance
+    assert cells.sum() == 1.0
 
 
-def test_a_peak_that_is_there_is_possible_and_one_that_is_not_is_not():
-    generator = np.random.default_rng(4)
-    d = np.repeat([75.0, 125.0], [900, 100])
-    there, away = peak(0.41, d, 1.0, generator), peak(0.45, d, 1.0, generator)
-    assert (there.ours, there.p_value) == (75.0, 1.0)
-    assert away.ours == 75.0
-    # No draw has it, and one is added: 2 · 1 / (draws + 1).
-    assert away.p_value == pytest.approx(2 / (DRAWS + 1))
+# ---- both figures --------------------------------------------------------------------------------
 
 
-def test_the_sum_of_fisher():
-    nothing = Distance(0.0, 0.0, 3.0)
-    assert total(nothing, [Peak(75.0, 1.0), Peak(125.0, math.exp(-2))]) == pytest.approx(7.0)
+NOWHERE = 0.0
+# Balls at 75 m and 125 m, and home runs as often as on the caption's curve.
+SHARES = {0.41: (0.5, 0.2), 0.45: (0.2, 0.5)}
+
+
+def figures(shares, seven=NOWHERE, seed=4):
+    """Scores of a reading with so many balls at 75 m and at 125 m, and as many home runs."""
+    cells = {}
+    for e in RESTITUTIONS:
+        near, far = shares.get(e, (0.3, 0.3))
+        d = np.repeat([72.5, 122.5, 202.5], [round(1000 * x) for x in (near, far, CURVE(e))])
+        cells[e] = in_cells(d, len(d) / 1000)
+    return scores(cells, seven, np.random.default_rng(seed))
+
+
+def test_two_peaks_that_are_there_are_not_rejected_in_any_bins():
+    found = figures(SHARES)
+    for width in (10.0, 20.0, 50.0):
+        score = found[width]
+        assert score.p_value > 0.9
+        for e, at in PEAKS.items():
+            middle = width * (math.floor((at - CELL / 2) / width) + 0.5)
+            assert score.peaks[e].ours == middle
+    # In bins of 25 m, whose edges the printed peaks are, they count as the upper ones.
+    assert found[25.0].peaks[0.41].p_value == pytest.approx(2 / (DRAWS + 1))
+
+
+def test_a_peak_that_is_not_there_is_as_rare_as_the_draws_can_tell():
+    score = figures({e: both[::-1] for e, both in SHARES.items()})[10.0]
+    assert score.peaks[0.41].ours == 125.0
+    # No draw has it, and the printed one is added to them.
+    assert score.peaks[0.41].p_value == pytest.approx(2 / (DRAWS + 1))
+    assert score.p_value == pytest.approx(1 / (DRAWS + 1))
+
+
+def test_of_two_equal_bins_each_is_the_highest_half_of_the_time():
+    score = figures(dict.fromkeys(PEAKS, (0.35, 0.35)))[10.0]
+    # Twice one half.
+    assert score.peaks[0.41].p_value == pytest.approx(1.0, abs=8 * 0.5 / math.sqrt(DRAWS))
+
+
+def test_papers_drawn_under_a_reading_have_uniform_p_values():
+    """With both peaks certain, the score is Fig. 7's alone: a χ² with 2 degrees of freedom."""
+    for squared in (1.0, NEAR):
+        p_value = figures(SHARES, squared)[50.0].p_value
+        error = math.sqrt(math.exp(-squared / 2) / DRAWS)
+        assert p_value == pytest.approx(math.exp(-squared / 2), abs=5 * error)
 
 
 def test_the_curves_of_the_paper_are_far_from_each_other():
     rows = estimates([Curve(271.0, 59.8)(e) for e in RESTITUTIONS], 10**7)
-    assert distance(rows, CURVE).squared > 100
+    assert distance(rows, CURVE) > 100

@@ -1,12 +1,15 @@
 """The pure functions of the studies on cases with known answers."""
 
 import math
+from pathlib import Path
 from statistics import NormalDist
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from analysis.__main__ import PAGES, chosen
+from analysis.paper import combinations
 from analysis.paper.argument import density_at_fence, line, width
 from analysis.paper.balls import SPACES, Base
 from analysis.paper.combinations import COLLISIONS, bases
@@ -16,6 +19,7 @@ from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn
 from analysis.paper.printed import CARRIES, PAIRS, SAMPLES
 from analysis.paper.switches import options, turned_to
 from analysis.paper.variance import indices
+from analysis.writing import Report
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
 from longball.model.readings import Reading
 from longball.model.scene import AtBatScene
@@ -163,11 +167,39 @@ def test_what_the_ledger_forbids_is_no_reading():
         reduced_mass="effective_mass", inertia="thin_rod"
     )
     assert turned_to(base, "cell_width", "0.2") == base.replaced({"cell_width": 0.2})
+    carried = base._replace(contact_force="carried")
+    assert turned_to(base, "contact_force", "carried") == carried
+    assert turned_to(carried, "inertia", "thin_rod").contact_force == "carried"
 
 
 def test_combinations_differ():
-    found = [(base.scene.line(), base.sampling) for base in bases()]
-    assert len(found) == len(set(found)) == len(COLLISIONS) * 2 * 5 * 2
+    found = [(base.scene.line(), *base[1:]) for base in bases()]
+    # Contact forces, spreads of the offset, radii and widths of a cell.
+    assert len(found) == len(set(found)) == len(COLLISIONS) * 3 * 2 * 2 * 6
+
+
+@pytest.mark.parametrize(
+    ("forces", "says"),
+    [
+        (["carried", "carried", "whole"], "received 1.25 times the printed impulse"),
+        (["carried", "whole", "early"], "single out no treatment of the contact force"),
+    ],
+)
+def test_the_paragraph_says_what_most_of_the_survivors_do(forces, says):
+    flies = SPACES[3]
+    families = [
+        SimpleNamespace(
+            survives=True,
+            best=SimpleNamespace(base=BASE._replace(contact_force=one), space=flies, usual=True),
+        )
+        for one in forces
+    ]
+    families.append(SimpleNamespace(survives=False, best=SimpleNamespace(base=BASE, space=flies)))
+    found = SimpleNamespace(families=families, default=SimpleNamespace(base=BASE))
+    text = Report(Path()).render("in_brief", vars(combinations), found=found)
+    assert says in text.replace("\n", " ")
+    assert f"{forces.count('carried')} of these 3" in text.replace("\n", " ")
+    assert "none of the 3 counts all pitches" in text.replace("\n", " ")
 
 
 def test_the_ranges_hold_the_usual_numbers():
