@@ -84,7 +84,9 @@ class TestScenes:
         assert len(said.splitlines()) < 60
         assert "AtBat(*, id=None, ball={}, reading={}, air={}, gravity=9.8," in said
         assert "model_" not in said
+        assert "mass : float\n |      kg; not" in pydoc.plain(pydoc.render_doc(lb.Bat))
         assert {"pitch", "swing", "replace"} < {*dir(lb.AtBat())}
+        assert dir(lb.Launch) == ["position", "spin", "velocity"]
         assert not [x for x in dir(lb.AtBat()) + dir(lb.Bat) if x.startswith(("_", "model_"))]
         assert repr(lb.AtBat(swing={"tilt": 0.2})) == "AtBat(swing={'tilt': 0.2})"
 
@@ -108,12 +110,22 @@ class TestScenes:
     def test_a_model_refuses_in_the_same_words(self):
         with pytest.raises(lb.InvalidScene, match=r"pitch.aim\[1\]: is missing"):
             lb.AtBat(pitch={"aim": [1]})
-        with pytest.raises(lb.InvalidScene, match="'pitch' here"):
+        with pytest.raises(lb.InvalidScene, match="kind: must be 'pitch'"):
             lb.Pitch(kind="flight")
         with pytest.raises(lb.InvalidScene, match=r"velocity: takes at most 3 values, and has 4"):
             lb.Flight(launch={"position": [0, 0, 1], "velocity": [1, 2, 3, 4]})
-        with pytest.raises(TypeError, match="AtBat takes the keys of a scene as keywords"):
+        with pytest.raises(TypeError, match="AtBat takes keywords: id, ball, "):
             lb.AtBat({"kind": "at-bat"})
+
+    def test_a_block_is_written_like_a_scene(self):
+        assert lb.Launch(position=[0, 0, 1], velocity=np.arange(3)) == lb.Launch(
+            position=(0.0, 0.0, 1.0), velocity=(0.0, 1.0, 2.0)
+        )
+        assert repr(lb.Bat(mass=np.float32(0.5))) == "Bat(mass=0.5)"
+        with pytest.raises(lb.InvalidScene, match="mass: must be positive"):
+            lb.Bat(mass=-1)
+        with pytest.raises(lb.InvalidScene, match="tlit: unknown key, did you mean tilt"):
+            lb.Swing(tlit=0.1)
 
 
 class TestSolve:

@@ -28,6 +28,7 @@ from pydantic.fields import FieldInfo
 
 from longball.model.air import Air as Air
 from longball.model.air import WindProfile
+from longball.model.annotations import within
 from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantity
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
@@ -332,6 +333,22 @@ class _Scene(_Block):
     )
     ball: Ball = Ball()
     reading: Reading = Reading()
+
+    shown = ("line", "replace")
+
+    def replace(self, **values: object) -> Self:
+        """Return the scene with other values, under the names of keys or of components of vectors.
+
+        >>> AtBatScene().replace(**{"swing.tilt": 0.2, "pitch.aim[1]": 1.7}).pitch.aim
+        (0.0, 1.7)
+        """
+        from longball.model.changes import Changes  # which knows scenes
+        from longball.model.plain import plain
+
+        written = self.model_dump(mode="json", exclude_defaults=True)
+        written["kind"] = type(self).model_fields["kind"].default
+        changed = Changes(tuple((name, plain(value, name)) for name, value in values.items()))
+        return type(self)(**changed(written))
 
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
@@ -668,7 +685,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
 
 def _listed(annotation: Any, about: str) -> str:
     """Return the form of a list by its annotation and the description of its field."""
-    numbers = next((x for x in map(get_args, _within(annotation)) if _is_vector(x)), ())
+    numbers = next((x for x in map(get_args, within(annotation)) if _is_vector(x)), ())
     unit = unit_of(about)
     places = ", ".join("xyz"[3 - len(numbers) :])  # a place on the plate's plane is [y, z]
     return f"[{places}]{f' in {unit}' if unit else ''}" if numbers else "a list"
@@ -676,9 +693,9 @@ def _listed(annotation: Any, about: str) -> str:
 
 def _form_of(annotation: Any, about: str) -> str:
     """Return the form of a vector, or of a block by its keys; empty for other values."""
-    if any(map(_is_vector, map(get_args, _within(annotation)))):
+    if any(map(_is_vector, map(get_args, within(annotation)))):
         return _listed(annotation, about)
-    block = next(filter(_is_model, _within(annotation)), None)
+    block = next(filter(_is_model, within(annotation)), None)
     return f"an object with the keys {', '.join(block.model_fields)}" if block else ""
 
 
@@ -716,7 +733,7 @@ def _resolved(
             annotation = forms[step]
         else:
             steps.append(step)
-            model = next(filter(_is_model, _within(annotation)), model)
+            model = next(filter(_is_model, within(annotation)), model)
             field = None if isinstance(step, int) else model.model_fields.get(step)
             if field:
                 annotation, about = field.annotation, field.description or ""
@@ -728,7 +745,7 @@ def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
     annotations: list[Any] = [model]
     fields: list[FieldInfo] = []
     for key in keys:
-        models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
+        models = [x for annotation in annotations for x in filter(_is_model, within(annotation))]
         fields = [each.model_fields[key] for each in models if key in each.model_fields]
         annotations = [field.annotation for field in fields]
     return fields
@@ -737,26 +754,21 @@ def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
 def vector_length(name: str) -> int | None:
     """Return how many numbers the vector under a name has, 2 or 3; None if it is no vector."""
     fields = [field for kind in KINDS.values() for field in parts_of(kind, name.split("."))]
-    parts = [get_args(x) for field in fields for x in _within(field.annotation)]
+    parts = [get_args(x) for field in fields for x in within(field.annotation)]
     return next((len(part) for part in parts if _is_vector(part)), None)
 
 
 def keys_of(model: type[BaseModel], keys: Sequence[str]) -> list[str]:
     """Return the keys of the blocks under keys inside a model."""
     annotations = [field.annotation for field in parts_of(model, keys)] if keys else [model]
-    models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
+    models = [x for annotation in annotations for x in filter(_is_model, within(annotation))]
     return [key for each in models for key in each.model_fields]
 
 
 def _forms(annotation: Any) -> dict[str | int, Any]:
     """Return the forms of a union by their tags."""
-    parts = [get_args(x) for x in _within(annotation) if get_origin(x) is Annotated]
+    parts = [get_args(x) for x in within(annotation) if get_origin(x) is Annotated]
     return {tag.tag: form for form, *rest in parts for tag in rest if isinstance(tag, Tag)}
-
-
-def _within(annotation: Any) -> list[Any]:
-    """Return an annotation and all that it is made of."""
-    return [annotation, *(x for part in get_args(annotation) for x in _within(part))]
 
 
 def _is_model(option: Any) -> bool:
