@@ -46,6 +46,8 @@ exclude_patterns = ["_build"]
 
 html_theme = "furo"
 html_title = "longball"
+html_static_path = ["_static"]
+html_css_files = ["longball.css"]
 
 
 def escape_bars(
