@@ -20,6 +20,7 @@ import pytest
 import longball as lb
 from longball import api, engines, tables
 from longball.model.quantities import flat, numbers
+from longball.pitches import prediction
 from longball.questions import movement, parks, spin
 from tests.engines.test_lines import ERRORS
 
@@ -41,7 +42,7 @@ class TestImport:
         with pytest.raises(AttributeError, match="solv'"):
             _ = lb.solv
 
-    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, spin])
+    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, prediction, spin])
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
         assert results.attempted > 0
