@@ -113,7 +113,9 @@ class TestScenes:
             lb.AtBat(pitch={"aim": [1]})
         with pytest.raises(lb.InvalidScene, match="kind: must be 'pitch'"):
             lb.Pitch(kind="flight")
-        with pytest.raises(lb.InvalidScene, match=r"velocity: takes at most 3 values, and has 4"):
+        with pytest.raises(
+            lb.InvalidScene, match=r"velocity: must be \[x, y, z\] in m/s, and has 4 values"
+        ):
             lb.Flight(launch={"position": [0, 0, 1], "velocity": [1, 2, 3, 4]})
         with pytest.raises(TypeError, match="AtBat takes keywords: id, ball, "):
             lb.AtBat({"kind": "at-bat"})
@@ -190,7 +192,7 @@ class TestSolve:
         distance = result.landing.distance
         assert distance.value == lb.solve(scene).landing.distance
         assert abs(Decimal(distance.value) - Decimal(exact.value)) <= Decimal(distance.radius)
-        assert f"landing.distance      {distance.value} ± {distance.radius} m" in repr(result)
+        assert f"landing.distance          {distance.value} ± {distance.radius} m" in repr(result)
         table = lb.solve_many({"kind": "pitch", "pitch.speed": [30.0, 40.0]}, certify=True)
         assert (table["plate.time.radius"].astype(float) < 1e-12).all()
         head = [f"plate.{n}.{of}" for n in ("time", "position[0]") for of in ("value", "radius")]
@@ -200,7 +202,7 @@ class TestSolve:
 
     def test_a_result_shows_itself(self):
         shown = lb.solve(lb.AtBat(id="<b>", **AT_BAT))
-        assert "landing.distance      101.406 m" in repr(shown)
+        assert "landing.distance          101.406 m" in repr(shown)
         assert "<td>landing.distance</td><td>101.406</td><td>m</td>" in shown._repr_html_()
         assert "&lt;b&gt;" in shown._repr_html_()
         assert {"landing", "path", "outcome"} <= {*dir(shown)}
@@ -218,8 +220,8 @@ class TestSolve:
         air = {"lift_coefficient": {"law": "linear", "slope": 1.0}}
         shown = lb.solve(lb.Flight(launch=launch, air=air, fence={"radius": 100}))
         assert shown.outcome == "home_run"
-        assert "landing.fair          True" in repr(shown)
-        assert "landing.spin          (0, -200, 0) rad/s" in repr(shown)
+        assert "landing.fair      True" in repr(shown)
+        assert "landing.spin      (0, -200, 0) rad/s" in repr(shown)
         grip = lb.solve(
             lb.Impact(
                 incoming={
@@ -231,7 +233,7 @@ class TestSolve:
                 bat={"friction": 0.5},
             )
         )
-        assert f"impact.mode           {grip.impact.mode}" in repr(grip)
+        assert f"impact.mode            {grip.impact.mode}" in repr(grip)
 
 
 class TestPath:

@@ -26,9 +26,10 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
         return ""
     near = difflib.get_close_matches(given, names, n=1)
     # Names are said in other cases and with other signs: At_Bat, pitch-speed.
-    alike = [name for name in names if _letters(name) == _letters(given)]
+    alike = [name for name in names if letters(name) == letters(given)]
     return f", did you mean {[*alike, *near][0]}?" if alike or near else ""
 
 
-def _letters(name: str) -> str:
+def letters(name: str) -> str:
+    """Return the letters and digits of a name, in lower case."""
     return "".join(filter(str.isalnum, name.lower()))

@@ -34,7 +34,7 @@ from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
 from longball.model.csv_files import not_utf8
 from longball.model.jsonl import LONGEST_LINE, json_line
-from longball.model.names import did_you_mean, one_of
+from longball.model.names import did_you_mean, letters, one_of
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
 from longball.model.units import unit_of
@@ -600,9 +600,19 @@ def _json(text: str) -> Any:
     try:
         return _DECODER.decode(text)
     except json.JSONDecodeError as error:
-        raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
+        fault = _JSON_FAULTS.get(error.msg, f"{error.msg} at character {{at}}")
+        raise InvalidScene(f"not JSON: {fault.replace('{at}', str(error.pos + 1))}") from None
     except RecursionError:
         raise InvalidScene("not a scene: its brackets are nested too deeply") from None
+
+
+# Python's words for what often stands in files of scenes, and ours.
+_JSON_FAULTS = {
+    "Extra data": "more after its end, from character {at} on; each scene has a line of its own",
+    "Expecting value": 'at character {at} a value is needed, such as {"kind": "at-bat"} or 9.8',
+    "Expecting property name enclosed in double quotes": "at character {at} a key in double quotes "
+    "is needed",
+}
 
 
 def _is_text(value: Any) -> bool:
@@ -636,6 +646,9 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             outer = re.split(r"[.\[]", key)[0]
             if outer != key and outer in keys:  # also of a table that gives the block whole
                 return f"{where}: unknown key; put it inside {outer}"
+            homes = [name for name in model.model_fields if key in keys_of(model, [name])]
+            if homes and not any(letters(key) == letters(name) for name in keys):
+                return f"{where}: unknown key; it is one of {' and '.join(homes)}"
             return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
         case "missing":
             form = "" if isinstance(location[-1], int) else _form_of(annotation, about)
@@ -645,6 +658,9 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
         case "too_long" | "too_short" as wrong:
             bound, key = ("most", "max_length") if wrong == "too_long" else ("least", "min_length")
             limit, given = fault["ctx"][key], fault["ctx"]["actual_length"]
+            form = _listed(annotation, about)
+            if form != "a list":
+                return f"{where}: must be {form}, and has {given} values"
             return f"{where}: takes at {bound} {limit} values, and has {given}"
         case "tuple_type" | "list_type":
             return f"{where}: must be {_listed(annotation, about)} (got {_short(fault['input'])})"
@@ -658,6 +674,9 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             if len(others) > 1:
                 form += f", or an object with a law: {', '.join(others)}"
             return f"{where}: must be {form} (got {_short(fault['input'])})"
+        case "string_type":
+            also = " or a whole number" if where == "id" else ""
+            return f"{where}: must be a text{also} (got {_short(fault['input'])})"
         case "value_error":
             sentence = str(fault["ctx"]["error"])
             return f"{where}: {sentence}" if where else sentence
@@ -705,7 +724,8 @@ def _is_vector(parts: tuple[Any, ...]) -> bool:
 
 def in_our_words(message: str) -> str:
     """Return what pydantic says of a value as the end of a sentence about it."""
-    return re.sub("^(Value error, |(Input|String) )", "", message).replace("should", "must")
+    message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
+    return message.replace("should", "must").replace("a valid number", "a number")
 
 
 # Of numbers that are likely to be in another unit if they are beyond their limits.
