@@ -37,6 +37,7 @@ from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.arrays import Array
+from longball.model.explain import explain, parts_of
 from longball.model.inputs import inputs, require_inputs
 from longball.model.names import one_of
 from longball.model.numbers import Undecided
@@ -391,7 +392,7 @@ class Solution:
         A ValueError says that no result has it, and names the nearest.
         """
         keys = re.sub(r"\[\d+\]", "", name).split(".")
-        if not models.parts_of(Result, keys):
+        if not parts_of(Result, keys):
             blocks = chain.PARTS.items()
             known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
             raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
@@ -783,4 +784,4 @@ def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]
     try:
         return readings_of(switches)
     except ValidationError as error:
-        raise ValueError(f"reading: {models.explain(error, Reading)}") from None
+        raise ValueError(f"reading: {explain(error, Reading)}") from None

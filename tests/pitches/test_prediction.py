@@ -268,6 +268,15 @@ def test_where_nothing_is_predicted_the_command_fails():
     assert "no ball could be predicted" in run.stderr
 
 
+def test_a_name_that_is_not_there_comes_with_the_nearest(tmp_path):
+    own = table({"launch_speed": 103, "launch_angle": 28}).replace("launch_speed", "ExitSpeed")
+    run = longball("-", *COMMAND, "--column", "launch_speed=ExitSped", stdin=own)
+    assert "no such column, did you mean ExitSpeed? Its columns are" in run.stderr
+    (tmp_path / "flies.csv").write_text(own)
+    run = longball(str(tmp_path / "fly.csv"), *COMMAND)
+    assert "No such file or directory, did you mean flies.csv?" in run.stderr
+
+
 def test_a_missing_column_comes_with_what_helps():
     run = longball("-", stdin="pitch_type\nFF\n")
     assert "; Statcast's tables have spin_axis from 2020 on, and the models vacuum, " in run.stderr

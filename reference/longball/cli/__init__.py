@@ -82,7 +82,7 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except typer.BadParameter as error:
-            from longball.model.scene import in_our_words
+            from longball.model.explain import in_our_words
 
             error.message = in_our_words(error.message)
             said_by = getattr(error.ctx, "default_map", None) or {}

@@ -34,7 +34,7 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
         return f"Literal[{', '.join(map(json.dumps, parts))}]"
     if annotation is types.NoneType:
         return "None"
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+    if is_model(annotation):
         return block(annotation)
     return str(annotation) if origin else str(annotation.__name__)
 
@@ -42,3 +42,8 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
 def within(annotation: Any) -> list[Any]:
     """Return an annotation and all that it is made of."""
     return [annotation, *(x for part in get_args(annotation) for x in within(part))]
+
+
+def is_model(annotation: Any) -> bool:
+    """Check that an annotation is a model, and not made of one."""
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)

@@ -77,8 +77,9 @@ else:
                 )
             with suppress(ValidationError):
                 return super().__call__(**keys)
+            from longball.model.explain import explain
             from longball.model.plain import plain
-            from longball.model.scene import InvalidScene, explain
+            from longball.model.scene import InvalidScene
 
             try:
                 return self.model_validate_json(json.dumps(plain(keys)))

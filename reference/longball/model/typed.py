@@ -10,7 +10,7 @@ from typing import get_args
 
 from pydantic import BaseModel
 
-from longball.model.annotations import spelled, within
+from longball.model.annotations import is_model, spelled, within
 from longball.model.scene import Scene
 
 FILE = Path(__file__).with_name("dicts.py")
@@ -55,9 +55,8 @@ def _collect(model: type[BaseModel], found: dict[type[BaseModel], str]) -> None:
     for name, field in model.model_fields.items():
         if name == "kind":
             continue
-        for inner in within(field.annotation):
-            if isinstance(inner, type) and issubclass(inner, BaseModel):
-                _collect(inner, found)
+        for inner in filter(is_model, within(field.annotation)):
+            _collect(inner, found)
         kind = spelled(field.annotation, _or_dict)
         rows.append(f"    {name}: {f'Required[{kind}]' if field.is_required() else kind}")
         if field.description:

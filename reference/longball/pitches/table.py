@@ -90,7 +90,8 @@ def read_table(
     # A name that is given is meant, also of a column that is optional.
     if missing := [x for name, x in wanted.items() if x not in found and name in needed | its]:
         shown = ", ".join(found[:20]) + (", …" if len(found) > 20 else "")
-        near = did_you_mean(missing[0], found) if len(missing) == 1 else ""
+        others = [name for name in found if name not in wanted.values()]
+        near = did_you_mean(missing[0], others) if len(missing) == 1 else ""
         theirs = f"{near} Its" if near else "; its"
         none = "no such column" if len(missing) == 1 else "no such columns"
         raise NoSuchColumn(
