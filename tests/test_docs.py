@@ -72,7 +72,12 @@ class Checker(doctest.OutputChecker):
     ("command", "shown"),
     # What two pages show is run once.
     [
-        pytest.param(*case, id=f"{page.stem}: {case[0][:50]}")
+        pytest.param(
+            *case,
+            id=f"{page.stem}: {case[0][:50]}",
+            # A search for causes, beside another in the same page.
+            marks=pytest.mark.nightly if "judge --golden" in case[0] else (),
+        )
         for case, page in {case: page for page in PAGES for case in commands(page)}.items()
     ],
 )

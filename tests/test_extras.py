@@ -49,7 +49,14 @@ def command_line(*arguments: str, **options) -> subprocess.CompletedProcess:
 
 @pytest.mark.parametrize(
     ("engine", "lines"),
-    [("ivp", SCENES), ("verlet", SCENES), ("enclosure", AT_BAT), ("multiprecision", AT_BAT)],
+    [
+        ("ivp", SCENES),
+        ("verlet", SCENES),
+        *(
+            pytest.param(e, AT_BAT, marks=pytest.mark.nightly)
+            for e in ("enclosure", "multiprecision")
+        ),
+    ],
 )
 def test_engines_give_the_same_bits(engine: str, lines: str):
     run = command_line("solve", "--engine", engine, lines=lines)

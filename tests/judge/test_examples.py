@@ -61,7 +61,7 @@ def test_they_know_nothing_of_longball(name: str):
     assert "longball" not in (FOLDER / name).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("dt", [0.05, 0.004])
+@pytest.mark.parametrize("dt", [0.05, pytest.param(0.004, marks=NIGHTLY)])
 @pytest.mark.parametrize("name", NAMES)
 def test_the_printed_scheme_passes_as_such(name: str, dt: float, tmp_path: Path):
     drawn = [*at_bats(150 if dt == 0.05 else 40), *flights(), *impacts(), *pitches()]

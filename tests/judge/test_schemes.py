@@ -131,6 +131,7 @@ def test_the_scheme_of_the_paper_is_named_with_its_last_step(landing):
         assert "at the step after the event, in steps of 0.05 s" in below.words
 
 
+@pytest.mark.nightly  # every scheme is tried, and every last step
 def test_a_scheme_that_is_not_known_gets_its_order_and_no_name():
     found = explain_scheme(*wrong(flown(0.2, uneven)))
     assert found is not None
