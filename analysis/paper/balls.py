@@ -42,7 +42,8 @@ class Base(NamedTuple):
 
         In every reading of the collision the impulse is proportional to 1 + e (Sec. III.C).
         """
-        return impulse_share(self.contact_force) * (1.0 + e) - 1.0
+        # For the whole force e itself, to the last bit.
+        return e + (impulse_share(self.contact_force) - 1.0) * (1.0 + e)
 
     def number(self, name: str) -> float:
         """Return a number of the scene or of the sampling by its name there."""
