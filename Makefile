@@ -34,6 +34,7 @@ lint: $(INSTALLED)  ## run the linters
 	$(BIN)/ruff format --check
 	$(BIN)/codespell
 	$(BIN)/mypy reference analysis
+	$(BIN)/python -m tests.snippets
 	$(BIN)/lint-imports
 	$(BIN)/python -m longball.model.derivation --check
 

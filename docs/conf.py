@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
-from sphinx.util.typing import stringify_annotation
 
 import longball
 
@@ -48,18 +46,16 @@ exclude_patterns = ["_build"]
 
 html_theme = "furo"
 html_title = "longball"
+html_static_path = ["_static"]
+html_css_files = ["longball.css"]
 
 
-def list_fields(
+def escape_bars(
     _app: Any, _what: str, _name: str, it: Any, _options: Any, lines: list[str]
 ) -> None:
-    """Add the fields of a model to its docstring, with their types and descriptions."""
+    """Let |x| of a field's description be that, and no substitution."""
     if isinstance(it, type) and issubclass(it, BaseModel):
-        lines += ["", "Attributes", "----------"]
-        for name, field in it.model_fields.items():
-            kind = re.sub(r"~?(\w+\.)+(?=\w)", "", stringify_annotation(field.annotation, "smart"))
-            described = (field.description or "").replace("|", r"\|")
-            lines += [f"{name} : {kind}", f"    {described}"]
+        lines[:] = [x.replace("|", r"\|") if x.startswith("    ") else x for x in lines]
 
 
 def link_to_copied_report(_app: Any, _page: str, source: list[str]) -> None:
@@ -68,6 +64,6 @@ def link_to_copied_report(_app: Any, _page: str, source: list[str]) -> None:
 
 
 def setup(app: Any) -> None:
-    """Let `list_fields` come before numpydoc, which reads what it adds."""
-    app.connect("autodoc-process-docstring", list_fields, priority=400)
+    """Let `escape_bars` come before numpydoc, which moves the lines."""
+    app.connect("autodoc-process-docstring", escape_bars, priority=400)
     app.connect("source-read", link_to_copied_report)

@@ -15,7 +15,9 @@ from hypothesis import settings
 
 # The same examples in every run: a change of the code is what makes a test fail, not the day. Who
 # hunts for new ones runs `pytest --hypothesis-profile=default`.
-settings.register_profile("same", derandomize=True, database=None, deadline=None)
+SAME = settings(derandomize=True, database=None, deadline=None)
+settings.register_profile("same", SAME, max_examples=40)
+settings.register_profile("nightly", SAME, max_examples=100)
 settings.load_profile("same")
 
 
@@ -29,6 +31,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Declare the mark of what waits for `make nightly`."""
     config.addinivalue_line("markers", "nightly: run with --nightly only")
+    # Golden data are hundreds of thousands of objects, through which each full collection walks.
+    gc.set_threshold(100_000, 20, 100)
+    if config.getoption("--nightly"):
+        settings.load_profile("nightly")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -7,6 +7,7 @@ import json
 import math
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -87,14 +88,15 @@ class TestSolve:
         )
         run = called("solve", str(source), "-o", str(output))
         assert run.returncode == 1  # the third row
-        read = pd.read_parquet if output.suffix == ".parquet" else pd.read_csv
+        # As texts: pandas 2 rounds the last digit of a number another way than Python.
+        read = pd.read_parquet if output.suffix == ".parquet" else partial(pd.read_csv, dtype=str)
         table = read(output)
         assert table.id.astype(str).str.lstrip("0").tolist() == ["7", "b", "c"]
         scenes = [
             lb.Pitch(pitch={"speed": 38.6, "aim": [0, 1.7]}),
             lb.Pitch(air=None),
         ]
-        assert table["plate.time"][:2].tolist() == [lb.solve(x).plate.time for x in scenes]
+        assert [*map(float, table["plate.time"][:2])] == [lb.solve(x).plate.time for x in scenes]
         assert table.error[2].startswith("line 4: pitch.speed")
         same = called("solve", str(source))
         assert [r["id"] for r in results(same)] == ["007", "b", "c"]
@@ -258,6 +260,11 @@ class TestSolve:
                 "'enclosure', 'multiprecision', 'verlet', did you mean b",
             ),
             (["solve", "--engine", "verne"], "'--engine': 'verne' is not one of"),
+            (["solve", "--egine", "ivp"], "no such option --egine, did you mean --engine?"),
+            (["solve", "a.jsonl", "b.jsonl"], "b.jsonl: one too many; the command takes [SCENES|-"),
+            (["golden", "chekc"], "no such command 'chekc', did you mean check?"),
+            (["solve", "--fence", "Fenway"], "--fence Fenway: neither a radius in m nor a file"),
+            (["judge", "--tolerance", "x", "--", "true"], "'--tolerance': must be a number"),
             (["judge", "--golden", "flight-vacum", "--", "true"], "did you mean flight-vacuum?"),
             (["judge", "--profile", "converge", "--", "true"], "did you mean converged?"),
             (["judge", "--random", "3", "--kind", "fligth", "--", "true"], "did you mean flight?"),

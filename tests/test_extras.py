@@ -21,25 +21,15 @@ BLOCK = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
 
 LAUNCH = {"position": [0.3, 0, 1], "velocity": [38, 4, 27], "spin": [20, -180, 40]}
 LIFT = {"law": "rational", "numerator": 1, "constant": 0.4, "slope": 2.3}
-AIRS = [
-    {
-        "drag_coefficient": {"law": "table", "of": "speed", "at": [25, 40], "values": [0.5, 0.3]},
-        "wind": [4, 1, 0],
-    },
-    {"wind": {"velocity": [4, 1, 0], "height": 10}, "spin_decay_length": 600},
-]
-SCENES = AT_BAT + "".join(
-    "\n"
-    + json.dumps(
-        {
-            "kind": "flight",
-            "launch": LAUNCH,
-            "air": air | {"lift_coefficient": LIFT},
-            "time_limit": 3,  # a step below the ground has no logarithmic wind
-        }
-    )
-    for air in AIRS
-)
+AIR = {
+    "drag_coefficient": {"law": "table", "of": "speed", "at": [25, 40], "values": [0.5, 0.3]},
+    "lift_coefficient": LIFT,
+    "wind": {"velocity": [4, 1, 0], "height": 10},
+    "spin_decay_length": 600,
+}
+# A step below the ground has no logarithmic wind.
+FLIGHT = json.dumps({"kind": "flight", "launch": LAUNCH, "air": AIR, "time_limit": 3})
+SCENES = f"{AT_BAT}\n{FLIGHT}"
 
 
 def light(code: str, *arguments: str, names: tuple[str, ...] = tuple(EXTRAS), lines: str = AT_BAT):

@@ -20,6 +20,7 @@ import pytest
 import longball as lb
 from longball import api, engines, tables
 from longball.model.quantities import flat, numbers
+from longball.pitches import prediction
 from longball.questions import movement, parks, spin
 from tests.engines.test_lines import ERRORS
 
@@ -41,7 +42,7 @@ class TestImport:
         with pytest.raises(AttributeError, match="solv'"):
             _ = lb.solv
 
-    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, spin])
+    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, prediction, spin])
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
         assert results.attempted > 0
@@ -84,7 +85,9 @@ class TestScenes:
         assert len(said.splitlines()) < 60
         assert "AtBat(*, id=None, ball={}, reading={}, air={}, gravity=9.8," in said
         assert "model_" not in said
+        assert "mass : float\n |      kg; not" in pydoc.plain(pydoc.render_doc(lb.Bat))
         assert {"pitch", "swing", "replace"} < {*dir(lb.AtBat())}
+        assert dir(lb.Launch) == ["position", "spin", "velocity"]
         assert not [x for x in dir(lb.AtBat()) + dir(lb.Bat) if x.startswith(("_", "model_"))]
         assert repr(lb.AtBat(swing={"tilt": 0.2})) == "AtBat(swing={'tilt': 0.2})"
 
@@ -108,12 +111,24 @@ class TestScenes:
     def test_a_model_refuses_in_the_same_words(self):
         with pytest.raises(lb.InvalidScene, match=r"pitch.aim\[1\]: is missing"):
             lb.AtBat(pitch={"aim": [1]})
-        with pytest.raises(lb.InvalidScene, match="'pitch' here"):
+        with pytest.raises(lb.InvalidScene, match="kind: must be 'pitch'"):
             lb.Pitch(kind="flight")
-        with pytest.raises(lb.InvalidScene, match=r"velocity: takes at most 3 values, and has 4"):
+        with pytest.raises(
+            lb.InvalidScene, match=r"velocity: must be \[x, y, z\] in m/s, and has 4 values"
+        ):
             lb.Flight(launch={"position": [0, 0, 1], "velocity": [1, 2, 3, 4]})
-        with pytest.raises(TypeError, match="AtBat takes the keys of a scene as keywords"):
+        with pytest.raises(TypeError, match="AtBat takes keywords: id, ball, "):
             lb.AtBat({"kind": "at-bat"})
+
+    def test_a_block_is_written_like_a_scene(self):
+        assert lb.Launch(position=[0, 0, 1], velocity=np.arange(3)) == lb.Launch(
+            position=(0.0, 0.0, 1.0), velocity=(0.0, 1.0, 2.0)
+        )
+        assert repr(lb.Bat(mass=np.float32(0.5))) == "Bat(mass=0.5)"
+        with pytest.raises(lb.InvalidScene, match="mass: must be positive"):
+            lb.Bat(mass=-1)
+        with pytest.raises(lb.InvalidScene, match="tlit: unknown key, did you mean tilt"):
+            lb.Swing(tlit=0.1)
 
 
 class TestSolve:
@@ -177,7 +192,7 @@ class TestSolve:
         distance = result.landing.distance
         assert distance.value == lb.solve(scene).landing.distance
         assert abs(Decimal(distance.value) - Decimal(exact.value)) <= Decimal(distance.radius)
-        assert f"landing.distance      {distance.value} ± {distance.radius} m" in repr(result)
+        assert f"landing.distance          {distance.value} ± {distance.radius} m" in repr(result)
         table = lb.solve_many({"kind": "pitch", "pitch.speed": [30.0, 40.0]}, certify=True)
         assert (table["plate.time.radius"].astype(float) < 1e-12).all()
         head = [f"plate.{n}.{of}" for n in ("time", "position[0]") for of in ("value", "radius")]
@@ -187,7 +202,7 @@ class TestSolve:
 
     def test_a_result_shows_itself(self):
         shown = lb.solve(lb.AtBat(id="<b>", **AT_BAT))
-        assert "landing.distance      101.406 m" in repr(shown)
+        assert "landing.distance          101.406 m" in repr(shown)
         assert "<td>landing.distance</td><td>101.406</td><td>m</td>" in shown._repr_html_()
         assert "&lt;b&gt;" in shown._repr_html_()
         assert {"landing", "path", "outcome"} <= {*dir(shown)}
@@ -205,8 +220,8 @@ class TestSolve:
         air = {"lift_coefficient": {"law": "linear", "slope": 1.0}}
         shown = lb.solve(lb.Flight(launch=launch, air=air, fence={"radius": 100}))
         assert shown.outcome == "home_run"
-        assert "landing.fair          True" in repr(shown)
-        assert "landing.spin          (0, -200, 0) rad/s" in repr(shown)
+        assert "landing.fair      True" in repr(shown)
+        assert "landing.spin      (0, -200, 0) rad/s" in repr(shown)
         grip = lb.solve(
             lb.Impact(
                 incoming={
@@ -218,7 +233,7 @@ class TestSolve:
                 bat={"friction": 0.5},
             )
         )
-        assert f"impact.mode           {grip.impact.mode}" in repr(grip)
+        assert f"impact.mode            {grip.impact.mode}" in repr(grip)
 
 
 class TestPath:

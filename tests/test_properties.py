@@ -559,7 +559,7 @@ as_data = scenes().map(lambda scene: json.loads(scene.line()))
 def test_a_value_of_the_wrong_kind_is_refused_by_name(data, draw):
     path = draw.draw(st.sampled_from([p for p in leaves(data) if p != ("kind",)]))
     number = isinstance(reached(data, path), float)
-    wrong = [True, [], {}] + ([math.nan, math.inf, -math.inf, "1.0"] if number else [3.0])
+    wrong = [True, [], {}] + ([math.nan, math.inf, -math.inf, "1.0"] if number else [3.5])
     # No air at all is a valid scene; no number is none.
     wrong += [] if path == ("air",) else [None]
     reached(data, path[:-1])[path[-1]] = draw.draw(

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         Launch,
         Swing,
     )
+    from longball.pitches import fit_pitches, measured
     from longball.questions.aiming import aim
     from longball.questions.inverse import fit
     from longball.questions.movement import (
@@ -60,29 +61,29 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_BLOCKS = (
-    "Air",
-    "Ball",
-    "Bat",
-    "Earth",
-    "Fence",
-    "Ground",
-    "Incoming",
-    "Launch",
-    "Reading",
-    "Swing",
-    "Weather",
-)
-
-# Modules of `longball.questions` that public names are in.
-_QUESTIONS = {
-    "aiming": ("aim",),
-    "inverse": ("fit",),
-    "movement": ("Movement", "NineParameters", "clock", "movement", "nine_parameters"),
-    "parks": ("InPark", "Park", "in_parks", "park", "parks"),
-    "spin": ("SpinFromMovement", "spin_from_movement"),
-    "uncertainty": ("uncertainty",),
+# Where public names are, which are imported when they are first asked for.
+_HOMES = {
+    "api": (
+        *("AtBat", "Flight", "Impact", "Path", "Pitch", "Solution", "State"),
+        *("home_run_probability", "launch", "solve"),
+    ),
+    "engines.engine": ("CannotSolve",),
+    "model.air": ("Air", "Weather"),
+    "model.numbers": ("Undecided",),
+    "model.readings": ("Reading",),
+    "model.scene": (
+        *("Ball", "Bat", "Earth", "Fence", "Ground", "Incoming", "InvalidScene", "Launch", "Swing"),
+    ),
+    "pitches": ("fit_pitches", "measured"),
+    "questions.aiming": ("aim",),
+    "questions.inverse": ("fit",),
+    "questions.movement": ("Movement", "NineParameters", "clock", "movement", "nine_parameters"),
+    "questions.parks": ("InPark", "Park", "in_parks", "park", "parks"),
+    "questions.spin": ("SpinFromMovement", "spin_from_movement"),
+    "questions.uncertainty": ("uncertainty",),
+    "tables": ("solve_many",),
 }
+_PACKAGES = ("convergence", "golden", "judge")
 
 __all__ = [
     "Air",
@@ -116,11 +117,13 @@ __all__ = [
     "clock",
     "convergence",
     "fit",
+    "fit_pitches",
     "golden",
     "home_run_probability",
     "in_parks",
     "judge",
     "launch",
+    "measured",
     "movement",
     "nine_parameters",
     "park",
@@ -131,22 +134,14 @@ __all__ = [
     "uncertainty",
 ]
 
-_PACKAGES = ("convergence", "golden", "judge")
-
 
 def __getattr__(name: str) -> Any:
-    # Imported when first asked for: `import longball` alone loads no library.
+    # `import longball` alone loads no library.
     if name in _PACKAGES:
         return import_module(f"longball.{name}")
-    if name in _BLOCKS:
-        homes = {"Reading": "readings", "Weather": "air"}
-        return getattr(import_module(f"longball.model.{homes.get(name, 'scene')}"), name)
-    for question, names in _QUESTIONS.items():
+    for home, names in _HOMES.items():
         if name in names:
-            return getattr(import_module(f"longball.questions.{question}"), name)
-    if name in __all__:
-        module = import_module("longball.tables" if name == "solve_many" else "longball.api")
-        return getattr(module, name)
+            return getattr(import_module(f"longball.{home}"), name)
     raise AttributeError(f"module 'longball' has no attribute {name!r}")
 
 

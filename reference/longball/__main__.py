@@ -107,6 +107,10 @@ def _tell(sentence: str) -> None:
 def _sentence(error: Exception) -> str:
     if isinstance(error, MissingExtra):
         return str(error)
+    if isinstance(error, FileNotFoundError) and isinstance(error.filename, str):
+        from longball.model.names import nearest_file
+
+        return f"{error.filename}: {error.strerror}{nearest_file(error.filename)}"
     if isinstance(error, OSError):
         return f"{error.filename or 'output'}: {error.strerror}"
     # A bug of longball. For its traceback call `longball.cli.app` from Python.

@@ -13,7 +13,18 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Self, cast, get_args
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Literal,
+    NamedTuple,
+    Protocol,
+    TypeVar,
+    Unpack,
+    cast,
+    get_args,
+    overload,
+)
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +37,7 @@ from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.arrays import Array
-from longball.model.changes import Changes
+from longball.model.explain import explain, parts_of
 from longball.model.inputs import inputs, require_inputs
 from longball.model.names import one_of
 from longball.model.numbers import Undecided
@@ -55,6 +66,7 @@ if TYPE_CHECKING:
 
     from longball.engines.path_engine import PathEngine
     from longball.engines.tangent import Derivatives
+    from longball.model import dicts
     from longball.pitches import FittedPitches
 
 
@@ -66,140 +78,39 @@ CONTACT = (0.6096, 0.0, 0.9144)
 # --- scenes ---------------------------------------------------------------------------------------
 
 
-class _Written:
-    """A scene as a caller writes it: blocks are mappings, vectors any sequence or array."""
+class Flight(models.FlightScene):
+    """A ball from launch to landing. An `InvalidScene` names the key at fault."""
 
-    def __init__(self, *written: object, **blocks: Any) -> None:
-        if written:
-            raise TypeError(
-                f"{type(self).__name__} takes the keys of a scene as keywords, such as "
-                "gravity=9.81; a mapping or a line of JSON goes to lb.solve as it is"
-            )
-        kind = type(self).model_fields["kind"].default  # type: ignore[attr-defined]
-        if blocks.setdefault("kind", kind) != kind:
-            raise InvalidScene(f"kind: must be {kind!r} here, and is {blocks['kind']!r}")
-        super().__init__(**dict(as_scene(blocks)))
+    if TYPE_CHECKING:
+        _solved: FlightSolution
 
-    def replace(self, **values: object) -> Self:
-        """Return the scene with other values, under the names of keys or of components of vectors.
-
-        Raises
-        ------
-        InvalidScene
-            If it is none; the message names the key at fault.
-
-        Examples
-        --------
-        >>> import longball as lb
-        >>> scene = lb.AtBat(swing={"tilt": 0.14})
-        >>> scene.replace(**{"swing.tilt": 0.2, "pitch.aim[1]": 1.7}).pitch.aim
-        (0.0, 1.7)
-        """
-        scene = cast(Scene, self)
-        written = scene.model_dump(mode="json", exclude_defaults=True) | {"kind": scene.kind}
-        changed = Changes(tuple((name, plain(value, name)) for name, value in values.items()))
-        return type(self)(**changed(written))
-
-    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
-        # What a caller need not write is not shown: a scene has some sixty numbers and switches.
-        said = self.model_dump(exclude_defaults=True)  # type: ignore[attr-defined]
-        yield from said.items()
+        def __init__(self, **blocks: Unpack[dicts.FlightSceneBlocks]) -> None: ...
 
 
-# A block as it may be written: a model of it, or a mapping with its keys.
-Written = Mapping[str, object]
+class Pitch(models.PitchScene):
+    """A pitch from the release to the plane x = 0. An `InvalidScene` names the key at fault."""
+
+    if TYPE_CHECKING:
+        _solved: PitchSolution
+
+        def __init__(self, **blocks: Unpack[dicts.PitchSceneBlocks]) -> None: ...
 
 
-class Flight(_Written, models.FlightScene):
-    """A ball from launch to landing.
+class Impact(models.ImpactScene):
+    """Ball and bat at the moment of touching. An `InvalidScene` names the key at fault."""
 
-    Parameters are the blocks of the scene, by keyword; `launch` is needed. Raises `InvalidScene`.
-    """
+    if TYPE_CHECKING:
+        _solved: ImpactSolution
+
+        def __init__(self, **blocks: Unpack[dicts.ImpactSceneBlocks]) -> None: ...
+
+
+class AtBat(models.AtBatScene):
+    """Pitch, swing, contact, impact and flight. An `InvalidScene` names the key at fault."""
 
     if TYPE_CHECKING:
 
-        def __init__(
-            self,
-            *,
-            launch: models.Launch | Written,
-            id: str | int | None = ...,  # noqa: A002
-            ball: models.Ball | Written = ...,
-            air: models.Air | Written | None = ...,
-            gravity: float = ...,
-            time_limit: float = ...,
-            earth: models.Earth | Written | None = ...,
-            ground: models.Ground | Written = ...,
-            fence: models.Fence | Written | None = ...,
-            reading: Reading | Written = ...,
-        ) -> None: ...
-
-
-class Pitch(_Written, models.PitchScene):
-    """A pitch from the release to the plane x = 0.
-
-    Parameters are the blocks of the scene, by keyword. Raises `InvalidScene`.
-    """
-
-    if TYPE_CHECKING:
-
-        def __init__(
-            self,
-            *,
-            pitch: models.Pitch | Written = ...,
-            id: str | int | None = ...,  # noqa: A002
-            ball: models.Ball | Written = ...,
-            air: models.Air | Written | None = ...,
-            gravity: float = ...,
-            time_limit: float = ...,
-            earth: models.Earth | Written | None = ...,
-            reading: Reading | Written = ...,
-        ) -> None: ...
-
-
-class Impact(_Written, models.ImpactScene):
-    """Ball and bat at the moment of touching.
-
-    Parameters are the blocks of the scene, by keyword; `incoming` is needed. Raises `InvalidScene`.
-    """
-
-    if TYPE_CHECKING:
-
-        def __init__(
-            self,
-            *,
-            incoming: models.Incoming | Written,
-            id: str | int | None = ...,  # noqa: A002
-            ball: models.Ball | Written = ...,
-            bat: models.Bat | Written = ...,
-            swing: models.Rotation | Written = ...,
-            reading: Reading | Written = ...,
-        ) -> None: ...
-
-
-class AtBat(_Written, models.AtBatScene):
-    """Pitch, swing, contact, impact and flight.
-
-    Parameters are the blocks of the scene, by keyword. Raises `InvalidScene`.
-    """
-
-    if TYPE_CHECKING:
-
-        def __init__(
-            self,
-            *,
-            pitch: models.Pitch | Written = ...,
-            bat: models.Bat | Written = ...,
-            swing: models.Swing | Written = ...,
-            id: str | int | None = ...,  # noqa: A002
-            ball: models.Ball | Written = ...,
-            air: models.Air | Written | None = ...,
-            gravity: float = ...,
-            time_limit: float = ...,
-            earth: models.Earth | Written | None = ...,
-            ground: models.Ground | Written = ...,
-            fence: models.Fence | Written | None = ...,
-            reading: Reading | Written = ...,
-        ) -> None: ...
+        def __init__(self, **blocks: Unpack[dicts.AtBatSceneBlocks]) -> None: ...
 
 
 def launch(
@@ -244,18 +155,17 @@ def launch(
         raise InvalidScene(f"speed: must be positive (got {speed!r})")
     level, ahead = math.cos(angle), (math.cos(direction), math.sin(direction))
     rise = math.sin(angle)
-    block: dict[str, object] = {
-        "position": position,
-        "velocity": (speed * level * ahead[0], speed * level * ahead[1], speed * rise),
-    }
-    if backspin is not None or side_spin is not None:
-        back, side = backspin or 0.0, side_spin or 0.0
-        block["spin"] = (
-            back * ahead[1] - side * rise * ahead[0],
-            -back * ahead[0] - side * rise * ahead[1],
-            side * level,
-        )
-    return Flight(launch=block).launch
+    start: Any = position  # in any form that a block takes
+    velocity = (speed * level * ahead[0], speed * level * ahead[1], speed * rise)
+    if backspin is None and side_spin is None:
+        return models.Launch(position=start, velocity=velocity)
+    back, side = backspin or 0.0, side_spin or 0.0
+    spin = (
+        back * ahead[1] - side * rise * ahead[0],
+        -back * ahead[0] - side * rise * ahead[1],
+        side * level,
+    )
+    return models.Launch(position=start, velocity=velocity, spin=spin)
 
 
 def as_scene(written: object) -> Scene:
@@ -482,7 +392,7 @@ class Solution:
         A ValueError says that no result has it, and names the nearest.
         """
         keys = re.sub(r"\[\d+\]", "", name).split(".")
-        if not models.parts_of(Result, keys):
+        if not parts_of(Result, keys):
             blocks = chain.PARTS.items()
             known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
             raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
@@ -528,8 +438,10 @@ class Solution:
         return Path(way, self._solver)
 
     def __repr__(self) -> str:
-        rows = [f"  {name:<21} {value} {unit}".rstrip() for name, value, unit in self._rows()]
-        return "\n".join([self._title, *rows])
+        rows = [*self._rows()]
+        width = max((len(name) for name, *_ in rows), default=0)
+        lines = [f"  {name:<{width}} {value} {unit}".rstrip() for name, value, unit in rows]
+        return "\n".join([self._title, *lines])
 
     def _repr_html_(self) -> str:
         rows = "".join(
@@ -545,7 +457,8 @@ class Solution:
 
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield name, value and unit of every quantity."""
-        for name in chain.PARTS:
+        blocks = [*chain.BLOCKS]
+        for name in sorted(chain.PARTS, key=lambda part: blocks.index(part.split(".")[0])):
             block = at(self.result, name)
             for key, field in type(block).model_fields.items() if block else ():
                 if (
@@ -553,6 +466,44 @@ class Solution:
                 ) is not None and f"{name}.{key}" not in chain.PARTS:
                     unit = _UNIT.match(field.description or "")
                     yield f"{name}.{key}", _shown(value), unit[0] if unit else ""
+
+
+if TYPE_CHECKING:
+    # Solutions of a kind: a type checker refuses what no scene of the kind has.
+
+    class FlightSolution(Solution):
+        """The result of a flight: neither pitch nor bat."""
+
+        plate: None  # type: ignore[assignment]
+        contact: None  # type: ignore[assignment]
+        impact: None  # type: ignore[assignment]
+
+    class PitchSolution(Solution):
+        """The result of a pitch: it is not batted."""
+
+        contact: None  # type: ignore[assignment]
+        impact: None  # type: ignore[assignment]
+        apex: None  # type: ignore[assignment]
+        fence: None  # type: ignore[assignment]
+        landing: None  # type: ignore[assignment]
+
+    class ImpactSolution(Solution):
+        """The result of an impact: nothing flies."""
+
+        plate: None  # type: ignore[assignment]
+        apex: None  # type: ignore[assignment]
+        fence: None  # type: ignore[assignment]
+        landing: None  # type: ignore[assignment]
+
+
+S = TypeVar("S", bound=Solution, covariant=True)
+
+
+class _Of(Protocol[S]):
+    """A scene whose class says what type its solutions are of."""
+
+    @property
+    def _solved(self) -> S: ...
 
 
 # Descriptions of the result's quantities begin with the unit.
@@ -573,6 +524,28 @@ def _shown(value: Any) -> str:
     if isinstance(value, Bounded | Certified):
         return value.value if value.radius is None else f"{value.value} ± {value.radius}"
     return f"{value:.7g}" if isinstance(value, float) else str(value)
+
+
+@overload
+def solve(
+    scene: _Of[S],
+    engine: str | Engine[Any] = "ivp",
+    *,
+    certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
+    **options: Any,
+) -> S: ...
+
+
+@overload
+def solve(
+    scene: dicts.SceneDict | Scene | Mapping[str, Any] | str | bytes,
+    engine: str | Engine[Any] = "ivp",
+    *,
+    certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
+    **options: Any,
+) -> Solution: ...
 
 
 def solve(
@@ -811,4 +784,4 @@ def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]
     try:
         return readings_of(switches)
     except ValidationError as error:
-        raise ValueError(f"reading: {models.explain(error, Reading)}") from None
+        raise ValueError(f"reading: {explain(error, Reading)}") from None

@@ -2,24 +2,18 @@
 
 from importlib import import_module
 
-import pytest
-
 from analysis.__main__ import PAGES
 from analysis.writing import _TEMPLATES
 
-STUDIES = {name: f"{page.package}.{name}" for page in PAGES.values() for name in page.studies}
+
+def test_studies_can_be_run():
+    for page in PAGES.values():
+        for name in page.studies:
+            assert callable(import_module(f"{page.package}.{name}").run), name
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_a_study_can_be_run(name):
-    assert callable(import_module(STUDIES[name]).run)
-
-
-@pytest.mark.parametrize("name", _TEMPLATES.list_templates())
-def test_a_template_can_be_read(name):
-    assert _TEMPLATES.get_template(name)
-
-
-@pytest.mark.parametrize("page", [page.name for page in PAGES.values()])
-def test_a_page_has_a_template(page):
-    assert _TEMPLATES.get_template(f"pages/{page}.md")
+def test_templates_can_be_read():
+    names = _TEMPLATES.list_templates()
+    assert {f"pages/{page.name}.md" for page in PAGES.values()} <= {*names}
+    for name in names:
+        assert _TEMPLATES.get_template(name)

@@ -82,18 +82,17 @@ def test_one_by_one_or_all_at_once(scenes, answers):
     assert [result.line() for result in together(scenes)] == answers
 
 
-@pytest.mark.parametrize("size", [15, 16, 1000])
+@pytest.mark.parametrize("size", [15, 16, 200])
 def test_in_groups(scenes, answers, size):
     """Each scene as often as it takes: no group of it is smaller than `size`."""
-    for first in range(0, len(scenes), 61):
+    for first in range(0, len(scenes), 121):
         scene, answer = scenes[first], answers[first]
         assert {r.line() for r in together([scene] * size)} == {answer}
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_shuffled(scenes, answers, seed):
+def test_shuffled(scenes, answers):
     order = list(range(len(scenes)))
-    random.Random(seed).shuffle(order)
+    random.Random(1).shuffle(order)
     shuffled = together([scenes[i] for i in order])
     assert [result.line() for result in shuffled] == [answers[i] for i in order]
 

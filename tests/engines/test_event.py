@@ -352,7 +352,7 @@ def grazes(flights, margins):
 
 def test_no_bat_is_missed_and_none_invented():
     decided = total = 0
-    for scene, margin in grazes(flights=60, margins=10):
+    for scene, margin in grazes(flights=20, margins=10):
         total += 1
         touched = approach_of(scene, IVP).touch.touched
         if touched is None:
@@ -360,7 +360,7 @@ def test_no_bat_is_missed_and_none_invented():
             continue
         decided += 1
         assert touched is bool(margin > 0), scene.line()
-    assert total >= 600
+    assert total >= 200
     assert decided > 0.9 * total
 
 

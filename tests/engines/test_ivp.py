@@ -11,7 +11,7 @@ from flint import arb
 
 from longball.engines.chain import solve
 from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Event, first_met
+from longball.engines.event import Event
 from longball.engines.ivp import METHODS, Ivp, terminal
 from longball.engines.taylor import Taylor
 from longball.model import exact
@@ -60,28 +60,6 @@ def wall(s):
         lambda state: s - state.s,
         lambda state: state._replace(s=s),
         max(1.0, abs(s)),
-    )
-
-
-def slow(u):
-    """Where the horizontal velocity falls to u; at 0 the path is vertical."""
-    return Event(
-        "vertical",
-        "the path turns vertical",
-        lambda state: state.u - u,
-        lambda state: state._replace(u=u),
-        100.0,
-    )
-
-
-def circle(s, z, reach):
-    """Where a ball comes within reach of an axis, as of the bat."""
-    return Event(
-        "bat",
-        "the ball touches the bat",
-        lambda state: (state.s - s) * (state.s - s) + (state.z - z) * (state.z - z) - reach * reach,
-        lambda state: state,
-        2 * reach * max(1.0, abs(s), abs(z)),
     )
 
 
@@ -387,148 +365,6 @@ def test_plate_and_ground_within_one_step(above):
         assert stop.state == pytest.approx(crossing.state, abs=LENGTH)
     else:
         assert stop.time < crossing.time
-
-
-# ---- dips ----------------------------------------------------------------------------------------
-
-
-def turning(start, air, guess, value):
-    """Where a flight is when the rate of a value vanishes, and the flight, in 25 digits.
-
-    `value` gives rate and second derivative from position, velocity and acceleration.
-    """
-    path = path_of(start, air, 25)
-
-    def rate(time):
-        r, v = path.at(time)
-        return value(r, v, path.acceleration(v))
-
-    time = precise.newton(rate, arb(guess))
-    return float(time), path, path.at(time)
-
-
-def looping(rng):
-    """A flight that lift turns upwards, and then back."""
-    air = law(rng.uniform(0, 0.004), rng.uniform(0.008, 0.03), rng.uniform(0, 9.8))
-    return (0.0, rng.uniform(10, 30), rng.uniform(30, 50), rng.uniform(-25, -5)), air
-
-
-def first_change(start, air, rate):
-    """When a rate first changes its sign, roughly; None if it does not."""
-    path = ENGINE.path(air, PlaneState(*start), 6.0)
-    times = np.linspace(0.02, 6.0, 300).tolist()
-    signs = [rate(path.at(time)) > 0 for time in times]
-    return next(
-        (b for b, old, new in zip(times[1:], signs, signs[1:], strict=False) if old != new), None
-    )
-
-
-def over_the_ground(rng):
-    start, air = looping(rng)
-    guess = first_change(start, air, lambda y: y.w)
-    time, _, (r, _) = turning(start, air, guess, lambda r, v, a: (v[2], a[2]))
-    return start, air, time, lambda depth: _placed(r[2], depth, ground)
-
-
-def before_the_wall(rng):
-    start, air = looping(rng)
-    guess = first_change(start, air, lambda y: y.u)
-    if guess is None:
-        return before_the_wall(rng)
-    time, _, (r, _) = turning(start, air, guess, lambda r, v, a: (v[0], a[0]))
-    return start, air, time, lambda depth: _placed(r[0], -depth, wall, -1)
-
-
-def least_of_u(rng):
-    """Drag slows the ball, and lift drives it on as it falls."""
-    air = law(rng.uniform(0.01, 0.02), rng.uniform(0.005, 0.02))
-    start = (0.0, 50.0, rng.uniform(20, 40), rng.uniform(10, 20))
-    rates = air.rates(DOUBLES)
-    guess = first_change(start, air, lambda y: rates(*y)[2])
-    if guess is None:
-        return least_of_u(rng)
-
-    def jerk(v, a):
-        speed = precise.length(v)
-        growth = precise.dot(v, a) / speed
-        drag, lift = arb(air.strengths["drag"]), arb(air.strengths["lift"])
-        return -growth * (drag * v[0] + lift * v[2]) - speed * (drag * a[0] + lift * a[2])
-
-    time, _, (_, v) = turning(start, air, guess, lambda r, v, a: (a[0], jerk(v, a)))
-    return start, air, time, lambda depth: _placed(v[0], depth, slow)
-
-
-def past_a_bat(rng):
-    """An axis at a distance of centimetres from the path, on its inner side or its outer."""
-    start = (0.0, 1.9, rng.uniform(25, 45), rng.uniform(-3, 3))
-    air = law(rng.uniform(0, 0.01), rng.uniform(-0.005, 0.005))
-    near = fly(start, air, wall(18.44)).state
-    away = rng.choice([-1, 1]) * rng.uniform(0.03, 0.1)
-    s, z = near.s - away * near.w / 30, near.z + away
-    axis = (arb(s), arb(z))
-
-    def closing(r, v, a):
-        dx, dz = r[0] - axis[0], r[2] - axis[1]
-        return dx * v[0] + dz * v[2], v[0] ** 2 + v[2] ** 2 + dx * a[0] + dz * a[2]
-
-    time, _, (r, _) = turning(start, air, fly(start, air, wall(18.44)).time, closing)
-    least = precise.length([r[0] - axis[0], r[2] - axis[1]])
-    return start, air, time, lambda depth: _placed(least, depth, lambda reach: circle(s, z, reach))
-
-
-def _placed(value, depth, event, sense=1):
-    """Return an event that far beyond a turning point, and how far its number in doubles is."""
-    number = float(value + arb(depth))
-    return event(number), float((arb(number) - value) * sense)
-
-
-@pytest.mark.parametrize("surface", [over_the_ground, before_the_wall, least_of_u, past_a_bat])
-def test_no_dip_is_missed_and_none_invented(surface):
-    """600 dips from 1e-3 to 1e-13 beyond each surface, or as far short of it."""
-    rng = np.random.default_rng(600)
-    decided = 0
-    for _ in range(30):
-        with precise.in_digits(25):
-            start, air, time, dip = surface(rng)
-            dips = [
-                dip(sign * depth) for sign in (1, -1) for depth in np.geomspace(1e-3, 1e-13, 10)
-            ]
-        for event, depth in dips:
-            try:
-                flight = fly(start, air, event, limit=time + 0.02)
-            except Undecided:
-                assert abs(depth) < 1e-11
-                continue
-            decided += 1
-            assert (flight.stop != "time") == (depth > 0), (start, air.strengths, depth)
-            if depth > 0:
-                assert flight.time <= time
-    assert decided > 450
-
-
-def test_a_dip_on_the_joint_of_two_pieces():
-    """They turn at its end, or at its start, or at neither: to rounding."""
-    rng = np.random.default_rng(7)
-    decided = 0
-    for _ in range(20):
-        with precise.in_digits(25):
-            start, air, time, dip = over_the_ground(rng)
-        pieces = fly(start, air, limit=time + 0.1).path.pieces()
-        before = next(p for p in pieces if p.begin + p.length > time)
-        joint = time + rng.choice([0.0, -1e-15, 1e-15, -1e-12, 1e-12])
-        near = before._replace(length=joint - before.begin)
-        pieces = [near, ENGINE.around(air, joint, near.at(near.length))]
-        for depth in (s * d for s in (1, -1) for d in np.geomspace(1e-6, 1e-15, 10)):
-            with precise.in_digits(25):
-                event, truly = dip(depth)
-            try:
-                met = first_met(pieces, [event], joint + 0.01, ENGINE.flight_error, DOUBLES)
-            except Undecided:
-                assert abs(truly) < 1e-12
-                continue
-            decided += 1
-            assert (met is not None) == (truly > 0)
-    assert decided > 200
 
 
 # ---- stiff, and beyond ---------------------------------------------------------------------------

@@ -250,6 +250,7 @@ def test_a_scene_converges_to_the_true_value(treatment):
     assert abs(found - true) < (40 * dt if ORDERS[treatment] == 1 else 6 * dt * dt)
 
 
+@pytest.mark.nightly
 def test_rounding_wins_over_tiny_steps(truth):
     """At 1e-7 s the scheme is off by 5e-14 m; forty million roundings are off by more."""
     _, _, distance = truth

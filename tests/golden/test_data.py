@@ -215,11 +215,11 @@ SOUGHT = (
 
 @pytest.mark.parametrize(("ids", "quantity", "of", "inputs"), SOUGHT)
 def test_numbers_that_were_sought_are_the_nearest_doubles(
-    ids: str, quantity: str, of: str, inputs: list[str]
+    ids: str, quantity: str, of: str, inputs: list[str], nightly: bool
 ):
     cases = [case for case in CASES if re.match(ids, case.id)]
     assert len(cases) >= 2
-    for case in cases:
+    for case in cases if nightly else cases[::4]:
         amount = Decimal(re.search(r"-?1e-\d+|0(?= m$)", case.comment)[0])
         if re.search("hits|inside", case.comment):
             amount = -amount

@@ -179,7 +179,13 @@ SMALL_STEPS = [
 MOVING = [case for case in SMALL_STEPS if "moving" in case.id]
 
 
-@pytest.mark.parametrize("case", [*SMALL_STEPS[::4], *MOVING[1::4]], ids=lambda case: case.id)
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=case.id, marks=pytest.mark.nightly if i % 2 else ())
+        for i, case in enumerate([*SMALL_STEPS[::4], *MOVING[1::4]])
+    ],
+)
 def test_kinks_are_passed_as_small_steps_pass_them(case):
     """Within the change of the acceleration, up to 10 m/s², in a step into another wind."""
     place = [float(x) for x in case.expected.landing.position]

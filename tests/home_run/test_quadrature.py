@@ -133,7 +133,13 @@ class TestQuadrature:
         # Coarse as they are, these rules are right to some per cent.
         assert rough.error < 0.1 * row.p + 1e-9
 
-    @pytest.mark.parametrize("case", GOLDEN.values(), ids=list(GOLDEN))
+    @pytest.mark.parametrize(
+        "case",
+        [
+            pytest.param(case, id=name, marks=pytest.mark.nightly if i % 4 else ())
+            for i, (name, case) in enumerate(GOLDEN.items())
+        ],
+    )
     def test_the_golden_values_agree_with_monte_carlo(self, case):
         count = 40_000
         scene, sampling = case.scene, case.sampling
@@ -165,7 +171,10 @@ class TestQuadrature:
         assert slopes[2] == pytest.approx((p[0] - 8 * p[1] + 8 * p[3] - p[4]) / 0.12, abs=1e-7)
 
     # Under about_centre some just clear the ground: their interval of aims ends where D jumps.
-    @pytest.mark.parametrize("inertia", ["solid_cylinder", "about_centre"])
+    @pytest.mark.parametrize(
+        "inertia",
+        ["solid_cylinder", pytest.param("about_centre", marks=pytest.mark.nightly)],
+    )
     def test_the_slope_over_offsets_is_that_of_the_share(self, inertia):
         base = AtBatScene(id="base", reading=Reading(inertia=inertia))
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import shlex
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -26,26 +25,17 @@ LONGBALL = [sys.executable, "-m", "longball"]
 # A candidate of a few lines, which says the same of every scene.
 HANGING = "import time; time.sleep(600)"
 SILENT = "import sys; sys.stdin.read()"
+CRASHING = "print('\\x00\\x1b' * 99); raise SystemExit(7)"
 
 
-def judge(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*LONGBALL, "judge", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-
-
-def verlet(dt: str, *more: str) -> list[str]:
-    return ["--", *LONGBALL, "solve", "--engine", "verlet", "--dt", dt, *more]
-
-
-def results(folder: Path, change: Callable[[dict], dict | None] = lambda answer: answer) -> Path:
-    """Return a file of the ivp engine's answers to the golden pitches, changed."""
+def results(
+    folder: Path,
+    change: Callable[[dict], dict | None] = lambda answer: answer,
+    family: str = "pitch",
+) -> Path:
+    """Return a file of the ivp engine's answers to golden scenes, changed."""
     path = folder / "results.jsonl"
-    answers = [change(json.loads(solve(case.scene, Ivp()).line())) for case in load("pitch")]
+    answers = [change(json.loads(solve(case.scene, Ivp()).line())) for case in load(family)]
     path.write_text("".join(json.dumps(a) + "\n" for a in answers if a), encoding="utf-8")
     return path
 
@@ -60,22 +50,25 @@ def test_the_reference_passes_and_so_does_its_file(called, tmp_path: Path):
 
 
 def test_a_verdict_in_every_form(called, tmp_path: Path):
+    def in_feet(answer: dict) -> dict:
+        if landing := answer.get("landing"):
+            landing["distance"] /= 0.3048
+        return answer
+
     html = tmp_path / "verdict.html"
-    asked = "judge", "--golden", "flight-drag", "--format"
-    program = verlet("0.01", "--forces", "old_carried")
-    said = called(*asked, "json", "--html", html, *program)
+    path = results(tmp_path, in_feet, "flight-drag")
+    asked = "judge", "--golden", "flight-drag", "--results", path, "--format"
+    said = called(*asked, "json", "--html", html)
     assert said.returncode == 1
     verdict = json.loads(said.stdout)
     jsonschema.validate(verdict, schema())
     assert not verdict["passed"]
     (finding,) = [f for f in verdict["diagnosis"]["findings"] if f["kind"] == "named"]
-    assert "Verlet" in finding["edit"]
-    assert finding["step"] == pytest.approx(0.01)
+    assert "(feet)" in finding["edit"]
     assert verdict["convergence"] is None
-    (suite, conduct) = ElementTree.fromstring(called(*asked, "junit", *program).stdout)
+    (suite, *_) = ElementTree.fromstring(called(*asked, "junit").stdout)
     assert suite.get("name") == "flight-drag"
     assert suite.get("failures") == str(len(verdict["failures"]))
-    assert conduct.get("failures") == "1"
     assert html.read_text(encoding="utf-8").count("<img") == 2
 
 
@@ -120,12 +113,12 @@ def test_scenes_are_sent_as_the_file_has_them(called, tmp_path: Path):
 def test_a_place_for_the_step_shows_how_it_converges(called, tmp_path: Path):
     html = tmp_path / "verdict.html"
     arguments = ("--golden", "flight-drag", "--profile", "converged", "--tolerance", "1",
-                 "--steps", "0.02:0.002:5", "--html", html)  # fmt: skip
+                 "--steps", "0.02:0.004:5", "--html", html)  # fmt: skip
     command = ("--", sys.executable, "-I", CANDIDATE, "--dt", "{dt}")
     said = called("judge", *arguments, "--expected", "2", *command)
     assert said.returncode == 1
-    assert said.stdout.splitlines()[0].endswith("--dt 0.002")
-    assert "after this run, at dt = 0.002, come some with other steps" in said.stderr
+    assert said.stdout.splitlines()[0].endswith("--dt 0.004")
+    assert "after this run, at dt = 0.004, come some with other steps" in said.stderr
     assert "failed because: convergence: distance: other order" in said.stdout
     assert ", but 2 in theory" in said.stdout
     assert html.read_text(encoding="utf-8").count("<img") == 2
@@ -179,11 +172,7 @@ def test_a_table_with_columns_of_its_own(called, tmp_path: Path):
     [
         (HANGING, "1", "no answer came for 1 s, and was stopped"),
         (SILENT, "60", "ended with status 0"),
-        (
-            "print('\\x00\\x1b' * 99); raise SystemExit(7)",
-            "60",
-            "ended with status 7",
-        ),
+        (CRASHING, "60", "ended with status 7"),
         (
             "while True: print('x' * 60000)",
             "60",
@@ -192,22 +181,28 @@ def test_a_table_with_columns_of_its_own(called, tmp_path: Path):
     ],
     ids=["hangs", "says nothing", "crashes", "floods"],
 )
-@pytest.mark.parametrize("step", [(), ("{dt}",)], ids=["", "dt"])
 def test_a_candidate_that_misbehaves_fails_with_a_sentence(
-    program: str, patience: str, sentence: str, step: tuple[str, ...]
+    called, program: str, patience: str, sentence: str
 ):
-    command = [sys.executable, "-I", "-S", "-c", program, *step]
-    said = judge("--golden", "pitch", "--timeout", patience, "--", *command)
+    command = [sys.executable, "-I", "-S", "-c", program]
+    said = called("judge", "--golden", "pitch", "--timeout", patience, "--", *command)
     assert said.returncode == 1
     # It may have ended "before it had read all scenes": that depends on who is faster.
     assert sentence in said.stdout
     assert "; it answered 0 of" in said.stdout
     assert "Traceback" not in said.stderr
     assert "\x1b" not in said.stdout
-    assert ("its convergence was not looked at" in said.stdout) == bool(step)
+    assert "its convergence was not looked at" not in said.stdout
 
 
-def test_a_step_that_hangs_is_the_last_that_is_tried():
+def test_no_other_step_is_tried_of_one_that_crashes(called):
+    command = [sys.executable, "-I", "-S", "-c", CRASHING, "{dt}"]
+    said = called("judge", "--golden", "pitch", "--", *command)
+    assert said.returncode == 1
+    assert "its convergence was not looked at" in said.stdout
+
+
+def test_a_step_that_hangs_is_the_last_that_is_tried(called):
     # It answers with the finest step only, which it is first judged with.
     program = (
         "import sys, time, json\n"
@@ -215,9 +210,10 @@ def test_a_step_that_hangs_is_the_last_that_is_tried():
         "for line in sys.stdin: print(json.dumps({'id': json.loads(line)['id']}))\n"
     )
     command = [sys.executable, "-I", "-S", "-c", program, "{dt}"]
-    said = judge("--golden", "pitch", "--timeout", "10", "--steps", "0.1:0.001:5", "--", *command)
+    asked = "judge", "--golden", "pitch", "--timeout", "5", "--steps", "0.1:0.001:5"
+    said = called(*asked, "--", *command)
     assert said.returncode == 1
-    assert said.stdout.count("no answer came for 10 s, and was stopped") == 1
+    assert said.stdout.count("no answer came for 5 s, and was stopped") == 1
     assert "dt = 0.1: the candidate: no answer came" in said.stdout
     assert "convergence: nothing was answered that could converge" in said.stdout
 
@@ -264,17 +260,15 @@ def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: st
 EXAMPLE = [sys.executable, str(Path(__file__).parents[2] / "docs" / "candidate.py")]
 
 
-def test_the_first_command_finds_a_right_flight_right_and_says_what_is_left(called):
-    said = called("judge", "--", *EXAMPLE)
+def test_the_first_command_says_what_is_left(called, tmp_path: Path):
+    """As for a program that flies, and does no more; `test_docs.py` judges the flights alone."""
+    said = called("judge", "--results", results(tmp_path, family="flight-both"))
     lines = said.stdout.splitlines()
     assert lines[0].startswith("PARTIAL ")
     assert "0 wrong" in lines[3]
     assert "and no at-bat, no impact, no pitch; --partial judges what there is" in lines[4]
     assert lines[-1].startswith("further: to the last digits ")
     assert "are right (--profile exact); not tried: hard, impact-oblique, fence," in lines[-1]
-    flights = called("judge", "--kind", "flight", "--", *EXAMPLE)
-    assert flights.returncode == 0
-    assert flights.stdout.startswith("PASSED: ")
 
 
 def test_other_readings_and_rows_are_shown_if_asked_for(called, tmp_path: Path):
@@ -306,12 +300,14 @@ def test_a_candidate_that_takes_csv_converges(called):
     assert ran.returncode == 0, ran.stderr
     orders = {one["quantity"]: one["order"] for one in json.loads(ran.stdout)["orders"]}
     assert orders["landing point"] == pytest.approx(1.0, abs=0.01)
-    said = called("judge", "--partial", "--steps", "0.01:0.001:5", *command)
+    # A tolerance with which it passes, so that no causes are sought.
+    lax = "--partial", "--tolerance", "10", "--steps", "0.01:0.001:5"
+    said = called("judge", *lax, *command)
     assert "landing point  1.0" in said.stdout, said.stdout
     assert "not JSON" not in said.stdout
 
 
-@pytest.mark.parametrize("step", ["0.01", "0.001"])
+@pytest.mark.parametrize("step", ["0.01", pytest.param("0.001", marks=pytest.mark.nightly)])
 def test_six_digits_hide_no_method_of_order_one(called, step: str):
     said = called(
         "judge", "--golden", "flight-both", "--profile", "exact", "--partial", "--as-csv",

@@ -23,7 +23,7 @@ WAYS = {
 
 def written(family, way, change=lambda quantity, x: x):
     """The arguments of `explain_digits` for the truth, changed and written in a way."""
-    cases = [case for case in load(family) if decidable(case)]
+    cases = [case for case in load(family) if decidable(case)][::2]
     answers = {
         case.id: Answer(case.id, case.expected.outcome, {
             quantity: tuple(Decimal(way(change(quantity, float(x)))) for x in value)

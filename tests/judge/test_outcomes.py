@@ -16,7 +16,8 @@ from longball.judge.diagnosis.outcomes import outcome_findings
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import told_by, values_of
 
-BATS = ("impact", "at-bat", "hard", "at-bat-real")
+BATS = ("impact", "at-bat")
+ENDS = (*BATS, "hard", "at-bat-real")  # in which more balls are met beyond the end of the bat
 FENCES = ("fence", "combined")
 
 Said = Callable[[Any], Any]
@@ -68,7 +69,7 @@ def batted(case: Any) -> str:
 
 
 def test_true_outcomes_follow_from_true_values():
-    families = (*BATS, *FENCES, "pitch", "flight-both", "impact-oblique", "edges")
+    families = (*ENDS, *FENCES, "pitch", "flight-both", "impact-oblique", "edges")
     assert findings(families) == []
 
 
@@ -77,13 +78,13 @@ def test_an_outcome_that_is_never_said():
     assert (found.kind, found.edit) == ("named", "never says separating")
     assert found.remedy == "say separating if Ṽ·n > 0"
     separating = [c for c in cases_of(BATS) if c.expected.outcome == "separating"]
-    assert found.wrong == len(separating) > 30
+    assert found.wrong == len(separating) > 10
 
 
 def test_the_length_of_the_bat_for_its_half():
     found = one(
         findings(
-            BATS,
+            ENDS,
             lambda c: (
                 batted(c)
                 if c.expected.outcome == "beyond_bat" and abs(side(c)) < c.scene.bat.length
@@ -99,7 +100,7 @@ def test_the_length_of_the_bat_for_its_half():
 def test_one_end_of_the_bat_alone():
     found = one(
         findings(
-            BATS,
+            ENDS,
             lambda c: batted(c) if c.expected.outcome == "beyond_bat" and side(c) < 0 else None,
         )
     )

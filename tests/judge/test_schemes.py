@@ -101,7 +101,7 @@ def true(change):
     ("step", "h", "name", "order"),
     [
         (euler, 0.01, "explicit Euler", 1),
-        (euler, 0.001, "explicit Euler", 1),
+        pytest.param(euler, 0.001, "explicit Euler", 1, marks=pytest.mark.nightly),
         (semi_implicit, 0.004, "semi-implicit Euler, velocity first", 1),
         (midpoint, 1 / 60, "the midpoint method", 2),
         (CANDIDATE["step"], 0.05, "RK4", 4),

@@ -50,6 +50,8 @@ def test_baseball_raises_no_question(blocks: dict):
         ("swing.tilt", {"kind": "at-bat", "swing": {"tilt": 5}}),
         ("launch.velocity", {"launch": LAUNCH | {"velocity": [90, 0, 50]}}),
         ("gravity", {"gravity": 32.2}),
+        ("fence.radius", {"fence": {"radius": 400}}),
+        ("fence.polyline", {"fence": {"polyline": [[220, 220, 3], [400, 0, 3], [220, -220, 3]]}}),
         # x to right field and y to centre field; and half a fence.
         ("fence.polyline", {"fence": {"polyline": [[-67, 67, 3], [0, 122, 3], [67, 67, 3]]}}),
         ("fence.polyline", {"fence": {"polyline": [[90, -10, 3], [67, -67, 3]]}}),

@@ -135,7 +135,7 @@ def test_an_id_that_is_a_whole_number_is_its_text(number, text):
 @pytest.mark.parametrize("number", ["7.5", "true", "1e400", "9" * 50])
 def test_an_id_is_no_other_number(number):
     error = refused(f'{{"id": {number}, "kind": "pitch"}}')
-    assert str(error).startswith("id: must be a valid string")
+    assert str(error).startswith("id: must be a text or a whole number")
     assert error.scene_id is None
 
 
@@ -178,7 +178,7 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         ({"pitch": {"speed": -3}}, "pitch.speed: must be positive (got -3)"),
         ({"pitch": {"aim": {"y": 1}}}, "pitch.aim: must be [y, z] in m (got {'y': 1})"),
         ({"pitch": {"aim": [0, None]}}, "pitch.aim[1]: is missing, or null"),
-        ({"pitch": {"aim": [0, 1, 2]}}, "pitch.aim: takes at most 2 values, and has 3"),
+        ({"pitch": {"aim": [0, 1, 2]}}, "pitch.aim: must be [y, z] in m, and has 3 values"),
         ({"gravity": True}, "gravity: must be a number in m/s² (got true)"),
         ({"ball": {"mass": 0}}, "ball.mass: must be positive (got 0)"),
         (
@@ -197,6 +197,8 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             "density_scale_height",
         ),
         ({"pitch": {"release": [1, 2]}}, "pitch.release[2]: is missing"),
+        ({"wind": [1, 0, 0]}, "wind: unknown key; it is one of air"),
+        ({"air": {"release": 1}}, "air.release: unknown key; it is one of pitch"),
         ({"air": {"wind": 10}}, "air.wind: must be [x, y, z] in m/s (got 10)"),
         ({"pitch": {"spin": 100}}, "pitch.spin: must be [x, y, z] in rad/s (got 100)"),
         (
@@ -304,6 +306,9 @@ def test_an_incoming_ball_touches_the_bat(x, where):
     [
         (b"", "not JSON"),
         ("{", "not JSON"),
+        ("{'kind': 'pitch'}", "not JSON: at character 2 a key in double quotes is needed"),
+        ("kind: pitch", "not JSON: at character 1 a value is needed"),
+        ("{} {}", "from character 4 on; each scene has a line of its own"),
         ("[1, 2]", "a JSON object is needed, this is [1, 2]"),
         (b"\xff", "not UTF-8 text: byte 1 is 0xff"),
         ('{"id": "a", "kind": "pitch", "id": "b"}', "id: the key is given twice"),

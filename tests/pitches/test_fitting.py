@@ -77,9 +77,8 @@ def numbers(fitted, method):
 # ---- the paper's numbers, given back -------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "columns", [METRES, pytest.param(CELLS, marks=pytest.mark.nightly)], ids=["places", "cells"]
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("columns", [METRES, CELLS], ids=["places", "cells"])
 def test_1548_pitches_give_the_printed_numbers_back_within_their_errors(columns):
     seeds = 40
     deviations = {name: [] for name in PRINTED}
@@ -95,6 +94,7 @@ def test_1548_pitches_give_the_printed_numbers_back_within_their_errors(columns)
         assert np.sum(np.abs(z) < 1.96) >= 32, name
 
 
+@pytest.mark.nightly
 def test_so_does_the_histogram_if_its_bins_are_narrow():
     seeds = 12
     deviations = {name: [] for name in (*SPEEDS, "p")}

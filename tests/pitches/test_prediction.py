@@ -232,6 +232,29 @@ def test_a_ball_over_the_fence_has_its_distance():
     assert json.loads(over.stdout)["groups"] == json.loads(plain.stdout)["groups"]
 
 
+def test_other_units_are_asked_about():
+    row = {
+        "pitch_type": "FF", "p_throws": "R", "release_spin_rate": 2300, "spin_axis": 200,
+        "release_speed": 92, "release_pos_x": -2, "release_pos_y": 54.5, "release_pos_z": 6,
+        "vx0": 5, "vy0": -135, "vz0": -6, "ax": -10, "ay": 28, "az": -16, "plate_x": 0,
+        "plate_z": 2.5,
+    }  # fmt: skip
+    assert longball("-", stdin=table(row)).exit_code == 0
+    for key, value, said in (
+        ("release_speed", 148, "their length is 0.914 times release_speed"),
+        ("spin_axis", 3.49, "spin_axis: none is above 2π"),
+        ("release_spin_rate", 240, "in rpm it would lie between"),
+    ):
+        run = longball("-", stdin=table(row | {key: value}))
+        assert run.exit_code == 1
+        assert said in run.stderr
+    # A share of 0.3048 of what is predicted: a foot is no metre.
+    fly = {"launch_speed": 103, "launch_angle": 28, "hit_distance_sc": 122}
+    assert "is it in m instead of ft?" in longball("-", *COMMAND, stdin=table(fly)).stderr
+    fly["hit_distance_sc"] = 400
+    assert not longball("-", *COMMAND, stdin=table(fly)).stderr
+
+
 def test_where_nothing_is_predicted_the_command_fails():
     run = longball("-", *COMMAND, stdin=table(batted_row((80, 15, -20), "paper")))
     assert run.exit_code == 0
@@ -243,6 +266,15 @@ def test_where_nothing_is_predicted_the_command_fails():
     run = longball("-", "--model", "paper", "--engine", "ivp", stdin=table(pitch))
     assert run.exit_code == 1
     assert "no ball could be predicted" in run.stderr
+
+
+def test_a_name_that_is_not_there_comes_with_the_nearest(tmp_path):
+    own = table({"launch_speed": 103, "launch_angle": 28}).replace("launch_speed", "ExitSpeed")
+    run = longball("-", *COMMAND, "--column", "launch_speed=ExitSped", stdin=own)
+    assert "no such column, did you mean ExitSpeed? Its columns are" in run.stderr
+    (tmp_path / "flies.csv").write_text(own)
+    run = longball(str(tmp_path / "fly.csv"), *COMMAND)
+    assert "No such file or directory, did you mean flies.csv?" in run.stderr
 
 
 def test_a_missing_column_comes_with_what_helps():

@@ -44,7 +44,7 @@ REAL = ("flight-spin-lift", "flight-weather", "impact-oblique", "fence")
 EVERYTHING = tuple(
     name for name in header().families if not name.startswith("hard") and name != "defaults"
 )
-LIMITS = Limits(scene_seconds=5.0, total_seconds=120.0)
+LIMITS = Limits(scene_seconds=20.0, total_seconds=120.0)
 
 Answers = Mapping[str, Answer]
 EXACT = Exact()

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 
 import pytest
 
@@ -13,11 +11,6 @@ import longball as lb
 from longball.pitches.statcast import FOOT
 
 ROOT2 = math.sqrt(0.5)
-
-
-def run(*arguments: str, text: str = "") -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "longball", *arguments]
-    return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
 
 
 def ball(speed: float, direction: float = 0.0) -> lb.Flight:
@@ -72,25 +65,25 @@ def test_weather_is_at_the_parks_elevation_and_a_number_stays():
     assert high.result.landing.distance == low.result.landing.distance
 
 
-def test_an_unknown_park_names_the_nearest():
+def test_an_unknown_park_names_the_nearest(called):
     with pytest.raises(ValueError, match=r"'Fenway' is not known, did you mean Fenway Park\?"):
         lb.park("Fenway")
-    asked = run("parks", "--park", "Fenway")
+    asked = called("parks", "--park", "Fenway")
     assert asked.returncode == 2
     assert "did you mean Fenway Park?" in asked.stderr
     with pytest.raises(lb.InvalidScene, match="must be 'flight' or 'at-bat' here"):
         lb.in_parks(lb.Pitch())
 
 
-def test_parks_of_a_file():
+def test_parks_of_a_file(called):
     lines = [ball(45.0).line(), "{", ball(20.0).line()]
-    told = run("parks", "-", "--json", "--park", "Petco Park", text="\n".join(lines))
+    told = called("parks", "-", "--json", "--park", "Petco Park", stdin="\n".join(lines).encode())
     answers = [json.loads(line) for line in told.stdout.splitlines()]
     assert [answer["outcome"] for answer in answers] == ["home_run", "landed"]
     assert [answer["id"] for answer in answers] == ["1", "3"]
     assert "line 2: not JSON" in told.stderr
     assert told.returncode == 1
-    shown = run("parks", "-", text=ball(45.0).line()).stdout
+    shown = called("parks", "-", stdin=ball(45.0).line().encode()).stdout
     assert shown.startswith(f"1: a home run in {len(lb.parks())} of {len(lb.parks())} parks")
 
 
@@ -101,21 +94,21 @@ def test_parks_of_a_file():
                                 140.01515250821657)],
     ids=["sea level", "Mexico City"],
 )  # fmt: skip
-def test_a_flight_in_a_line(options, distance):
+def test_a_flight_in_a_line(called, options, distance):
     asked = ["flight", "--speed", "103 mph", "--angle", "28", "--bats", "R", "--json"]
-    answer = json.loads(run(*asked, *options).stdout)
+    answer = json.loads(called(*asked, *options).stdout)
     assert answer["landing"]["distance"] == pytest.approx(distance, rel=1e-12)
 
 
-def test_units_wind_and_park_of_a_flight():
+def test_units_wind_and_park_of_a_flight(called):
     asked = ["flight", "--speed", "46.04512 m/s", "--angle", "0.4886921905584123 rad"]
     same = ["flight", "--speed", "103 mph", "--angle", "28"]
-    assert run(*asked).stdout == run(*same).stdout
-    out, into = (run(*same, "--wind", f"10 mph {way}", "--json").stdout for way in ("out", "in"))
+    assert called(*asked).stdout == called(*same).stdout
+    out, into = (called(*same, "--wind", f"10 mph {way}", "--json").stdout for way in ("out", "in"))
     assert json.loads(out)["landing"]["distance"] > json.loads(into)["landing"]["distance"] + 15
-    park = json.loads(run(*same, "--park", "Coors Field", "--json").stdout)
+    park = json.loads(called(*same, "--park", "Coors Field", "--json").stdout)
     assert math.hypot(*park["fence"]["position"][:2]) == pytest.approx(415 * FOOT)
-    plain = json.loads(run(*same, "--park", "Coors Field", "--set", "fence.radius=100",
+    plain = json.loads(called(*same, "--park", "Coors Field", "--set", "fence.radius=100",
                            "--json").stdout)  # fmt: skip
     assert math.hypot(*plain["fence"]["position"][:2]) == pytest.approx(100.0)
 
@@ -131,8 +124,8 @@ def test_units_wind_and_park_of_a_flight():
         (["--speed", "40", "--angle", "28", "--bats", "S"], "R or L"),
     ],
 )
-def test_a_flight_that_cannot_be_says_why(options, said):
-    asked = run("flight", *options)
+def test_a_flight_that_cannot_be_says_why(called, options, said):
+    asked = called("flight", *options)
     assert asked.returncode == 2
     assert said in asked.stderr
     assert "Traceback" not in asked.stderr

@@ -82,7 +82,7 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except typer.BadParameter as error:
-            from longball.model.scene import in_our_words
+            from longball.model.explain import in_our_words
 
             error.message = in_our_words(error.message)
             said_by = getattr(error.ctx, "default_map", None) or {}
@@ -94,6 +94,28 @@ class Commands(TyperGroup):
                 hint = did_you_mean(choice[1], re.findall(r"'([^']*)'", choice[2]))
                 error.message = f"{error.message[:-1]}{hint or '.'}"
             raise
+        except UsageError as error:
+            _reword(error)
+            raise
+
+
+# The parent of typer's errors, which is click's in one version and its own in another.
+UsageError: Any = typer.BadParameter.__mro__[1]
+
+
+def _reword(error: Any) -> None:
+    """Say in our words which option or argument there is not, and which may be meant."""
+    command = error.ctx and error.ctx.command
+    if option := getattr(error, "option_name", None):
+        names = [name for each in command.get_params(error.ctx) for name in each.opts]
+        error.message = f"no such option {option}{did_you_mean(option, names)}"
+        error.possibilities = None
+    elif unknown := re.match(r"No such command '(.*?)'", error.message):
+        known = one_of("the commands are", unknown[1], command.list_commands(error.ctx))
+        error.message, error.possibilities = f"no such command {unknown[1]!r}{known}", None
+    elif extra := re.match(r"Got unexpected extra arguments? ?\(?s?\)? \((.*)\)", error.message):
+        takes = " ".join(command.collect_usage_pieces(error.ctx)[1:]) or "options alone"
+        error.message = f"{extra[1]}: one too many; the command takes {takes}"
 
 
 app = typer.Typer(

@@ -80,8 +80,8 @@ def fence_block(text: str) -> Any:
             return {"radius": radius}
     try:
         return json.loads(Path(text).read_text(encoding="utf-8"))
-    except ValueError:
+    except (FileNotFoundError, ValueError):
         wrong_call(
             f"--fence {text}: neither a radius in m nor a file with the block of a fence in JSON, "
-            'such as {"radius": 120}'
+            'such as {"radius": 120}; longball flight --park knows parks by name'
         )

@@ -22,7 +22,7 @@ from rich.console import Console
 from longball import engines
 from longball.engines.parallel import checked
 from longball.extras import naming_extras
-from longball.model.scene import explain
+from longball.model.explain import explain
 from longball.text_table import aligned
 
 M = TypeVar("M", bound=BaseModel)

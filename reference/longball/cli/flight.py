@@ -11,8 +11,9 @@ import typer
 
 from longball import engines
 from longball.cli.changes import SetOption, chosen_changes
-from longball.cli.common import Json, refusing, show, tell, wrong_call
+from longball.cli.common import Json, note, refusing, show, tell, wrong_call
 from longball.engines.chain import solve
+from longball.model.doubts import doubts
 from longball.model.names import one_of
 from longball.model.result import signed
 from longball.model.scene import InvalidScene
@@ -88,6 +89,8 @@ def flight(
     (scene,) = scenes(ball, MODELS[model], change=change)
     if isinstance(scene, InvalidScene):
         wrong_call(str(scene).partition("is no scene: ")[2])
+    for key, question in doubts(scene):
+        note(f"{key}: {question}")
     result = solve(scene, solver).model_copy(update={"id": None})
     if result.error is not None:
         tell(result.error)

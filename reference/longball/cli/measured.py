@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from longball import engines
@@ -15,6 +16,7 @@ from longball.cli.common import (
     Json,
     Quiet,
     chosen_table,
+    note,
     reading_table,
     refusing,
     split_assignment,
@@ -28,7 +30,7 @@ from longball.model.names import one_of
 from longball.model.scene import InvalidScene
 from longball.pitches.models import MODELS
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
-from longball.pitches.statcast import GAMES, Kind, read_measured
+from longball.pitches.statcast import FOOT, GAMES, Kind, MeasuredFlies, read_measured
 from longball.pitches.table import NoSuchColumn, TableError
 
 
@@ -110,6 +112,10 @@ def measured(
         print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
     else:
         print(as_text(prediction, model, law).rstrip())
+    if isinstance(rows, MeasuredFlies) and prediction.compared.any():
+        share = float(np.nanmedian(rows.measured / prediction.predicted))
+        if abs(share / FOOT - 1.0) < 0.2:  # between other units there are larger factors
+            note(f"hit_distance_sc: {share:.2f} of what is predicted; is it in m instead of ft?")
     if prediction.failed:
         tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
     if nothing := not prediction.solved.any():

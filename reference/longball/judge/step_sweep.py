@@ -114,7 +114,8 @@ class StepSweep:
         """Run a command with every step; see `converge` of `longball.convergence` and `run`.
 
         Also returned is what is wrong with its conduct. The limit of time in all is that of all
-        runs together; none is begun after one that had to be stopped.
+        runs together; none is begun after one that had to be stopped, or two of which no scene has
+        an answer.
         """
         issues: list[str] = []
         done: dict[float, Sequence[Result | Sample]] = {}
@@ -130,9 +131,13 @@ class StepSweep:
                 return []
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
             ran = run(self.filled(command, step), scenes, left, table=table)
-            stopped = ran.status is None
+            stopped = ran.status is None or (not ran.collected.answers and [*done.values()] == [[]])
             told = (issue for issue in ran.collected.issues if issue.kind != "unknown key")
             issues.extend(f"{self.knob} = {step:g}: {issue}" for issue in told)
+            if stopped and ran.errors.strip():
+                issues.append(
+                    f"the end of its standard error: {ran.errors.strip().splitlines()[-1]}"
+                )
             by_id = {scene.id: scene for scene in scenes}
             some = ran.collected.answers.items()
             done[step] = [_sample(answer, by_id[i]) for i, answer in some]

@@ -26,9 +26,9 @@ from longball.model.vectors import Vector
 class Flow(NamedTuple):
     """How a ball flies through the air, as coefficients ask for it.
 
-    ω is the spin at launch, ω_T its part across the velocity u through the air, and U = |u|. The
-    spin parameter ``S = R ω_T/U`` is that of the spin that is left; it comes as a fraction, so that
-    nothing is divided by the speed of a ball at rest.
+    ω is the spin at launch, ω_T its part across the velocity u through the air, and ``U = |u|``.
+    The spin parameter ``S = R ω_T/U`` is that of the spin that is left; it comes as a fraction, so
+    that nothing is divided by the speed of a ball at rest.
 
     Attributes
     ----------

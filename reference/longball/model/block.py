@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+import inspect
+import json
 from collections.abc import Iterator
+from contextlib import suppress
 from inspect import Parameter, Signature
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from textwrap import wrap
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 
-from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+)
+
+from longball.model.annotations import spelled
 
 if TYPE_CHECKING:  # to type checkers, whose rules for models hang on pydantic's own class
     from pydantic._internal._model_construction import ModelMetaclass as _Public
@@ -16,10 +29,12 @@ else:
         """The type of a class that shows its fields and methods of its own, and not pydantic's."""
 
         def __dir__(self) -> list[str]:
-            own = (base for base in self.__mro__ if base.__module__.startswith("longball."))
-            fields = getattr(self, "__pydantic_fields__", ())
-            names = {*fields, *(name for base in own for name in vars(base))}
-            return sorted(name for name in names if not name.startswith(("_", "model_")))
+            fields, names = getattr(self, "__pydantic_fields__", ()), self.shown
+            if names is None:
+                own = (base for base in self.__mro__ if base.__module__.startswith("longball."))
+                names = {name for base in own for name in vars(base)} - {"shown"}
+            public = (name for name in names if not name.startswith(("_", "model_")))
+            return sorted({*fields, *public})
 
 
 class Strict(BaseModel, metaclass=_Public):
@@ -27,22 +42,76 @@ class Strict(BaseModel, metaclass=_Public):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
-
-class Block(Strict):
-    """A part of a scene: numbers under fixed keys."""
+    # Names that help and completion show beside the fields; None: all public ones.
+    shown: ClassVar[tuple[str, ...] | None] = None
 
     def __dir__(self) -> list[str]:
         return dir(type(self))
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        """Add the fields to the docstring, with their types and descriptions."""
+        if cls.__doc__ and cls.model_fields:
+            title = "Parameters" if issubclass(cls, Block) else "Attributes"
+            rows = [inspect.cleandoc(cls.__doc__), "", title, "----------"]
+            for name, field in cls.model_fields.items():
+                if name == "kind":  # of which the class is
+                    continue
+                rows.append(f"{name} : {spelled(field.annotation, lambda model: model.__name__)}")
+                rows += [f"    {line}" for line in wrap(field.description or "", 90)]
+            cls.__doc__ = "\n".join(rows)
+
+
+if TYPE_CHECKING:
+    _Called = _Public
+else:
+
+    class _Called(_Public):
+        """The type of what callers write: lists and arrays are vectors, faults are sentences."""
+
+        def __call__(self, *values: object, **keys: object) -> Any:
+            if values:
+                raise TypeError(
+                    f"{self.__name__} takes keywords: {', '.join(self.model_fields)}; a mapping "
+                    "is given as **mapping"
+                )
+            with suppress(ValidationError):
+                return super().__call__(**keys)
+            from longball.model.explain import explain
+            from longball.model.plain import plain
+            from longball.model.scene import InvalidScene
+
+            try:
+                return self.model_validate_json(json.dumps(plain(keys)))
+            except ValidationError as error:
+                raise InvalidScene(explain(error, self)) from None
+            except RecursionError:
+                raise InvalidScene("its blocks are nested too deeply") from None
+
+
+class Given(Strict, metaclass=_Called):
+    """A model that callers write; an `InvalidScene` names the key at fault."""
+
+
+class Block(Given):
+    """A part of a scene: numbers under fixed keys."""
+
+    shown: ClassVar[tuple[str, ...] | None] = ()
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         """Give the class a signature of its keys and defaults; {} is a block of defaults."""
+        super().__pydantic_init_subclass__(**kwargs)
         keys = []
         for name, field in cls.model_fields.items():
             default = Parameter.empty if field.is_required() else field.get_default()
             default = {} if isinstance(default, BaseModel) else default
             keys.append(Parameter(name, Parameter.KEYWORD_ONLY, default=default))
         cls.__signature__ = Signature(keys)
+
+    def __repr_args__(self) -> Iterator[tuple[str, Any]]:
+        # What a caller need not write is not shown: a scene has some sixty numbers and switches.
+        yield from self.model_dump(exclude_defaults=True).items()
 
     def named(self) -> Iterator[str]:
         """Yield the keys that it is written with: all but those left out that have no default."""

@@ -9,9 +9,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+from longball.model.explain import keys_of, parts_of
 from longball.model.names import one_of
 from longball.model.quantities import at
-from longball.model.scene import KINDS, AtBatScene, InvalidScene, PitchScene, keys_of, parts_of
+from longball.model.scene import KINDS, AtBatScene, InvalidScene, PitchScene
 from longball.model.units import in_si, unit_of
 
 _ELEMENT = re.compile(r"(.*)\[(\d+)\]")

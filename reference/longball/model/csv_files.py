@@ -11,7 +11,9 @@ from typing import Any
 # Spreadsheets write what a country's decimal comma leaves them.
 _OTHERS = {";": "semicolons", "\t": "tabs"}
 # How files begin that are given where text is expected.
-_BINARY = {b"PAR1": "Parquet", b"PK": "a spreadsheet or a zip archive", b"\x1f\x8b": "gzip"}
+_SHEET = "a spreadsheet or a zip archive"
+_BINARY = {b"PAR1": "Parquet", b"PK\x03\x04": _SHEET, b"\x1f\x8b": "gzip"}
+_INSTEAD = {_SHEET: "; save the sheet as CSV"}
 
 
 def other_separators(head: Sequence[str]) -> str:
@@ -27,6 +29,8 @@ def decoded(data: bytes) -> str:
 
     A ValueError says where it is in another encoding, or what it is instead.
     """
+    if data.startswith(tuple(_BINARY)):
+        raise ValueError(_binary(data))
     utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if utf16 else "utf-8-sig")
@@ -36,10 +40,17 @@ def decoded(data: bytes) -> str:
 
 def not_utf8(error: UnicodeDecodeError) -> str:
     """Say where a text is in another encoding, or what it is instead."""
-    for beginning, kind in _BINARY.items():
-        if error.object.startswith(beginning):
-            return f"not text but {kind}"
-    return f"not UTF-8 text: byte {error.start + 1} is 0x{error.object[error.start]:02x}"
+    if error.object.startswith(tuple(_BINARY)):
+        return _binary(error.object)
+    byte = error.object[error.start]
+    # Of the encodings that people have besides, the usual one.
+    hint = "; iconv -f latin1 -t utf-8 converts Latin-1" if byte < 0xFE else ""
+    return f"not UTF-8 text: byte {error.start + 1} is 0x{byte:02x}{hint}"
+
+
+def _binary(data: bytes) -> str:
+    kind = next(kind for beginning, kind in _BINARY.items() if data.startswith(beginning))
+    return f"not text but {kind}{_INSTEAD.get(kind, '')}"
 
 
 # Spreadsheets take a cell that begins so for a formula, which can start programs. Quotes do not

@@ -31,6 +31,8 @@ _LIMITS = {
     "incoming.spin": (1000.0, "rad/s", "rpm"),
     "swing.angular_speed": (150.0, "rad/s", "degrees/s or rpm"),
     "swing.tilt": (math.pi, "rad", "degrees"),
+    "fence.radius": (200.0, "m", "ft"),
+    "fence.polyline": (200.0, "m", "ft"),
     "gravity": (30.0, "m/s²", "ft/s²"),
 }
 
@@ -39,10 +41,10 @@ def doubts(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield the key and a question for each thing that is probably not meant."""
     for name, block, key, (limit, unit, others) in _limits_of(type(scene)):
         value: Any = getattr(scene, block)
-        value = getattr(value, key) if key else value
+        value = getattr(value, key) if key and value is not None else value
         if value is None:
             continue
-        size = math.hypot(*value) if isinstance(value, tuple) else abs(value)
+        size = _size(value)
         if size > limit:
             yield name, f"{size:g} {unit} is more than in any game; is it in {others}?"
     fence = getattr(scene, "fence", None)
@@ -54,6 +56,15 @@ def doubts(scene: Scene) -> Iterator[tuple[str, str]]:
                 "centre field and y to the left"
             ),
         )
+
+
+def _size(value: Any) -> float:
+    """Return the size of a number or a vector; of a line, the way to its farthest vertex."""
+    if not isinstance(value, tuple):
+        return abs(float(value))
+    if isinstance(value[0], tuple):
+        return max(math.hypot(x, y) for x, y, _ in value)
+    return math.hypot(*value)
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from pathlib import Path
 
 
 def one_of(these_are: str, given: object, known: Iterable[str]) -> str:
@@ -26,9 +27,17 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
         return ""
     near = difflib.get_close_matches(given, names, n=1)
     # Names are said in other cases and with other signs: At_Bat, pitch-speed.
-    alike = [name for name in names if _letters(name) == _letters(given)]
+    alike = [name for name in names if letters(name) == letters(given)]
     return f", did you mean {[*alike, *near][0]}?" if alike or near else ""
 
 
-def _letters(name: str) -> str:
+def nearest_file(path: str | Path) -> str:
+    """Return the same question about the files that are where one is not."""
+    folder = Path(path).parent
+    known = [file.name for file in folder.iterdir()] if folder.is_dir() else []
+    return did_you_mean(Path(path).name, known)
+
+
+def letters(name: str) -> str:
+    """Return the letters and digits of a name, in lower case."""
     return "".join(filter(str.isalnum, name.lower()))

@@ -17,7 +17,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from longball.model.block import Strict
+from longball.model.block import Given
 
 EffectiveMass = Literal["inertia_over_r_squared", "as_printed"]
 Inertia = Literal["solid_cylinder", "thin_rod", "about_centre"]
@@ -47,7 +47,7 @@ SCHEME_OPTIONS = {
 FIGURE_SWITCH = "fig7_parameters"
 
 
-class _Switches(Strict):
+class _Switches(Given):
     @model_serializer(mode="wrap")
     def _only_what_differs(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         default = type(self).model_fields

@@ -9,34 +9,31 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self, get_args, get_origin
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
-    Tag,
     ValidationError,
     WithJsonSchema,
     model_validator,
 )
-from pydantic.fields import FieldInfo
 
 from longball.model.air import Air as Air
 from longball.model.air import WindProfile
+from longball.model.annotations import within
 from longball.model.block import SMALLEST, NotNegative, Point, Positive, Quantity
 from longball.model.block import Block as _Block
 from longball.model.block import refuse as _refuse
 from longball.model.csv_files import not_utf8
+from longball.model.explain import explain, is_vector, parts_of, short
 from longball.model.jsonl import LONGEST_LINE, json_line
-from longball.model.names import did_you_mean, one_of
+from longball.model.names import one_of
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
-from longball.model.units import unit_of
 from longball.model.vectors import cross, plus, scaled
 
 
@@ -333,6 +330,22 @@ class _Scene(_Block):
     ball: Ball = Ball()
     reading: Reading = Reading()
 
+    shown = ("line", "replace")
+
+    def replace(self, **values: object) -> Self:
+        """Return the scene with other values, under the names of keys or of components of vectors.
+
+        >>> AtBatScene().replace(**{"swing.tilt": 0.2, "pitch.aim[1]": 1.7}).pitch.aim
+        (0.0, 1.7)
+        """
+        from longball.model.changes import Changes  # which knows scenes
+        from longball.model.plain import plain
+
+        written = self.model_dump(mode="json", exclude_defaults=True)
+        written["kind"] = type(self).model_fields["kind"].default
+        changed = Changes(tuple((name, plain(value, name)) for name, value in values.items()))
+        return type(self)(**changed(written))
+
     def line(self) -> str:
         """Return the scene as one line of JSON with every default but the reading's written out."""
         return _line_of(self.model_dump(mode="json"))
@@ -545,7 +558,7 @@ def parse_scene(
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):
-        raise InvalidScene(f"not a scene: a JSON object is needed, this is {_short(data)}")
+        raise InvalidScene(f"not a scene: a JSON object is needed, this is {short(data)}")
     if change:
         data = change(data)
         text = json.dumps(data)
@@ -553,17 +566,12 @@ def parse_scene(
     scene_id = scene_id if _is_text(scene_id) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
-        given = f"{_short(kind)} is not a kind of scene" if "kind" in data else "is missing"
+        given = f"{short(kind)} is not a kind of scene" if "kind" in data else "is missing"
         raise InvalidScene(f"kind: {given}{one_of('the kinds are', kind, KINDS)}", scene_id)
     try:
         return KINDS[kind].model_validate_json(text)
     except ValidationError as error:
         raise InvalidScene(explain(error, KINDS[kind]), scene_id) from None
-
-
-def explain(error: ValidationError, model: type[BaseModel]) -> str:
-    """Say in a sentence a fault what is wrong with the data that were to become a `model`."""
-    return "; ".join(_explain_fault(dict(fault), model) for fault in error.errors())
 
 
 def _text(line: str | bytes) -> str:
@@ -583,9 +591,19 @@ def _json(text: str) -> Any:
     try:
         return _DECODER.decode(text)
     except json.JSONDecodeError as error:
-        raise InvalidScene(f"not JSON: {error.msg} at character {error.pos + 1}") from None
+        fault = _JSON_FAULTS.get(error.msg, f"{error.msg} at character {{at}}")
+        raise InvalidScene(f"not JSON: {fault.replace('{at}', str(error.pos + 1))}") from None
     except RecursionError:
         raise InvalidScene("not a scene: its brackets are nested too deeply") from None
+
+
+# Python's words for what often stands in files of scenes, and ours.
+_JSON_FAULTS = {
+    "Extra data": "more after its end, from character {at} on; each scene has a line of its own",
+    "Expecting value": 'at character {at} a value is needed, such as {"kind": "at-bat"} or 9.8',
+    "Expecting property name enclosed in double quotes": "at character {at} a key in double quotes "
+    "is needed",
+}
 
 
 def _is_text(value: Any) -> bool:
@@ -609,161 +627,8 @@ _DECODER = json.JSONDecoder(
 )
 
 
-def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
-    location, model_asked = fault["loc"], model
-    steps, block, annotation, about = _resolved(model, location)
-    where = "".join(f"[{x}]" if isinstance(x, int) else f".{x}" for x in steps).removeprefix(".")
-    match fault["type"]:
-        case "extra_forbidden":
-            key, keys = str(location[-1]), [*block.model_fields]
-            outer = re.split(r"[.\[]", key)[0]
-            if outer != key and outer in keys:  # also of a table that gives the block whole
-                return f"{where}: unknown key; put it inside {outer}"
-            return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
-        case "missing":
-            form = "" if isinstance(location[-1], int) else _form_of(annotation, about)
-            return f"{where}: is missing{form and f'; it is {form}'}"
-        case "float_type" if fault["input"] is None and isinstance(location[-1], int):
-            return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
-        case "too_long" | "too_short" as wrong:
-            bound, key = ("most", "max_length") if wrong == "too_long" else ("least", "min_length")
-            limit, given = fault["ctx"][key], fault["ctx"]["actual_length"]
-            return f"{where}: takes at {bound} {limit} values, and has {given}"
-        case "tuple_type" | "list_type":
-            return f"{where}: must be {_listed(annotation, about)} (got {_short(fault['input'])})"
-        case "model_type" | "model_attributes_type":
-            return f"{where}: must be {_form_of(annotation, about)} (got {_short(fault['input'])})"
-        case "float_type":
-            tags = [str(tag) for tag in _forms(_resolved(model_asked, location[:-1])[2])]
-            others = [tag.strip("<>") for tag in tags[1:]]
-            unit = unit_of(about)
-            form = f"a number{f' in {unit}' if unit else ''}"
-            if len(others) > 1:
-                form += f", or an object with a law: {', '.join(others)}"
-            return f"{where}: must be {form} (got {_short(fault['input'])})"
-        case "value_error":
-            sentence = str(fault["ctx"]["error"])
-            return f"{where}: {sentence}" if where else sentence
-        case "union_tag_invalid":
-            forms = re.findall(r"<(\w+)>", fault["ctx"]["expected_tags"])
-            laws = [name for name in forms if name != "number"]
-            given = fault["input"].get("law")
-            what = "is missing" if given is None else f"{_short(given)} is not a law here"
-            return f"{where}.law: {what}{one_of('the laws are', given, laws)}"
-        case "json_invalid":  # pydantic's parser is stricter than Python's
-            return f"not JSON: {fault['ctx']['error']}"
-        case "literal_error":
-            words = re.findall(r"'([^']*)'", fault["ctx"]["expected"])
-            sentence = f"{in_our_words(fault['msg'])} (got {_short(fault['input'])})"
-            return f"{where}: {sentence}{did_you_mean(fault['input'], words)}"
-        case "greater_than_equal" | "less_than_equal" as side:
-            ((_, limit),) = fault["ctx"].items()
-            bound = "at least" if side == "greater_than_equal" else "at most"
-            sentence = f"must be {bound} {limit:g}{_UNITS.get(str(location[-1]), '')}"
-            if side == "greater_than_equal" and limit in (SMALLEST, 0.0):
-                sentence = "must be positive" if limit else "must not be negative"
-            return f"{where}: {sentence} (got {_short(fault['input'])})"
-    return f"{where}: {in_our_words(fault['msg'])} (got {_short(fault['input'])})"
-
-
-def _listed(annotation: Any, about: str) -> str:
-    """Return the form of a list by its annotation and the description of its field."""
-    numbers = next((x for x in map(get_args, _within(annotation)) if _is_vector(x)), ())
-    unit = unit_of(about)
-    places = ", ".join("xyz"[3 - len(numbers) :])  # a place on the plate's plane is [y, z]
-    return f"[{places}]{f' in {unit}' if unit else ''}" if numbers else "a list"
-
-
-def _form_of(annotation: Any, about: str) -> str:
-    """Return the form of a vector, or of a block by its keys; empty for other values."""
-    if any(map(_is_vector, map(get_args, _within(annotation)))):
-        return _listed(annotation, about)
-    block = next(filter(_is_model, _within(annotation)), None)
-    return f"an object with the keys {', '.join(block.model_fields)}" if block else ""
-
-
-def _is_vector(parts: tuple[Any, ...]) -> bool:
-    return len(parts) in (2, 3) and all(part == Quantity for part in parts)
-
-
-def in_our_words(message: str) -> str:
-    """Return what pydantic says of a value as the end of a sentence about it."""
-    return re.sub("^(Value error, |(Input|String) )", "", message).replace("should", "must")
-
-
-# Of numbers that are likely to be in another unit if they are beyond their limits.
-_UNITS = {
-    "temperature": " K; 20 °C is 293.15 K",
-    "pressure": " Pa; 1013 hPa are 101300 Pa",
-    "latitude": " rad; 45° is 0.7854 rad",
-}
-
-
-def _resolved(
-    model: type[BaseModel], location: tuple[str | int, ...]
-) -> tuple[list[str | int], type[BaseModel], Any, str]:
-    """Return a location as it is written, the innermost block, and its field's type and words.
-
-    Pydantic puts the tag of a union's form among the keys. The annotations tell the two apart, so
-    that a key may have any name.
-    """
-    annotation: Any = model
-    steps: list[str | int] = []
-    about = ""
-    for step in location:
-        forms = _forms(annotation)
-        if step in forms:
-            annotation = forms[step]
-        else:
-            steps.append(step)
-            model = next(filter(_is_model, _within(annotation)), model)
-            field = None if isinstance(step, int) else model.model_fields.get(step)
-            if field:
-                annotation, about = field.annotation, field.description or ""
-    return steps, model, annotation, about
-
-
-def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
-    """Return the fields under keys inside a model, one for each form that a block may have."""
-    annotations: list[Any] = [model]
-    fields: list[FieldInfo] = []
-    for key in keys:
-        models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
-        fields = [each.model_fields[key] for each in models if key in each.model_fields]
-        annotations = [field.annotation for field in fields]
-    return fields
-
-
 def vector_length(name: str) -> int | None:
     """Return how many numbers the vector under a name has, 2 or 3; None if it is no vector."""
     fields = [field for kind in KINDS.values() for field in parts_of(kind, name.split("."))]
-    parts = [get_args(x) for field in fields for x in _within(field.annotation)]
-    return next((len(part) for part in parts if _is_vector(part)), None)
-
-
-def keys_of(model: type[BaseModel], keys: Sequence[str]) -> list[str]:
-    """Return the keys of the blocks under keys inside a model."""
-    annotations = [field.annotation for field in parts_of(model, keys)] if keys else [model]
-    models = [x for annotation in annotations for x in filter(_is_model, _within(annotation))]
-    return [key for each in models for key in each.model_fields]
-
-
-def _forms(annotation: Any) -> dict[str | int, Any]:
-    """Return the forms of a union by their tags."""
-    parts = [get_args(x) for x in _within(annotation) if get_origin(x) is Annotated]
-    return {tag.tag: form for form, *rest in parts for tag in rest if isinstance(tag, Tag)}
-
-
-def _within(annotation: Any) -> list[Any]:
-    """Return an annotation and all that it is made of."""
-    return [annotation, *(x for part in get_args(annotation) for x in _within(part))]
-
-
-def _is_model(option: Any) -> bool:
-    return isinstance(option, type) and issubclass(option, BaseModel)
-
-
-def _short(value: Any) -> str:
-    # As JSON has them: null, true.
-    text = json.dumps(value) if value is None or isinstance(value, bool) else repr(value)
-    return text if len(text) <= 40 else text[:37] + "..."
+    parts = [get_args(x) for field in fields for x in within(field.annotation)]
+    return next((len(part) for part in parts if is_vector(part)), None)

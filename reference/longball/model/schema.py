@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -35,6 +36,8 @@ def _plain(schema: Any) -> Any:
     if not isinstance(schema, dict):
         return schema
     plain = {key: _plain(part) for key, part in schema.items() if key != "discriminator"}
+    if isinstance(about := plain.get("description"), str):
+        plain["description"] = re.split(r"\n\n(?:Parameters|Attributes)\n", about)[0]
     properties = schema.get("properties", {})
     told_by = [key for key, part in properties.items() if "const" in part]
     if told_by:

@@ -20,7 +20,7 @@ from pydantic import AfterValidator, Field, ValidationError
 from longball.home_run import MIDDLE_CELL, AtBats, Mixture
 from longball.model.block import Strict
 from longball.model.csv_files import not_utf8
-from longball.model.scene import explain
+from longball.model.explain import explain
 from longball.pitches.chart import Columns, PitchTypes
 from longball.pitches.table import Omission, TableError
 

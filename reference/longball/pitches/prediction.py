@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise, repeat
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,10 +18,18 @@ from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags
 from longball.model.changes import Changes
+from longball.model.names import one_of
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
-from longball.pitches.models import FlightModel, expected_spin
-from longball.pitches.statcast import MPH, MeasuredFlies, MeasuredPitches
+from longball.pitches.models import MODELS, FlightModel, expected_spin
+from longball.pitches.statcast import (
+    GAMES,
+    MPH,
+    Kind,
+    MeasuredFlies,
+    MeasuredPitches,
+    read_measured,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -130,6 +139,64 @@ def predict(
         else:
             predicted[i] = place
     return Prediction(measured, predicted, without, sum(r.error is not None for r in results))
+
+
+def measured(
+    table: str | Path | pd.DataFrame,
+    kind: Kind = "pitch",
+    model: str = "nathan",
+    *,
+    games: str | Path | pd.DataFrame | None = None,
+    names: Mapping[str, str] | None = None,
+    engine: str | Engine[Any] = "batch",
+) -> pd.DataFrame:
+    """Predict measured pitches or batted balls, each in the weather of its game.
+
+    Parameters
+    ----------
+    table
+        Rows in Statcast's columns and units: a file, CSV or Parquet, or a DataFrame.
+    kind
+        ``"pitch"``: from the release to the front of the plate; ``"batted"``: to the landing.
+    model
+        Of flight: ``"nathan"``, ``"constants"``, ``"paper"``, …, as ``longball measured --model``.
+    games
+        ``game_pk``, ``temperature`` (°F), and ``elevation`` (ft) or ``park`` of each game; by
+        default those of the example. Other games are played at 20 °C at sea level.
+    names
+        What the table calls a column of Statcast's, as ``{"vx0": "VX0"}``.
+    engine
+        As of `longball.solve`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each ball that can be used, ``row`` being its number in the table: what was
+        measured and what is predicted, in SI units and the frame of scenes; NaN where the ball
+        does not get there.
+
+    Raises
+    ------
+    ValueError
+        If the table has no such columns, none of its rows is usable, or there is no such model.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> import pandas as pd
+    >>> flies = pd.DataFrame({"launch_speed": [103.0], "launch_angle": [28.0]})
+    >>> lb.measured(flies, "batted").predicted_distance.round(2).tolist()
+    [128.33]
+    """
+    if model not in MODELS:
+        raise ValueError(
+            f"model = {model!r}: there is none{one_of('the models are', model, MODELS)}"
+        )
+    law = MODELS[model]
+    given = GAMES if games is None else games
+    rows = read_measured(table, kind, given, spin=law.spin, names=names)
+    solver = engines.create(engine) if isinstance(engine, str) else engine
+    return as_frame(predict(rows, law, engine=solver))
 
 
 def _place(result: Result) -> tuple[float, ...] | None:
@@ -244,4 +311,4 @@ def _lines(prediction: Prediction, name: str, model: FlightModel) -> Iterator[st
 
 
 def _row(group: str, *values: str) -> str:
-    return f"{group:20}" + "".join(f"{value:>12}" for value in values)
+    return f"{group:20}" + "".join(f" {value:>11}" for value in values)

@@ -226,7 +226,7 @@ def _pitches(
     table: Any, games: Any, spin: bool, names: Mapping[str, str] | None
 ) -> MeasuredPitches:
     needed = ["pitch_type", *_PITCH_NUMBERS, *(("p_throws", *_SPIN) if spin else ())]
-    optional = ["game_pk", "release_pos_y", "release_extension"]
+    optional = ["game_pk", "release_pos_y", "release_extension", "release_speed"]
     source, frame = read_table(table, needed, optional, names)
     if "release_pos_y" not in frame:
         if "release_extension" not in frame:
@@ -254,6 +254,12 @@ def _pitches(
     before = kept["release_pos_y"] * FOOT <= PLATE_FRONT
     refuse_rows(before, kept["release_pos_y"], rows, "release_pos_y", "behind the plate's front")
     _require_usual(kept if spin else {name: kept[name] for name in values})
+    axis = kept["spin_axis"]
+    if spin and axis.max() <= 2.0 * np.pi and (axis % 1.0).any():  # Statcast's degrees are whole
+        raise TableError("spin_axis: none is above 2π; are they in rad instead of degrees?")
+    if "release_speed" in frame:
+        velocity = np.hypot(np.hypot(kept["vx0"], kept["vy0"]), kept["vz0"])
+        _require_agreement(velocity, numbers(frame["release_speed"])[keep])
 
     def vector(*names: str) -> Array:
         return np.stack([kept[name] for name in names], axis=1) * FOOT
@@ -369,6 +375,20 @@ def _require_usual(values: Mapping[str, Array]) -> None:
     for name, usual in USUAL.items():
         if name in values:
             require_usual(values[name], name, *usual)
+
+
+def _require_agreement(velocity: Array, speed: Array) -> None:
+    """Require that velocities in ft/s and speeds at the release in mph belong together.
+
+    From the release to y0 = 50 ft a pitch loses 1 %, or 2.
+    """
+    known = speed > 0.0
+    ratio = float(np.median(velocity[known] / speed[known])) if known.any() else MPH / FOOT
+    if not 0.95 <= ratio / (MPH / FOOT) <= 1.05:
+        raise TableError(
+            f"vx0, vy0, vz0: their length is {ratio:.3g} times release_speed, and in ft/s and mph "
+            f"it would be {MPH / FOOT:.3f} times; is one of them in another unit?"
+        )
 
 
 def _common(

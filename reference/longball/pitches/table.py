@@ -20,7 +20,7 @@ from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
 from longball.model.csv_files import decoded, other_separators
-from longball.model.names import one_of
+from longball.model.names import did_you_mean, nearest_file, one_of
 from longball.model.units import UNITS
 
 if TYPE_CHECKING:
@@ -90,9 +90,12 @@ def read_table(
     # A name that is given is meant, also of a column that is optional.
     if missing := [x for name, x in wanted.items() if x not in found and name in needed | its]:
         shown = ", ".join(found[:20]) + (", …" if len(found) > 20 else "")
+        others = [name for name in found if name not in wanted.values()]
+        near = did_you_mean(missing[0], others) if len(missing) == 1 else ""
+        theirs = f"{near} Its" if near else "; its"
         none = "no such column" if len(missing) == 1 else "no such columns"
         raise NoSuchColumn(
-            f"{', '.join(missing)}: the table has {none}; its columns are {shown}"
+            f"{', '.join(missing)}: the table has {none}{theirs} columns are {shown}"
             f"{other_separators(found)}",
             missing,
         )
@@ -118,7 +121,8 @@ def _frame(
         data = _content(table)
     except (OSError, EOFError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or error
-        raise TableError(f"{path}: cannot be read: {reason}") from error
+        near = nearest_file(path) if isinstance(error, FileNotFoundError) else ""
+        raise TableError(f"{path}: cannot be read: {reason}{near}") from error
     try:
         if data.startswith(b"PAR1"):
             return source, pd.read_parquet(BytesIO(data))

@@ -205,7 +205,11 @@ def agrees(found, start, rate, time, digits=36):
 
 @pytest.mark.parametrize(
     ("drag", "lift", "velocity"),
-    [(0.0075, 0.00375, (30.0, 25.0)), (0.0075, -0.03, (0.5, 30.0)), (0.005, 0.05, (40.0, 3.0))],
+    [
+        (0.0075, 0.00375, (30.0, 25.0)),
+        pytest.param(0.0075, -0.03, (0.5, 30.0), marks=pytest.mark.nightly),
+        pytest.param(0.005, 0.05, (40.0, 3.0), marks=pytest.mark.nightly),
+    ],
 )
 def test_a_flight_holds_what_extrapolation_finds(drag, lift, velocity):
     arrival = fly(state(0, 1, *velocity), law(drag, lift), 2)
@@ -259,7 +263,9 @@ def test_forces_that_depend_on_height():
     agrees(arrival.state, (0, 1, 30, 25), rate, 2)
 
 
-@pytest.mark.parametrize("velocity", [(30.0, 25.0), (2.0, -1.0)])
+@pytest.mark.parametrize(
+    "velocity", [(30.0, 25.0), pytest.param((2.0, -1.0), marks=pytest.mark.nightly)]
+)
 def test_a_law_with_all_kinds_of_nodes(velocity):
     k, scale, falls = 0.03125, 16.0, 0.0625
     strengths = {"crisis": k, "scale": scale, "rate": falls, "gravity": 9.8}

@@ -192,7 +192,15 @@ def table(x: Node, key: str, mode: str = "linear") -> Node:
 # --- graphs ---------------------------------------------------------------------------------------
 
 
-def ordered(roots: Iterable[Node], known: Container[Node] = ()) -> list[Node]:
+def _arguments(node: Node) -> tuple[Node, ...]:
+    return node.args
+
+
+def ordered(
+    roots: Iterable[Node],
+    known: Container[Node] = (),
+    arguments: Callable[[Node], Sequence[Node]] = _arguments,
+) -> list[Node]:
     """Nodes below the roots, each once, arguments first. The walk stops at known nodes."""
     found: dict[Node, None] = {}
     stack = [(root, False) for root in reversed(list(roots))]
@@ -204,7 +212,7 @@ def ordered(roots: Iterable[Node], known: Container[Node] = ()) -> list[Node]:
             found[node] = None
         else:
             stack.append((node, True))
-            stack += [(arg, False) for arg in reversed(node.args)]
+            stack += [(arg, False) for arg in reversed(arguments(node))]
     return list(found)
 
 
@@ -368,10 +376,11 @@ def _operation(node: Node, columns: Columns) -> Callable[..., Any]:
             return _table(columns[f"{key}.at"], columns[f"{key}.values"], mode)
         case "switch":
             key, options = node.data
-            chosen = [np.asarray(columns[key]) == option for option in options]
+            column = np.asarray(columns[key])
+            chosen = [choice for option in options if (choice := column == option).any()]
 
             def selected(*values: Any) -> Any:
-                found = values[0]
+                found = values[0] if values else np.nan
                 for choice, value in zip(chosen[1:], values[1:], strict=True):
                     found = np.where(choice, value, found)
                 return found
@@ -386,13 +395,24 @@ class Values:
     def __init__(self, columns: Columns) -> None:
         self.columns = columns
         self._known: dict[Node, Any] = {}  # which keeps the nodes alive
+        self._options: dict[str, frozenset[Any]] = {}
 
     def of(self, root: Node) -> Any:
         """The value of an expression."""
         if root not in self._known:
-            for node in ordered([root], self):
+            for node in ordered([root], self, self.arguments):
                 self.next(node)
         return self._known[root]
+
+    def arguments(self, node: Node) -> Sequence[Node]:
+        """The arguments on which a node's value depends: of a switch, the options that occur."""
+        if node.op != "switch":
+            return node.args
+        key, options = node.data
+        if key not in self._options:
+            self._options[key] = frozenset(np.unique(self.columns[key]).tolist())
+        occur = self._options[key]
+        return [arg for option, arg in zip(options, node.args, strict=True) if option in occur]
 
     def __contains__(self, node: object) -> bool:
         return node in self._known
@@ -400,7 +420,7 @@ class Values:
     def beside(self) -> Values:
         """The same values, to which others may be added that these do not keep."""
         other = Values(self.columns)
-        other._known = {**self._known}
+        other._known, other._options = {**self._known}, self._options
         return other
 
     def next(self, node: Node) -> Any:
@@ -412,7 +432,7 @@ class Values:
                 case "constant":
                     value = np.full((3, 1), node.data) if node.vector else node.data
                 case _:
-                    args = [self._known[arg] for arg in node.args]
+                    args = [self._known[arg] for arg in self.arguments(node)]
                     value = _operation(node, self.columns)(*args)
             self._known[node] = value
         return self._known[node]
@@ -429,7 +449,7 @@ class Evaluator:
         self, roots: Sequence[Node], columns: Columns | Values, moving: frozenset[str] = frozenset()
     ) -> None:
         known = columns.beside() if isinstance(columns, Values) else Values(columns)
-        nodes = ordered(roots, known)
+        nodes = ordered(roots, known, known.arguments)
         place = {node: i for i, node in enumerate(nodes)}
         self._values: list[Any] = [None] * len(nodes)
         self._given: list[tuple[int, str]] = []
@@ -437,13 +457,14 @@ class Evaluator:
         self._roots = [place[root] for root in roots]
         moves = set[Node]()
         for i, node in enumerate(nodes):
+            args = known.arguments(node)
             if node.op == "symbol" and node.data in moving:
                 moves.add(node)
                 self._given.append((i, node.data))
-            elif any(arg in moves for arg in node.args):
+            elif any(arg in moves for arg in args):
                 moves.add(node)
                 operation = _operation(node, known.columns)
-                self._steps.append((i, operation, [place[arg] for arg in node.args]))
+                self._steps.append((i, operation, [place[arg] for arg in args]))
             else:
                 self._values[i] = known.next(node)
 

@@ -1,0 +1,49 @@
+"""Annotations of the models' fields, as they are written for people and for type checkers."""
+
+from __future__ import annotations
+
+import json
+import types
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, WithJsonSchema
+
+_OF_JSON = {"string": "str", "integer": "int"}
+
+
+def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
+    """Return an annotation without its limits; `block` spells the models in it.
+
+    >>> spelled(tuple[float, float, float] | None, lambda model: model.__name__)
+    'Vector | None'
+    """
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        # What JSON may hold in place of the type is converted to it.
+        schemas = [part.json_schema for part in parts if isinstance(part, WithJsonSchema)]
+        if schemas and schemas[0]:
+            return " | ".join(_OF_JSON[name] for name in schemas[0]["type"])
+        return spelled(parts[0], block)
+    if origin in (Union, types.UnionType):
+        return " | ".join(dict.fromkeys(spelled(part, block) for part in parts))
+    if origin is tuple:
+        (part, *_) = names = {spelled(x, block) for x in parts if x is not ...}
+        return "Vector" if names == {"float"} else f"Sequence[{part}]"
+    if origin is Literal:
+        return f"Literal[{', '.join(map(json.dumps, parts))}]"
+    if annotation is types.NoneType:
+        return "None"
+    if is_model(annotation):
+        return block(annotation)
+    return str(annotation) if origin else str(annotation.__name__)
+
+
+def within(annotation: Any) -> list[Any]:
+    """Return an annotation and all that it is made of."""
+    return [annotation, *(x for part in get_args(annotation) for x in within(part))]
+
+
+def is_model(annotation: Any) -> bool:
+    """Check that an annotation is a model, and not made of one."""
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
