@@ -36,7 +36,7 @@ WRONG = {("wrong.py", i) for i, line in enumerate(MISTAKES.splitlines(), 1) if l
 
 CHECKERS = {
     "mypy": ["-m", "mypy", "--strict", "."],
-    "pyright": ["-m", "basedpyright", "--level", "error", "."],
+    "pyright": ["-m", "basedpyright", "--level", "error", "--pythonpath", sys.executable, "."],
 }
 SETTINGS = {"extraPaths": [str(ROOT / "reference")], "typeCheckingMode": "standard"}
 
