@@ -70,7 +70,10 @@ def golden(step: int):
     return [case for case in answered if "hard" in case.id][:: max(1, step // 2)] + answered[::step]
 
 
-@pytest.mark.parametrize(("engine", "step"), [("ivp", 20), ("batch", 40)])
+@pytest.mark.parametrize(
+    ("engine", "step"),
+    [("ivp", 20), ("batch", 40), pytest.param("ivp", 5, marks=pytest.mark.nightly)],
+)
 def test_the_radius_holds_golden_values(engine: str, step: int):
     """Which an independent method has confirmed."""
     held = 0

@@ -82,17 +82,18 @@ def test_one_by_one_or_all_at_once(scenes, answers):
     assert [result.line() for result in together(scenes)] == answers
 
 
-@pytest.mark.parametrize("size", [15, 16, 200])
-def test_in_groups(scenes, answers, size):
+@pytest.mark.parametrize("size", [15, 16, 200, pytest.param(1000, marks=pytest.mark.nightly)])
+def test_in_groups(scenes, answers, size, nightly):
     """Each scene as often as it takes: no group of it is smaller than `size`."""
-    for first in range(0, len(scenes), 121):
+    for first in range(0, len(scenes), 61 if nightly else 121):
         scene, answer = scenes[first], answers[first]
         assert {r.line() for r in together([scene] * size)} == {answer}
 
 
-def test_shuffled(scenes, answers):
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.nightly)])
+def test_shuffled(scenes, answers, seed):
     order = list(range(len(scenes)))
-    random.Random(1).shuffle(order)
+    random.Random(seed).shuffle(order)
     shuffled = together([scenes[i] for i in order])
     assert [result.line() for result in shuffled] == [answers[i] for i in order]
 

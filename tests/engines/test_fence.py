@@ -420,7 +420,7 @@ def test_columns_in_plane_and_space(model):
         ({"polyline": [[70, 70, 1], [70, -70, 1], [70, 10, 1]]}, "crosses itself"),
         ({"polyline": [[70, 70, 1], [100, 40, 1], [90, 50, 1]]}, "crosses itself"),
         ({"polyline": [[70, 70], [122, 0]]}, r"fence.polyline\[0\]\[2\]: is missing"),
-        ({"height": 3}, "fence.height: unknown key; it is one of ground"),
+        ({"height": 3}, "fence.height: unknown key; the keys here are radius, polyline"),
         ({"radius": 0.5}, "launch.position is outside"),
     ],
 )

@@ -23,9 +23,9 @@ def fenced(**fence):
 
 
 @pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
-def test_a_circle_of_150_m_is_the_papers_rule(engine):
+def test_a_circle_of_150_m_is_the_papers_rule(engine, nightly):
     """The same balls are home runs, and as many at every e."""
-    count = 4000 if isinstance(engine, Batch) else 60
+    count = 4000 if isinstance(engine, Batch) else 150 if nightly else 60
     e = (0.41, 0.45)
     free, over = (
         monte_carlo(base, PAPER, e, count, seed=5, engine=engine)

@@ -197,8 +197,17 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             "density_scale_height",
         ),
         ({"pitch": {"release": [1, 2]}}, "pitch.release[2]: is missing"),
-        ({"wind": [1, 0, 0]}, "wind: unknown key; it is one of air"),
-        ({"air": {"release": 1}}, "air.release: unknown key; it is one of pitch"),
+        (
+            {"wind": [1, 0, 0]},
+            "wind: unknown key; the keys here are id, ball, reading, air, gravity, time_limit, "
+            "earth, kind, pitch; wind is a key of air",
+        ),
+        (
+            {"air": {"release": 1}},
+            "air.release: unknown key; the keys here are density, drag_coefficient, "
+            "lift_coefficient, wind, spin_decay_length, density_scale_height; "
+            "release is a key of pitch",
+        ),
         ({"air": {"wind": 10}}, "air.wind: must be [x, y, z] in m/s (got 10)"),
         ({"pitch": {"spin": 100}}, "pitch.spin: must be [x, y, z] in rad/s (got 100)"),
         (

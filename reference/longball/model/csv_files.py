@@ -11,9 +11,11 @@ from typing import Any
 # Spreadsheets write what a country's decimal comma leaves them.
 _OTHERS = {";": "semicolons", "\t": "tabs"}
 # How files begin that are given where text is expected.
-_SHEET = "a spreadsheet or a zip archive"
-_BINARY = {b"PAR1": "Parquet", b"PK\x03\x04": _SHEET, b"\x1f\x8b": "gzip"}
-_INSTEAD = {_SHEET: "; save the sheet as CSV"}
+_BINARY = {
+    b"PAR1": "Parquet",
+    b"PK\x03\x04": "a spreadsheet or a zip archive; save the sheet as CSV",
+    b"\x1f\x8b": "gzip",
+}
 
 
 def other_separators(head: Sequence[str]) -> str:
@@ -29,8 +31,8 @@ def decoded(data: bytes) -> str:
 
     A ValueError says where it is in another encoding, or what it is instead.
     """
-    if data.startswith(tuple(_BINARY)):
-        raise ValueError(_binary(data))
+    if kind := _binary(data):
+        raise ValueError(kind)
     utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if utf16 else "utf-8-sig")
@@ -40,8 +42,8 @@ def decoded(data: bytes) -> str:
 
 def not_utf8(error: UnicodeDecodeError) -> str:
     """Say where a text is in another encoding, or what it is instead."""
-    if error.object.startswith(tuple(_BINARY)):
-        return _binary(error.object)
+    if kind := _binary(error.object):
+        return kind
     byte = error.object[error.start]
     # Of the encodings that people have besides, the usual one.
     hint = "; iconv -f latin1 -t utf-8 converts Latin-1" if byte < 0xFE else ""
@@ -49,8 +51,9 @@ def not_utf8(error: UnicodeDecodeError) -> str:
 
 
 def _binary(data: bytes) -> str:
-    kind = next(kind for beginning, kind in _BINARY.items() if data.startswith(beginning))
-    return f"not text but {kind}{_INSTEAD.get(kind, '')}"
+    """Return what data are that are not text, in words; empty if they may be text."""
+    kinds = [kind for beginning, kind in _BINARY.items() if data.startswith(beginning)]
+    return f"not text but {kinds[0]}" if kinds else ""
 
 
 # Spreadsheets take a cell that begins so for a formula, which can start programs. Quotes do not

@@ -17,7 +17,7 @@ from longball.model.units import unit_of
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
-    """Say in a sentence a fault what is wrong with the data that were to become a `model`."""
+    """Return one sentence for each fault in data that do not fit a `model`."""
     return "; ".join(_explain_fault(dict(fault), model) for fault in error.errors())
 
 
@@ -33,7 +33,8 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
                 return f"{where}: unknown key; put it inside {outer}"
             homes = [name for name in model.model_fields if key in keys_of(model, [name])]
             if homes and not any(letters(key) == letters(name) for name in keys):
-                return f"{where}: unknown key; it is one of {' and '.join(homes)}"
+                here = f"the keys here are {', '.join(keys)}"
+                return f"{where}: unknown key; {here}; {key} is a key of {' and of '.join(homes)}"
             return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
         case "missing":
             form = "" if isinstance(location[-1], int) else _form_of(annotation, about)

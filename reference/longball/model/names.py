@@ -32,7 +32,7 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
 
 
 def nearest_file(path: str | Path) -> str:
-    """Return the same question about the files that are where one is not."""
+    """Return ``, did you mean NAME?`` with a file beside a path that does not exist, or ``""``."""
     folder = Path(path).parent
     known = [file.name for file in folder.iterdir()] if folder.is_dir() else []
     return did_you_mean(Path(path).name, known)

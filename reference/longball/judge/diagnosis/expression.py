@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from functools import lru_cache, partial
+from operator import attrgetter
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -192,16 +193,15 @@ def table(x: Node, key: str, mode: str = "linear") -> Node:
 # --- graphs ---------------------------------------------------------------------------------------
 
 
-def _arguments(node: Node) -> tuple[Node, ...]:
-    return node.args
-
-
 def ordered(
     roots: Iterable[Node],
     known: Container[Node] = (),
-    arguments: Callable[[Node], Sequence[Node]] = _arguments,
+    arguments: Callable[[Node], Sequence[Node]] = attrgetter("args"),
 ) -> list[Node]:
-    """Nodes below the roots, each once, arguments first. The walk stops at known nodes."""
+    """Nodes below the roots, each once, arguments first.
+
+    The walk stops at known nodes, and follows those arguments of the others that are asked for.
+    """
     found: dict[Node, None] = {}
     stack = [(root, False) for root in reversed(list(roots))]
     while stack:
@@ -363,6 +363,17 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
     return lambda x: values[0] + (slopes * np.clip(x - at[:-1], low, high)).sum(0)
 
 
+def _occurring(node: Node, columns: Columns) -> dict[int, Array]:
+    """Options of a switch that some scenes have, by number, with those scenes' flags.
+
+    Without a scene it is the first option, whose value has the right shape.
+    """
+    key, options = node.data
+    column = np.asarray(columns[key])
+    chosen = {i: column == option for i, option in enumerate(options)}
+    return {i: flags for i, flags in chosen.items() if flags.any()} or {0: chosen[0]}
+
+
 def _operation(node: Node, columns: Columns) -> Callable[..., Any]:
     """The function from the values of a node's arguments to its own value."""
     match node.op:
@@ -375,14 +386,11 @@ def _operation(node: Node, columns: Columns) -> Callable[..., Any]:
             key, mode = node.data
             return _table(columns[f"{key}.at"], columns[f"{key}.values"], mode)
         case "switch":
-            key, options = node.data
-            column = np.asarray(columns[key])
-            chosen = [choice for option in options if (choice := column == option).any()]
+            _, *others = _occurring(node, columns).values()
 
-            def selected(*values: Any) -> Any:
-                found = values[0] if values else np.nan
-                for choice, value in zip(chosen[1:], values[1:], strict=True):
-                    found = np.where(choice, value, found)
+            def selected(found: Any, *values: Any) -> Any:
+                for flags, value in zip(others, values, strict=True):
+                    found = np.where(flags, value, found)
                 return found
 
             return selected
@@ -395,7 +403,7 @@ class Values:
     def __init__(self, columns: Columns) -> None:
         self.columns = columns
         self._known: dict[Node, Any] = {}  # which keeps the nodes alive
-        self._options: dict[str, frozenset[Any]] = {}
+        self._arguments: dict[Node, list[Node]] = {}  # of switches
 
     def of(self, root: Node) -> Any:
         """The value of an expression."""
@@ -405,14 +413,12 @@ class Values:
         return self._known[root]
 
     def arguments(self, node: Node) -> Sequence[Node]:
-        """The arguments on which a node's value depends: of a switch, the options that occur."""
+        """Arguments on which a node's value depends: of a switch, the options that occur."""
         if node.op != "switch":
             return node.args
-        key, options = node.data
-        if key not in self._options:
-            self._options[key] = frozenset(np.unique(self.columns[key]).tolist())
-        occur = self._options[key]
-        return [arg for option, arg in zip(options, node.args, strict=True) if option in occur]
+        if node not in self._arguments:
+            self._arguments[node] = [node.args[i] for i in _occurring(node, self.columns)]
+        return self._arguments[node]
 
     def __contains__(self, node: object) -> bool:
         return node in self._known
@@ -420,7 +426,7 @@ class Values:
     def beside(self) -> Values:
         """The same values, to which others may be added that these do not keep."""
         other = Values(self.columns)
-        other._known, other._options = {**self._known}, self._options
+        other._known, other._arguments = {**self._known}, self._arguments
         return other
 
     def next(self, node: Node) -> Any:
