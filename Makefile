@@ -33,6 +33,7 @@ lint: $(INSTALLED)  ## run the linters
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/codespell
+	$(BIN)/python -m tests.prose
 	$(BIN)/mypy reference analysis
 	$(BIN)/python -m tests.snippets
 	$(BIN)/lint-imports

@@ -1,4 +1,4 @@
-"""How long people wait: a scene in Python, a million in columns, a command.
+"""Waiting times: a scene in Python, a million in columns, a command.
 
 ``python -m analysis.as_used`` takes half a minute. Of each the best of some rounds is printed: what
 else a machine does only adds to it.

@@ -1,4 +1,4 @@
-"""How fast the batch engine is, next to its peers: ratios, measured side by side.
+"""Speed of the batch engine beside its peers: ratios, measured side by side.
 
 ``python -m analysis.bench`` takes some four minutes. The contenders are some of those of the
 study `analysis.speed_error`, on the same flights and at-bats; so are the measures of time and

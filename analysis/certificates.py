@@ -50,7 +50,7 @@ def _block(block: int) -> list[dict[str, object]]:
 
 
 def _certified(name: str, scene: Scene) -> dict[str, object]:
-    """Return what came of a scene."""
+    """Certify a scene, and return the outcome of the attempt."""
     result = solve(scene, Ivp())
     start = time.process_time()
     found = certify(scene, result)
@@ -67,7 +67,7 @@ def _certified(name: str, scene: Scene) -> dict[str, object]:
 
 
 def _held(found: Result, truth: Result) -> dict[str, object]:
-    """Return how many radii there are, the largest for its number, and how many miss the truth."""
+    """Return the number of radii, the largest relative one, and the number that miss the truth."""
     if found.outcome != truth.outcome:
         raise ValueError(f"{found.id}: {found.outcome} is certified, the truth is {truth.outcome}")
     radii = {name: float(number.radius) for name, number in numbers(found)}

@@ -69,7 +69,7 @@ def integrated(tolerance: float) -> tuple[float, float]:
 
 
 def timed(compute: Callable[[Any], Iterable[Any]], cost: object) -> tuple[Any, ...]:
-    """Return how long a computation takes, s, and what it gives."""
+    """Return the time of a computation, s, and its value."""
     start = time.perf_counter()
     found = compute(cost)
     return time.perf_counter() - start, *found

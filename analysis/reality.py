@@ -75,7 +75,7 @@ COMPARED = ("the paper", "constants fitted to the day", FULL_SPIN)
 
 
 def fly_predictions(flies: MeasuredFlies, launch: MeasuredFlies) -> dict[str, Prediction]:
-    """Return what each model says of the flies, and of their launches as `launched` has them."""
+    """Predict the flies, and their launches as `launched` has them, by each model."""
     backspin = flies.spin(np.full(len(flies), 2000.0 * RPM), np.zeros(len(flies)))
     return {
         "no air": predict(flies, MODELS["vacuum"]),
@@ -123,7 +123,7 @@ def best_constants(flies: MeasuredFlies) -> tuple[float, float]:
 
 
 def scatter(flies: MeasuredFlies) -> tuple[float, float]:
-    """Return what no function of speed and angle can predict, and none of the bearing too, m.
+    """Return the scatter, m, that no function of speed and angle predicts, nor of bearing too.
 
     Polynomials of degree 4, fitted to all other balls and asked for the one left out.
     """
@@ -148,7 +148,7 @@ FLOOR = "each pitch's own constant C_D, C_L and axis"
 
 
 def pitch_predictions(pitches: MeasuredPitches) -> dict[str, Prediction]:
-    """Return what each model says of the pitches, with nothing fitted to other pitches."""
+    """Predict the pitches by each model, with nothing fitted to other pitches."""
     whole = pitches.spin(np.ones(len(pitches)))
     across = replace(MODELS["paper"], spin=True)
     return {

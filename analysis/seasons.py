@@ -97,7 +97,7 @@ class Variant:
     restitution: float = E_LOW  # of the duller ball
 
     def margins(self, hits: Hits) -> Array:
-        """Return how much further than needed each ball carries, m, before the fence is moved.
+        """Return each ball's clearance of the fence, m, before the fence is moved.
 
         A ball clears the fence if it comes down far enough beyond it; over the last metres, from
         the height of the fence to the ground, its path is taken to be straight.
@@ -175,7 +175,7 @@ def restitution_slope(variant: Variant) -> tuple[float, Estimate]:
 
 
 def season_ratios(variant: Variant) -> list[Estimate]:
-    """Return what the restitutions of the pairs of seasons multiply home runs by."""
+    """Return the ratio of home runs in each pair of seasons, from the restitutions."""
     changes = [lively.restitution - E_LOW for lively, _ in SEASON_PAIRS]
     dull, *lively = (variant.chances(variant.livelier(x)) for x in (0.0, *changes))
     return [of_games(lambda before, after: after / before, variant, dull, x) for x in lively]
@@ -261,7 +261,7 @@ COLLISIONS = (
 
 
 def proportionality() -> float:
-    """Return how far dV/de of the collision is from (V - V_pitch)/(1 + e), relatively.
+    """Return the relative deviation of the collision's dV/de from (V - V_pitch)/(1 + e).
 
     The largest difference over sampled at-bats and all readings of the collision.
     """

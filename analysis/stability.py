@@ -96,5 +96,5 @@ def exactly(number: Number | int) -> Decimal:
 
 
 def digits_of(relative_error: float) -> float:
-    """Return how many digits a relative error leaves, from 0 to those of the golden values."""
+    """Return the digits that a relative error leaves, from 0 to those of the golden values."""
     return max(0.0, -math.log10(max(relative_error, 10**-MOST_DIGITS)))

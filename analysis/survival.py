@@ -113,7 +113,7 @@ def _solved(scene: Scene, name: str, results: dict[str, Result]) -> dict[str, An
 
 
 def _agree(results: list[Result]) -> bool:
-    """Tell whether results that have an outcome have the same numbers, but for some roundings."""
+    """True if results that have an outcome have the same numbers, but for some roundings."""
     solved = [result for result in results if result.outcome is not None]
     if len(solved) < 2:
         return True
@@ -168,7 +168,7 @@ def _start(scene: Scene) -> float:
 
 
 def _extent(scene: Scene) -> float:
-    """Return how far a ball gets from the start of a flight, m; the height where it is larger."""
+    """Return a ball's distance from the start of a flight, m, or its height, if larger."""
     farthest = 0.0
     for leg in solve_with_path(scene, create("ivp"))[1].legs:
         with suppress(CannotSolve):  # a ball that loops above the ground takes too many steps
@@ -197,7 +197,7 @@ def errors(result: Result, truth: Result) -> dict[str, tuple[float, float]]:
 
 @lru_cache(maxsize=1)  # the same of each engine
 def moved_errors(scene: Scene, truth: Result) -> dict[str, float] | None:
-    """Return how far each number moves with the inputs, for half an ulp of each of these.
+    """Return the change of each number by half an ulp of each input.
 
     None if the outcome changes.
     """

@@ -1,4 +1,4 @@
-"""How the studies write: tables as CSV and Markdown, figures as PNG."""
+"""Output of the studies: tables as CSV and Markdown, figures as PNG."""
 
 import re
 import tomllib
@@ -24,7 +24,7 @@ HERE = Path(__file__).parent
 
 
 def data(module: str) -> dict[str, Any]:
-    """Return what the TOML file beside a module holds, by the ``__file__`` of the module."""
+    """Load the TOML file beside a module, by the module's ``__file__``."""
     return tomllib.loads(Path(module).with_suffix(".toml").read_text("utf-8"))
 
 

@@ -129,7 +129,7 @@ class Mutant:
 
     @property
     def key(self) -> Key:
-        """What a reason belongs to; lines move."""
+        """Key of a reason, without line numbers, which move."""
         return self.module, self.where, self.change, self.code, str(self.which)
 
     def __str__(self) -> str:
@@ -284,7 +284,7 @@ class Recorder:
             self.failed.append(report.nodeid)
 
     def reach(self) -> Reach:
-        """Return what was recorded."""
+        """Load the record of the lines that tests reach."""
         self.coverage.stop()
         data, lines = self.coverage.get_data(), {}
         for name in data.measured_files():
@@ -310,13 +310,13 @@ class Chosen:
 
 
 def _processor_time() -> float:
-    """Return what this process and those that it has waited for have taken, s."""
+    """Return the processor time of this process and its finished children, s."""
     times = os.times()
     return times.user + times.system + times.children_user + times.children_system
 
 
 def record(file: Path) -> Reach:
-    """Return what the tests reach; it is written to a file."""
+    """Record the lines that the tests reach in a file, and return them."""
 
     def recorded() -> int:
         recorder = Recorder()
@@ -338,7 +338,7 @@ def require_tests(tried: Iterable[Mutant], reach: Reach) -> None:
 
 
 def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
-    """Return what the tests make of a mutant.
+    """Run the tests on a mutant, and return its fate.
 
     ``killed``, ``no end`` or ``SURVIVED``; ``NO TEST`` if none ran.
     """

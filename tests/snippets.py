@@ -1,4 +1,4 @@
-"""What README and documentation show, as type checkers see it; `make lint` runs this.
+"""Type checks of the code in README and documentation; `make lint` runs them.
 
 No tests: mypy and pyright take ten seconds each, so that each is started once, for all pages.
 """
@@ -42,7 +42,7 @@ SETTINGS = {"extraPaths": [str(ROOT / "reference")], "typeCheckingMode": "standa
 
 
 def session(page: Path) -> str:
-    """Return what is typed in a page, without what raises on purpose."""
+    """Return the Python input of a page, without the lines that raise on purpose."""
     examples = doctest.DocTestParser().get_examples("\n\n".join(fences(page, "pycon")))
     return "".join(example.source for example in examples if example.exc_msg is None)
 

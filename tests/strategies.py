@@ -48,7 +48,7 @@ any_points = points(reals, reals, reals)
 
 
 def consistent(reading):
-    """Whether the options do not contradict each other; see `Reading`."""
+    """True if the options do not contradict each other; see `Reading`."""
     return (reading["bat_ball_restitution"], reading["reduced_mass"]) != (
         "plain",
         "effective_mass",

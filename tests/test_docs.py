@@ -1,4 +1,4 @@
-"""What the README and the documentation show is what longball prints.
+"""The README and the documentation show the output that longball prints.
 
 A fence `console` holds commands after "$ " with what they print, a fence `pycon` holds a session of
 Python; "..." stands for any text. The fences of one page are one session.
@@ -53,7 +53,7 @@ def commands(page: Path) -> list[tuple[str, str]]:
 
 
 def same(shown: str, printed: str) -> bool:
-    """Tell whether two texts are equal but for the last digits of their numbers."""
+    """True if two texts are equal but for the last digits of their numbers."""
     pattern = re.escape(NUMBER.sub("\0", shown.strip())).replace(r"\.\.\.", "(?:.*)")
     pattern = pattern.replace("\0", f"({NUMBER.pattern})")
     match = re.fullmatch(pattern, printed.strip(), re.S)
@@ -112,7 +112,7 @@ def prose(page: Path) -> str:
 
 
 def anchors(page: Path) -> set[str]:
-    """Return what a link can name within a page, as GitHub and MyST make it of the headings."""
+    """Return the anchors of a page, as GitHub and MyST derive them from headings."""
     headings = re.findall(r"^#+ (.*)$", prose(page), re.M)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 

@@ -268,7 +268,7 @@ def hear_interrupts() -> None:
 
 
 def children(pid: int) -> bool:
-    """Tell whether a process has started worker processes."""
+    """True if a process has started worker processes."""
     found = subprocess.run(["ps", "-axwwo", "pgid,args"], capture_output=True, check=True).stdout
     lines = (line.split(maxsplit=1) for line in found.decode().splitlines()[1:])
     return any(int(group) == pid and "popen_loky" in args for group, args in lines)

@@ -1,4 +1,4 @@
-"""What is declared about the package: versions, constraints, extras."""
+"""Declarations of the package: versions, constraints, extras."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What holds of every scene, whatever its numbers: symmetries, invariants, restarts, refusals.
+"""Properties of every scene: symmetries, invariants, restarts, refusals.
 
 All is asked of the reference engine through the chain that every engine uses. Where both sides of
 a comparison do the same roundings, they are compared bit for bit. Elsewhere the tolerance is the

@@ -1,4 +1,4 @@
-"""What the paper's time step does: to a flight, to an at-bat, to the contact, to P(e).
+"""Effects of the paper's time step on a flight, an at-bat, the contact and P(e).
 
 Pieces that take long are kept in `report/.resume` as they come, under the fingerprint of the code
 that made them: an interrupted study goes on where it was. On two cores the study takes about two

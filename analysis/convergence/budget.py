@@ -97,7 +97,7 @@ class Smooth(StruckAtOnce, Verlet):
     def stop_between(
         self, count: int, before: State[float], after: State[float], events: Events
     ) -> tuple[str, float, State[float]]:
-        """Return what is met first, on the cubic."""
+        """Return the first event on the cubic."""
         ((x, v), (there, end)), h = np.reshape([before, after], (2, 2, -1)), self.dt
         slope = (there - x) / h
         square, cube = (3 * slope - 2 * v - end) / h, (v + end - 2 * slope) / h**2

@@ -58,7 +58,7 @@ def run(report: Report, full: bool) -> str:
 
 
 def converged(scheme: Verlet, finest: float, phases: int) -> Order:
-    """Return how D converges by a scheme, from the printed step down to a finest one."""
+    """Return the convergence of D by a scheme, from the printed step down to the finest one."""
     steps = np.geomspace(PRINTED, finest, 1 + round(PER_DECADE * math.log10(PRINTED / finest)))
     report = converge(
         lambda step: [solve(scene, replace(scheme, dt=step)) for scene in FOUR],

@@ -25,7 +25,7 @@ TRUTH = Ivp()
 def each(
     report: Report, what: str, work: Callable[..., Any], calls: Iterable[Sequence[object]]
 ) -> list[Any]:
-    """Return what a function gives for each of many arguments, on all cores.
+    """Return a function's values for many arguments, on all cores.
 
     Every answer is kept as soon as it is there, and not computed again while the package and the
     studies, which it depends on, are the same.
@@ -56,7 +56,7 @@ class Pass(NamedTuple):
 
 
 def passing(scene: AtBatScene) -> Pass | None:
-    """Return how a pitch passes through the bat, by the reference; None if it does not."""
+    """Return a pitch's passage through the bat, by the reference; None for a miss."""
     approach = approach_of(scene, TRUTH)
     if approach is None or approach.touch.time is None or approach.touch.state is None:
         return None

@@ -1,4 +1,4 @@
-"""What the time step does to P(e) and to the distances, on the same samples."""
+"""Effect of the time step on P(e) and on the distances, with the same samples."""
 
 import math
 from itertools import product
@@ -46,7 +46,7 @@ Found = dict[tuple[str, float | None, float], Struck]
 
 
 def strike(case: Case, step: float | None, chunk: int) -> list[Struck]:
-    """Return what becomes of a chunk of samples; by the reference if there is no step."""
+    """Solve a chunk of samples; by the reference if there is no step."""
     base = AtBatScene(id="base", reading=Reading(inertia=case.inertia))
     engine = Ivp() if step is None else Verlet(step, case.forces)
     drawn = AT_BATS, case.restitutions, CHUNK, SEED + chunk
@@ -54,7 +54,7 @@ def strike(case: Case, step: float | None, chunk: int) -> list[Struck]:
 
 
 class Bias(NamedTuple):
-    """How P differs from the reference's on the same samples, with an interval of 95 %."""
+    """Difference of P from the reference's on the same samples, with a 95 % interval."""
 
     gained: int
     lost: int
@@ -64,7 +64,7 @@ class Bias(NamedTuple):
 
 
 def bias(found: Found, case: str, step: float, e: float) -> Bias:
-    """Return how a step changes P.
+    """Return the change of P by a step.
 
     The interval is that for matched pairs, with half a sample added to each kind of pair: A.
     Agresti and Y. Min, Stat. Med. 24 (2005) 729. It keeps its level where few pairs differ.

@@ -1,4 +1,4 @@
-"""How often the contact test at steps misses a true contact: counted, and in closed form.
+"""Fraction of contacts that the test at steps misses: counted, and in closed form.
 
 A ball that overlaps the bat for a window w is seen if one of the steps falls into it: with the
 probability min(1, w/Δt) for a random phase. At a distance d of the axis the window of a straight
@@ -32,7 +32,7 @@ NODES = 64  # of the quadrature over grazes; it is smooth, and 32 give the same 
 
 
 def sees(scene: AtBatScene, dt: float) -> bool:
-    """Return whether a step falls into the bat."""
+    """True if a step falls into the bat."""
     approach = approach_of(scene, Verlet(dt))
     return approach is not None and approach.touch.touched is not False
 

@@ -78,7 +78,7 @@ def width(distances: Array) -> float:
 
 
 def contact(base: Base, struck: Sequence[Balls]) -> dict[str, float]:
-    """Return what the scatter of the pitch's speed amounts to, m/s, for the balls hit upwards."""
+    """Return the scatter of the exit speed from that of the pitch, m/s, for balls hit upwards."""
     flies = struck[0].elevation > 0
     speeds = struck[0].pitch_speed[flies]
     samples = base.drawn(balls.SAMPLES // 10)

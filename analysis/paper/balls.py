@@ -65,7 +65,7 @@ class Base(NamedTuple):
 
 @dataclass(frozen=True)
 class Balls(Struck):
-    """What became of at-bats, an array element each, NaN where the ball was not batted."""
+    """Outcomes of at-bats, one array element each; NaN where the ball was not batted."""
 
     pitch_speed: Array  # m/s, of the ball as it meets the bat
     exit_speed: Array  # m/s, of the ball as it leaves it
@@ -82,7 +82,7 @@ def strike(
     restitutions: Sequence[float],
     threads: int = joblib.effective_n_jobs(-1),
 ) -> list[Balls]:
-    """Return what becomes of samples, the same ones at each restitution.
+    """Solve samples, the same ones at each restitution.
 
     `longball.home_run.monte_carlo` gives the same landings; here the collision is kept too.
     """
@@ -114,7 +114,7 @@ CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
 def strike_in_steps(
     base: Base, samples: Samples, restitutions: Sequence[float], scheme: Verlet
 ) -> list[Balls]:
-    """Return what becomes of samples by the paper's scheme, with the contact force of the base."""
+    """Solve samples by the paper's scheme, with the contact force of the base."""
     scheme = replace(scheme, contact_force=base.contact_force)
     chosen = (samples.chosen(slice(i, i + CHUNK)) for i in range(0, len(samples), CHUNK))
     chunks = in_parallel(_chunk, ((base, x, restitutions, scheme) for x in chosen), workers=-1)

@@ -76,7 +76,7 @@ class Trial(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What it differs in from the default."""
+        """Differences from the default."""
         return balls.describe(self.base, self.space)
 
     @property
@@ -105,7 +105,7 @@ class Trial(NamedTuple):
 
 
 def trials(base: Base, spaces: Sequence[Space], count: int, draws: int) -> list[Trial]:
-    """Return what a combination gives in the sample spaces with balls enough.
+    """Return a combination's trials in the sample spaces that have enough balls.
 
     Fig. 6 is looked at only where papers are drawn.
     """
@@ -133,7 +133,7 @@ def trial(base: Base, space: Space, struck: Sequence[Balls], draws: int = distan
 
 
 class Family(NamedTuple):
-    """Readings that differ only in the width of a cell, of which the best stands for all."""
+    """Readings that differ only in the width of a cell; the best represents them."""
 
     best: Trial
     widths: list[float]  # m, at which the two figures do not reject it, with the bins it has there
@@ -204,7 +204,7 @@ SWITCHES = {
 
 
 def surviving(families: Sequence[Family], width: float) -> int:
-    """Return how many families the figures do not reject with bins of one width, m."""
+    """Return the number of families that the figures do not reject with bins of one width, m."""
     return sum(one.best.scores[width].p_value >= LEVEL for one in families)
 
 

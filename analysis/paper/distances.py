@@ -1,4 +1,4 @@
-"""How far a reading is from the paper's Figs. 6 and 7, in units of their Monte-Carlo noise."""
+"""Distance of a reading from the paper's Figs. 6 and 7, in units of their Monte-Carlo noise."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -56,7 +56,7 @@ def distance(rows: Sequence[Estimate], curve: Curve, shared: bool = False) -> fl
 
 
 def histogram(distances: Array) -> Integers:
-    """Return how many distances lie in each bin of 10 m."""
+    """Count distances in bins of 10 m."""
     return np.bincount((distances / BIN).astype(int), minlength=1)
 
 

@@ -30,7 +30,7 @@ class Ratio(NamedTuple):
 
 
 class Reproduced(NamedTuple):
-    """What a reading gives for Table I and Figs. 6 and 7."""
+    """Table I and Figs. 6 and 7 by a reading."""
 
     name: str
     trial: Trial
@@ -43,7 +43,7 @@ class Reproduced(NamedTuple):
 
 @cache
 def reproduced() -> list[Reproduced]:
-    """Return what the default reading gives, and the nearest; several sections ask for it."""
+    """Reproduce the figures by the default and the nearest reading; several sections use them."""
     restitutions = sorted({*RESTITUTIONS, *(one.restitution for pair in PAIRS for one in pair)})
     found = []
     for name, (base, space) in combinations.cases().items():
@@ -61,7 +61,7 @@ def reproduced() -> list[Reproduced]:
 
 
 def fit_noise(curve: Curve) -> tuple[float, float]:
-    """Return how far 1,000 samples a point scatter C₁ and σ of a fit: standard deviations, m.
+    """Return the standard deviations, m, of C₁ and σ in fits to 1,000 samples a point.
 
     To first order, with samples of their own for each restitution. In a = C₁/σ and b = 150/σ the
     curve is P = Φ(a e - b), and P' = φ(a e - b).
@@ -99,7 +99,7 @@ def printed_ratio(pair: tuple[Season, Season]) -> Ratio:
 
 
 def curve_ratio(curve: Curve, pair: tuple[Season, Season]) -> float:
-    """Return what a curve makes of a pair of seasons."""
+    """Return the ratio of home runs in a pair of seasons by a curve."""
     return curve(pair[0].restitution) / curve(pair[1].restitution)
 
 

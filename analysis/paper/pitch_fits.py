@@ -127,7 +127,7 @@ def spread_behind_figure_3() -> float:
 
 
 def verdict(printed: Printed, method: str, value: float, error: float | None) -> str:
-    """Say whether pitches drawn from a printed number give it back, and why if they do not."""
+    """Report if pitches drawn from a printed number give it back, and the reason if not."""
     if error is None:
         return "not determined by these pitches"
     # Of the nine numbers of a table, all of them right, one lies outside every other time.
@@ -150,7 +150,7 @@ def fit_all(tables: Iterable[pd.DataFrame], **options: Any) -> list[FittedPitche
 
 
 def cover(draws: int) -> Rows:
-    """Return how far from the printed numbers the fits of many draws lie, in standard errors."""
+    """Return the deviations of many draws' fits from the printed numbers, in standard errors."""
     fits = fit_all(draw_pitches(PITCHES, seed) for seed in range(draws))
     rows: Rows = []
     for printed in PRINTED:
@@ -164,7 +164,7 @@ def cover(draws: int) -> Rows:
 
 @cache
 def determine(draws: int) -> Rows:
-    """Return what R² the paper's fits would have if they were the truth, by width of bin."""
+    """Return the R² that the paper's fits would have if they were the truth, by width of bin."""
     tables = [draw_pitches(PITCHES, 10_000 + seed) for seed in range(draws)]
     rows: Rows = []
 

@@ -1,4 +1,4 @@
-"""What the paper prints about home runs and distances, and two figures of the ball's makers.
+"""Printed numbers on home runs and distances, and two figures of the ball's makers.
 
 What it prints about pitches stands in `analysis.paper.pitch_fits`, the numbers of its model in
 `longball.home_run` and `longball.model.scene`.
@@ -42,7 +42,7 @@ PAIRS = (
 
 
 class Carry(NamedTuple):
-    """What somebody else says a change of the restitution does to the carry of a ball."""
+    """Change of the carry of a ball with its restitution, by another source."""
 
     who: str
     slope: float  # dD/de, m

@@ -82,7 +82,7 @@ def turn(base: Base, space: Space) -> tuple[Share, pd.DataFrame]:
 
 
 def turn_scheme(base: Base, space: Space) -> list[dict[str, Any]]:
-    """Return what becomes of a reading by the printed scheme, under each of its switches.
+    """Solve a reading by the printed scheme, under each of its switches.
 
     The defaults come first, without an option.
     """

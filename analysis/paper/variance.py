@@ -59,7 +59,7 @@ def indices(a: Array, b: Array, mixed: Array, seed: int) -> Indices:
 
 
 def quantities(base: balls.Base, samples: Samples) -> dict[str, Array]:
-    """Return what is asked of at-bats: D, 0 for a miss, and whether it is a home run's."""
+    """Return D of at-bats, 0 for a miss, and flags of the home runs."""
     (struck,) = balls.strike(base, samples, [E])
     distance = np.where(struck.batted, struck.distance, 0.0)
     return {

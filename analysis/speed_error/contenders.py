@@ -1,4 +1,4 @@
-"""Who takes part: every engine of longball over its settings, and the peers that are installed."""
+"""Contenders: every engine of longball over its settings, and the installed peers."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What laws of flight cost: spin, wind and a drag crisis, beside the paper's law and heyoka."""
+"""Cost of laws of flight: spin, wind and a drag crisis, beside the paper's law and heyoka."""
 
 from dataclasses import dataclass, field
 from typing import Any

@@ -25,7 +25,7 @@ VERSIONS = ("numpy", "scipy", "numba", "python-flint", "heyoka", "diffrax", "jax
 
 
 class Errors(NamedTuple):
-    """What a contender made of scenes whose truth is known.
+    """Errors of a contender in scenes whose truth is known.
 
     Errors are |D - true D| where both have landed, m; NaN if there is none.
     """
@@ -41,7 +41,7 @@ class Errors(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """What a contender took for its work, s a scene, by round; and how far off it was."""
+    """Times of a contender by round, s per scene, and its errors."""
 
     contender: Contender
     seconds: list[float]

@@ -27,7 +27,7 @@ Function = Callable[..., tuple[Any, ...]]
 
 
 class Problem(NamedTuple):
-    """What flights have in common."""
+    """The law and the constants that flights share."""
 
     law: Program  # the law of motion
     strengths: tuple[float, ...]  # values of its parameters
@@ -54,7 +54,7 @@ class Problem(NamedTuple):
 
 
 def problem_of(starts: Records, law: Program) -> tuple[Problem, Array]:
-    """Return what flights have in common, and their numbers: an array of shape (n, m).
+    """Return the problem that flights share, and their numbers: an array of shape (n, m).
 
     It has a row a flight: time and time limit, s; the state; the numbers that it has for itself. A
     ValueError says that not all are under the same forces.

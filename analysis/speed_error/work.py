@@ -1,4 +1,4 @@
-"""What everyone is given to solve: the same flights, the same at-bats; and the truth about them."""
+"""The flights and at-bats that every contender solves, and the truth about them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -54,7 +54,7 @@ class Tried(NamedTuple):
 
     @property
     def digits(self) -> list[float]:
-        """How many digits of these are right."""
+        """Number of right digits."""
         return [right_digits(m.error, m.size) for m in self.places if m.size]
 
 
@@ -144,12 +144,12 @@ def places(comparison: Comparison) -> list[Measured]:
 
 
 def place_error(comparison: Comparison) -> float:
-    """Return how far off a place of landing, or at the plate, is, m."""
+    """Return the error of a place of landing, or at the plate, m."""
     return next((m.error for m in places(comparison)), math.nan)
 
 
 def adapter_lines(simulator: Simulator) -> int:
-    """Return how many lines of code an adapter has: without imports, docstring and blanks."""
+    """Count the lines of code of an adapter, without imports, docstring and blanks."""
     path = Path(__file__).parent / "adapters" / f"{simulator.module.rpartition('.')[2]}.py"
     lines = path.read_text(encoding="utf-8").split('"""', 2)[2].splitlines()
     return sum(bool(x.strip()) and not x.startswith(("import ", "from ")) for x in lines)

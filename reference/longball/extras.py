@@ -1,4 +1,4 @@
-"""What an installation may lack: libraries of the extras, ``pip install ".[fast]"``."""
+"""Optional libraries, which extras such as ``pip install ".[fast]"`` install."""
 
 from __future__ import annotations
 

@@ -271,7 +271,7 @@ def _solve_as_columns(
 
 
 def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], int]:
-    """Return what all scenes have in common, columns by name, and the number of scenes."""
+    """Split a table into constants, columns by name, and the number of scenes."""
     fixed: dict[str, Any] = {}
     varied: dict[str, Any] = {}
     for name, value in columns.items():
@@ -372,7 +372,7 @@ _PART = re.compile(r"[.\[]")
 
 
 def _json_or_number(text: str) -> Any:
-    """Return what a text of a file holds: JSON, as null is for no air, a number, as .5, or text."""
+    """Parse a cell of a file: JSON (null for no air), a number such as .5, or text."""
     for read in (json.loads, float):
         with suppress(ValueError, RecursionError):
             return read(text)
@@ -380,7 +380,7 @@ def _json_or_number(text: str) -> Any:
 
 
 def _json_alone(text: str) -> Any:
-    """Return what a text among Python's values holds: JSON, but a number is not written as text."""
+    """Parse a string among Python's values: JSON, but no number."""
     with suppress(ValueError, RecursionError):
         held = json.loads(text)
         return text if isinstance(held, int | float) else held

@@ -35,7 +35,7 @@ def by_first_power(k, v):
 
 @dataclass(frozen=True)
 class Switches:
-    """What is done.
+    """Options of the simulation, a mistake each.
 
     `dt` is the step of what is done in steps. `forces` None: exact flights. `push`: Appendix B's
     two steps of half the force; else the bat strikes at once. `below`: land at the first step below

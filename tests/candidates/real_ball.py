@@ -234,7 +234,7 @@ def impact(scene, wrong):
     axes = [n, [0.0, 1.0, 0.0], t]
 
     def gives(push):
-        """What the slip gains by an impulse, but along n."""
+        """Change of the slip by an impulse, without its part along n."""
         turning = cross(arm, push)
         turning = [turning[0] / across_bat, turning[1] / (big * thick**2 / 2),
                    turning[2] / across_bat]  # fmt: skip

@@ -370,7 +370,7 @@ LAWS: dict[str, Law[float]] = {
 
 
 def expand_lanes(law: Law[float], states: Any, order: int) -> Any:
-    """Return what `step` makes of states, a column a lane."""
+    """Expand states, a column a lane, by `step`."""
     code = kernel(law.program)
     x = code.layout.allocate(order, WIDTH)
     x[: len(states), 0] = states

@@ -180,7 +180,7 @@ def test_a_disk_that_is_full_leaves_no_halves(
 
 
 def test_neither_package_nor_home_can_be_written_to(tmp_path: Path) -> None:
-    """What files are in the way of is closed to all users, to root too."""
+    """Files in place of the folders close these to all users, root included."""
     package = tmp_path / "longball"
     package.mkdir()
     for part in compiled.PACKAGE.iterdir():

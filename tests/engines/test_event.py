@@ -421,7 +421,7 @@ FALL = Case({"gravity": 8.0}, (0.0, 16.0, 4.0, 0.0), "ground", (0.0,), 60.0)
 
 
 def stop_of(case, engine, *more):
-    """What stops a flight, with other events besides; "" if that cannot be told."""
+    """Event that stops a flight, among others; "" if it is undecided."""
     number = engine.numbers.exact
     start = PlaneState(*map(number, case.start))
     with engine.numbers.arithmetic():

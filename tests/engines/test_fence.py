@@ -327,7 +327,7 @@ def test_dips_beyond_a_chord_in_space_are_found_or_declined(engine):
 
 
 def crossed(engine, push, across, y):
-    """Whether a flight that is pushed back in y crosses a wall at y; None if it is not told."""
+    """True if a flight that is pushed back in y crosses a wall at y; None if it is not told."""
     numbers = engine.numbers
     exact = numbers.exact
     strengths = {"left": exact(push), "gravity": exact(9.8)}

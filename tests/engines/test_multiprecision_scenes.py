@@ -106,7 +106,7 @@ def test_agrees_with_a_taylor_solver():
 
 
 def rounds_to(longer, shorter, digits):
-    """Whether `shorter` is `longer` rounded; or cut differently where the next digits are 49999…"""
+    """True if `shorter` is `longer` rounded; or cut differently where the next digits are 49999…"""
     unit = mpmath.mpf(10)
     with mpmath.workdps(60):
         longer, shorter = mpmath.mpf(longer), mpmath.mpf(shorter)

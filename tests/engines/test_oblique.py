@@ -161,7 +161,7 @@ def test_the_impulse_is_that_of_vectors_and_matrices(scene):
 @settings(max_examples=25)
 @given(rough_impacts(), st.sampled_from(["initial", "final"]))
 def test_momentum_angular_momentum_and_energy(engine, scene, direction):
-    """What ball and free bat have together; of one on a pivot, all about the pivot.
+    """Conservation for ball and free bat; for a pivoted bat, about the pivot.
 
     The bat's motion after is computed here, from the impulse that the ball received.
     """

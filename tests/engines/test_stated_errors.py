@@ -1,4 +1,4 @@
-"""How far off a quantity may be before a question is asked of it, as the chain states it.
+"""Error bounds that the chain states for a quantity before it decides.
 
 The number system listens: of each question it keeps the value and its error, which the tests work
 out again from the numbers of the result. Doubles round by 2^-53, and a state of the reference

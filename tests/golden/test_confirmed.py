@@ -20,7 +20,7 @@ LATER = ("apex.time", "apex.position", "landing.angle", "plate.approach.vertical
 
 
 def apart(case: golden.Case) -> tuple[float | None, str]:
-    """How far a case is from the oracle's result, in its tolerances; None if that is in doubt."""
+    """Distance of a case from the oracle's result, in tolerances; None if in doubt."""
     true = by_oracle.truth(json.loads(case.scene.as_written()))
     if true is None:
         return None, ""

@@ -70,7 +70,7 @@ def test_a_program_gets_scenes_as_they_are_written():
 
 
 def test_another_default_changes_its_cases():
-    """What a key stands for when it is left out, in every kind of scene that has the key."""
+    """Defaults of left-out keys, in every kind of scene that has the key."""
     found = coverage(CASES, every=0)
     kinds: Any = [case.scene.kind for case in found.cases]
     noticed = {

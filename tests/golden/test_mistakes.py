@@ -20,7 +20,7 @@ ORDINARY = [name for name in header().families if not name.startswith("hard")]
 
 @pytest.fixture(scope="module")
 def counts() -> dict[str, int]:
-    """How many cases of a few families notice each mistake that no operator makes."""
+    """Number of cases of a few families that notice each mistake that no operator makes."""
     spin = Edit(I["drag.per_spin"], constant(0.0, I["drag.per_spin"].dimension), 0.0, "no spin")
     (flight,) = [s for s in CHAIN if s.name == "flight"]
     beside = [*module.every_edit(0)]

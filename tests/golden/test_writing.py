@@ -233,7 +233,7 @@ def test_the_data_in_a_folder_can_be_read_as_json_by_anybody(small: Path):
 
 @pytest.fixture(scope="module")
 def computed() -> dict[str, object]:
-    """What both methods have given, by their arguments: the same in each of these tests."""
+    """Results of both methods by their arguments, shared by these tests."""
     return {}
 
 

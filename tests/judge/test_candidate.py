@@ -276,7 +276,7 @@ def test_a_flood_of_errors_is_read_and_forgotten():
 
 
 def alive(pid: int) -> bool:
-    """Tell whether a process runs (a zombie that nobody reaps does not)."""
+    """True if a process runs (a zombie that nobody reaps does not)."""
     try:
         os.kill(pid, 0)
     except ProcessLookupError:

@@ -1,4 +1,4 @@
-"""What the diagnosis says of a program that shares nothing with longball, with one mistake or two.
+"""The diagnosis of an independent program with one mistake or two.
 
 The program (`tests/candidates/mistaken.py`) is right to 1e-12 without a mistake.
 """

@@ -58,7 +58,7 @@ def one(found: list[Finding]) -> Finding:
 
 
 def side(case: Any) -> float:
-    """How far along the bat a ball touches it, m."""
+    """Position of the contact along the bat, m."""
     if case.scene.kind == "impact":
         return float(case.scene.incoming.position[1])
     return float(case.expected.contact.position[1])

@@ -49,7 +49,7 @@ def accelerations(strengths):
 
 
 def residuals(path, accelerate):
-    """What s' - u, z' - w, u' and w' minus the accelerations leave along a path."""
+    """Residuals s' - u, z' - w, and u' and w' less the accelerations, along a path."""
     s, z, u, w = path
     du, dw = accelerate(u, w)
     return [sp.diff(s, T) - u, sp.diff(z, T) - w, sp.diff(u, T) - du, sp.diff(w, T) - dw]

@@ -1,4 +1,4 @@
-"""What a result may hold, and how it is written."""
+"""Contents of results, and their written form."""
 
 import json
 from itertools import product

@@ -1,4 +1,4 @@
-"""What a line may say, and what the scene made of it holds.
+"""Lines of scenes, and the scenes that they make.
 
 That every wrong line is refused by name is asked of generated ones in tests/test_properties.py;
 here stand the paper's values, the contract's blocks, and the wording of a few refusals.
@@ -317,7 +317,7 @@ def test_an_incoming_ball_touches_the_bat(x, where):
         ("{", "not JSON"),
         ("{'kind': 'pitch'}", "not JSON: at character 2 a key in double quotes is needed"),
         ("kind: pitch", "not JSON: at character 1 a value is needed"),
-        ("{} {}", "from character 4 on; each scene has a line of its own"),
+        ("{} {}", "from character 4 on; write one scene per line"),
         ("[1, 2]", "a JSON object is needed, this is [1, 2]"),
         (b"\xff", "not UTF-8 text: byte 1 is 0xff"),
         ('{"id": "a", "kind": "pitch", "id": "b"}', "id: the key is given twice"),

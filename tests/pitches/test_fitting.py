@@ -121,7 +121,7 @@ def test_a_million_pitches_give_them_back_to_three_digits(columns):
 
 
 def test_shares_that_are_the_printed_density_give_figure_3_back():
-    """What the paper's fit says of its data: the share of cell j is ψ(j)."""
+    """The paper's fit on its own density: the share of cell j is ψ(j)."""
 
     def psi(y):
         left, right = (math.exp(-(((y - mean) / 0.77) ** 2) / 2) for mean in (2, 4))

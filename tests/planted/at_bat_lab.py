@@ -327,7 +327,7 @@ def magnitude(spin):
 
 
 class Law:
-    """What accelerates a ball that starts at t, y with a spin vector or (None) with the paper's lift."""
+    """Acceleration of a ball from t, y, with a spin vector or (None) the paper's lift."""
 
     def __init__(self, scene, t, y, spin):
         p, q, z, w, s = y
@@ -445,7 +445,7 @@ class Law:
         return q - blow[0], w - blow[1]
 
     def fade(self, t, s, U):
-        """Return what is left of the spin."""
+        """Return the fraction of the spin that is left."""
         if not self.decay_length:
             return 1.0
         if self.decay_kind == "path":

@@ -1,4 +1,4 @@
-"""How often the judge's diagnosis is right: named, located, false names, false reassurance.
+"""Accuracy of the judge's diagnosis: named, located, false names, false reassurance.
 
     python -m tests.planted.measure [--source planted mutants edits right] [--half open]
                                     [--sample 40] [--seed 1] [--cases 60] [--fresh 500]
@@ -81,7 +81,7 @@ def like(cases: Sequence[Case], others: Sequence[Case]) -> list[Case]:
 
 @dataclass(frozen=True)
 class Told:
-    """What a diagnosis says of a stage.
+    """A finding of the diagnosis at a stage.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Told:
 
 
 def told_by(made: Conclusion) -> list[Told]:
-    """What is named, near or located."""
+    """Findings of a conclusion: named, near or located."""
     told = [Told("output", "named", str(finding.edit)) for finding in made.outputs]
     if made.digits is not None:
         return [*told, Told("digits", "named", made.digits)]
@@ -154,7 +154,7 @@ def asked(subject: Subject) -> Solve:
 
 
 def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
-    """What the judge makes of a program, by so many cases a family, and what is true of it."""
+    """Judge a program by so many cases a family, and record the truth about it."""
     families = tuple(subject.families)
     cases, new = golden(families, most), fresh(families, count)
     said: dict[str, Any] = {"source": subject.source, "name": subject.name}
@@ -258,7 +258,7 @@ def _shaken(data: Data) -> Data:
 
 
 def _off(followed: Sequence[Any], shaken: Sequence[Any], stage: str) -> list[int]:
-    """How many numbers of a stage are more than `ADEQUATE` floors off, and of how many.
+    """Count the numbers of a stage that are more than `ADEQUATE` floors off, and all of them.
 
     An event that values shaken at random satisfy as well is no event: it is off everywhere.
     """
@@ -279,7 +279,7 @@ def _beyond(f: Any) -> int:
 
 @dataclass(frozen=True)
 class Grade:
-    """What a diagnosis did."""
+    """Grade of a diagnosis."""
 
     named: bool  # a name of an edit, a scheme or an output, and every name right
     located: bool  # the stage first found wrong is one that is, and so is every other

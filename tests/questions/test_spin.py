@@ -33,7 +33,7 @@ def scene(law, spin, **air):
 
 
 def acceleration(pitch):
-    """Return what the scene's own law of motion does to the ball at its release, m/s²."""
+    """Return the acceleration at the release by the scene's own law, m/s²."""
     spin = pitch.pitch.spin
     frame, start = launch_frame(pitch.pitch.release, pitch.pitch.velocity, DOUBLES, spin)
     law = law_of(pitch, frame, DOUBLES)

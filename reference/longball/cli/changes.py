@@ -39,7 +39,7 @@ FenceOption = Annotated[
 def chosen_changes(
     values: Sequence[str] | None, fence: str | None, readings: Sequence[str] | None = None
 ) -> Changes:
-    """Return what options change in a scene; a reading of anything else is a wrong call."""
+    """Collect the options that change scenes; a sampling or scheme reading is a usage error."""
     switches = chosen_switches(readings or [])
     for belongs, named in switches.items():
         if belongs != "scene" and named:

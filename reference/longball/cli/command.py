@@ -43,7 +43,7 @@ class Command(TyperCommand):
         return super().invoke(ctx)
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
-        """Return what stands behind the command's name in its usage."""
+        """Return the arguments of the usage line."""
         arguments = (p for p in self.params if p.param_type_name == "argument")
         return ["[OPTIONS]", *(str(p.metavar) for p in arguments)]
 

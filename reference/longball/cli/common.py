@@ -1,4 +1,4 @@
-"""What the commands share: options, input and output, messages, progress."""
+"""Shared parts of the commands: options, input and output, messages, progress."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def note(sentence: str) -> None:
 
 
 def wrong_call(sentence: str) -> NoReturn:
-    """Say what is wrong with the call and leave with status 2."""
+    """Print a usage error and exit with status 2."""
     tell(sentence)
     raise typer.Exit(2)
 
@@ -179,7 +179,7 @@ def chosen_table(table: str, example: bool) -> str | Path | TextIO:
 
 @contextmanager
 def reading_table() -> Iterator[None]:
-    """Say what is wrong with a table, with status 1; one that cannot be opened is a wrong call."""
+    """Exit with status 1 on a bad table, or 2 on one that cannot be opened, and say why."""
     from longball.pitches import TableError
 
     try:
@@ -192,7 +192,7 @@ def reading_table() -> Iterator[None]:
 
 
 def named(source: str) -> str:
-    """Return what messages call a file of lines."""
+    """Return the name of a file of lines for messages."""
     return "standard input" if source == "-" else source
 
 

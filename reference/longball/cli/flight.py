@@ -57,7 +57,7 @@ def flight(
     engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scene.")] = "ivp",
     as_json: Json = False,
 ) -> None:
-    """Tell how far a batted ball flies.
+    """Compute the flight of a batted ball.
 
     It has the spin that a published regression expects at that angle and in that direction, as
     measured flies have in `longball measured`; --set launch.spin=… gives it another.
@@ -141,7 +141,7 @@ def _ball(
 
 
 def _rows(result: Any) -> list[list[str]]:
-    """Return what people ask of a result, in SI units and in theirs."""
+    """Return the rows of the printed table, in SI and customary units."""
     rows = [["outcome", str(result.outcome), ""]]
 
     def add(name: str, value: Any, unit: str, theirs: str, factor: float) -> None:

@@ -73,7 +73,7 @@ def export(
 
 
 def header_of(folder: Path | None) -> Header:
-    """Return what explains a set."""
+    """Return the header of a set."""
     with refusing(f"{folder}: "):
         return reader.header(folder or reader.DATA)
 

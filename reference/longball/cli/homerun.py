@@ -214,7 +214,7 @@ def write_scenes(
 def as_data(
     rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], reading: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return what --json prints; a number that is not defined is null."""
+    """Return the table for --json; an undefined number is null."""
     return {
         "rows": [
             {name: None if x != x else x for name, x in home_run.columns(row).items()}
@@ -266,7 +266,7 @@ def print_probability(
 
 
 def found_at(row: Estimate | Integral) -> tuple[str, ...]:
-    """Return what the table has of one e."""
+    """Return the row of one e."""
     if isinstance(row, Estimate):
         interval = f"{row.low:.4f} to {row.high:.4f}"
         return f"{row.p:.4f}", interval, f"{row.home_runs} of {row.trials}"

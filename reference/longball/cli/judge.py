@@ -237,7 +237,7 @@ def judge(
 def further_options(
     found: Evaluation, rule: Profile, golden: Sequence[str] | None, others: object
 ) -> str:
-    """Return what the candidate was not asked, with the options that ask it."""
+    """List the tests that were not run, with the options that run them."""
     from longball.golden import reader
     from longball.judge.cases import Converged, Exact
     from longball.judge.verdict import compare

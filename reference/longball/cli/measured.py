@@ -115,7 +115,7 @@ def measured(
     if isinstance(rows, MeasuredFlies) and prediction.compared.any():
         share = float(np.nanmedian(rows.measured / prediction.predicted))
         if abs(share / FOOT - 1.0) < 0.2:  # between other units there are larger factors
-            note(f"hit_distance_sc: {share:.2f} of what is predicted; is it in m instead of ft?")
+            note(f"hit_distance_sc: {share:.2f} times the prediction; is it in m instead of ft?")
     if prediction.failed:
         tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
     if nothing := not prediction.solved.any():
@@ -127,7 +127,7 @@ def measured(
 
 
 def _instead(missing: Sequence[str]) -> str:
-    """Return what helps where columns are missing."""
+    """Return a hint for missing columns."""
     if {"spin_axis", "release_spin_rate"} & {*missing}:
         without = ", ".join(name for name, law in MODELS.items() if not law.spin)
         return (

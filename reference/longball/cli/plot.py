@@ -66,6 +66,6 @@ def plot(
 
 
 def _label(name: str, result: Result) -> str:
-    """Say what became of a scene."""
+    """Describe the outcome of a scene."""
     distance = f", {float(result.landing.distance):.1f} m" if result.landing else ""
     return f"{name}: {result.outcome}{distance}"

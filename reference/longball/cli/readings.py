@@ -77,7 +77,7 @@ def readings_with(entry: Entry, option: str) -> Readings | None:
 def ledger_as_data(
     lines: Sequence[tuple[Entry, str]], effects: dict[Readings | None, Estimate]
 ) -> dict[str, Any]:
-    """Return what --json prints."""
+    """Return the ledger for --json."""
     rows = []
     for entry, option in lines:
         row = effects.get(readings_with(entry, option))

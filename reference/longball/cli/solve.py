@@ -55,7 +55,7 @@ LINES = (".jsonl", ".ndjson", ".json", "")
 
 
 def ending(file: str | Path) -> str:
-    """Return how the name of a file ends, which tells what the file holds."""
+    """Return the suffix of a file's name, which decides its format."""
     return Path(file).suffix.lower()
 
 
@@ -208,7 +208,7 @@ def solve(
 
 
 def _with_options(sentence: str, options: Iterable[str]) -> str:
-    """Return what an engine says of its options with those of the command line."""
+    """Return an engine's message with the options' names on the command line."""
     names = {option: f"--{option.replace('_', '-')}" for option in options}
     names |= {"method": "--integrator", "tolerance": "--landing-error"}
     return re.sub(rf"\b({'|'.join(names)})\b", lambda name: names[name[0]], sentence)

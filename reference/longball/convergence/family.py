@@ -171,7 +171,7 @@ def mean_over_phases(values: Array) -> Array:
 
 
 def _jump(one: _Measured) -> float:
-    """Return how much the error changes with the phase, relative to itself.
+    """Return the relative change of the error with the phase.
 
     The median over scenes and the finer half of the steps, without what a smooth error changes
     from one phase to the next. Not where rounding rules.

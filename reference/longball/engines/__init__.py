@@ -1,4 +1,4 @@
-"""How numbers are made: each engine solves a scene into a result."""
+"""Engines: the numerical methods. Each solves a scene into a result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands for numbers in formulas that are written for numbers."""
+"""Dual numbers and polynomials for event functions."""
 
 from __future__ import annotations
 

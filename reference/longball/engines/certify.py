@@ -39,7 +39,7 @@ class Certifying(ManyAtOnce):
     engine: Engine[Any] | ManyAtOnce
 
     def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
-        """Return what `certify` returns for each scene's result, in order."""
+        """Certify the result of each scene, in order."""
         results = solve_each(scenes, self.engine, threads)
         return [certify(scene, result) for scene, result in zip(scenes, results, strict=True)]
 
@@ -84,7 +84,7 @@ def certify(scene: Scene, result: Result) -> Result:
 
 
 class _Refuted(Exception):
-    """What a result says is proven to be otherwise, or is not what there is a proof of."""
+    """Raised where a proof contradicts a result, or does not cover it."""
 
 
 def _with_errors(result: Result, truth: dict[str, Any]) -> tuple[Result, bool]:

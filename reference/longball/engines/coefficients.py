@@ -81,7 +81,7 @@ def shifted(p: Any, begin: float) -> Any:
 
 
 def stays_high(p: Any, end: float) -> bool:
-    """Tell whether p certainly stays above p(0)/2 > 0 on [0, end].
+    """True if p certainly stays above p(0)/2 > 0 on [0, end].
 
     From ``p(t) = p_0 + t (p_1 + t (…))``, with the least that each bracket can be.
     """

@@ -154,7 +154,7 @@ class Segment:
 
     @property
     def length(self) -> Mpf:
-        """How long the segment is, s."""
+        """Length of the segment, s."""
         return 2 * self.half
 
     def at(self, t: Mpf) -> State[Mpf]:
@@ -265,7 +265,7 @@ class Collocation:
 
     @property
     def _enough(self) -> int:
-        """Return how many coefficients may matter: the last are there to show that they do not."""
+        """Return the number of coefficients to compute; the last show that no more matter."""
         return len(self.rule.nodes) - _IDLE
 
     def _change_of_length(self, needed: float) -> float:
@@ -389,7 +389,7 @@ class Collocation:
         return segment, self._needed(sizes, fastest)
 
     def _needed(self, sizes: list[Mpf], speed: Mpf) -> float:
-        """Return how many coefficients are needed, from what each means to a velocity, m/s."""
+        """Return the number of coefficients needed, from the effect of each on a velocity, m/s."""
         matter = [k for k, size in enumerate(sizes, start=1) if size > self.tolerance * speed]
         if not matter or matter[-1] <= self._enough:
             return matter[-1] if matter else 0
@@ -488,7 +488,7 @@ class SegmentCurve:
         return series
 
     def positive(self, a: Mpf, b: Mpf) -> bool:
-        """Tell whether the value is certainly positive: all |P_k| <= 1 on the segment."""
+        """True if the value is certainly positive: all |P_k| <= 1 on the segment."""
         first, *others = self._in_doubles(map(self.value, self.segment.at_nodes))
         # The slack is far more than the rounding of doubles: no graze is passed over.
         return bool(first > (1 + 1e-9) * np.abs(others).sum())

@@ -126,7 +126,7 @@ def _compiled(source: str) -> ModuleType:
 
 
 class _Cache:
-    """What numba asks about the compiled code of a function."""
+    """Cache of compiled code, as numba asks for it."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         code = function.__code__
@@ -195,7 +195,7 @@ def folders() -> Iterator[Path]:
 
 
 def _read(name: str) -> bytes | None:
-    """Return what was written, or say that code is being compiled, and return None."""
+    """Load compiled code; without any, announce the compilation and return None."""
     for folder in folders():
         try:
             whole = (folder / name).read_bytes()

@@ -38,10 +38,10 @@ class Proving(ABC):
 def to_digits(
     scene: Scene, engine: Any, solved: Callable[[Any], tuple[Result, T]]
 ) -> tuple[Result, T]:
-    """Return what a function makes of an engine, with the digits that the engine promises.
+    """Call a function with an engine until the result has the digits that the engine promises.
 
-    Where they are missed, or a question is open, that is what finer engines make of it. The result
-    is an error if none brings the digits about.
+    Where digits are missed or a question is open, finer engines try again. The result is an error
+    if none of them has the digits.
     """
     result, rest = solved(engine)
     if not isinstance(engine, Proving):

@@ -1,4 +1,4 @@
-"""What an engine does for the chain of an at-bat: it flies a ball, and it meets a bat."""
+"""The engine protocol: fly a ball, and meet a bat."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class OutOfRange(CannotSolve):
 
 @dataclass(frozen=True)
 class Touch(Generic[N]):
-    """How a pitch meets the bat."""
+    """Contact of a pitch with the bat, or the miss."""
 
     margin: N  # m; `reach` minus the closest distance of the undisturbed pitch
     touched: bool | None  # None if the margin is too small for the engine to tell
@@ -53,7 +53,7 @@ class Touch(Generic[N]):
 
     @property
     def leaving(self) -> bool:
-        """Whether `state` is where the ball would leave the bat, instead of where it enters."""
+        """True if `state` is where the ball would leave the bat, instead of where it enters."""
         return False
 
 
@@ -106,7 +106,7 @@ class Engine(Protocol[N]):
 
 
 class Stepped(Generic[N], ABC):
-    """What an engine offers besides if it advances in fixed steps, as the paper does.
+    """Protocol of engines that advance in fixed steps, as the paper does.
 
     Its bat pushes for some of the steps instead of striking at once.
     """
@@ -124,10 +124,10 @@ class Stepped(Generic[N], ABC):
 
 
 class ManyAtOnce(ABC):
-    """What an engine offers besides if many scenes take it less time together than one by one."""
+    """Protocol of engines that solve many scenes faster together than one by one."""
 
     def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
-        """Return what `longball.engines.chain.solve` returns for each scene, in order."""
+        """Solve each scene as `longball.engines.chain.solve` does, in order."""
         return [Result.model_validate(data) for data in self.solve_as_data(scenes, threads)]
 
     @abstractmethod

@@ -112,7 +112,7 @@ class Curve(Protocol[N]):
         """Return the value."""
 
     def positive(self, a: N, b: N) -> bool:
-        """Tell whether the value certainly stays above half of what it is at a, which is positive.
+        """True if the value certainly stays above half of what it is at a, which is positive.
 
         False if that is not clear.
         """
@@ -139,7 +139,7 @@ class Piece(Protocol[N]):
 
     @property
     def length(self) -> N:
-        """How long it is, s."""
+        """Length, s."""
 
     def at(self, t: N) -> State[N]:
         """Return the state at a time on the piece, s since it begins."""

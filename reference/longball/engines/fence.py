@@ -82,7 +82,7 @@ def chords(polyline: Sequence[Sequence[float]], numbers: Numbers[N]) -> list[Cho
 
 @dataclass(frozen=True)
 class Stop(Generic[N]):
-    """How far, s, a flight gets in its plane before it is at the fence, and where that is."""
+    """Distance s along the flight's plane to the fence, and the place there."""
 
     s: N
     place: Place[N]
@@ -138,7 +138,7 @@ def _along(frame: Frame[N], vertex: Sequence[N]) -> N:
 def _seen(
     frame: Frame[N], vertex: Sequence[N], is_open: bool, sense: int, error: N, numbers: Numbers[N]
 ) -> tuple[Any, N, Any]:
-    """Tell whether a vertex is to the left of the flight or on it, how far, and if on it, open."""
+    """Return if a vertex is left of the flight or on it, its offset, and if it is an open end."""
     x, y = vertex[0] - frame.x, vertex[1] - frame.y
     aside = sense * (frame.cos * y - frame.sin * x)
     on = (absolute(aside) > error * (absolute(x) + absolute(y))) ^ True
@@ -219,7 +219,7 @@ def _square(position: Sequence[Any]) -> Any:
 
 
 def _inside(chord: Chord[N], position: Sequence[Any]) -> Any:
-    """Return how far inside a chord's line a position is, m²: times the chord's length."""
+    """Signed distance inside a chord's line, times the chord's length, m²."""
     (ax, ay, _), (bx, by, _) = chord.a, chord.b
     return (by - ay) * (position[0] - ax) - (bx - ax) * (position[1] - ay)
 

@@ -148,7 +148,7 @@ class Ivp(PathEngine[float]):
     def _integrate(
         self, law: Law[float], time: float, state: Array, limit: float, events: Events[float]
     ) -> Any:
-        """Return what solve_ivp returns, up to the first of the events that it sees."""
+        """Integrate with solve_ivp up to the first event that it sees."""
         rates, taylor = right_hand_side(law), self.method == "Taylor"
         if not taylor and not np.isfinite(rates(time, state)).all():
             raise OutOfRange(_BEYOND)
@@ -301,7 +301,7 @@ def _expanded(law: Law[float], time: float, state: Array, end: float) -> Iterato
 
 
 def _length(begin: float, end: float) -> float:
-    """Return how long a piece is, rounded such that it reaches its end."""
+    """Return the length of a piece, rounded up so that it reaches its end."""
     length = end - begin
     return length if begin + length >= end else math.nextafter(length, math.inf)
 

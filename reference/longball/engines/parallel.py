@@ -21,7 +21,7 @@ def in_parallel(
     workers: int,
     threads: bool = False,  # whether workers are threads, and not processes
 ) -> Iterator[T]:
-    """Return what a function gives for each tuple of arguments, in order.
+    """Yield a function's value for each tuple of arguments, in order.
 
     Raises `TypeError` or `ValueError` if the number of workers is none; `MissingExtra` if several
     are asked for, and joblib (extra ``fast``) is not installed.

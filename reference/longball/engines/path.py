@@ -74,7 +74,7 @@ class Flight(Generic[N]):
     flown_by: str = field(default="", kw_only=True)
 
     def stopped(self, name: str) -> Any:
-        """Tell whether an event of that name stopped it."""
+        """True if an event of that name stopped it."""
         return self.stop == name
 
     def highest(self, numbers: Numbers[N]) -> tuple[N, State[N]] | None:

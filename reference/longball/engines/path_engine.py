@@ -99,7 +99,7 @@ class PathEngine(Engine[N], ABC):
         )
 
     def _ends_of(self, form: Law[N], branches: Sequence[int], events: Events[N]) -> list[_End[N]]:
-        """Return what ends these forms of a law.
+        """Return the events that switch from these branches of a law.
 
         Not a height at which an event ends the flight: where the two coincide, it is the event.
         """
@@ -120,7 +120,7 @@ class PathEngine(Engine[N], ABC):
         return found
 
     def _ends_all_at(self, height: N, law: Law[N], events: Events[N]) -> bool:
-        """Tell whether an event's value is zero at a height, m, wherever else the ball is."""
+        """True if an event's value is zero at a height, m, wherever else the ball is."""
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
         anywhere: Any = law.state(*(Dual(nothing, one) for _ in law.variables))
         values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
@@ -305,7 +305,7 @@ class _Level(Generic[N]):
     value: N
 
     def same_as(self, other: _Level[N]) -> bool:
-        """Tell whether it is the same level of the same: of a number with a radius, both parts."""
+        """True if it is the same level of the same: of a number with a radius, both parts."""
         if self.passage.outputs != other.passage.outputs:
             return False
         numbers: Any = self.value, other.value
@@ -314,7 +314,7 @@ class _Level(Generic[N]):
 
 
 class _End(NamedTuple, Generic[N]):
-    """What ends a form of a law: an event, of which bend, which way it goes, past which level."""
+    """A switching event: its bend, its direction, and the level that is crossed."""
 
     event: Event[N]
     which: int

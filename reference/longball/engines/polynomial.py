@@ -110,7 +110,7 @@ class PolynomialCurve:
         )
 
     def positive(self, a: float, b: float) -> bool:
-        """Tell whether the value stays above half of what it is at a, which is positive."""
+        """True if the value stays above half of what it is at a, which is positive."""
         return bool(self.run.stays_high(self._from(a), (b - a) / self.unit))
 
     def turns(self, a: float, b: float) -> Sequence[float]:

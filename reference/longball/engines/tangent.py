@@ -417,7 +417,7 @@ class JetPiece:
 
     @property
     def length(self) -> Jet:
-        """How long it is, s."""
+        """Length, s."""
         return Jet(self.piece.length)
 
     def at(self, t: Jet) -> Any:
@@ -532,7 +532,7 @@ _GOOD, _ROUNDINGS = 1e-12, 8
 
 
 def rates_of(scene: Scene, name: str) -> dict[str, float]:
-    """Return how fast numbers of a scene change with an input, by their paths.
+    """Return the derivatives of a scene's numbers by an input, by path.
 
     The input is one of them, or is named in `longball.model.inputs.TRACKED`.
     """

@@ -66,7 +66,7 @@ _QUIET = np.errstate(all="ignore")
 
 
 class Treatment(NamedTuple):
-    """How the force at the end of a step is had, which depends on the velocity there."""
+    """Treatment of the force at a step's end, which depends on the velocity there."""
 
     ahead: float  # it is evaluated at v + ahead · a Δt
     # Whether it is then evaluated at the v' that it leads to, until v' no longer changes
@@ -115,7 +115,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class SteppedTouch(Touch[float]):
-    """How a pitch meets the bat in steps."""
+    """Contact of a pitch with the bat in steps."""
 
     step: int  # number of the step before the first one in the bat
     # before, inside: the states at that step and at the next one
@@ -496,7 +496,7 @@ class ChordCurve:
         return float(interpolate(before, after, t / self.chord.length))
 
     def positive(self, a: float, b: float) -> bool:
-        """Tell whether the value is positive from a to b."""
+        """True if the value is positive from a to b."""
         return self(a) > 0.0 and self(b) > 0.0
 
     def turns(self, a: float, b: float) -> tuple[float, ...]:
@@ -530,7 +530,7 @@ def _distance(bat: BatSection[float], state: State[Any]) -> Any:
 
 
 def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool:
-    """Tell whether a ball for which an event is there already stays with it."""
+    """True if a ball for which an event is there already stays with it."""
     if event.value(start) > 0.0:
         return False
     rates = law.pointwise(DOUBLES)(*start)

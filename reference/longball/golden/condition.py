@@ -1,4 +1,4 @@
-"""How a result depends on its inputs, and what accuracy doubles can therefore attain.
+"""Sensitivity of a result to its inputs, and the accuracy that doubles can attain.
 
 **Derivatives.** Each number of a scene that is an input of the model is moved to either side, the
 whole scene is solved again, and the central difference taken: a diagnostic of three digits. It is
@@ -63,7 +63,7 @@ _SEEN = 1e-6
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What inputs do to a result."""
+    """Derivatives of a result by its inputs."""
 
     # ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome.
     derivatives: Mapping[str, Mapping[str, float | None]]
@@ -192,7 +192,7 @@ def _bat_height(scene: Scene, result: Result) -> float:
 
 
 def condition(result: Result, found: Sensitivity) -> Condition:
-    """Return what a golden case says about its condition."""
+    """Return the condition block of a golden case."""
     return Condition(
         derivatives={
             name: {
@@ -206,7 +206,7 @@ def condition(result: Result, found: Sensitivity) -> Condition:
 
 
 def rates(result: Result) -> dict[str, float]:
-    """Return how fast the ball crosses the surface of each event, m/s."""
+    """Return the speed at which the ball crosses each event's surface, m/s."""
     speeds = {}
     if result.plate is not None:
         speeds["plate"] = abs(float(result.plate.velocity[0]))

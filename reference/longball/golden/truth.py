@@ -79,7 +79,7 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
 def _compared(
     scene: Scene, proven: Result, other: Result, digits: int
 ) -> tuple[bool, float | None]:
-    """Tell whether two results agree, and their largest difference in 1e-30 of a size."""
+    """Return if two results agree, and their largest difference in 1e-30 of a size."""
     here, there = dict(numbers_of(proven)), dict(numbers_of(other))
     agrees, largest = True, Decimal(0)
     with localcontext(prec=_PREC):
@@ -94,7 +94,7 @@ def _compared(
 
 
 def quantities(result: Result, errors: dict[str, float | None]) -> dict[str, Quantity]:
-    """Return what every number of a result is in doubles, and how well doubles can know it."""
+    """Return every number of a result as a double, with the accuracy that doubles can attain."""
     table, magnitude = {}, magnitudes(result)
     for name, number in numbers_of(result):
         double, error, size = as_double(number), errors[name], magnitude[name]

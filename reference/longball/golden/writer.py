@@ -175,7 +175,7 @@ def header(
 
 
 def made_by() -> dict[str, str]:
-    """Return who computes, and the versions of everything that takes part."""
+    """Return the versions of longball, Python and the libraries that compute the data."""
     return {
         "truth": f"{Enclosure(DIGITS).description}, and up to {WORK[-1]} where it takes more",
         "confirmation": f"{Multiprecision(CONFIRMING[0]).description}, and up to {CONFIRMING[-1]} "

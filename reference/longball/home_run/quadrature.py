@@ -482,7 +482,7 @@ class _Intervals:
         return replace(self.inputs.chosen(self.ends.line), aim=self.ends.place)
 
     def _moves_of_jumps(self, far: Array) -> Array:
-        """Return how fast jumps move along the aim with e, m; 0 if farther than `far` in a step."""
+        """Return the derivatives of jumps' places by e, m; 0 for a move beyond `far` in a step."""
         some = self.ends.jumps
         lines, place = self.inputs.chosen(self.ends.line[some]), self.ends.place[some]
         grid = place[:, None] + far[:, None] * np.array([-1.0, 1.0])
@@ -503,7 +503,7 @@ def _along(clearance: Clearance, inputs: Samples) -> Callable[[Array, Integers],
 
 
 def _moves(clearance: Clearance, roots: Samples, step: Array) -> Array:
-    """Return how fast roots move along the aim with e: -(∂D/∂e)/(∂D/∂aim)."""
+    """Return the derivatives of roots' places along the aim by e: -(∂D/∂e)/(∂D/∂aim)."""
     e = clearance.restitution
     by_e = replace(clearance, restitution=e + _STEP)(roots)
     by_e -= replace(clearance, restitution=e - _STEP)(roots)

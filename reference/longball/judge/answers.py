@@ -93,12 +93,12 @@ class Collector:
 
     @property
     def left_out(self) -> dict[Kind, int]:
-        """Return how many issues of each kind are counted only."""
+        """Return the number of unlisted issues, by kind."""
         return {kind: n - KEPT for kind, n in self._count.items() if n > KEPT}
 
     @property
     def faults(self) -> int:
-        """Return how many issues there are, besides unknown keys."""
+        """Return the number of issues other than unknown keys."""
         return sum(n for kind, n in self._count.items() if kind != "unknown key")
 
     def report(self, kind: Kind, sentence: str, line: int | None = None) -> None:

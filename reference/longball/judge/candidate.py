@@ -246,7 +246,7 @@ class _Session:
 
 
 def _end(status: int) -> str:
-    """Return how a process ended."""
+    """Describe the end of a process."""
     if status >= 0:
         return f"it ended with status {status}"
     names = {s.value: s.name for s in signal.Signals}

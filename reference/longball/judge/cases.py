@@ -159,7 +159,7 @@ class Profile:
         return f"exact: within {SLACK:g} times the error that double precision cannot avoid"
 
     def scheme(self) -> Verlet | None:
-        """Return who computes what counts as true, if that is not the golden data."""
+        """Return the engine whose results count as true; None for the golden data."""
         return None
 
     def truths(self, cases: Sequence[Case]) -> Sequence[Case]:

@@ -97,7 +97,7 @@ class Coverage:
 
     @property
     def bits(self) -> list[float]:
-        """How surprising each edit is."""
+        """Cost of each edit, bits."""
         return [edit.bits for edit in self.edits]
 
     def by_stage(self, some: Bools) -> list[tuple[str, int, int]]:
@@ -140,7 +140,7 @@ class Replaced:
 
 
 def _durations(case: Case) -> Iterator[float]:
-    """How long the flights of a case last, s."""
+    """Durations of a case's flights, s."""
     found = case.expected
     for block in (found.plate, found.landing, found.fence):
         begun = found.contact.time if found.contact and block is not found.plate else 0.0
@@ -209,7 +209,7 @@ NODES = 4  # of a Gauss-Legendre rule over the time of flight, at which laws are
 
 
 class _Flown:
-    """What edits do to the ends of a stage's flights.
+    """Effects of edits on the ends of a stage's flights.
 
     A change of the acceleration moves an end by its integrals, as if nothing else moved: right to
     a factor near 1, where an edit is noticed by many powers of ten or not at all.
@@ -264,7 +264,7 @@ class _Flown:
 
 
 class _Direct:
-    """What edits do to a formula, or to the function that an event falls through zero of."""
+    """Effects of edits on a formula, or on an event's function."""
 
     def __init__(self, stage: Stage, columns: Columns) -> None:
         self.at = Values(columns)
@@ -278,7 +278,7 @@ class _Direct:
 
 @dataclass(frozen=True)
 class _Effects:
-    """What edits do at a stage, in the scenes that have it."""
+    """Effects of edits at a stage, in the scenes that have it."""
 
     some: Index
     effects: _Flown | _Direct
@@ -342,7 +342,7 @@ def _why(moved: Array, allowed: Array) -> str:
 
 
 def _hash(moved: Array) -> int:
-    """What is the same of numbers that agree to three digits."""
+    """Key that is equal for numbers that agree to three digits."""
     bits = moved.astype(np.float32).view(np.int32)
     return hash((((bits + 0x1000) >> 13) * (moved != 0)).tobytes())
 

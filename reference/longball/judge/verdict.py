@@ -469,7 +469,7 @@ _MOST_DIGITS = 17.0  # a double holds no more than this
 
 
 def right_digits(error: float, size: float) -> float:
-    """Return how many decimal digits of a number of some size are right with an error."""
+    """Return the number of right decimal digits, from a number's size and error."""
     if not error:
         return _MOST_DIGITS
     return max(0.0, min(_MOST_DIGITS, math.log10(size) - math.log10(error)))

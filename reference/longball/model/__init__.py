@@ -1,1 +1,1 @@
-"""What is true before any number is computed."""
+"""The model: scenes, laws and formulas, before any number is computed."""

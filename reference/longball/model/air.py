@@ -24,7 +24,7 @@ from longball.model.vectors import Vector
 
 
 class Flow(NamedTuple):
-    """How a ball flies through the air, as coefficients ask for it.
+    """Motion of a ball through the air, as coefficients need it.
 
     ω is the spin at launch, ω_T its part across the velocity u through the air, and ``U = |u|``.
     The spin parameter ``S = R ω_T/U`` is that of the spin that is left; it comes as a fraction, so
@@ -240,7 +240,7 @@ class Table(Block):
 
     law: Literal["table"]
     of: Literal["speed", "mach", "spin_parameter"] = Field(
-        description="what it depends on: the airspeed, m/s; the Mach number; S = R ω_T / U"
+        description="argument: the airspeed, m/s; the Mach number; S = R ω_T / U"
     )
     at: tuple[NotNegative, ...] = Field(min_length=2, max_length=100, description="the nodes")
     values: tuple[Quantity, ...] = Field(description="of the coefficient, at the nodes")
@@ -313,7 +313,7 @@ DRAG_LAWS, LIFT_LAWS = (
 
 
 class Weather(Block):
-    """What the density of the air follows from; see `longball.model.atmosphere.density`."""
+    """Weather, which sets the density of the air; see `longball.model.atmosphere.density`."""
 
     temperature: float = Field(default=288.15, ge=150.0, le=350.0, description="K")
     # The sea-level pressure has never been measured below 870 hPa; at 10 kPa nobody could play.
@@ -379,7 +379,7 @@ Density = Annotated[
 
 
 class Air(Block):
-    """What acts on the ball in flight (paper, Sec. III.B), and more if it is named."""
+    """Air: density, coefficients (paper, Sec. III.B), and wind."""
 
     density: Density = Field(default=1.29, description="kg/m³ at height 0, or the weather")
     drag_coefficient: DragCoefficient = Field(default=0.4, description="C_D, or its law")
@@ -424,7 +424,7 @@ class Air(Block):
 
     @property
     def lift_is_constant(self) -> bool:
-        """Whether C_L does not fall with the spin parameter, to zero."""
+        """True if C_L does not fall with the spin parameter, to zero."""
         law = self.lift_coefficient
         if isinstance(law, Table):
             return law.of != "spin_parameter" or law.at[0] > 0.0 or law.values[0] != 0.0
@@ -433,7 +433,7 @@ class Air(Block):
 
     @property
     def lift_needs_spin(self) -> bool:
-        """Whether C_L means nothing without a spin."""
+        """True if C_L means nothing without a spin."""
         return by_spin(self.lift_coefficient)
 
     @property
@@ -447,7 +447,7 @@ class Air(Block):
 
 
 def by_spin(law: Any) -> bool:
-    """Tell whether a coefficient, or its law, depends on the spin."""
+    """True if a coefficient, or its law, depends on the spin."""
     name, of = getattr(law, "law", "constant"), getattr(law, "of", "")
     named = name in ("spin", "rational", "linear", "bilinear") or of == "spin_parameter"
     return named or getattr(law, "per_spin", 0.0) != 0.0

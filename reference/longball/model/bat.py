@@ -55,7 +55,7 @@ def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers[N]) -> N:
 
 @dataclass(frozen=True)
 class CollisionParameters(Generic[N]):
-    """What the impulse depends on besides the velocities."""
+    """Parameters of the impulse, besides the velocities."""
 
     restitution: N  # ẽ, between ball and bat
     reduced_mass: N  # μ, kg

@@ -38,7 +38,7 @@ else:
 
 
 class Strict(BaseModel, metaclass=_Public):
-    """What has fixed keys, and values of fixed types."""
+    """A model with fixed keys, whose values have fixed types."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 

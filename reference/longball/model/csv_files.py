@@ -51,7 +51,7 @@ def not_utf8(error: UnicodeDecodeError) -> str:
 
 
 def _binary(data: bytes) -> str:
-    """Return what data are that are not text, in words; empty if they may be text."""
+    """Describe data that are not text; empty if they may be text."""
     kinds = [kind for beginning, kind in _BINARY.items() if data.startswith(beginning)]
     return f"not text but {kinds[0]}" if kinds else ""
 

@@ -507,7 +507,7 @@ def _impact() -> Path:
 
 
 def _derived() -> dict[str, sp.Expr | sp.Matrix]:
-    """Return what each function of impact.py returns."""
+    """Return the expression of each function of impact.py."""
     to_components = _in_space(sp.eye(3)).T
     on_axis = Bodies(*(to_components * vector for vector in BODIES))
     moved = pushed(Bodies(*(sp.zeros(3, 1) for _ in BODIES)))

@@ -84,7 +84,7 @@ class CrisisDragDict(TypedDict, total=False):
 class TableDict(TypedDict, total=False):
     law: Required[Literal["table"]]
     of: Required[Literal["speed", "mach", "spin_parameter"]]
-    """what it depends on: the airspeed, m/s; the Mach number; S = R ω_T / U"""
+    """argument: the airspeed, m/s; the Mach number; S = R ω_T / U"""
     at: Required[Vector]
     """the nodes"""
     values: Required[Vector]

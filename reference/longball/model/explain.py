@@ -110,7 +110,7 @@ def is_vector(parts: tuple[Any, ...]) -> bool:
 
 
 def in_our_words(message: str) -> str:
-    """Return what pydantic says of a value as the end of a sentence about it."""
+    """Reword pydantic's message on a value as the end of a sentence about it."""
     message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
     return message.replace("should", "must").replace("a valid number", "a number")
 

@@ -146,7 +146,7 @@ def gripping_impulse(
 def sliding_resistance(
     inverse_mass: tuple[Number, ...], friction: Number, direction: tuple[Number, ...]
 ) -> Number:
-    """What resists the impulse of a ball that slides; not positive: the two jam.
+    """Resistance to the impulse of a sliding ball; if it is not positive, ball and bat jam.
 
     D = n·K(n - μ_f t), in 1/kg.
     """

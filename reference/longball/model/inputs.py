@@ -74,7 +74,7 @@ def axes_of(angle: N, direction: N, numbers: Numbers[N]) -> tuple[Vector[N], ...
 
 
 def tracked(scene: Scene) -> dict[str, float]:
-    """Return what trackers give of the launch of a scene, by its names in `TRACKED`.
+    """Return a launch in trackers' quantities, by their names in `TRACKED`.
 
     Nothing of other scenes than flights, of a launch at rest, and of its spin if it has none.
     """

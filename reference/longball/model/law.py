@@ -78,7 +78,7 @@ def state_of_variables(variables: tuple[str, ...]) -> Callable[..., Any]:
 
 
 def in_plane(state: Any) -> bool:
-    """Tell whether a state is one in the vertical plane of a flight."""
+    """True if a state is one in the vertical plane of a flight."""
     return not hasattr(state, "y")
 
 
@@ -86,7 +86,7 @@ def in_plane(state: Any) -> bool:
 
 
 class Motion(NamedTuple):
-    """What a force may depend on, in the frame of the flight.
+    """Variables of a force, in the frame of the flight.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
 
 
 def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Motion:
-    """Return how a ball moves through the air, with the spin that is left after a `path`."""
+    """Return the motion through the air, with the spin that is left after a `path`."""
     through = minus(velocity, wind(p, position[2]))
     left = _spin_left(p, path, _size(p, through))
     spin, size = (p.spin_s, p.spin_y, p.spin_z), p.spin
@@ -151,7 +151,7 @@ def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Mo
 
 
 def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) -> Flow:
-    """Return how a ball flies through the air with a spin at launch, of which so much is left."""
+    """Return the motion through the air, from the spin at launch and the fraction that is left."""
     speed, across = _size(p, velocity), cross(spin, velocity)
     turning = norm(across)  # ω_T U
     # ω_T, ω_T U, and top and bottom of ω_T/U: of all the spin, and of its part across the velocity.
@@ -206,7 +206,7 @@ class Force(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """What of a scene decides which operations its law has; numbers are strengths."""
+    """Choices of a scene that decide its law's operations; its numbers are strengths."""
 
     # The laws of the coefficients
     drag: Any = ConstantDrag
@@ -262,7 +262,7 @@ def _strength(coefficient: str, key: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Traced:
-    """What is traced of a law."""
+    """Traced parts of a law."""
 
     rates: Mapping[str, Node]  # of the variables, by name
     spin_left: Node  # the size of the spin, relative to that at launch
@@ -384,7 +384,7 @@ class Bend(NamedTuple, Generic[N]):
 
     @property
     def blows(self) -> bool:
-        """Whether it is the wind: where that changes, airspeeds jump."""
+        """True if it is the wind: where that changes, airspeeds jump."""
         return self.of == "wind"
 
 
@@ -447,7 +447,7 @@ class Law(Generic[N]):
 
     @property
     def is_paper(self) -> bool:
-        """Whether nothing acts but the paper's drag, lift and gravity."""
+        """True if nothing acts but the paper's drag, lift and gravity."""
         return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.bends
 
     @property

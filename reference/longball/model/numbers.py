@@ -1,4 +1,4 @@
-"""What the model asks of a number system: doubles today, any precision tomorrow.
+"""Number systems: doubles, mpmath, balls.
 
 The chain of an at-bat and every formula of the model are written over these two protocols,
 so that they stand once for doubles, for mpmath and for ball arithmetic.
@@ -80,7 +80,7 @@ class Numbers(Protocol[N]):
         """Return the double `value` itself, not a rounded or decimal relative of it."""
 
     def absent(self, value: float) -> bool:
-        """Tell whether a number of a scene is zero, so that what it multiplies is not there."""
+        """True if a number of a scene is zero: its term is dropped."""
 
     def where(self, condition: Any, x: N, y: N) -> N:
         """Return x where a condition of `positive` holds, y elsewhere."""
@@ -95,7 +95,7 @@ class Numbers(Protocol[N]):
         """Return the angle from the x axis to a vector, rad."""
 
     def positive(self, x: N, error: N, question: str) -> bool:
-        """Tell whether ``x > 0``; `Undecided`, with the question, if `x` is within its error."""
+        """True if ``x > 0``; `Undecided`, with the question, if `x` is within its error."""
 
     def report(self, x: N) -> Number:
         """Return `x` as a result writes it."""
@@ -121,7 +121,7 @@ def doubt(x: N, error: N, question: str, numbers: Numbers[N]) -> str:
 
 
 class Single(Generic[N]):
-    """What number systems of one number at a time share."""
+    """Base of number systems that hold one number at a time."""
 
     precision: str  # as messages have it
 
@@ -130,7 +130,7 @@ class Single(Generic[N]):
         return nullcontext()
 
     def absent(self, value: float) -> bool:
-        """Tell whether a number of a scene is zero."""
+        """True if a number of a scene is zero."""
         return value == 0.0
 
     def where(self, condition: bool, x: N, y: N) -> N:
@@ -138,7 +138,7 @@ class Single(Generic[N]):
         return x if condition else y
 
     def positive(self, x: N, error: N, question: str) -> bool:
-        """Tell whether ``x > 0``; see `Numbers.positive`."""
+        """True if ``x > 0``; see `Numbers.positive`."""
         # Exact zero with no error is a clean "no"; everything inside the error is not decided.
         if abs(x) > error or x == cast(Any, error) == 0:
             return bool(x > 0)

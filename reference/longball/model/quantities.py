@@ -50,7 +50,7 @@ def steps_of(name: str) -> list[str]:
 
 
 def at(block: Any, name: str) -> Any:
-    """Return what stands under a name, number or not; None if it is left out.
+    """Return the value under a name, number or not; None if it is absent.
 
     A ValueError says that the way there leads through something that has no parts, or not so many.
     """

@@ -113,12 +113,12 @@ class Entry:
 
     @property
     def is_switch(self) -> bool:
-        """Whether it is chosen by name; the masses are numbers of a scene."""
+        """True if it is chosen by name; the masses are numbers of a scene."""
         return self.belongs != "scene" or self.switch in Reading.model_fields
 
     @property
     def belongs(self) -> Belongs:
-        """What it changes."""
+        """The part that it changes: scene, sampling, scheme or figure."""
         if self.switch in SamplingReading.model_fields:
             return "sampling"
         if self.switch in SCHEME_OPTIONS:

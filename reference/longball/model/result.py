@@ -188,7 +188,7 @@ def signed(engine: str) -> str:
 
 
 class Result(Strict):
-    """What an engine answers to one scene."""
+    """The result of a scene."""
 
     id: str | None = Field(description="the scene's id; null if its line had none")
     outcome: Outcome | None = Field(default=None, description="absent if there is an error")

@@ -38,7 +38,7 @@ from longball.model.vectors import cross, plus, scaled
 
 
 class InvalidScene(ValueError):
-    """What is not a scene, or contradicts itself; the message says what is wrong, and where."""
+    """Raised for an invalid scene; the message names the key and the fault."""
 
     code: ErrorCode = "invalid"
 
@@ -237,7 +237,7 @@ class Earth(_Block):
 
 
 class Fence(_Block):
-    """What a batted ball flies over or hits: a circle on the ground, or a line of straight chords.
+    """Fence that a batted ball clears or hits: a circle on the ground, or a line of chords.
 
     A chord's left side, seen from its first vertex, is outside; where the height steps, a vertex is
     given twice.
@@ -286,7 +286,7 @@ def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]
 
 
 def _folds(a: tuple[float, float], b: tuple[float, float], d: tuple[float, float]) -> bool:
-    """Tell whether the way from a to b goes back on itself to d."""
+    """True if the way from a to b goes back on itself to d."""
     back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
     return _turn(a, b, d) == 0 and back > 0
 
@@ -294,7 +294,7 @@ def _folds(a: tuple[float, float], b: tuple[float, float], d: tuple[float, float
 def _meet(
     a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], d: tuple[float, float]
 ) -> bool:
-    """Tell whether two chords have a point in common."""
+    """True if two chords have a point in common."""
     if max(min(a[0], b[0]), min(c[0], d[0])) > min(max(a[0], b[0]), max(c[0], d[0])):
         return False
     if max(min(a[1], b[1]), min(c[1], d[1])) > min(max(a[1], b[1]), max(c[1], d[1])):
@@ -599,7 +599,7 @@ def _json(text: str) -> Any:
 
 # Python's words for what often stands in files of scenes, and ours.
 _JSON_FAULTS = {
-    "Extra data": "more after its end, from character {at} on; each scene has a line of its own",
+    "Extra data": "text after its end, from character {at} on; write one scene per line",
     "Expecting value": 'at character {at} a value is needed, such as {"kind": "at-bat"} or 9.8',
     "Expecting property name enclosed in double quotes": "at character {at} a key in double quotes "
     "is needed",
@@ -607,7 +607,7 @@ _JSON_FAULTS = {
 
 
 def _is_text(value: Any) -> bool:
-    """Tell whether a value is a string that can be written: no half of a surrogate pair."""
+    """True if a value is a string that can be written: no half of a surrogate pair."""
     return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
 
 
@@ -628,7 +628,7 @@ _DECODER = json.JSONDecoder(
 
 
 def vector_length(name: str) -> int | None:
-    """Return how many numbers the vector under a name has, 2 or 3; None if it is no vector."""
+    """Return the length of the vector under a name, 2 or 3; None if it is no vector."""
     fields = [field for kind in KINDS.values() for field in parts_of(kind, name.split("."))]
     parts = [get_args(x) for field in fields for x in within(field.annotation)]
     return next((len(part) for part in parts if is_vector(part)), None)

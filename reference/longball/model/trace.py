@@ -106,7 +106,7 @@ def variable(name: str) -> Node:
 
 
 def parameter(name: str) -> Node:
-    """Return what is the same all along a flight."""
+    """Return a node for a constant of the flight."""
     return _make("parameter", name)
 
 
@@ -119,7 +119,7 @@ ZERO, _ONE, _MINUS_ONE = constant(0.0), constant(1.0), constant(-1.0)
 
 
 def _exact(a: Node, symbol: str, b: Node) -> Node:
-    """Return what an operation makes of two constants, if that is a double itself."""
+    """Fold an operation on two constants, if the result is exactly a double."""
     operation = {"+": operator.add, "*": operator.mul, "/": operator.truediv}[symbol]
     result = operation(a.args[0], b.args[0])
     if operation(Fraction(a.args[0]), Fraction(b.args[0])) != Fraction(result):
@@ -356,7 +356,7 @@ class Program:
 
 
 class Names(dict[Node, str]):
-    """What the nodes of a program are called in printed code."""
+    """Names of a program's nodes in printed code."""
 
     def __missing__(self, node: Node) -> str:
         if node.kind == "constant":
@@ -402,7 +402,7 @@ class Names(dict[Node, str]):
 
 
 def run_source(source: str, name: str, functions: Mapping[str, Callable[..., Any]]) -> Any:
-    """Return what printed code defines under a name, given the functions that it calls."""
+    """Run printed code with the functions that it calls, and return the object of a name."""
     return _run(source, tuple(functions.items()))[name]
 
 

@@ -171,9 +171,8 @@ def measured(
     Returns
     -------
     pandas.DataFrame
-        A row for each ball that can be used, ``row`` being its number in the table: what was
-        measured and what is predicted, in SI units and the frame of scenes; NaN where the ball
-        does not get there.
+        A row for each usable ball, with its number in the table as ``row``: measured and predicted
+        values, in SI units and the frame of scenes; NaN where the ball does not arrive.
 
     Raises
     ------

@@ -112,7 +112,7 @@ class Rows(Arrays):
     assumed: tuple[str, ...]  # sentences: what stands for columns that are not in the table
 
     def __len__(self) -> int:
-        """Return how many rows there are."""
+        """Return the number of rows."""
         return len(self.rows)
 
 

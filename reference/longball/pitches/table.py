@@ -58,7 +58,7 @@ class Omission(Strict):
     )
 
     def __str__(self) -> str:
-        """Say how many, why, and which."""
+        """Describe the omitted rows: number, reason and places."""
         rows = ", ".join(map(str, self.first_rows))
         more = ", …" if self.count > len(self.first_rows) else ""
         return f"left out: {self.count}, {self.reason} (row {rows}{more})"

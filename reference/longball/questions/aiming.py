@@ -188,7 +188,7 @@ def _hits(
 def _trial(
     scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine[Any]
 ) -> _Trial | None:
-    """Return how far beyond the target a launch gets; None if it has no landing."""
+    """Return the distance of a launch's landing beyond the target; None without a landing."""
     try:
         if len(target) == 1:
             return _at_a_distance(with_values(scene, values), target[0], engine)

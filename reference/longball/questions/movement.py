@@ -172,7 +172,7 @@ def _vector(values: Array) -> Vector:
 
 @dataclass(frozen=True)
 class Movement:
-    """How far the air moves a pitch across its way, where it crosses the plate.
+    """Movement of a pitch: its deflection by the air across its path, at the plate.
 
     Attributes
     ----------

@@ -126,14 +126,14 @@ def park(name: str) -> Park:
 
 @dataclass(frozen=True)
 class InPark:
-    """What a ball does in a park: its whole result, and what people ask of it."""
+    """A ball in a park: its result, and the quantities that people ask for."""
 
     park: Park
     result: Result
 
     @property
     def is_out(self) -> bool:
-        """Whether it is a home run."""
+        """True if it is a home run."""
         return self.result.outcome == "home_run"
 
     @property

@@ -1,4 +1,4 @@
-"""How uncertain a result is whose scene is: J C Jᵀ, and how far that can be believed."""
+"""Uncertainty of a result from that of its scene, J C Jᵀ, and the validity of that."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the studies ask of struck balls agrees with `longball.home_run` and with the formulas."""
+"""Struck balls agree with `longball.home_run` and with the formulas."""
 
 import math
 

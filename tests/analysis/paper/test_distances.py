@@ -1,4 +1,4 @@
-"""How far a reading is from the paper's figures: known cases, and the χ² that it should be."""
+"""Distances of readings from the paper's figures: known cases, and the χ² distribution."""
 
 import math
 

@@ -41,7 +41,7 @@ def row(what, width, low, high):
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """Return what writes the section for given quantiles of R²."""
+    """Return a function that writes the section for given quantiles of R²."""
     example = fit_pitches(EXAMPLE, replicates=2)
     aims = [row("aim", 1.0, 0.9, 0.99), row("aim on the curve", 1.0, 0.9, 0.95)]
     coverage = [{"draws": 9, "within_1.96": 0.95}]

@@ -38,7 +38,7 @@ def state(s, z, u, w):
 
 
 def same(found, truth, width=1e-30):
-    """Tell whether two balls have something in common, and the first is narrow."""
+    """True if two balls have something in common, and the first is narrow."""
     return found.overlaps(truth) and found.rad() <= width * max(1, abs(truth).upper())
 
 
@@ -329,7 +329,7 @@ def shear(motion, p):
 
 
 def bound_and_separations(field, velocity, error, h, directions=32):
-    """Return how far a bound lets an error grow in h s, and how far flights part in that time.
+    """Return the growth of an error in h s by a bound, and the separation of flights.
 
     Both as a multiple of the error at the start, one separation for each of the directions.
     """

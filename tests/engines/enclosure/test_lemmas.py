@@ -28,7 +28,7 @@ def _precise():
 
 
 def holds(bound, truth, share=1.0):
-    """Tell whether a truth is within its bound, and at least a share of it."""
+    """True if a truth is within its bound, and at least a share of it."""
     # Radii of balls have 30 bits; doubles are off by some 1e-15 here.
     slack = 2**-24 * abs(float(bound)) + 1e-14
     return share * float(bound) - slack <= float(truth) <= float(bound) + slack

@@ -78,7 +78,7 @@ class Elementwise:
         return value
 
     def absent(self, value: Any) -> bool:
-        """Tell whether a number is zero in all scenes."""
+        """True if a number is zero in all scenes."""
         return not np.any(value)
 
     def where(self, condition: Any, x: Any, y: Any) -> Any:
@@ -200,7 +200,7 @@ class Table:
 
 
 class BatchFlyer(Protocol):
-    """Who flies balls for the chain, many at a time; `longball.engines.batch.engine.Batch` does."""
+    """Protocol of engines that fly many balls at once; `batch.engine.Batch` is one."""
 
     @property
     def description(self) -> str:

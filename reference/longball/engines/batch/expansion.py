@@ -461,7 +461,7 @@ class _Expansion(_Writer):
 
 
 def _chains(factors: tuple[Node, Node]) -> int:
-    """Return how many sums are carried for a product of two rows: of a symmetric one, the half."""
+    """Return the number of partial sums of a product of two rows; a symmetric one needs half."""
     a, b = factors
     return 1 if a is b else 2
 

@@ -181,7 +181,7 @@ _NONE = -1  # flies in a lane
 
 
 class _Setup(NamedTuple):
-    """What all flights share: sizes, code, and memory."""
+    """Sizes, code and memory that all flights share."""
 
     # half, variables, parameters, functions: numbers of positions, variables, parameters; and of
     # the waypoint and the events
@@ -399,7 +399,7 @@ def _launch(s: _Setup, slot: _Slot) -> None:
 
 @inner
 def _overflows(s: _Setup, lane: int, order: Integer) -> bool:
-    """Tell whether the expansion of a moving ball to an order leaves the range of doubles.
+    """True if the expansion of a moving ball to an order leaves the range of doubles.
 
     So must not second derivatives, whose coefficients are up to order² as large, and their sums.
     """
@@ -679,7 +679,7 @@ def _put_function(
 
 @inner
 def _rises(p: Any, degree: int) -> bool:
-    """Tell whether a polynomial rises at 0."""
+    """True if a polynomial rises at 0."""
     for k in range(1, degree + 1):
         if p[k] != 0.0:
             return bool(p[k] > 0.0)
@@ -695,7 +695,7 @@ _SOON = 1e-9
 
 @inner
 def _rounding(s: _Setup, number: Integer, lane: int) -> float:
-    """Return what the value of a linear function keeps of the roundings of coordinates."""
+    """Return the rounding error of a linear function's value, from those of the coordinates."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
     total = 0.0
     for k in range(s.half):
@@ -705,7 +705,7 @@ def _rounding(s: _Setup, number: Integer, lane: int) -> float:
 
 @inner
 def _rate(s: _Setup, number: Integer, lane: int) -> float:
-    """Return how fast coordinates change the value of a linear function."""
+    """Return the size of the rate at which a linear function's value changes."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
     total = 0.0
     for k in range(s.half):
@@ -745,7 +745,7 @@ _FAR = 16.0
 
 @inner
 def _search_length(s: _Setup, flight: Any, end: float) -> float:
-    """Return how far, s, a step that may touch the bat is to be searched: not from afar.
+    """Return the length, s, of the part of a step that has to be searched for the bat.
 
     Puts the components of the distance to the bat's axis on the workspace.
     """

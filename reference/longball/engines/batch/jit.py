@@ -1,4 +1,4 @@
-"""What compiled code needs beyond numba's own functions: pointers and calls.
+"""Pointers and calls for compiled code, beyond numba's own functions.
 
 Arrays go as pointers: those are one word, their indices are not wrapped around, and nobody counts
 who uses them; the code is compiled several times faster, and runs faster, than with arrays.

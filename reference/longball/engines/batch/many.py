@@ -201,7 +201,7 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[di
 
 
 def _structure(scene: Scene) -> tuple[Any, ...]:
-    """Return what scenes have in common that differ in nothing but their numbers.
+    """Return the structure that scenes share when only their numbers differ.
 
     Blocks and keys that every scene of a kind has are not looked at: that would take as long again.
     """

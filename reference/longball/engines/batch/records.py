@@ -46,7 +46,7 @@ class Start(NamedTuple):
 
 
 def flies_in_lanes(law: Law[Any]) -> bool:
-    """Tell whether the compiled code flies under a law.
+    """True if the compiled code flies under a law.
 
     Not where the law has several forms, or a state has a path besides positions and velocities;
     nor where nothing keeps a ball from going straight on, to where it comes to rest in a wind.
@@ -185,7 +185,7 @@ def _linear(law: Law[Any], value: Any) -> _Linear:
 
 
 def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
-    """Tell whether the approach to the plate, at height `plate`, holds all that counts of a pitch.
+    """True if the approach to the plate, at height `plate`, holds all that counts of a pitch.
 
     Before it the ball is farther from the bat than the touching, and than at the plate.
     """
@@ -210,7 +210,7 @@ def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
 
 
 def stops(end: Records, events: Events[Any]) -> Any:
-    """Return what stopped flights: of `STOPS`, or why there is no answer."""
+    """Return the reason each flight stopped: one of `STOPS`, or why there is no answer."""
     numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
     by_event = (end["stop"] >= 0) & (end["stop"] < len(events))
     return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]

@@ -135,7 +135,7 @@ def solve_with_restitutions(
 
 
 def quantities_of(scene: Scene, engine: Engine[Any]) -> dict[str, Any]:
-    """Return what a result holds by its names, the outcome too, in the engine's own numbers.
+    """Return a result's quantities and outcome by name, in the engine's own numbers.
 
     Raises `ArithmeticError` or `ValueError` if there is no result: `CannotSolve`, `InvalidScene`,
     `Undecided`, or what `_follow` words.
@@ -147,7 +147,7 @@ def quantities_of(scene: Scene, engine: Engine[Any]) -> dict[str, Any]:
 
 
 def approach_of(scene: AtBatScene, engine: Engine[Any]) -> Approach | None:
-    """Return how pitch and bat of a scene meet; None if the pitch does not reach the plate.
+    """Return the approach of pitch and bat; None if the pitch does not reach the plate.
 
     Raises `CannotSolve` or `InvalidScene` or `Undecided`.
     """
@@ -178,7 +178,7 @@ def _follow(run: Run, chain: Callable[[], None]) -> Result | None:
 
 
 def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = None) -> Result:
-    """Return what has been written, as a result; with an error, if there is one."""
+    """Build the result from the recorded quantities, or from the error."""
 
     def reported(value: Any) -> Any:
         if isinstance(value, tuple):

@@ -40,7 +40,7 @@ class Structure:
 
 @cache
 def structure(program: Program) -> Structure:
-    """Return how the variables of a program depend on each other."""
+    """Return the dependences between the variables of a program."""
     used = {node.args[0] for node in program.nodes if node.kind == "variable"}
     rates = dict(zip(program.variables, program.outputs, strict=True))
     quadratures = {

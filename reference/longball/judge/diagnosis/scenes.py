@@ -250,7 +250,7 @@ class Condition:
         return self.of(found[self.name]) if self.name in found else self.without
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
-        """Return how many choices of as many scenes there are."""
+        """Return the number of ways to choose so many scenes."""
         # Of as many values of a number: scenes that are alike in it fail together.
         if not self.measured:
             return math.comb(len(wrong) + len(right), len(wrong))
