@@ -23,7 +23,7 @@ def noticed(monkeypatch):
     """Return a function from an edit and cases to the ids that notice it, or why none does."""
 
     def found(edit: Edit, cases) -> set[str] | str:
-        (stage, *_) = [s for s in CHAIN if s.edited(edit.place, edit.by) is not s]
+        (stage, *_) = [s for s in CHAIN if s.edited(edit.place, edit.new) is not s]
         monkeypatch.setattr(module, "every_edit", lambda every: [(stage, edit)])
         monkeypatch.setattr(module, "LIMITS", ())
         covered = coverage(cases)

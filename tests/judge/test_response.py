@@ -58,10 +58,13 @@ def rows(stage: Stage, columns: Any) -> Any:
 )
 def test_what_a_small_edit_does_is_what_its_flight_does(family: str, name: str, words: str):
     chain, stage, columns = stage_of(family, name)
-    (edited,) = edit_of(chain, stage, columns, words).apply([stage])
+    edit = edit_of(chain, stage, columns, words)
+    (edited,) = edit.apply([stage])
     factor = 1.0 + 1e-5
-    foreseen = Response(stage, Values(columns)).moved(edited, {FREE: factor})
-    flown = rows(edited, {**columns, FREE: np.float64(factor)}) - rows(stage, columns)
+    foreseen = Response(stage, Values(columns)).moved([(edit, factor)])[0]
+    flown = rows(edited, {**columns, FREE: np.full(len(columns["kind"]), factor)}) - rows(
+        stage, columns
+    )
     assert np.abs(flown).max() > 1e-6  # it does something
     assert foreseen == pytest.approx(flown, abs=2e-3 * np.abs(flown).max())
 
@@ -70,19 +73,18 @@ def test_what_a_small_edit_does_is_what_its_flight_does(family: str, name: str, 
 def test_an_edit_leaves_nothing_of_its_own_errors_and_much_of_another(words: str):
     chain, stage, columns = stage_of("impact", "impulse")
     right = Direct(stage, Values(columns))
-    (edited,) = edit_of(chain, stage, columns, words).apply([stage])
-    (other,) = edit_of(chain, stage, columns, "takes -Ṽ·n").apply([stage])
-    off = right.moved(edited, {})
-    assert left_by(right, edited, FREE, (), off) == pytest.approx(0.0, abs=1e-12)
-    assert left_by(right, other, FREE, (), off) > 1e-4
-    assert left_by(right, edited, FREE, (), -off) == 1.0  # only forwards
+    edit = edit_of(chain, stage, columns, words)
+    other = edit_of(chain, stage, columns, "takes -Ṽ·n")
+    off = right.moved([(edit, None)])[0]
+    assert left_by(right, [edit], [()], off) == pytest.approx([0.0], abs=1e-12)
+    assert left_by(right, [other], [()], off)[0] > 1e-4
+    assert left_by(right, [edit], [()], -off) == [1.0]  # only forwards
 
 
 def test_a_number_may_do_more_than_its_start():
     """The start changes scenes of another g alone; the candidate's number changes all."""
     chain, stage, columns = stage_of("flight-both", "flight")
     edit = edit_of(chain, stage, columns, "takes {c} for g, whatever the scene says")
-    (edited,) = edit.apply([stage])
     effects = Response(stage, Values(columns))
-    off = effects.moved(edited, {FREE: 9.80665})
-    assert left_by(effects, edited, FREE, (9.8,), off) == pytest.approx(0.0, abs=1e-9)
+    off = effects.moved([(edit, 9.80665)])[0]
+    assert left_by(effects, [edit], [(9.8,)], off) == pytest.approx([0.0], abs=1e-9)

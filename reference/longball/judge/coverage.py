@@ -349,8 +349,8 @@ def _hash(moved: Array) -> int:
 
 def _edited(stage: Stage, edit: Edit) -> Stage:
     """The stage with an edit; what exists in flight alone is nowhere else."""
-    made = stage.edited(edit.place, edit.by)
-    if made is stage or not depends(edit.by, IN_FLIGHT):
+    made = stage.edited(edit.place, edit.new)
+    if made is stage or not depends(edit.new, IN_FLIGHT):
         return made
     roots = {n: made.roots[n] if n in FLYING else root for n, root in stage.roots.items()}
     return replace(stage, roots=roots)
@@ -367,12 +367,12 @@ def every_edit(every: int = 1) -> Iterator[tuple[Stage, Edit]]:
     seen = set[tuple[Node, Node]]()
     for stage in CHAIN if every else ():
         for edit in edits(CHAIN, stage, defaults(), {}):
-            if (edit.place, edit.by) not in seen:
-                seen.add((edit.place, edit.by))
+            if (edit.place, edit.new) not in seen:
+                seen.add((edit.place, edit.new))
                 if len(seen) % every == 0:
                     yield stage, edit
     for edit in _beside():
-        yield next(s for s in CHAIN if s.edited(edit.place, edit.by) is not s), edit
+        yield next(s for s in CHAIN if s.edited(edit.place, edit.new) is not s), edit
 
 
 @np.errstate(all="ignore")

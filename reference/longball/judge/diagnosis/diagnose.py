@@ -30,6 +30,7 @@ from longball.judge.diagnosis.residual import (
     compared,
     data_of,
     follow,
+    seen,
     specialised_to,
 )
 from longball.judge.diagnosis.scenes import rule
@@ -156,7 +157,9 @@ def prepared(
     """Answers as columns, and the chain that they are compared with."""
     data = data_of(cases, answers, granted)
     chain = specialised_to(data)
-    return data if scheme is None else replace(data, ways=ways_of(scheme)), chain
+    if scheme is not None:
+        data = replace(data, ways=ways_of(scheme))
+    return seen(chain, data), chain
 
 
 # --- stage by stage -------------------------------------------------------------------------------

@@ -222,12 +222,19 @@ def rebuilt(node: Node, args: Sequence[Node]) -> Node:
 
 
 @lru_cache(maxsize=4096)
+def _nodes(root: Node) -> tuple[Node, ...]:
+    return tuple(ordered([root]))
+
+
+@lru_cache(maxsize=16384)
 def _using(root: Node, old: Node) -> tuple[Node, ...]:
     """Nodes of an expression that contain another node, arguments first."""
     above = {old: None}
-    for node in ordered([root]):
-        if any(arg in above for arg in node.args):
-            above[node] = None
+    for node in _nodes(root):
+        for arg in node.args:
+            if arg in above:
+                above[node] = None
+                break
     return tuple(above)[1:]
 
 
@@ -239,9 +246,15 @@ def substitute(root: Node, old: Node, new: Node) -> Node:
     return made.get(root, root)
 
 
+def contains(root: Node, node: Node) -> bool:
+    """True if an expression is, or uses, a node."""
+    return root is node or bool(_using(root, node))
+
+
+@lru_cache(maxsize=16384)
 def depends(root: Node, names: frozenset[str]) -> bool:
     """True if an expression contains one of some symbols."""
-    return any(node.op == "symbol" and node.data in names for node in ordered([root]))
+    return any(node.op == "symbol" and node.data in names for node in _nodes(root))
 
 
 def specialised(root: Node, columns: Columns, made: dict[int, Node]) -> Node:
@@ -404,6 +417,7 @@ class Values:
         self.columns = columns
         self._known: dict[Node, Any] = {}  # which keeps the nodes alive
         self._arguments: dict[Node, list[Node]] = {}  # of switches
+        self._operations: dict[Node, Callable[..., Any]] = {}  # of these and of tables
 
     def of(self, root: Node) -> Any:
         """The value of an expression."""
@@ -420,6 +434,40 @@ class Values:
             self._arguments[node] = [node.args[i] for i in _occurring(node, self.columns)]
         return self._arguments[node]
 
+    def given(self, root: Node, symbols: Mapping[str, Any]) -> Any:
+        """Value of an expression with symbols that no column gives; nothing is kept."""
+        made: dict[Node, Any] = {}
+        for node in ordered([root], self, self.arguments):
+            if node in self._known:
+                continue
+            if node.op == "symbol" and node.data in symbols:
+                made[node] = symbols[node.data]
+            else:
+                made[node] = self._computed(node, made)
+        return made[root] if root in made else self._known[root]
+
+    def changed(self, root: Node, old: Node, new: Any) -> Any:
+        """Value of an expression if one of its nodes had another value."""
+        self.of(root)
+        made = {old: new}
+        for node in _using(root, old):
+            if node in self._known:  # no option of a switch that does not occur
+                made[node] = self._computed(node, made)
+        return made.get(root, self._known[root])
+
+    def _computed(self, node: Node, made: Mapping[Node, Any]) -> Any:
+        """Value of a node whose arguments are made, or known."""
+        match node.op:
+            case "symbol":
+                return self.columns[node.data]
+            case "constant":
+                return np.full((3, 1), node.data) if node.vector else node.data
+        operation = self._operations.get(node) or _operation(node, self.columns)
+        if node.op in ("switch", "table") and made is self._known:
+            self._operations[node] = operation
+        args = [made[arg] if arg in made else self._known[arg] for arg in self.arguments(node)]
+        return operation(*args)
+
     def __contains__(self, node: object) -> bool:
         return node in self._known
 
@@ -427,20 +475,13 @@ class Values:
         """The same values, to which others may be added that these do not keep."""
         other = Values(self.columns)
         other._known, other._arguments = {**self._known}, self._arguments
+        other._operations = self._operations
         return other
 
     def next(self, node: Node) -> Any:
         """The value of a node whose arguments' values are known."""
         if node not in self._known:
-            match node.op:
-                case "symbol":
-                    value = self.columns[node.data]
-                case "constant":
-                    value = np.full((3, 1), node.data) if node.vector else node.data
-                case _:
-                    args = [self._known[arg] for arg in self.arguments(node)]
-                    value = _operation(node, self.columns)(*args)
-            self._known[node] = value
+            self._known[node] = self._computed(node, self._known)
         return self._known[node]
 
 
@@ -484,6 +525,46 @@ class Evaluator:
         return [values[i] for i in self._roots]
 
 
+class Pieces:
+    """Where an expression is smooth: numbers that stay the same from one kink or jump to the next.
+
+    They depend on the symbols that move.
+    """
+
+    def __init__(self, root: Node, columns: Columns, moving: frozenset[str]) -> None:
+        at_hand = Values(columns)
+        reached: dict[Node, Any] = {root: np.True_}  # by flags of the scenes
+        for node in reversed(ordered([root], (), at_hand.arguments)):
+            flags = _occurring(node, columns).values() if node.op == "switch" else ()
+            for i, arg in enumerate(at_hand.arguments(node)):
+                own = [*flags][i] if flags else np.True_
+                reached[arg] = reached.get(arg, np.False_) | (reached[node] & own)
+        self._parts: list[tuple[Any, Any]] = []  # table's nodes or None, flags
+        nodes: list[Node] = []
+        for node, flags in reached.items():
+            match node.op, node.args:
+                case (("where" | "rises" | "positive" | "abs" | "sizes"), (x, *_)):
+                    at = None
+                case "least", (a, b):
+                    x, at = a - b, None
+                case "table", (x,):
+                    at = columns[f"{node.data[0]}.at"]
+                case _:
+                    continue
+            if depends(x, moving):
+                nodes.append(x)
+                self._parts.append((at, flags))
+        self._values = Evaluator(nodes, columns, moving)
+
+    def __call__(self, **moving: Any) -> Array:
+        """The numbers; the last axis is that of the scenes."""
+        rows = [
+            np.atleast_2d((x > 0 if at is None else (x >= at).sum(0)) * flags)
+            for x, (at, flags) in zip(self._values(**moving), self._parts, strict=True)
+        ]
+        return np.concatenate(rows) if rows else np.zeros((0, 1))
+
+
 def evaluate(root: Node, columns: Columns) -> Any:
     """The value of an expression on columns."""
     return Values(columns).of(root)
@@ -511,6 +592,7 @@ _FORMATS = {
 _WEAK = {"sum", "dot", "cross"}  # put in parentheses inside a product
 
 
+@lru_cache(maxsize=16384)
 def words(node: Node) -> str:
     """An expression as people write it; definitions by their names."""
     if node.op == "constant":

@@ -12,6 +12,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from longball.judge.diagnosis.chain import (
     INPUTS,
@@ -34,6 +35,7 @@ from longball.judge.diagnosis.expression import (
     Dimension,
     M,
     Node,
+    Values,
     axes,
     component,
     constant,
@@ -75,6 +77,9 @@ class Edit:
         What the candidate does, as a clause without its subject: "takes m for μ".
     starts
         Where the search for its free number begins; nothing if it has none.
+    within
+        Another form of `place`, and a node of it: then the form stands there, and `by` in place of
+        its node.
     """
 
     place: Node
@@ -83,6 +88,19 @@ class Edit:
     words: str
     starts: tuple[float | Node, ...] = ()
     only: Stage | None = None
+    within: tuple[Node, Node] | None = None
+
+    @property
+    def new(self) -> Node:
+        """What stands in the place."""
+        return self.by if self.within is None else substitute(*self.within, self.by)
+
+    def value(self, root: Node, at: Values, c: Any = None) -> Any:
+        """Value of a formula with the edit, if its free number is `c`."""
+        changed = at.given(self.by, {FREE: c})
+        if self.within is not None:
+            changed = at.changed(*self.within, changed)
+        return at.changed(root, self.place, changed)
 
     @property
     def factor(self) -> bool:
@@ -97,7 +115,7 @@ class Edit:
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
         return tuple(
-            stage.edited(self.place, self.by)
+            stage.edited(self.place, self.new)
             if self.only is None or (stage.name, stage.kind) == (self.only.name, self.only.kind)
             else stage
             for stage in chain
@@ -556,14 +574,11 @@ def _of_formula(
             for by, bits, said, starts in operator(site):
                 # People err in what has a name.
                 cost = bits + places + UNNAMED.get(node.op, 1.5)
-                if form is root and node is not root:
-                    yield Edit(node, by, cost, said, starts)
-                else:
-                    yield Edit(root, substitute(form, node, by), cost, said, starts)
+                place, within = (node, None) if form is root else (root, (form, node))
+                yield Edit(place, by, cost, said, starts, within=within)
                 if len(using) > 1:
                     for use in using:
                         args = [by if arg is node else arg for arg in use.args]
-                        place, one = use, rebuilt(use, args)
-                        if form is not root or use is root:
-                            place, one = root, substitute(form, use, one)
-                        yield Edit(place, one, cost + 2, f"{said} in {words(use)}", starts)
+                        place, within = (use, None) if form is root else (root, (form, use))
+                        text = f"{said} in {words(use)}"
+                        yield Edit(place, rebuilt(use, args), cost + 2, text, starts, within=within)

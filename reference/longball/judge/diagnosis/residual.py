@@ -7,9 +7,11 @@ Ordinary Differential Equations I*, Sec. II.5; the coefficients are SciPy's).
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -19,13 +21,14 @@ from scipy.integrate import DOP853
 from longball.engines.fence import chords
 from longball.judge.answers import Answer
 from longball.judge.cases import SLACK, Case, attainable
-from longball.judge.diagnosis.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Stage, closest
+from longball.judge.diagnosis.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Kind, Stage, closest
 from longball.judge.diagnosis.evidence import ADEQUATE
 from longball.judge.diagnosis.expression import (
     JUMPS,
     Evaluator,
     M,
     Node,
+    Pieces,
     depends,
     ordered,
     specialised,
@@ -48,6 +51,18 @@ NOISE = 2.5e-10
 # The fine steps miss the landing of 400 batted balls by 4e-13 of it. The coarse steps give the
 # effect of an edit to better than a thousandth for nine edits in ten.
 FINE, MIDDLE, COARSE = (0.2, 400), (0.5, 400), (1.7, 4)
+# Flights that need at most so many steps are flown together; so are those of its powers.
+TOGETHER = 36
+# Relative errors: of a step beyond which a flight is flown with care, of the steps that are taken
+# then, and of all of them.
+STEEP, CAREFUL, TOTAL = 1e-11, 1e-12, 3e-11
+# A step across a kink or a jump of the law is cut this share of itself before and beyond it, until
+# it is this share of the flight.
+BESIDE, LEAST = 1 / 512, 1e-11
+BISECTIONS = 11  # that find the place of a kink
+CUTS = 150  # such steps of a flight, at most: a law may jump to and fro wherever a ball goes
+
+Index = NDArray[np.integer[Any]]  # numbers of scenes
 
 
 @dataclass(frozen=True)
@@ -76,6 +91,11 @@ class Data:
     ways
         How the candidate flies a stage, by its name: from a stage and columns to quantities and
         their doubt. Stages without one are flown exactly.
+    blind
+        Scenes in which the chain does not make the truth from the truth, by the stage's name and
+        kind: balls that touch a kink of the law, or go along one.
+    flights
+        What was flown already, which nobody flies again.
     """
 
     cases: Sequence[Case]
@@ -87,6 +107,8 @@ class Data:
     slips: Callable[..., Array] | None = None
     granted: float = 0.0
     ways: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+    blind: Mapping[tuple[str, Kind], Index] = field(default_factory=dict)
+    flights: dict[Any, Any] = field(default_factory=dict, compare=False)
 
     def way(self, stage: Stage) -> Callable[..., Any] | None:
         """The candidate's way to fly a stage; None for an exact flight, or if it is no flight."""
@@ -244,7 +266,6 @@ AT_CORNER = 1e-9  # m: chords whose distances differ by less meet at the place
 # --- what follows ---------------------------------------------------------------------------------
 
 Columns = Mapping[str, Any]
-Index = NDArray[np.integer[Any]]  # numbers of scenes
 
 
 def take(columns: Columns, some: Index) -> dict[str, Any]:
@@ -272,6 +293,10 @@ class Launched:
         The derivative of `y` at a state and a time; `start` is the state that the step begins with.
     ended
         The stage's quantities at a state.
+    piece
+        Numbers that are the same at two states if no kink or jump of the law is between them.
+    some
+        Some of the balls.
     """
 
     y: Array
@@ -279,6 +304,8 @@ class Launched:
     duration: Array
     rates: Callable[..., Array]
     ended: Callable[[Array], dict[str, Array]]
+    piece: Callable[[Array, Any], Array]
+    some: Callable[[Index], Launched]
 
 
 START = {
@@ -324,30 +351,141 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             found[names[2]] = share * columns["ω0"]
         return found
 
-    return Launched(y, columns["ω0"], duration, rates, ended)
+    @cache
+    def smooth() -> Pieces:
+        return Pieces(roots["law"], columns, moving)
+
+    def piece(at: Array, t: Any) -> Array:
+        begin = {began[0]: at[:3], began[1]: at[3:6]}
+        return smooth()(r=at[:3], v=at[3:6], t=t, path=at[6], **begin)
+
+    def some(which: Index) -> Launched:
+        return launched(stage, take(columns, which))
+
+    return Launched(y, columns["ω0"], duration, rates, ended, piece, some)
 
 
-def flown(
-    balls: Launched, duration: Array, limits: tuple[float, int] = FINE, share: int = 1
-) -> Array:
-    """Fly balls for some time, and return their states.
+def flown(balls: Launched, duration: Array, limits: tuple[float, int] = FINE) -> Array:
+    """Fly balls for some time, and return their states."""
+    return _flown(balls, duration, limits)[0]
 
-    All flights have the same number of steps, `share` times fewer than the longest one needs.
+
+def _flown(
+    balls: Launched, duration: Array, limits: tuple[float, int], share: int = 1, care: bool = True
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The states of balls after some time, and which were flown with care.
+
+    Each flight has as many equal steps as it needs, or `share` times fewer, whatever the others
+    need. With care, if steps are fine, are flown those that meet a kink or a jump of the law, or
+    steep parts of it.
     """
-    y = balls.y
-    longest, most = limits
-    longest_flight = float(np.max(np.abs(duration), initial=0.0, where=np.isfinite(duration)))
-    steps = min(math.ceil(longest_flight / longest), most)
-    steps = max(1, math.ceil(steps / share))
+    y, (longest, most) = balls.y.copy(), limits
+    apart = np.zeros(y.shape[1], dtype=bool)
+    known = np.isfinite(duration)
+    needed = np.clip(np.ceil(np.where(known, np.abs(duration), 0.0) / longest), 1, most)
+    groups = np.ceil(np.log(np.maximum(needed, TOGETHER)) / math.log(TOGETHER))
+    if not known.all() or len(np.unique(groups)) > 1:
+        y[:, ~known] = np.nan
+        for group in np.unique(groups[known]):
+            which = np.flatnonzero(known & (groups == group))
+            one = replace(balls.some(which), y=balls.y[:, which])
+            y[:, which], apart[which] = _flown(one, duration[which], limits, share, care)
+        return y, apart
+    steps = np.ceil(needed / share)
     h = duration / steps
+    care = care and limits is FINE
+    before = balls.piece(y, 0.0 * h) if care else None
+    for step in range(int(steps.max(initial=0.0))):
+        flies = step < steps
+        new, slopes = _step(balls, y, step * h, h)
+        y = np.where(flies, new, y)
+        if care:
+            after = balls.piece(y, (step + 1) * h)
+            apart |= flies & ((after != before).any(axis=0) | (_error(y, slopes, h) > STEEP))
+            before = after
+    if apart.any():
+        which = np.flatnonzero(apart)
+        one = replace(balls.some(which), y=balls.y[:, which])
+        y[:, which] = _with_care(one, duration[which], h[which])
+    return y, apart
+
+
+def _step(balls: Launched, y: Array, t: Array, h: Array) -> tuple[Array, Array]:
+    """The states after a step, and the rates on the way."""
     slopes = np.zeros((12, *y.shape))
     flat = slopes.reshape(12, -1)
-    for step in range(steps):
-        for i in range(12):
-            at = y + h * (_A[i, :i] @ flat[:i]).reshape(y.shape) if i else y
-            slopes[i] = balls.rates(at, (step + _C[i]) * h)
-        y = y + h * (_B @ flat).reshape(y.shape)
-    return y
+    for i in range(12):
+        at = y + h * (_A[i, :i] @ flat[:i]).reshape(y.shape) if i else y
+        slopes[i] = balls.rates(at, t + _C[i] * h)
+    return y + h * (_B @ flat).reshape(y.shape), slopes
+
+
+def _error(y: Array, slopes: Array, h: Array) -> Array:
+    """The largest relative error of each ball's step, by the method's own estimate."""
+    e5, e3 = (np.abs(np.tensordot(e[:12], slopes, 1)) for e in (DOP853.E5, DOP853.E3))
+    size = np.hypot(e5, 0.1 * e3)
+    error = np.abs(h) * e5 * e5 / np.where(size > 0, size, 1.0)
+    return np.asarray((error / np.maximum(np.abs(y), 1.0)).max(axis=0))
+
+
+def _with_care(balls: Launched, duration: Array, longest: Array) -> Array:
+    """Fly balls for some time by steps of their own, which kinks and jumps of the law end.
+
+    A step with a kink inside is cut just before it, where the cubic between its ends has it; the
+    next one reaches just beyond, and is cut again, until it is too short to matter.
+    """
+    y, t, h = balls.y, 0.0 * duration, longest
+    whole, beyond, short = h, h, np.zeros(len(h))  # 2: until just before a kink, 1: beyond it
+    here, found, index = balls.piece(y, t), y.copy(), np.arange(y.shape[1])
+    for _ in range(CUTS + int(2 * (duration / longest).max(initial=0.0))):
+        left = duration - t
+        flies = np.flatnonzero(np.abs(left) > LEAST * np.abs(duration))
+        if len(flies) < len(index) / 2:
+            found[:, index] = y
+            if not len(flies):
+                break
+            balls, index = balls.some(flies), index[flies]
+            y = y[:, flies]
+            t, h, whole, beyond, short, left, longest, duration = (
+                x[flies] for x in (t, h, whole, beyond, short, left, longest, duration)
+            )
+            here = balls.piece(y, t)
+        last = np.abs(h) >= np.abs(left)
+        full = h = np.where(last, left, h)
+        new, slopes = _step(balls, y, t, h)
+        there = balls.piece(new, t + h)
+        is_long = np.abs(h) > LEAST * np.abs(duration)
+        crossed = (there != here).any(axis=0) & is_long
+        error = _error(new, slopes, h)
+        coarse = ~crossed & (error > CAREFUL) & is_long
+        # Crossed: to just before, and then to just beyond.
+        share = _first_kink(balls, y, new, t, h, slopes[0]) if crossed.any() else 0.0
+        cut = h * np.maximum(share - BESIDE, BESIDE)
+        again = crossed | coarse
+        y = np.where(again, y, new)
+        t = np.where(again, t, np.where(last, duration, t + h))
+        here = np.where(again, here, there)
+        best = h * np.clip(0.9 * (CAREFUL / np.maximum(error, 1e-99)) ** 0.125, 0.1, 3.0)
+        best = np.where(np.abs(best) < np.abs(longest), best, longest)
+        whole = np.where(coarse | (short == 0) & ~crossed, best, whole)
+        h = np.where(crossed, cut, np.where((short == 2) & ~coarse, beyond, whole))
+        beyond = np.where(crossed, 2 * BESIDE * full, beyond)
+        short = np.where(crossed, 2, np.where(coarse, 0, np.maximum(short - 1, 0)))
+    found[:, index] = y
+    return found
+
+
+def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope: Array) -> Array:
+    """The share of each ball's step at which the law has its first kink."""
+    here, end = balls.piece(y, t), balls.rates(new, t + h)
+    low, high = np.zeros_like(h), np.ones_like(h)
+    for _ in range(BISECTIONS):
+        s = (low + high) / 2
+        bent = (1 - 2 * s) * (y - new) + h * ((1 - s) * slope - s * end)
+        at = y + s * (new - y) + s * (1 - s) * bent
+        beyond = (balls.piece(at, t + s * h) != here).any(axis=0)
+        low, high = np.where(beyond, low, s), np.where(beyond, s, high)
+    return low
 
 
 # From the rates, a state, its time, a step, what the step before has left (None at first) and the
@@ -369,18 +507,35 @@ def stepped(balls: Launched, step: Step, h: Any, counts: Index) -> tuple[Array, 
     return found, None if left is None else kept
 
 
-def values(
-    stage: Stage, columns: Columns, limits: tuple[float, int] = FINE, share: int = 1
-) -> dict[str, Array]:
+def values(stage: Stage, columns: Columns, limits: tuple[float, int] = FINE) -> dict[str, Array]:
     """The quantities of a stage, from the values before it; a flight's by steps as in `flown`."""
     columns = {**columns, "spin": columns[stage.spins]}
     with np.errstate(all="ignore"):
         if stage.kind == "flight":
             balls = launched(stage, columns)
-            return balls.ended(flown(balls, balls.duration, limits, share))
+            return balls.ended(flown(balls, balls.duration, limits))
         (root,) = stage.roots.values()
         shape = (3, len(columns["kind"])) if root.vector else (len(columns["kind"]),)
         return {stage.quantities[0]: np.broadcast_to(Evaluator([root], columns)()[0], shape)}
+
+
+def _with_doubt(
+    stage: Stage, columns: Columns, known: dict[Any, Any]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """The quantities of a flight, and others that differ from them by about their error."""
+    numbers = hashlib.blake2b()
+    for column in columns.values():
+        numbers.update(column.tobytes())
+    key = stage.name, (*stage.roots.values(),), numbers.digest()
+    if key in known:
+        found: tuple[dict[str, Array], dict[str, Array]] = known[key]
+        return found
+    balls = launched(stage, {**columns, "spin": columns[stage.spins]})
+    y, with_care = _flown(balls, balls.duration, FINE)
+    again, _ = _flown(balls, balls.duration, FINE, share=2, care=False)
+    again[:, with_care] = (y + TOTAL * np.maximum(np.abs(y), 1.0))[:, with_care]
+    found = known[key] = balls.ended(y), balls.ended(again)
+    return found
 
 
 @dataclass(frozen=True)
@@ -445,10 +600,10 @@ def compared(
     if (way := data.way(stage)) is not None:
         found, unsure_by = way(stage, {**own, "spin": own[stage.spins]})
         again = {quantity: found[quantity] + unsure_by[quantity] for quantity in found}
+    elif stage.kind == "flight":
+        found, again = _with_doubt(stage, own, data.flights)
     else:
         again = found = values(stage, own)
-        if stage.kind == "flight":
-            again = values(stage, own, share=2)
     rows = []
     for quantity in stage.quantities:
         if quantity not in found:
@@ -471,6 +626,7 @@ def compared(
         floor = np.maximum(least, NOISE * large) + unsure
         rows.append((off, tolerance + 0 * off, floor + 0 * off, large + 0 * off))
     off, tolerance, floor, scale = (np.concatenate(part) for part in zip(*rows, strict=True))
+    off[:, np.isin(some, data.blind.get((stage.name, stage.kind), ()))] = np.nan
     if data.slips is not None:
         slipped = data.slips(stage, data, columns, some)
         tolerance, floor = tolerance + 4 * slipped, floor + slipped
@@ -528,18 +684,32 @@ def begun(data: Data) -> dict[str, Any]:
 _BEFORE = frozenset(("V", "ω"))  # of the ball that meets the bat, which no candidate reports
 
 
+def seen(chain: Sequence[Stage], data: Data) -> Data:
+    """Data without the numbers that the chain does not make from the truth either."""
+    if not any(stage.kind == "flight" and is_rough(stage) for stage in chain):
+        return data
+    _, found = follow(chain, data)
+    wrong = np.unique(np.concatenate([one.some[one.beyond] for one in found]))
+    _, found = follow(chain, replace(data, given=data.expected, cut={}, slips=None), only=wrong)
+    blind = {(one.stage.name, one.stage.kind): one.some[one.beyond] for one in found}
+    return replace(data, blind=blind)
+
+
 def follow(
-    chain: Iterable[Stage], data: Data, unknown: Index | None = None
+    chain: Iterable[Stage], data: Data, unknown: Index | None = None, only: Index | None = None
 ) -> tuple[dict[str, Any], list[Followed]]:
     """Follow the candidate's values from stage to stage; its own values with what stands for them.
 
     Where the candidate gives no value, the one that follows from the stages before stands for it.
     In `unknown` scenes the pitch does not follow, and nothing that starts from its velocity does.
+    `only` some scenes are followed, or all.
     """
     columns = begun(data)
     found = []
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
+        if only is not None:
+            some = np.intersect1d(some, only)
         if unknown is not None and any(depends(root, _BEFORE) for root in stage.roots.values()):
             some = np.setdiff1d(some, unknown)
         one, follows = compared(stage, data, columns, some)

@@ -7,19 +7,75 @@ flights gives these derivatives; then an edit costs one evaluation of its formul
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from longball.judge.diagnosis.chain import Stage
-from longball.judge.diagnosis.expression import Evaluator, Values
+from longball.judge.diagnosis.expression import Evaluator, Node, Values, contains
+from longball.judge.diagnosis.operators import FREE, Edit
 from longball.judge.diagnosis.residual import COARSE, START, flown, launched, take
 from longball.model.arrays import Array
 
 NODES = 10  # of a Gauss-Legendre rule over the time of flight
 KICK = 1e-4  # m and m/s: the change by which derivatives are taken
 OTHER = 1.1  # factor between the two values of a free number that are tried
+
+
+# An edit, and a value of its free number.
+Change = tuple[Edit, float | None]
+
+
+class Many:
+    """Values of formulas with many edits, each in some scenes.
+
+    Edits at one place are evaluated at once: what uses the place is computed on columns in which
+    the scenes stand once for each edit.
+    """
+
+    def __init__(self, at: Values) -> None:
+        self.at = at
+        self._wide: dict[int, Values] = {}
+
+    def of(self, root: Node, changes: Sequence[Change]) -> list[Array]:
+        """Values of a formula, one for each change."""
+        places: dict[Any, list[int]] = {}
+        for i, (edit, _) in enumerate(changes):
+            places.setdefault((edit.place, edit.within), []).append(i)
+        found: list[Any] = [None] * len(changes)
+        count = len(self.at.columns["kind"])
+        for (place, within), every in places.items():
+            for first in range(0, len(every), max(WIDTHS)):
+                some = every[first : first + max(WIDTHS)]
+                width = next(width for width in WIDTHS if width >= len(some))
+                shape = (3,) if (within[1] if within else place).vector else ()
+                value = np.zeros((*shape, width, count))
+                for k, i in enumerate(some):
+                    edit, c = changes[i]
+                    value[..., k, :] = self.at.given(edit.by, {FREE: c})
+                value = value.reshape(*shape, -1)
+                wide = self._on(width)
+                if within is not None:
+                    form, hole = within
+                    value = wide.changed(form, hole, value)
+                value = wide.changed(root, place, value)
+                rows = np.broadcast_to(value, (3, width * count) if root.vector else width * count)
+                rows = rows.reshape(*rows.shape[:-1], width, count)
+                for k, i in enumerate(some):
+                    found[i] = rows[..., k, :]
+        return found
+
+    def _on(self, width: int) -> Values:
+        """The values on columns of so many copies of the scenes."""
+        if width not in self._wide:
+            count = len(self.at.columns["kind"])
+            self._wide[width] = Values(take(self.at.columns, np.tile(np.arange(count), width)))
+        return self._wide[width]
+
+
+WIDTHS = 1, 4, 16, 64
 
 
 class Response:
@@ -59,31 +115,34 @@ class Response:
                 **{str(node.data): at[name] for name, node in START.items()},
             }
         )  # fmt: skip
+        self._at_start, self._on_path = Many(known), Many(self.at)
         self._turned = Evaluator([stage.roots["law"]], self.at.columns, frozenset(("ω0",)))
         end = ends[:, 0, :count]
         self._at_end = launched(stage, columns).rates(end, duration[:count])[:6]
 
-    def moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
-        """First-order change of the state at the end by an edit."""
-        total = np.zeros_like(self._at_end)
-        for name, root in stage.roots.items():
-            old = self.stage.roots[name]
-            if root is old or name in ("through", "spin_left"):
+    def moved(self, changes: Sequence[Change]) -> Array:
+        """First-order changes of the state at the end; the first axis is that of `changes`."""
+        total = np.zeros((len(changes), *self._at_end.shape))
+        for name, root in self.stage.roots.items():
+            if name in ("through", "spin_left"):
                 continue
-            where = self.at if name == "law" else self._launch
-            change = Evaluator([root], where, frozenset(free))(**free)[0] - where.of(old)
-            if name == "spin":
-                turned = np.tile(change + self._spin, NODES)
-                change = self._turned(ω0=turned)[0] - self.at.of(self.stage.roots["law"])
-            if name in ("law", "spin"):
-                change = np.broadcast_to(change, (3, NODES * total.shape[1]))
-                pushed = change.reshape(3, NODES, -1)
-                total = total + np.einsum("ijkn,jkn->in", self._during, pushed)
-            elif name in self._at_launch:
-                change = np.broadcast_to(change, (3, total.shape[1]))
-                total = total + np.einsum("ijn,jn->in", self._at_launch[name], change)
-            else:
-                total = total + self._at_end * change
+            here = [i for i, (edit, _) in enumerate(changes) if contains(root, edit.place)]
+            where = self._on_path if name == "law" else self._at_start
+            old = where.at.of(root)
+            for i, value in zip(here, where.of(root, [changes[i] for i in here]), strict=True):
+                change = value - old
+                if name == "spin":
+                    turned = np.tile(change + self._spin, NODES)
+                    change = self._turned(ω0=turned)[0] - self.at.of(self.stage.roots["law"])
+                if name in ("law", "spin"):
+                    change = np.broadcast_to(change, (3, NODES * total.shape[2]))
+                    pushed = change.reshape(3, NODES, -1)
+                    total[i] += np.einsum("ijkn,jkn->in", self._during, pushed)
+                elif name in self._at_launch:
+                    change = np.broadcast_to(change, (3, total.shape[2]))
+                    total[i] += np.einsum("ijn,jn->in", self._at_launch[name], change)
+                else:
+                    total[i] += self._at_end * change
         return total
 
 
@@ -91,47 +150,54 @@ class Direct:
     """Value of a formula, or of an event function, in some scenes."""
 
     def __init__(self, stage: Stage, known: Values) -> None:
-        self.at = known
-        (self._value,) = (known.of(root) for root in stage.roots.values())
+        self.at, self._many = known, Many(known)
+        (self._root,) = stage.roots.values()
 
-    def moved(self, stage: Stage, free: Mapping[str, float]) -> Array:
-        """Change of the value by an edit."""
-        roots = [*stage.roots.values()]
-        return np.atleast_2d(Evaluator(roots, self.at, frozenset(free))(**free)[0] - self._value)
+    def moved(self, changes: Sequence[Change]) -> Array:
+        """Changes of the value; the first axis is that of `changes`."""
+        shape = (3 if self._root.vector else 1, len(self.at.columns["kind"]))
+        old = self.at.of(self._root)
+        every = self._many.of(self._root, changes)
+        return np.array([np.broadcast_to(value - old, shape) for value in every])
 
 
 def left_by(
-    effects: Response | Direct, stage: Stage, name: str, starts: Sequence[float], off: Array
-) -> float:
-    """Fraction of the squared errors that remains after a fit of an edit's effect.
+    effects: Response | Direct, edits: Sequence[Edit], starts: Sequence[Sequence[float]], off: Array
+) -> list[float]:
+    """Fraction of the squared errors that remains after a fit of each edit's effect.
 
     The fit scales the effect freely. Each scene has the same weight: an error is divided by its
-    size in that scene, or by the median size where the scene is right. `name` is the symbol of the
+    size in that scene, or by the median size where the scene is right. `starts` are values of each
     edit's free number.
     """
     off = np.nan_to_num(off[:ROWS])
     sizes = np.sqrt((off * off).sum(axis=0))
     wrong = sizes > sizes.max(initial=0.0) * RIGHT
     if not wrong.any():  # only the spin is wrong
-        return 0.0
+        return [0.0] * len(edits)
     scale = np.where(wrong, sizes, np.median(sizes[wrong]))
     a = (off / scale).ravel()
-    best = 1.0
-    # Two values of a free number span its effects: its start may change a few scenes only.
-    for start in starts or (None,):
-        given = [{name: start}, {name: OTHER * start or 0.1}] if start is not None else [{}]
-        b = np.array(
-            [
-                np.broadcast_to(effects.moved(stage, free) / scale, off.shape).ravel()
-                for free in given
-            ]
-        )
-        b = np.where(np.abs(b) < FAR, b, 0.0)
-        parts = np.linalg.lstsq(b.T, a, rcond=1e-9)[0]
-        if starts or parts[0] > 0:
-            rest = a - parts @ b
-            best = min(best, float(rest @ rest) / float(a @ a))
-    return best
+    changes: list[Change] = []
+    trials = []  # of an edit: slices of its changes
+    for edit, numbers in zip(edits, starts, strict=True):
+        # Two values of a free number span its effects: its start may change a few scenes only.
+        first, width = len(changes), 2 if numbers else 1
+        values = [x for start in numbers for x in (start, OTHER * start or 0.1)]
+        changes += [(edit, x) for x in values or (None,)]
+        trials.append([slice(i, i + width) for i in range(first, len(changes), width)])
+    moved = effects.moved(changes)
+    moved = (np.broadcast_to(moved, (len(changes), *off.shape)) / scale).reshape(len(changes), -1)
+    moved = np.where(np.abs(moved) < FAR, moved, 0.0)
+    found = []
+    for numbers, slices in zip(starts, trials, strict=True):
+        best = 1.0
+        for b in (moved[some] for some in slices):
+            parts = np.linalg.lstsq(b.T, a, rcond=1e-9)[0]
+            if numbers or parts[0] > 0:
+                rest = a - parts @ b
+                best = min(best, float(rest @ rest) / float(a @ a))
+        found.append(best)
+    return found
 
 
 ROWS = 6  # position and velocity; effects on the spin are not computed

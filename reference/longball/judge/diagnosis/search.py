@@ -27,7 +27,7 @@ from longball.judge.diagnosis.evidence import (
     is_adequate,
     rounded,
 )
-from longball.judge.diagnosis.expression import Evaluator, Node, Values, ordered
+from longball.judge.diagnosis.expression import Evaluator, Node, Values, contains, ordered
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
@@ -241,7 +241,7 @@ class Explanation:
     def candidates(self) -> tuple[list[tuple[float, list[Edit]]], int]:
         """Groups of equal edits that explain the first scenes roughly, with what they leave.
 
-        Also the number of groups that were tried.
+        Also the number of edits that were tried.
         """
         some = take(self.columns, _evenly(self.all, PROBES))
         probe = self.probe = Values(_moved_at_random(self.stage, some))
@@ -250,28 +250,34 @@ class Explanation:
             Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
         ]
         options = {**self.data.columns, "spin": self.data.columns[self.stage.spins]}
+        every = edits(self.chain, self.stage, defaults(), options)
+        cheapest = heapq.nsmallest(EDITS, every, key=lambda edit: edit.bits)
+        flies = self.stage.kind == "flight"
+        effects = (Response if flies else Direct)(self.stage, self.near)
+        spin_left = self.stage.roots.get("spin_left")
+        # Effects on the spin are not computed.
+        foreseen = [e for e in cheapest if spin_left is None or not contains(spin_left, e.place)]
+        starts = [self._starts(edit, effects.at) for edit in foreseen]
+        shares = dict.fromkeys(cheapest, 0.0)
+        shares |= dict(zip(foreseen, left_by(effects, foreseen, starts, self.off), strict=True))
+        # Equal edits leave the same, and follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
-        every = edits(self.chain, self.stage, defaults(), options)
-        for edit in heapq.nsmallest(EDITS, every, key=lambda edit: edit.bits):
+        for edit in sorted(shares, key=shares.__getitem__):
             stage = self.edited(edit)
             if stage.kind == "event" and not self._ends_flights(stage):
                 continue
             if edit.by.op == "constant" and not _is_finite(stage, probe):
                 continue
-            if (key := _fingerprint(stage, probe)) != unchanged:
-                groups.setdefault(key, (stage, []))[1].append(edit)
-        flies = self.stage.kind == "flight"
-        effects = (Response if flies else Direct)(self.stage, self.near)
-        shares: dict[bytes, float] = {}
-        for key, (stage, group) in groups.items():
-            own = stage.roots.get("spin_left") is self.stage.roots.get("spin_left")
-            starts = self._starts(group[0], effects.at)
-            shares[key] = left_by(effects, stage, FREE, starts, self.off) if own else 0.0
-        chosen = [groups[key] for key in heapq.nsmallest(TRIED, shares, key=shares.__getitem__)]
+            if (key := _fingerprint(stage, probe)) == unchanged:
+                continue
+            if key not in groups and len(groups) == TRIED:
+                break
+            groups.setdefault(key, (stage, []))[1].append(edit)
         found = []
-        for stage, group in chosen:
-            edit, screened = group[0], self.screened(stage)
+        for _, group in groups.values():
+            group.sort(key=lambda edit: edit.bits)
+            edit, screened = group[0], self.screened(self.edited(group[0]))
             if edit.starts:
                 c, r, _ = fitted(screened, self._starts(edit, effects.at))
                 group[0] = replace(edit, starts=(c,))
@@ -280,7 +286,7 @@ class Explanation:
             if (left := cost(r)) < NEARER * self.null:
                 found.append((left, group))
         found.sort(key=lambda one: one[0] + one[1][0].bits)
-        return found, len(groups)
+        return found, len(cheapest)
 
     @np.errstate(all="ignore")
     def _ends_flights(self, stage: Stage) -> bool:

@@ -166,7 +166,7 @@ def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
         ]
         for node in (*around, root):  # arguments come first
             right = _body(node)
-            other = _simple(substitute(right, edit.place, edit.by), stage, data)
+            other = _simple(substitute(right, edit.place, edit.new), stage, data)
             if words(other) != words(right):
                 name = words(node) if node.op == "named" else _ROOTS.get(key, stage.quantities[0])
                 return f"{name} should be {words(right)}; yours is {words(other)}"
