@@ -138,7 +138,10 @@ vapour = named(
 )
 falls = named("e^(-κh)", function("exp", -(1.217e-4 * I["h"] / constant(1.0, M))))
 pressed = switch("reading.pressure", {"sea_level": I["p"] * falls, "station": I["p"]})
-weather = 1.2929 * (273.15 / I["T"]) * ((pressed - 0.3783 * I["φ"] * vapour) / 101325.0)
+weather = named(
+    "ρ(T, p, φ)",
+    1.2929 * (273.15 / I["T"]) * ((pressed - 0.3783 * I["φ"] * vapour) / 101325.0),
+)
 thins = switch(
     "air.density_scale_height",
     {"none": constant(1.0), "given": function("exp", -(component(r, 2) / I["H"]))},

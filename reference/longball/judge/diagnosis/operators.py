@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 from longball.judge.diagnosis.chain import (
@@ -305,7 +306,7 @@ def _factors(site: Site) -> Iterator[Option]:
     if a.op in ("product", "quotient") and site.under("product", "quotient"):
         return  # the factors of a product are edited one by one
     yield -1.0 * a, BITS["factor"] + 1, f"takes -{said}", ()
-    fits = a.op in ("symbol", "named", "norm") or not site.parents
+    fits = a.op in ("symbol", "named", "norm") or not site.parents or site.under("switch")
     if fits:
         yield free() * a, BITS["free factor"], f"takes {{c}} times {said}", (1.0, 3.0, 0.3)
     if not fits and site.flies:  # a flight costs more than its fit would
@@ -531,7 +532,12 @@ def edits(
     columns: Columns,
     more: Iterable[Node] = (),
 ) -> Iterator[Edit]:
-    """Every edit of a stage's formulas, with `more` at hand, in scenes with options of switches."""
+    """Every edit of a stage's formulas that changes something in some scenes.
+
+    `columns` have their options of switches, and are empty for scenes with all options; `more` is
+    at hand.
+    """
+    arguments = Values(columns).arguments if columns else attrgetter("args")
     pool = (*pool_of(chain, stage, columns), *more)
     for name, root in stage.roots.items():
         if name == "through":
@@ -539,7 +545,8 @@ def edits(
         flies = name in ("law", "spin_left")
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         for form in (root, *([stage.forms[name]] if name in stage.forms else [])):
-            yield from _of_formula(root, form, here, defaults, flies)
+            nodes = ordered([form], (), arguments)
+            yield from _of_formula(root, form, nodes, here, defaults, flies)
 
 
 # Bits of a place that is no definition with a name.
@@ -547,10 +554,9 @@ UNNAMED = {"named": 0.0, "symbol": 0.5}
 
 
 def _of_formula(
-    root: Node, form: Node, pool: tuple[Node, ...],
+    root: Node, form: Node, nodes: Sequence[Node], pool: tuple[Node, ...],
     defaults: Mapping[str, float | tuple[float, ...]], flies: bool,
 ) -> Iterator[Edit]:  # fmt: skip
-    nodes = ordered([form])
     leaves = [node for node in nodes if node.op == "symbol"]
     for a, b in itertools.combinations(leaves, 2):
         if a.dimension == b.dimension and a.vector == b.vector:
@@ -564,7 +570,8 @@ def _of_formula(
     parents: dict[int, list[Node]] = {id(node): [] for node in nodes}
     for node in nodes:
         for arg in node.args:
-            parents[id(arg)].append(node)
+            if id(arg) in parents:
+                parents[id(arg)].append(node)
     places = math.log2(1 + len(nodes))
     for node in nodes:
         using = parents[id(node)]

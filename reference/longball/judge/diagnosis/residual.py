@@ -50,7 +50,7 @@ NOISE = 2.5e-10
 # Longest step, s, and largest number of steps. A flight that needs more steps takes longer ones.
 # The fine steps miss the landing of 400 batted balls by 4e-13 of it. The coarse steps give the
 # effect of an edit to better than a thousandth for nine edits in ten.
-FINE, MIDDLE, COARSE = (0.2, 400), (0.5, 400), (1.7, 4)
+FINE, MIDDLE, COARSE = (0.2, 400), (0.5, 100), (1.7, 4)
 # Flights that need at most so many steps are flown together; so are those of its powers.
 TOGETHER = 36
 # Relative errors: of a step beyond which a flight is flown with care, of the steps that are taken

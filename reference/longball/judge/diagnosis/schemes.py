@@ -46,6 +46,8 @@ from longball.model.arrays import Array
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
 TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
 SHORTEST = 2e-5  # s: of the steps of candidates
+# Of the size of a number: an error that steps do not make.
+ELSEWHERE = 0.9
 LOST = 1e12  # floors: what a scheme leaves that makes no number
 KEPT = 8  # integrators that are tried with the steps that fit them
 # Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
@@ -79,8 +81,11 @@ class Steps:
 
     @cached_property
     def few(self) -> Index:
-        """Numbers of `followed.some` with wrong and short flights."""
-        wrong = np.flatnonzero(self.followed.wrong & np.isfinite(self.durations))
+        """Numbers of `followed.some` with wrong and short flights; none if most end elsewhere."""
+        near = self.followed.wrong & (self.followed.relative < ELSEWHERE)
+        if 2 * near.sum() < self.followed.wrong.sum():
+            return np.zeros(0, dtype=int)
+        wrong = np.flatnonzero(near & np.isfinite(self.durations))
         wrong = wrong[np.argsort(self.durations[wrong], kind="stable")]
         wrong = wrong[: max(FEW, 2 * len(wrong) // 3)]
         return np.asarray(wrong[np.linspace(0, len(wrong) - 1, min(FEW, len(wrong))).astype(int)])

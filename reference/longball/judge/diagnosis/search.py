@@ -27,7 +27,7 @@ from longball.judge.diagnosis.evidence import (
     is_adequate,
     rounded,
 )
-from longball.judge.diagnosis.expression import Evaluator, Node, Values, contains, ordered
+from longball.judge.diagnosis.expression import Evaluator, Node, Values, ordered
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
@@ -55,8 +55,10 @@ WRONG, RIGHT = 5, 2
 # Scenes in which it has to hold.
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
-EDITS = 5000  # that are looked at at a stage, the cheapest
-TRIED = 150  # of these, by their first-order effects
+# Edits that are looked at at a stage, the cheapest, and those of them that are tried, by their
+# first-order effects; and as many beside another edit.
+EDITS, TRIED = 5000, 150
+SECOND = 1000, 50
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = 16  # edits that are held against all of these
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
@@ -134,6 +136,7 @@ class Explanation:
     data: Data
     columns: Mapping[str, Any]
     followed: Followed
+    most: tuple[int, int] = EDITS, TRIED
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -249,17 +252,14 @@ class Explanation:
         self.beside = [
             Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
         ]
-        options = {**self.data.columns, "spin": self.data.columns[self.stage.spins]}
+        wrong = take(self.columns, self.followed.some[self.followed.beyond])
+        options = {**wrong, "spin": wrong[self.stage.spins]}
         every = edits(self.chain, self.stage, defaults(), options)
-        cheapest = heapq.nsmallest(EDITS, every, key=lambda edit: edit.bits)
+        cheapest = heapq.nsmallest(self.most[0], every, key=lambda edit: edit.bits)
         flies = self.stage.kind == "flight"
         effects = (Response if flies else Direct)(self.stage, self.near)
-        spin_left = self.stage.roots.get("spin_left")
-        # Effects on the spin are not computed.
-        foreseen = [e for e in cheapest if spin_left is None or not contains(spin_left, e.place)]
-        starts = [self._starts(edit, effects.at) for edit in foreseen]
-        shares = dict.fromkeys(cheapest, 0.0)
-        shares |= dict(zip(foreseen, left_by(effects, foreseen, starts, self.off), strict=True))
+        starts = [self._starts(edit, effects.at) for edit in cheapest]
+        shares = dict(zip(cheapest, left_by(effects, cheapest, starts, self.off), strict=True))
         # Equal edits leave the same, and follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
@@ -271,7 +271,7 @@ class Explanation:
                 continue
             if (key := _fingerprint(stage, probe)) == unchanged:
                 continue
-            if key not in groups and len(groups) == TRIED:
+            if key not in groups and len(groups) == self.most[1]:
                 break
             groups.setdefault(key, (stage, []))[1].append(edit)
         found = []
@@ -376,7 +376,7 @@ class Explanation:
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any():
             return None
-        second = Explanation(chain, stage, self.data, self.columns, f).explain()
+        second = Explanation(chain, stage, self.data, self.columns, f, SECOND).explain()
         if isinstance(second, Located):
             return None
         return Named((edit, *second.edits), second.evidence)
