@@ -93,7 +93,7 @@ class Edit:
 
     @property
     def new(self) -> Node:
-        """What stands in the place."""
+        """The node that stands in the place."""
         return self.by if self.within is None else substitute(*self.within, self.by)
 
     def value(self, root: Node, at: Values, c: Any = None) -> Any:

@@ -340,7 +340,9 @@ class Explanation:
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
-        for _, group in found[:KEPT]:
+        for left, group in found[:KEPT]:
+            if adequate and left > RIVAL * self.null:
+                continue
             edit, twins = group[0], group[1:TWINS]
             if edit.starts:
                 edit, r, more = self.settled(edit)
@@ -448,6 +450,8 @@ def asking(
     return holds if alike else None
 
 
+# Of the cost of the errors, what a rival of an adequate edit may leave in the first scenes.
+RIVAL = 0.2
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
 PAIRS = {"flight": 1, "formula": 4, "event": 2}
 # An event function that is below NOTHING, m, in more than ANYWHERE of the random scenes holds
