@@ -287,7 +287,8 @@ def _numbers(site: Site) -> Iterator[Option]:
     if (summand or known) and not divides:
         cost = BITS["zero"] + (0.0 if summand or a.op == "named" else 1.0)
         yield constant(0.0, a.dimension, a.vector), cost, f"leaves out {said}", ()
-    if site.under("product", "quotient", "dot") and not a.vector:
+    whole = not site.parents and a.dimension == NONE
+    if (site.under("product", "quotient", "dot") or whole) and not a.vector:
         yield constant(1.0, a.dimension), BITS["one"], f"takes 1 for {said}", ()
     if a.op == "symbol" and (usual := site.defaults.get(a.data)) is not None and not a.vector:
         assert isinstance(usual, float)

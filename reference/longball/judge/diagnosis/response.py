@@ -145,6 +145,10 @@ class Response:
                     total[i] += self._at_end * change
         return total
 
+    def turns(self, edit: Edit) -> bool:
+        """True if an edit may change the spin at the end."""
+        return any(contains(self.stage.roots[x], edit.place) for x in ("spin", "spin_left"))
+
 
 class Direct:
     """Value of a formula, or of an event function, in some scenes."""
@@ -160,6 +164,10 @@ class Direct:
         every = self._many.of(self._root, changes)
         return np.array([np.broadcast_to(value - old, shape) for value in every])
 
+    def turns(self, edit: Edit) -> bool:
+        """True: a value has one part."""
+        return True
+
 
 def left_by(
     effects: Response | Direct, edits: Sequence[Edit], starts: Sequence[Sequence[float]], off: Array
@@ -174,7 +182,7 @@ def left_by(
     sizes = np.sqrt((off * off).sum(axis=0))
     wrong = sizes > sizes.max(initial=0.0) * RIGHT
     if not wrong.any():  # only the spin is wrong
-        return [0.0] * len(edits)
+        return [0.0 if effects.turns(edit) else 1.0 for edit in edits]
     scale = np.where(wrong, sizes, np.median(sizes[wrong]))
     a = (off / scale).ravel()
     changes: list[Change] = []

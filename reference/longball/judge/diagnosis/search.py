@@ -60,7 +60,7 @@ TWINS = 5  # edits that come to the same at a stage, of which one may explain ot
 EDITS, TRIED = 5000, 150
 SECOND = 1000, 50
 PROBES = 40  # scenes, moved at random, in which equal edits are found
-KEPT = 16  # edits that are held against all of these
+KEPT = {"flight": 6, "formula": 16, "event": 16}  # edits that are held against all of these
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
 NEARER = 0.97  # and what it may leave if steps are to explain the rest
 # Of what an edit moves, what long steps leave in it, and what a candidate's own steps do.
@@ -335,12 +335,13 @@ class Explanation:
         Of the edits that come nearest so many are tried with a second one.
         """
         found, tried = self.candidates()
-        near = tuple(group[0] for left, group in found[:KEPT])
+        kept = KEPT[self.stage.kind]
+        near = tuple(group[0] for left, group in found[:kept])
         found = [(left, group) for left, group in found if left <= HALF * self.null]
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
-        for left, group in found[:KEPT]:
+        for left, group in found[:kept]:
             if adequate and left > RIVAL * self.null:
                 continue
             edit, twins = group[0], group[1:TWINS]
