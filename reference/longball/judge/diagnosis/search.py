@@ -61,6 +61,7 @@ EDITS, TRIED = 5000, 150
 SECOND = 1000, 50
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 KEPT = {"flight": 6, "formula": 16, "event": 16}  # edits that are held against all of these
+NEAR = 16  # edits that schemes are tried beside
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
 NEARER = 0.97  # and what it may leave if steps are to explain the rest
 # Of what an edit moves, what long steps leave in it, and what a candidate's own steps do.
@@ -336,7 +337,7 @@ class Explanation:
         """
         found, tried = self.candidates()
         kept = KEPT[self.stage.kind]
-        near = tuple(group[0] for left, group in found[:kept])
+        near = tuple(group[0] for left, group in found[:NEAR])
         found = [(left, group) for left, group in found if left <= HALF * self.null]
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
