@@ -18,11 +18,12 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable
+from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.diagnose import diagnose, reason
 from longball.judge.diagnosis.operators import edits
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to, values
 from longball.judge.diagnosis.scenes import rule
-from longball.judge.diagnosis.search import Explanation, Named, defaults
+from longball.judge.diagnosis.search import EFFORT, Explanation, Named, defaults
 from longball.judge.quantities import values_of
 from longball.model.scene import parse_scene
 from tests.candidates.mistaken import solve as simulate
@@ -114,6 +115,37 @@ def test_noise_has_no_name():
     reasoned = reason(replace(data, given=given), specialised_to(data))
     assert [step.followed.stage.name for step in reasoned.steps] == ["energy"]
     assert not isinstance(reasoned.steps[0].found, Named)
+
+
+def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
+    cases = [case for case in load("flight-spin-decay") if decidable(case)][::4]
+    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    noise = 1 + 1e-3 * np.random.default_rng(1).normal(size=len(cases))
+    given = {**data.given, "landing.spin": data.given["landing.spin"] * noise}
+    reasoned = reason(replace(data, given=given), specialised_to(data))
+    assert [step.followed.stage.name for step in reasoned.steps] == ["flight"]
+    assert not reasoned.steps[0].explained
+
+
+def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
+    """Edits of the decay do not crowd out those of the law."""
+    cases = [
+        case
+        for family in ("flight-spin-decay", "flight-weather")
+        for case in load(family)
+        if decidable(case)
+    ][::6]
+    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    chain = specialised_to(data)
+    (flight,) = [stage for stage in chain if stage.kind == "flight"]
+    columns, _ = follow(chain, data)
+    wrong = flight.edited(I["T"], 1.0005 * I["T"])
+    made = values(wrong, columns)
+    given = {q: np.where(np.isfinite(told), made.get(q, told), np.nan)
+             for q, told in data.given.items()}  # fmt: skip
+    first = reason(replace(data, given=given), chain).steps[0]
+    assert isinstance(first.found, Named)
+    assert "1.0005 times T" in first.found.edits[0].words
 
 
 @pytest.mark.parametrize("side", [0.0, *(pytest.param(x, marks=NIGHTLY) for x in (1.0, -1.0))])
@@ -213,7 +245,7 @@ def test_an_edit_of_its_own_chain_is_found_again(stage: str):
         if wrong.beyond.sum() < 10:
             continue
         shown += 1
-        found = Explanation(chain, one, moved, now, wrong).explain()
+        found = Explanation(chain, one, moved, now, wrong, EFFORT[one.kind]).explain()
         assert isinstance(found, Named), edit.words
     assert shown >= 2
 

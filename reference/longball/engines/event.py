@@ -112,10 +112,7 @@ class Curve(Protocol[N]):
         """Return the value."""
 
     def positive(self, a: N, b: N) -> bool:
-        """True if the value certainly stays above half of what it is at a, which is positive.
-
-        False if that is not clear.
-        """
+        """True only if the value certainly stays above half of its value at `a`, a positive one."""
 
     def turns(self, a: N, b: N) -> Sequence[N]:
         """Return where in (a, b) the value may turn, in rising order.

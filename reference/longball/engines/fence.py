@@ -138,7 +138,7 @@ def _along(frame: Frame[N], vertex: Sequence[N]) -> N:
 def _seen(
     frame: Frame[N], vertex: Sequence[N], is_open: bool, sense: int, error: N, numbers: Numbers[N]
 ) -> tuple[Any, N, Any]:
-    """Return if a vertex is left of the flight or on it, its offset, and if it is an open end."""
+    """Classify a vertex: left of the flight or on it, its offset, and an open end on the flight."""
     x, y = vertex[0] - frame.x, vertex[1] - frame.y
     aside = sense * (frame.cos * y - frame.sin * x)
     on = (absolute(aside) > error * (absolute(x) + absolute(y))) ^ True

@@ -110,7 +110,7 @@ class PolynomialCurve:
         )
 
     def positive(self, a: float, b: float) -> bool:
-        """True if the value stays above half of what it is at a, which is positive."""
+        """True only if the value stays above half of its value at `a`, a positive one."""
         return bool(self.run.stays_high(self._from(a), (b - a) / self.unit))
 
     def turns(self, a: float, b: float) -> Sequence[float]:

@@ -79,7 +79,7 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
 def _compared(
     scene: Scene, proven: Result, other: Result, digits: int
 ) -> tuple[bool, float | None]:
-    """Return if two results agree, and their largest difference in 1e-30 of a size."""
+    """Compare two results: their agreement, and their largest difference in 1e-30 of a size."""
     here, there = dict(numbers_of(proven)), dict(numbers_of(other))
     agrees, largest = True, Decimal(0)
     with localcontext(prec=_PREC):

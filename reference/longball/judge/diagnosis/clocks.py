@@ -145,8 +145,7 @@ def clock(
             states.off(part, rule.times)[0] / followed.floor[part]
             for part, rule in zip(parts, known, strict=True)
         ]
-    with np.errstate(all="ignore"):
-        left.append(followed.off[6:] / followed.floor[6:])  # the spin is not the clock's
+        left.append(followed.off[6:] / followed.floor[6:])  # no clock explains the spin
     r, bits = np.concatenate(left), sum(rule.bits for rule in known)
     evidence = cost(followed.off / followed.floor) - cost(r) - bits - CHANCE
     if evidence <= 0 or not is_adequate(r, is_rough(stage)):

@@ -35,7 +35,7 @@ from longball.judge.diagnosis.residual import (
 )
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.schemes import Steps, explain_push, explain_scheme, with_edit
-from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
+from longball.judge.diagnosis.search import EFFORT, Explanation, Located, Named, asking
 
 # Runs a candidate again: from scenes to answers by id.
 Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
@@ -246,7 +246,8 @@ def reason(
             data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
             columns, last = follow(chain, data, unknown)
             continue
-        found = Explanation(chain, stage, data, columns, one).explain(ask, PAIRS[stage.kind])
+        effort = EFFORT[stage.kind]
+        found = Explanation(chain, stage, data, columns, one, effort).explain(ask)
         if isinstance(found, Named):
             steps.append(Step(one, found))
             for edit in found.edits:
@@ -290,7 +291,8 @@ def _beside(
     one, _ = compared(stage, data, columns, one.some)
     if not one.beyond.any():
         return ()
-    found = Explanation(chain, stage, data, columns, one).explain()
+    effort = EFFORT[stage.kind]._replace(pairs=0)
+    found = Explanation(chain, stage, data, columns, one, effort).explain()
     return found.near if isinstance(found, Located) else found.edits
 
 

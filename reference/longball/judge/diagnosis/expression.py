@@ -357,7 +357,8 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-# Operations with a jump or a kink, where a fixed step of an integrator loses its order.
+# Operations with a jump or a kink, where a fixed step of an integrator loses its order: at 0 of
+# their first argument, or of the difference of both (least).
 JUMPS = frozenset(("rises", "where"))
 KINKS = frozenset(("abs", "positive", "least", "sizes", "by_own_size"))
 
@@ -526,14 +527,11 @@ class Evaluator:
 
 
 class Pieces:
-    """Where an expression is smooth: numbers that stay the same from one kink or jump to the next.
-
-    They depend on the symbols that move.
-    """
+    """Numbers that change where an expression has a kink or a jump, as a function of what moves."""
 
     def __init__(self, root: Node, columns: Columns, moving: frozenset[str]) -> None:
         at_hand = Values(columns)
-        reached: dict[Node, Any] = {root: np.True_}  # by flags of the scenes
+        reached: dict[Node, Any] = {root: np.True_}  # nodes, with flags of the scenes that use them
         for node in reversed(ordered([root], (), at_hand.arguments)):
             flags = _occurring(node, columns).values() if node.op == "switch" else ()
             for i, arg in enumerate(at_hand.arguments(node)):
@@ -542,15 +540,13 @@ class Pieces:
         self._parts: list[tuple[Any, Any]] = []  # table's nodes or None, flags
         nodes: list[Node] = []
         for node, flags in reached.items():
-            match node.op, node.args:
-                case (("where" | "rises" | "positive" | "abs" | "sizes"), (x, *_)):
-                    at = None
-                case "least", (a, b):
-                    x, at = a - b, None
-                case "table", (x,):
-                    at = columns[f"{node.data[0]}.at"]
-                case _:
-                    continue
+            if node.op not in JUMPS | KINKS | {"table"}:
+                continue
+            x, at = node.args[0], None
+            if node.op == "least":
+                x = x - node.args[1]
+            elif node.op == "table":
+                at = columns[f"{node.data[0]}.at"]
             if depends(x, moving):
                 nodes.append(x)
                 self._parts.append((at, flags))

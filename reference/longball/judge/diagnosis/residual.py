@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,20 +47,35 @@ ROUNDING = 1e-12
 # leaves 1e-11 of a landing, adaptive methods at 1e-10 about 1e-9).
 NOISE = 2.5e-10
 
-# Longest step, s, and largest number of steps. A flight that needs more steps takes longer ones.
-# The fine steps miss the landing of 400 batted balls by 4e-13 of it. The coarse steps give the
-# effect of an edit to better than a thousandth for nine edits in ten.
-FINE, MIDDLE, COARSE = (0.2, 400), (0.5, 100), (1.7, 4)
-# Flights that need at most so many steps are flown together; so are those of its powers.
+
+class Stepping(NamedTuple):
+    """Equal steps of a flight. One that needs more than `most` takes longer steps.
+
+    If they are `exact`, flights that meet a kink or a jump of the law, or steep parts of it, are
+    flown again by `_flown_exactly`.
+    """
+
+    longest: float  # s
+    most: int
+    exact: bool = False
+
+
+# The fine steps miss the landing of 400 batted balls by 4e-13 of it; steps of twice the length tell
+# their error. The coarse steps give the effect of an edit to better than a thousandth for nine
+# edits in ten.
+FINE, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.4, 200)
+MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
+# Flights that need at most so many steps are flown together; so are those that need at most a power
+# of it.
 TOGETHER = 36
-# Relative errors: of a step beyond which a flight is flown with care, of the steps that are taken
+# Relative errors: of an equal step beyond which a flight is flown again, of each step that is taken
 # then, and of all of them.
 STEEP, CAREFUL, TOTAL = 1e-11, 1e-12, 3e-11
 # A step across a kink or a jump of the law is cut this share of itself before and beyond it, until
-# it is this share of the flight.
+# it is shorter than LEAST of the flight.
 BESIDE, LEAST = 1 / 512, 1e-11
 BISECTIONS = 11  # that find the place of a kink
-CUTS = 150  # such steps of a flight, at most: a law may jump to and fro wherever a ball goes
+CUTS = 150  # steps besides the equal ones: some laws jump to and fro wherever a ball goes
 
 Index = NDArray[np.integer[Any]]  # numbers of scenes
 
@@ -93,9 +108,9 @@ class Data:
         their doubt. Stages without one are flown exactly.
     blind
         Scenes in which the chain does not make the truth from the truth, by the stage's name and
-        kind: balls that touch a kink of the law, or go along one.
+        kind, such as balls that graze a jump of the law; nothing is compared there.
     flights
-        What was flown already, which nobody flies again.
+        Flights that were flown, by stage and columns: a cache.
     """
 
     cases: Sequence[Case]
@@ -294,9 +309,9 @@ class Launched:
     ended
         The stage's quantities at a state.
     piece
-        Numbers that are the same at two states if no kink or jump of the law is between them.
+        Numbers that change where the ball crosses a kink or a jump of the law.
     some
-        Some of the balls.
+        Selects balls.
     """
 
     y: Array
@@ -365,49 +380,43 @@ def launched(stage: Stage, columns: Columns) -> Launched:
     return Launched(y, columns["ω0"], duration, rates, ended, piece, some)
 
 
-def flown(balls: Launched, duration: Array, limits: tuple[float, int] = FINE) -> Array:
+def flown(balls: Launched, duration: Array, limits: Stepping = FINE) -> Array:
     """Fly balls for some time, and return their states."""
     return _flown(balls, duration, limits)[0]
 
 
-def _flown(
-    balls: Launched, duration: Array, limits: tuple[float, int], share: int = 1, care: bool = True
-) -> tuple[Array, NDArray[np.bool_]]:
-    """The states of balls after some time, and which were flown with care.
+def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, Array]:
+    """The states of balls after some time, and their relative doubt; 0 of flights by equal steps.
 
-    Each flight has as many equal steps as it needs, or `share` times fewer, whatever the others
-    need. With care, if steps are fine, are flown those that meet a kink or a jump of the law, or
-    steep parts of it.
+    The number of a flight's steps does not depend on the other flights.
     """
-    y, (longest, most) = balls.y.copy(), limits
-    apart = np.zeros(y.shape[1], dtype=bool)
+    y, doubt = balls.y.copy(), np.zeros(balls.y.shape[1])
     known = np.isfinite(duration)
-    needed = np.clip(np.ceil(np.where(known, np.abs(duration), 0.0) / longest), 1, most)
-    groups = np.ceil(np.log(np.maximum(needed, TOGETHER)) / math.log(TOGETHER))
+    needed = np.ceil(np.where(known, np.abs(duration), 0.0) / limits.longest)
+    steps = np.clip(needed, 1, limits.most)
+    groups = np.ceil(np.log(np.maximum(steps, TOGETHER)) / math.log(TOGETHER))
     if not known.all() or len(np.unique(groups)) > 1:
         y[:, ~known] = np.nan
         for group in np.unique(groups[known]):
             which = np.flatnonzero(known & (groups == group))
             one = replace(balls.some(which), y=balls.y[:, which])
-            y[:, which], apart[which] = _flown(one, duration[which], limits, share, care)
-        return y, apart
-    steps = np.ceil(needed / share)
-    h = duration / steps
-    care = care and limits is FINE
-    before = balls.piece(y, 0.0 * h) if care else None
+            y[:, which], doubt[which] = _flown(one, duration[which], limits)
+        return y, doubt
+    h, again = duration / steps, np.zeros(len(steps), dtype=bool)
+    before = balls.piece(y, 0.0 * h) if limits.exact else None
     for step in range(int(steps.max(initial=0.0))):
         flies = step < steps
         new, slopes = _step(balls, y, step * h, h)
         y = np.where(flies, new, y)
-        if care:
+        if limits.exact:
             after = balls.piece(y, (step + 1) * h)
-            apart |= flies & ((after != before).any(axis=0) | (_error(y, slopes, h) > STEEP))
+            again |= flies & ((after != before).any(axis=0) | (_error(y, slopes, h) > STEEP))
             before = after
-    if apart.any():
-        which = np.flatnonzero(apart)
+    if again.any():
+        which = np.flatnonzero(again)
         one = replace(balls.some(which), y=balls.y[:, which])
-        y[:, which] = _with_care(one, duration[which], h[which])
-    return y, apart
+        y[:, which], doubt[which] = _flown_exactly(one, duration[which], 1.0 / steps[which])
+    return y, doubt
 
 
 def _step(balls: Launched, y: Array, t: Array, h: Array) -> tuple[Array, Array]:
@@ -428,55 +437,56 @@ def _error(y: Array, slopes: Array, h: Array) -> Array:
     return np.asarray((error / np.maximum(np.abs(y), 1.0)).max(axis=0))
 
 
-def _with_care(balls: Launched, duration: Array, longest: Array) -> Array:
-    """Fly balls for some time by steps of their own, which kinks and jumps of the law end.
+def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Array, Array]:
+    """Fly balls by steps as long as their error allows, which end at kinks and jumps of the law.
 
-    A step with a kink inside is cut just before it, where the cubic between its ends has it; the
-    next one reaches just beyond, and is cut again, until it is too short to matter.
+    Times and steps are shares of the duration. A step across a kink is not taken: the cubic between
+    its ends tells where the kink is, and the next goals are just before that place and just beyond
+    it. The step from one to the other is cut in the same way, until it is too short to matter.
+
+    Also their relative doubt, which is HUGE for a ball that does not arrive in `CUTS` more steps.
     """
-    y, t, h = balls.y, 0.0 * duration, longest
-    whole, beyond, short = h, h, np.zeros(len(h))  # 2: until just before a kink, 1: beyond it
-    here, found, index = balls.piece(y, t), y.copy(), np.arange(y.shape[1])
-    for _ in range(CUTS + int(2 * (duration / longest).max(initial=0.0))):
-        left = duration - t
-        flies = np.flatnonzero(np.abs(left) > LEAST * np.abs(duration))
+    y, t, whole = balls.y, np.zeros(len(longest)), longest
+    before, beyond = np.zeros_like(t), np.zeros_like(t)  # the last kink that was found
+    here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
+    doubt = np.full(len(t), HUGE)
+    for _ in range(CUTS + int(2 / longest.min())):
+        flies = np.flatnonzero(t < 1.0 - LEAST)
         if len(flies) < len(index) / 2:
             found[:, index] = y
+            doubt[index[t >= 1.0 - LEAST]] = TOTAL
             if not len(flies):
                 break
-            balls, index = balls.some(flies), index[flies]
-            y = y[:, flies]
-            t, h, whole, beyond, short, left, longest, duration = (
-                x[flies] for x in (t, h, whole, beyond, short, left, longest, duration)
+            balls, index, y = balls.some(flies), index[flies], y[:, flies]
+            t, whole, before, beyond, longest, duration = (
+                x[flies] for x in (t, whole, before, beyond, longest, duration)
             )
-            here = balls.piece(y, t)
-        last = np.abs(h) >= np.abs(left)
-        full = h = np.where(last, left, h)
-        new, slopes = _step(balls, y, t, h)
-        there = balls.piece(new, t + h)
-        is_long = np.abs(h) > LEAST * np.abs(duration)
-        crossed = (there != here).any(axis=0) & is_long
+            here = balls.piece(y, t * duration)
+        goal = np.where(before > t, before, np.where(beyond > t, beyond, 1.0))
+        step = np.minimum(whole, goal - t)
+        h = step * duration
+        new, slopes = _step(balls, y, t * duration, h)
+        there = balls.piece(new, (t + step) * duration)
         error = _error(new, slopes, h)
-        coarse = ~crossed & (error > CAREFUL) & is_long
-        # Crossed: to just before, and then to just beyond.
-        share = _first_kink(balls, y, new, t, h, slopes[0]) if crossed.any() else 0.0
-        cut = h * np.maximum(share - BESIDE, BESIDE)
-        again = crossed | coarse
-        y = np.where(again, y, new)
-        t = np.where(again, t, np.where(last, duration, t + h))
-        here = np.where(again, here, there)
-        best = h * np.clip(0.9 * (CAREFUL / np.maximum(error, 1e-99)) ** 0.125, 0.1, 3.0)
-        best = np.where(np.abs(best) < np.abs(longest), best, longest)
-        whole = np.where(coarse | (short == 0) & ~crossed, best, whole)
-        h = np.where(crossed, cut, np.where((short == 2) & ~coarse, beyond, whole))
-        beyond = np.where(crossed, 2 * BESIDE * full, beyond)
-        short = np.where(crossed, 2, np.where(coarse, 0, np.maximum(short - 1, 0)))
+        crossed = (there != here).any(axis=0) & (step > LEAST)
+        coarse = (error > CAREFUL) & (step > LEAST) & ~crossed
+        if crossed.any():
+            kink = _first_kink(balls, y, new, t * duration, h, slopes[0])
+            first = t + step * np.maximum(kink - BESIDE, BESIDE)
+            before = np.where(crossed, first, before)
+            beyond = np.where(crossed, first + 2 * BESIDE * step, beyond)
+        best = step * np.clip(0.9 * (CAREFUL / np.maximum(error, 1e-99)) ** 0.125, 0.1, 3.0)
+        whole = np.where(coarse, best, np.clip(best, whole, longest))
+        stays = crossed | coarse
+        y, here = np.where(stays, y, new), np.where(stays, here, there)
+        t = np.where(stays, t, t + step)
     found[:, index] = y
-    return found
+    doubt[index[t >= 1.0 - LEAST]] = TOTAL
+    return found, doubt
 
 
 def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope: Array) -> Array:
-    """The share of each ball's step at which the law has its first kink."""
+    """The share of each ball's step before the first kink of the law."""
     here, end = balls.piece(y, t), balls.rates(new, t + h)
     low, high = np.zeros_like(h), np.ones_like(h)
     for _ in range(BISECTIONS):
@@ -507,7 +517,7 @@ def stepped(balls: Launched, step: Step, h: Any, counts: Index) -> tuple[Array, 
     return found, None if left is None else kept
 
 
-def values(stage: Stage, columns: Columns, limits: tuple[float, int] = FINE) -> dict[str, Array]:
+def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str, Array]:
     """The quantities of a stage, from the values before it; a flight's by steps as in `flown`."""
     columns = {**columns, "spin": columns[stage.spins]}
     with np.errstate(all="ignore"):
@@ -522,7 +532,7 @@ def values(stage: Stage, columns: Columns, limits: tuple[float, int] = FINE) -> 
 def _with_doubt(
     stage: Stage, columns: Columns, known: dict[Any, Any]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """The quantities of a flight, and others that differ from them by about their error."""
+    """The quantities of a flight, and the same with about their error added."""
     numbers = hashlib.blake2b()
     for column in columns.values():
         numbers.update(column.tobytes())
@@ -531,9 +541,9 @@ def _with_doubt(
         found: tuple[dict[str, Array], dict[str, Array]] = known[key]
         return found
     balls = launched(stage, {**columns, "spin": columns[stage.spins]})
-    y, with_care = _flown(balls, balls.duration, FINE)
-    again, _ = _flown(balls, balls.duration, FINE, share=2, care=False)
-    again[:, with_care] = (y + TOTAL * np.maximum(np.abs(y), 1.0))[:, with_care]
+    y, doubt = _flown(balls, balls.duration, FINE)
+    off = doubt * np.maximum(np.abs(y), 1.0)
+    again = np.where(doubt > 0, y + off, flown(balls, balls.duration, DOUBLE))
     found = known[key] = balls.ended(y), balls.ended(again)
     return found
 
@@ -685,7 +695,7 @@ _BEFORE = frozenset(("V", "ω"))  # of the ball that meets the bat, which no can
 
 
 def seen(chain: Sequence[Stage], data: Data) -> Data:
-    """Data without the numbers that the chain does not make from the truth either."""
+    """Data with the scenes in which the chain does not make the truth from the truth."""
     if not any(stage.kind == "flight" and is_rough(stage) for stage in chain):
         return data
     _, found = follow(chain, data)

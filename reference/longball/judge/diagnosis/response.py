@@ -29,10 +29,10 @@ Change = tuple[Edit, float | None]
 
 
 class Many:
-    """Values of formulas with many edits, each in some scenes.
+    """Values of formulas with many edits, in some scenes.
 
-    Edits at one place are evaluated at once: what uses the place is computed on columns in which
-    the scenes stand once for each edit.
+    Edits of one place are evaluated together, on columns that hold a copy of the scenes for each
+    edit.
     """
 
     def __init__(self, at: Values) -> None:
@@ -75,7 +75,7 @@ class Many:
         return self._wide[width]
 
 
-WIDTHS = 1, 4, 16, 64
+WIDTHS = 1, 4, 16, 64  # numbers of edits that are evaluated together; the last ones are padding
 
 
 class Response:
@@ -119,35 +119,46 @@ class Response:
         self._turned = Evaluator([stage.roots["law"]], self.at.columns, frozenset(("ω0",)))
         end = ends[:, 0, :count]
         self._at_end = launched(stage, columns).rates(end, duration[:count])[:6]
+        self._left = Many(
+            Values({
+                **columns, "r": end[:3], "v": end[3:6], "t": duration[:count], "path": end[6],
+                "r0": balls.y[:3, :count], "v0": balls.y[3:6, :count], "ω0": self._spin,
+            })
+        )  # fmt: skip
 
     def moved(self, changes: Sequence[Change]) -> Array:
-        """First-order changes of the state at the end; the first axis is that of `changes`."""
-        total = np.zeros((len(changes), *self._at_end.shape))
+        """First-order changes of the state and the spin at the end, one for each of `changes`.
+
+        The change of the spin is that on the undisturbed path.
+        """
+        total = np.zeros((len(changes), 9, self._at_end.shape[1]))
+        places = {"law": self._on_path, "spin_left": self._left}
+        share = self._left.at.of(self.stage.roots["spin_left"])
         for name, root in self.stage.roots.items():
-            if name in ("through", "spin_left"):
+            if name == "through":
                 continue
             here = [i for i, (edit, _) in enumerate(changes) if contains(root, edit.place)]
-            where = self._on_path if name == "law" else self._at_start
+            where = places.get(name, self._at_start)
             old = where.at.of(root)
             for i, value in zip(here, where.of(root, [changes[i] for i in here]), strict=True):
                 change = value - old
+                if name == "spin_left":
+                    total[i, 6:] += change * self._spin
+                    continue
                 if name == "spin":
+                    total[i, 6:] += share * change
                     turned = np.tile(change + self._spin, NODES)
                     change = self._turned(ω0=turned)[0] - self.at.of(self.stage.roots["law"])
                 if name in ("law", "spin"):
                     change = np.broadcast_to(change, (3, NODES * total.shape[2]))
                     pushed = change.reshape(3, NODES, -1)
-                    total[i] += np.einsum("ijkn,jkn->in", self._during, pushed)
+                    total[i, :6] += np.einsum("ijkn,jkn->in", self._during, pushed)
                 elif name in self._at_launch:
                     change = np.broadcast_to(change, (3, total.shape[2]))
-                    total[i] += np.einsum("ijn,jn->in", self._at_launch[name], change)
+                    total[i, :6] += np.einsum("ijn,jn->in", self._at_launch[name], change)
                 else:
-                    total[i] += self._at_end * change
+                    total[i, :6] += self._at_end * change
         return total
-
-    def turns(self, edit: Edit) -> bool:
-        """True if an edit may change the spin at the end."""
-        return any(contains(self.stage.roots[x], edit.place) for x in ("spin", "spin_left"))
 
 
 class Direct:
@@ -158,15 +169,11 @@ class Direct:
         (self._root,) = stage.roots.values()
 
     def moved(self, changes: Sequence[Change]) -> Array:
-        """Changes of the value; the first axis is that of `changes`."""
+        """Changes of the value, one for each of `changes`."""
         shape = (3 if self._root.vector else 1, len(self.at.columns["kind"]))
         old = self.at.of(self._root)
         every = self._many.of(self._root, changes)
         return np.array([np.broadcast_to(value - old, shape) for value in every])
-
-    def turns(self, edit: Edit) -> bool:
-        """True: a value has one part."""
-        return True
 
 
 def left_by(
@@ -176,13 +183,13 @@ def left_by(
 
     The fit scales the effect freely. Each scene has the same weight: an error is divided by its
     size in that scene, or by the median size where the scene is right. `starts` are values of each
-    edit's free number.
+    edit's free number. The spin counts where nothing else is wrong.
     """
-    off = np.nan_to_num(off[:ROWS])
+    off = np.nan_to_num(off)
+    rows = slice(ROWS) if off[:ROWS].any() else slice(ROWS, None)
+    off = off[rows]
     sizes = np.sqrt((off * off).sum(axis=0))
     wrong = sizes > sizes.max(initial=0.0) * RIGHT
-    if not wrong.any():  # only the spin is wrong
-        return [0.0 if effects.turns(edit) else 1.0 for edit in edits]
     scale = np.where(wrong, sizes, np.median(sizes[wrong]))
     a = (off / scale).ravel()
     changes: list[Change] = []
@@ -193,7 +200,7 @@ def left_by(
         values = [x for start in numbers for x in (start, OTHER * start or 0.1)]
         changes += [(edit, x) for x in values or (None,)]
         trials.append([slice(i, i + width) for i in range(first, len(changes), width)])
-    moved = effects.moved(changes)
+    moved = effects.moved(changes)[:, rows]
     moved = (np.broadcast_to(moved, (len(changes), *off.shape)) / scale).reshape(len(changes), -1)
     moved = np.where(np.abs(moved) < FAR, moved, 0.0)
     found = []
@@ -208,6 +215,6 @@ def left_by(
     return found
 
 
-ROWS = 6  # position and velocity; effects on the spin are not computed
+ROWS = 6  # position and velocity; the spin follows
 FAR = 1e9  # times the error: larger effects are ignored
 RIGHT = 1e-9  # of the largest error: a scene with a smaller one is right

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from longball.engines.engine import Engine
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
-from longball.judge.diagnosis.chain import OWN, Stage
+from longball.judge.diagnosis.chain import OWN, Kind, Stage
 from longball.judge.diagnosis.evidence import (
     CHANCE,
     cost,
@@ -37,6 +37,7 @@ from longball.judge.diagnosis.residual import (
     Data,
     Followed,
     Index,
+    Stepping,
     compared,
     data_of,
     follow,
@@ -55,12 +56,7 @@ WRONG, RIGHT = 5, 2
 # Scenes in which it has to hold.
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
-# Edits that are looked at at a stage, the cheapest, and those of them that are tried, by their
-# first-order effects; and as many beside another edit.
-EDITS, TRIED = 5000, 150
-SECOND = 1000, 50
 PROBES = 40  # scenes, moved at random, in which equal edits are found
-KEPT = {"flight": 6, "formula": 16, "event": 16}  # edits that are held against all of these
 NEAR = 16  # edits that schemes are tried beside
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
 NEARER = 0.97  # and what it may leave if steps are to explain the rest
@@ -128,6 +124,24 @@ def _evenly(some: Index, most: int) -> Index:
     return np.asarray(some[np.linspace(0, len(some) - 1, most).round().astype(int)])
 
 
+class Effort(NamedTuple):
+    """Numbers of edits of a stage."""
+
+    foreseen: int  # the cheapest, of which first-order effects are computed
+    tried: int  # in the first scenes, those whose effects fit best
+    held: int  # against all scenes
+    pairs: int  # with a second edit, where no single one explains all
+
+
+# A law takes a flight for each trial.
+EFFORT: Mapping[Kind, Effort] = {
+    "flight": Effort(5000, 150, 6, 1),
+    "formula": Effort(5000, 150, 16, 4),
+    "event": Effort(5000, 150, 16, 2),
+}
+SECOND = {"foreseen": 1000, "tried": 50, "pairs": 0}  # beside another edit
+
+
 @dataclass
 class Explanation:
     """One stage whose errors are to be explained."""
@@ -137,7 +151,7 @@ class Explanation:
     data: Data
     columns: Mapping[str, Any]
     followed: Followed
-    most: tuple[int, int] = EDITS, TRIED
+    effort: Effort
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -190,13 +204,13 @@ class Explanation:
         return given
 
     def _off(
-        self, stage: Stage, some: Index, c: Array | None = None, limits: tuple[float, int] = FINE
+        self, stage: Stage, some: Index, c: Array | None = None, limits: Stepping = FINE
     ) -> Array:
         """Errors of a stage in some of `all` scenes; the first axis is that of the free number."""
         c = np.zeros(1) if c is None else c
         columns = take(self.columns, np.tile(self.all[some], len(c)))
         columns |= {FREE: np.repeat(c, len(some)), "spin": columns[stage.spins]}
-        way = self.data.way(stage) if limits is FINE else None
+        way = self.data.way(stage) if limits.exact else None
         found = values(stage, columns, limits) if way is None else way(stage, columns)[0]
         rows = np.concatenate([np.atleast_2d(found[q]) for q in stage.quantities if q in found])
         off = self._given(some)[:, None] - rows.reshape(len(rows), len(c), len(some))
@@ -256,11 +270,12 @@ class Explanation:
         wrong = take(self.columns, self.followed.some[self.followed.beyond])
         options = {**wrong, "spin": wrong[self.stage.spins]}
         every = edits(self.chain, self.stage, defaults(), options)
-        cheapest = heapq.nsmallest(self.most[0], every, key=lambda edit: edit.bits)
+        cheapest = heapq.nsmallest(self.effort.foreseen, every, key=lambda edit: edit.bits)
         flies = self.stage.kind == "flight"
         effects = (Response if flies else Direct)(self.stage, self.near)
         starts = [self._starts(edit, effects.at) for edit in cheapest]
-        shares = dict(zip(cheapest, left_by(effects, cheapest, starts, self.off), strict=True))
+        errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
+        shares = dict(zip(cheapest, left_by(effects, cheapest, starts, errors), strict=True))
         # Equal edits leave the same, and follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
@@ -272,7 +287,7 @@ class Explanation:
                 continue
             if (key := _fingerprint(stage, probe)) == unchanged:
                 continue
-            if key not in groups and len(groups) == self.most[1]:
+            if key not in groups and len(groups) == self.effort.tried:
                 break
             groups.setdefault(key, (stage, []))[1].append(edit)
         found = []
@@ -315,7 +330,7 @@ class Explanation:
         """
         stage = self.edited(edit)
 
-        def residual(some: Index, limits: tuple[float, int]) -> Callable[[Array], Array]:
+        def residual(some: Index, limits: Stepping) -> Callable[[Array], Array]:
             floor = self.base.floor[:, some]
             return lambda c: self._off(stage, some, c, limits) / floor
 
@@ -330,19 +345,15 @@ class Explanation:
         edit = edit.settled(x, bits)
         return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
 
-    def explain(self, ask: Ask | None = None, pairs: int = 0) -> Named | Located:
-        """The cheapest edit that explains the stage in all scenes; or two, if none does.
-
-        Of the edits that come nearest so many are tried with a second one.
-        """
+    def explain(self, ask: Ask | None = None) -> Named | Located:
+        """The cheapest edit that explains the stage in all scenes; or two, if none does."""
         found, tried = self.candidates()
-        kept = KEPT[self.stage.kind]
         near = tuple(group[0] for left, group in found[:NEAR])
         found = [(left, group) for left, group in found if left <= HALF * self.null]
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
-        for left, group in found[:kept]:
+        for left, group in found[: self.effort.held]:
             if adequate and left > RIVAL * self.null:
                 continue
             edit, twins = group[0], group[1:TWINS]
@@ -363,7 +374,7 @@ class Explanation:
         if adequate:
             return self._named(adequate, ask)
         partial.sort(key=lambda one: one[0])
-        for left, edit in partial[:pairs]:
+        for left, edit in partial[: self.effort.pairs]:
             if left > BESIDE * self.null_all:
                 break
             if (both := self._with_another(edit)) is not None:
@@ -380,7 +391,8 @@ class Explanation:
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any():
             return None
-        second = Explanation(chain, stage, self.data, self.columns, f, SECOND).explain()
+        effort = self.effort._replace(**SECOND)
+        second = Explanation(chain, stage, self.data, self.columns, f, effort).explain()
         if isinstance(second, Located):
             return None
         return Named((edit, *second.edits), second.evidence)
@@ -455,7 +467,6 @@ def asking(
 # Of the cost of the errors, what a rival of an adequate edit may leave in the first scenes.
 RIVAL = 0.2
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
-PAIRS = {"flight": 1, "formula": 4, "event": 2}
 # An event function that is below NOTHING, m, in more than ANYWHERE of the random scenes holds
 # everywhere. A ball MOVED by this distance, m, has to change it by FLAT of the usual change.
 NOTHING, ANYWHERE = 1e-9, 0.1
