@@ -131,7 +131,7 @@ def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
     """Edits of the decay do not crowd out those of the law."""
     cases = [
         case
-        for family in ("flight-spin-decay", "flight-weather")
+        for family in ("flight-spin-decay", "flight-weather", "flight-real")
         for case in load(family)
         if decidable(case)
     ][::6]
