@@ -60,7 +60,7 @@ def is_solved(scene):
     )
 
 
-def solve(scene, h=1e-3):
+def solve(scene, h=5e-3):
     """Fly until the ball comes down to the ground."""
     scene = filled_in(scene)
     if not is_solved(scene):

@@ -7,6 +7,7 @@ import io
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,8 +30,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the mark of what waits for `make nightly`."""
+    """Declare the marks of what waits for `make nightly`."""
     config.addinivalue_line("markers", "nightly: run with --nightly only")
+    config.addinivalue_line("markers", "sampled(every): run the others with --nightly only")
     # Golden data are hundreds of thousands of objects, through which each full collection walks.
     gc.set_threshold(100_000, 20, 100)
     if config.getoption("--nightly"):
@@ -39,10 +41,20 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what is for `make nightly`."""
-    waiting = [item for item in items if item.get_closest_marker("nightly")]
-    if waiting and not config.getoption("--nightly"):
-        config.hook.pytest_deselected(items=waiting)
-        items[:] = [item for item in items if item not in waiting]
+    if config.getoption("--nightly"):
+        return
+    seen: Counter[str] = Counter()  # of each test with parameters
+    by_day, waiting = [], []
+    for item in items:
+        test, _, _ = item.nodeid.partition("[")
+        sampled = item.get_closest_marker("sampled")
+        waits = item.get_closest_marker("nightly") or (
+            sampled and seen[test] % sampled.kwargs["every"]
+        )
+        seen[test] += 1
+        (waiting if waits else by_day).append(item)
+    config.hook.pytest_deselected(items=waiting)
+    items[:] = by_day
 
 
 @pytest.fixture

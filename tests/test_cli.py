@@ -175,6 +175,7 @@ class TestSolve:
 
     @pytest.mark.parametrize("indent", [None, 2])
     @pytest.mark.parametrize("array", [False, True])
+    @pytest.mark.sampled(every=3)
     def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
         scene = {"kind": "pitch"}
         file = tmp_path / "scenes.json"
@@ -480,6 +481,7 @@ class TestHomerun:
             "inertia": "about_centre", "sample_space": "batted", "fig7_parameters": "text",
         }  # fmt: skip
 
+    @pytest.mark.nightly
     def test_quadrature_has_errors_and_slopes(self, called, tmp_path: Path, monkeypatch):
         # Two rules that take little; the errors of better ones are tested with the golden data.
         monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(0.4, 1), Nodes(0.5, 1)))
@@ -586,6 +588,7 @@ class TestFit:
         assert "pitch_type" in run.stderr
         assert "Traceback" not in run.stderr
 
+    @pytest.mark.nightly
     def test_what_is_fitted_is_drawn_from(self, called, tmp_path: Path):
         path = tmp_path / "fitted.json"
         path.write_text(called("fit", "--example", "--json").stdout, encoding="utf-8")

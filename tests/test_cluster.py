@@ -111,6 +111,7 @@ def test_lines_have_the_same_answers(called, cluster: Cluster) -> None:
 
 
 # The last that needs both workers.
+@pytest.mark.nightly
 def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> None:
     here = longball(*HOME_RUN)
     with subprocess.Popen(
@@ -150,6 +151,7 @@ def test_an_address_where_nobody_answers_is_refused(called, address: str, named:
     assert "Traceback" not in run.stderr
 
 
+@pytest.mark.nightly
 def test_workers_that_are_none_or_have_other_code_are_refused(called, tmp_path: Path) -> None:
     package = Path(longball_package.__file__).parent
     other = tmp_path / "longball"

@@ -63,6 +63,7 @@ def test_output_is_utf_8_whatever_the_locale():
         ("longball solve nowhere.jsonl 2>&-", 2, b""),
     ],
 )
+@pytest.mark.sampled(every=2)
 def test_closed_streams(tmp_path: Path, line: str, status: int, said: bytes):
     (tmp_path / "scenes.jsonl").write_bytes(FLIGHT)
     run = shell(line, tmp_path)
@@ -225,6 +226,7 @@ class TestSignals:
             ("2", signal.SIGTERM, b"terminated"),
         ],
     )
+    @pytest.mark.sampled(every=2)
     def test_end_a_run(self, workers: str, number: signal.Signals, said: bytes):
         with self.start("solve", "--workers", workers) as process:
             process.stdin.write(FLIGHT * 100)

@@ -50,7 +50,8 @@ def command_line(*arguments: str, **options) -> subprocess.CompletedProcess:
 @pytest.mark.parametrize(
     ("engine", "lines"),
     [
-        ("ivp", SCENES),
+        ("ivp", AT_BAT),
+        pytest.param("ivp", FLIGHT, marks=pytest.mark.nightly),
         ("verlet", SCENES),
         *(
             pytest.param(e, AT_BAT, marks=pytest.mark.nightly)

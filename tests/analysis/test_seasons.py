@@ -84,6 +84,7 @@ def test_functions_of_estimates():
     assert f"{two:.1f}" == "4.0 (4.0 to 4.0)"
 
 
+@pytest.mark.nightly
 def test_margins_say_what_the_fence_of_a_scene_says():
     hits = measured_hits()
     long = replace(hits, flies=hits.flies.chosen(hits.flies.measured[:, 0] > 100.0))

@@ -75,6 +75,7 @@ def test_a_straight_stretch_above_a_range_that_is_less_clean_is_not_taken():
     assert steps[law.first] < 0.005
 
 
+@pytest.mark.nightly
 def test_the_interval_holds_the_order_nineteen_times_in_twenty():
     random, held = np.random.default_rng(2), 0
     for _ in range(400):

@@ -204,6 +204,7 @@ def test_straight_up_in_an_air_that_rises_faster(engine, error):
 
 
 @all_engines
+@pytest.mark.sampled(every=2)
 def test_a_lift_that_is_always_up_keeps_the_tables_of_the_drag(engine, error):
     """A ball straight up flies without lift: w' = -g - k C_D(|w|) |w| w."""
     at, values = (10.0, 20.0, 30.0, 45.0), (0.9, 0.5, 0.3, 0.6)

@@ -221,6 +221,7 @@ def test_a_ball_that_comes_from_behind_the_bat_is_told_too(speed):
         '"tilt":0.10641549767016717}}',
     ],
 )
+@pytest.mark.sampled(every=2)
 def test_a_tie_with_the_time_limit_is_declined_or_right(line, nightly):
     scene = parse_scene(line)
     # An ulp of the time is 1e-15 s.

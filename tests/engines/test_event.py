@@ -299,6 +299,7 @@ def dips(surface, flights, depths):
 
 
 @pytest.mark.parametrize("surface", SURFACES)
+@pytest.mark.sampled(every=2)
 def test_no_dip_is_missed_and_none_invented(surface):
     decided = total = 0
     for case in dips(surface, flights=30, depths=10):

@@ -268,6 +268,7 @@ def vector(numbers):
 
 @EVERY_ENGINE
 @pytest.mark.parametrize("model", [AGAINST, SLIGHTLY], ids=["plane", "space"])
+@pytest.mark.sampled(every=2)
 def test_a_ball_over_the_fence_and_blown_back(engine, model):
     """It turns 100 m away, half a metre beyond the fence, and comes down before it."""
     scene = flight((10.0, 0.0, 120.0), [[99.5, 500, 3], [99.5, -500, 3]], air=None, gravity=8.0)

@@ -35,20 +35,29 @@ TOO_CLOSE = re.compile(
 )
 
 
-@pytest.mark.parametrize("family", list(golden.header().families))
+FAMILIES = list(golden.header().families)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_every_number_of_the_reference_is_as_good_as_its_condition_allows(family):
+    assert [fault for case in golden.load(family) for fault in wrong(case, Ivp())] == []
+
+
+@pytest.mark.sampled(every=3)  # so that each family has one engine by day
+@pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize(
     "engine",
-    [Ivp(), Batch(), Enclosure(DIGITS), Multiprecision(DIGITS)],
+    [Batch(), Enclosure(DIGITS), Multiprecision(DIGITS)],
     ids=lambda e: type(e).__name__,
 )
-def test_every_number_is_as_good_as_its_condition_allows(engine, family, nightly):
+def test_every_number_of_the_others_is_as_good_as_its_condition_allows(engine, family, nightly):
     cases = golden.load(family)
-    if not nightly and not isinstance(engine, Ivp | Batch):
+    if not nightly and not isinstance(engine, Batch):
         # These two made the data, and take longer: a sample tells whether they still would.
         if isinstance(engine, Multiprecision) and family in EXTENDED:
             pytest.skip("seconds a case: for --nightly, and some in test_against_oracle.py")
         cases = cases[::16]
-    elif not nightly and isinstance(engine, Batch) and family in EXTENDED:
+    elif not nightly and family in EXTENDED:
         cases = cases[::3]  # each law is compiled: a second or two
     assert [fault for case in cases for fault in wrong(case, engine)] == []
 

@@ -119,6 +119,7 @@ ERRORS = [
     ("code", "engine", "line"),
     [(code, name, line) for code, names, line in ERRORS for name in names],
 )
+@pytest.mark.sampled(every=2)
 def test_an_error_has_a_code_of_its_sort(code: str, engine: str, line: str):
     result = solve_line(1, line.encode(), create(engine))
     assert json.loads(result.text)["code"] == code

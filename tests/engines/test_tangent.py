@@ -127,6 +127,7 @@ PROVEN = [
 
 
 @pytest.mark.parametrize(("identity", "every"), PROVEN)
+@pytest.mark.sampled(every=2)
 def test_derivatives_have_twelve_digits(identity, every, nightly):
     case = case_of(identity)
     names = [*inputs(case.scene)]

@@ -383,6 +383,7 @@ def strengths_along_axes(scene, frame, numbers):
     return {"rate": per_metre(scene, 0.4, numbers), "cos": frame.cos, "sin": frame.sin}
 
 
+@pytest.mark.nightly
 def test_an_at_bat_under_a_law_of_the_field_converges():
     """A law that depends on the heading, also in the steps in which the bat pushes."""
     model = Model((Force(strengths_along_axes, componentwise),))

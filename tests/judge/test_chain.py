@@ -33,6 +33,7 @@ def truth(family):
 
 
 @pytest.mark.parametrize("family", BENT)
+@pytest.mark.sampled(every=2)
 def test_what_the_chain_cannot_fly_counts_for_nothing(family):
     data = truth(family)
     chain = specialised_to(data)
@@ -60,6 +61,7 @@ def test_every_stage_follows_from_the_true_values_before_it(family):
 @pytest.mark.parametrize(
     "family", ["flight-both", "impact", "at-bat", pytest.param("fence", marks=pytest.mark.nightly)]
 )
+@pytest.mark.sampled(every=2)
 def test_a_value_moved_by_a_millionth_does_not_follow(family):
     data = truth(family)
     chain = specialised_to(data)

@@ -307,7 +307,8 @@ def test_a_candidate_that_takes_csv_converges(called):
     assert "not JSON" not in said.stdout
 
 
-@pytest.mark.parametrize("step", ["0.01", pytest.param("0.001", marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("step", ["0.01", "0.001"])
 def test_six_digits_hide_no_method_of_order_one(called, step: str):
     said = called(
         "judge", "--golden", "flight-both", "--profile", "exact", "--partial", "--as-csv",

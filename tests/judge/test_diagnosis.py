@@ -127,6 +127,7 @@ def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
     assert not reasoned.steps[0].explained
 
 
+@pytest.mark.nightly
 def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
     """Edits of the decay do not crowd out those of the law."""
     cases = [

@@ -37,6 +37,7 @@ def written(family, way, change=lambda quantity, x: x):
 
 @pytest.mark.parametrize("family", ["flight-both", "at-bat", "impact-oblique"])
 @pytest.mark.parametrize("words", WAYS)
+@pytest.mark.sampled(every=3)
 def test_few_digits_explain_what_they_do_to_later_stages(family, words):
     assert explain_digits(*written(family, WAYS[words])) == words
 

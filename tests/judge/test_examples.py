@@ -95,16 +95,17 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
 @pytest.mark.parametrize(
     ("name", "right", "wrong", "stage", "edit"),
     [
-        pytest.param("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "pitch",
-                     "takes 9.81 for g", marks=NIGHTLY),
+        ("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "pitch", "takes 9.81 for g"),
         ("paper_verlet.c", "L * L / 3 + rb * rb / 4", "L * L / 3", "restitution", "leaves out r_b"),
         ("paper_verlet.c", "lever = L / 2 - r.y", "lever = L / 2 + r.y",
          "bat velocity", "takes -contact.position_y"),
-        pytest.param("paper_verlet.c", "-drag * speed, v", "-drag, v", "pitch", "takes 1 for U",
-                     marks=NIGHTLY),
-        pytest.param("paper_verlet.c", 'radius = num("ball", "radius", 0)',
-                     'radius = num("ball", "radius", 0) / 2', "pitch", "takes 0.5 times R",
-                     marks=NIGHTLY),
+        ("paper_verlet.py",
+         'floor = scene["ground"]["height"]\n    flight',
+         'floor = scene["ground"]["height"] + scene["ball"]["radius"]\n    flight',
+         "landing", "R"),
+        ("paper_verlet.c", "-drag * speed, v", "-drag, v", "pitch", "takes 1 for U"),
+        ("paper_verlet.c", 'radius = num("ball", "radius", 0)',
+         'radius = num("ball", "radius", 0) / 2', "pitch", "takes 0.5 times R"),
         ("paper_verlet.js", "{ ball, bat, swing }, r, v, height) {",
          "{ ball, bat, swing: { tilt: degrees, angular_speed } }, r, v, height) {\n"
          "  const swing = { angular_speed, tilt: (degrees * Math.PI) / 180 };",
@@ -113,12 +114,9 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
          "restitution", "takes 0.25 times L·L"),
         ("paper_verlet.js", "restitution * (1 + ratio) + ratio;", "restitution;",
          "restitution", "leaves out m/M_eff"),
-        ("paper_verlet.py",
-         'floor = scene["ground"]["height"]\n    flight',
-         'floor = scene["ground"]["height"] + scene["ball"]["radius"]\n    flight',
-         "landing", "R"),
     ],
 )  # fmt: skip
+@pytest.mark.sampled(every=3)
 def test_a_mistake_in_the_source_is_named_beside_the_scheme(
     name: str, right: str, wrong: str, stage: str, edit: str, tmp_path: Path
 ):
@@ -165,14 +163,13 @@ OLD, NEXT = (f"acceleration({v}, to or heading({v}))" for v in ("v", "add(half, 
     ("dt", "edits", "mistakes"),
     [
         (0.004, [(PUSH, BLOW)], [LAGGED]),
-        pytest.param(0.004, [(OLD, NEXT)],
-                     ["velocity Verlet with the force at a predicted velocity", WHOLE],
-                     marks=NIGHTLY),
-        pytest.param(0.004, [(PUSH, CARRIED)], [LAGGED, "at three steps in a row"], marks=NIGHTLY),
+        (0.004, [(OLD, NEXT)], ["velocity Verlet with the force at a predicted velocity", WHOLE]),
+        (0.004, [(PUSH, CARRIED)], [LAGGED, "at three steps in a row"]),
         (0.02, [("a[2] -= g", "a[2] -= 9.81"), ("rb**2 / 4)", "0)")],
          ["takes 9.81 for g", LAGGED, "leaves out r_b", WHOLE]),
     ],
 )  # fmt: skip
+@pytest.mark.sampled(every=3)
 def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
     dt: float,
     edits: list[tuple[str, str]],

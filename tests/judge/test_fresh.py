@@ -243,6 +243,7 @@ def test_state_kept_between_scenes_and_random_answers_are_told(tmp_path: Path):
         assert any(why in reason for reason in verdict.reasons), verdict.reasons
 
 
+@pytest.mark.nightly
 def test_a_flight_straight_up_is_run_twice_as_others_are():
     first, second, *_ = flights()
     up = first.model_copy(update={"launch": Launch(position=(0.0, 0.0, 1.0), velocity=(0, 0, 40))})

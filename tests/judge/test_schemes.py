@@ -101,13 +101,14 @@ def true(change):
     ("step", "h", "name", "order"),
     [
         (euler, 0.01, "explicit Euler", 1),
-        pytest.param(euler, 0.001, "explicit Euler", 1, marks=pytest.mark.nightly),
+        (euler, 0.001, "explicit Euler", 1),
         (semi_implicit, 0.004, "semi-implicit Euler, velocity first", 1),
         (midpoint, 1 / 60, "the midpoint method", 2),
         (CANDIDATE["step"], 0.05, "RK4", 4),
         (euler, 0.0137, "explicit Euler", 1),  # a step that nobody chooses
     ],
 )
+@pytest.mark.sampled(every=3)
 def test_a_scheme_is_named_with_its_step(step, h, name, order):
     found = explain_scheme(*wrong(flown(h, step)))
     assert found is not None
@@ -117,6 +118,7 @@ def test_a_scheme_is_named_with_its_step(step, h, name, order):
 
 
 @pytest.mark.parametrize("landing", ["interpolated", "first_below"])
+@pytest.mark.sampled(every=3)
 def test_the_scheme_of_the_paper_is_named_with_its_last_step(landing):
     engine = Verlet(dt=0.05, forces="old_carried", landing=landing)
     results = [values_of(solve(case.scene, engine)) for case in CASES]

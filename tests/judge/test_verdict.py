@@ -452,6 +452,7 @@ for line in sys.stdin:
 
 
 @pytest.mark.parametrize(("noise", "told"), [("1e-9", False), ("1e-3", True)])
+@pytest.mark.sampled(every=2)
 def test_what_differs_from_run_to_run_is_judged_by_what_passes(noise: str, told: bool):
     judge = Judge(solved(flights(), Ivp()), Converged(1e-6))
     found = judge.evaluate_command([sys.executable, "-c", NOISY, noise]).verdict

@@ -112,6 +112,7 @@ def test_so_does_the_histogram_if_its_bins_are_narrow():
 
 
 @pytest.mark.parametrize("columns", [METRES, CELLS], ids=["places", "cells"])
+@pytest.mark.sampled(every=2)
 def test_a_million_pitches_give_them_back_to_three_digits(columns):
     fitted = fit_pitches(draw(1_000_000, 1, columns), columns, KINDS, replicates=2)
     for name, (value, error) in numbers(fitted, "maximum_likelihood").items():

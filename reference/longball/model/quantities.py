@@ -9,7 +9,8 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
@@ -49,14 +50,20 @@ def steps_of(name: str) -> list[str]:
     return [step for step, _ in _STEP.findall(name)]
 
 
+@lru_cache(maxsize=1024)
+def _way(name: str) -> tuple[tuple[str, str], ...]:
+    """Return the steps on the way to a number, with a bracket behind a place in a list."""
+    if not _NAME.fullmatch(name):
+        raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
+    return tuple(_STEP.findall(name))
+
+
 def at(block: Any, name: str) -> Any:
     """Return the value under a name, number or not; None if it is absent.
 
     A ValueError says that the way there leads through something that has no parts, or not so many.
     """
-    if not _NAME.fullmatch(name):
-        raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
-    for key, bracket in _STEP.findall(name):
+    for key, bracket in _way(name):
         match block:
             case None:
                 return None
@@ -109,14 +116,19 @@ def rewritten(block: B, values: Mapping[str, object]) -> B:
     return type(block).model_validate(data)
 
 
-def flat(data: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the name and the value of everything in data that has no parts, or is a number."""
-    parts = [] if _is_number(data) else list(_parts(data))
-    if not parts:
-        yield "", data
-    for key, inner in parts:
-        for way, value in flat(inner):
-            yield key + (f".{way}" if way and way[0] != "[" else way), value
+def flat(data: Any) -> list[tuple[str, Any]]:
+    """Return the name and the value of everything in data that has no parts, or is a number."""
+    found: list[tuple[str, Any]] = []
+
+    def walk(inner: Any, name: str) -> None:
+        parts = [] if _is_number(inner) else _parts(inner)
+        if not parts:
+            found.append((name, inner))
+        for key, part in parts:
+            walk(part, f"{name}.{key}" if name and not key.startswith("[") else name + key)
+
+    walk(data, "")
+    return found
 
 
 def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
@@ -127,9 +139,7 @@ def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
     """
     data: dict[str, Any] = {}
     for name, value in values.items():
-        if not _NAME.fullmatch(name):
-            raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
-        *way, (last, _) = _STEP.findall(name)
+        *way, (last, _) = _way(name)
         block = data
         for step, _ in way:
             block = block.setdefault(step, {})
@@ -168,15 +178,20 @@ def _put(data: Any, steps: list[tuple[str, str]], value: object) -> Any:
     return tuple(_put(x, rest, value) if i == int(key) else x for i, x in enumerate(data))
 
 
-def _parts(block: Any) -> Iterator[tuple[str, Any]]:
-    if isinstance(block, BaseModel):
-        keys = block.named() if isinstance(block, Block) else type(block).model_fields
-        yield from ((key, getattr(block, key)) for key in keys)
-    elif isinstance(block, Mapping):
-        yield from block.items()
-    elif isinstance(block, tuple | list):
-        yield from ((f"[{i}]", inner) for i, inner in enumerate(block))
+def _parts(block: Any) -> Sequence[tuple[str, Any]]:
+    match block:
+        case BaseModel():
+            keys = block.named() if isinstance(block, Block) else type(block).model_fields
+            return [(key, getattr(block, key)) for key in keys]
+        case Mapping():
+            return [*block.items()]
+        case tuple() | list():
+            return [(f"[{i}]", inner) for i, inner in enumerate(block)]
+    return ()
+
+
+_NUMBERS = (float, int, Bounded, Certified)
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, float | int | Bounded | Certified) and not isinstance(value, bool)
+    return isinstance(value, _NUMBERS) and not isinstance(value, bool)

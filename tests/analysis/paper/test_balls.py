@@ -98,6 +98,7 @@ def test_a_difference_of_the_same_at_bats_is_known_better(balls):
     assert error == pytest.approx(math.sqrt(rise * (1 - rise) / COUNT), rel=1e-9)
 
 
+@pytest.mark.nightly
 def test_the_printed_scheme_sees_few_of_the_balls(balls):
     (stepped,) = strike_in_steps(BASE, BASE.drawn(1_000, 5), [0.42], Verlet(0.05))
     (fine,) = strike_in_steps(BASE, BASE.drawn(200, 5), [0.42], Verlet(2e-4))

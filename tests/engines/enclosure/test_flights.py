@@ -294,6 +294,7 @@ def test_such_a_law_from_rest():
     assert abs(rest.z - slow.z) < 1e-19
 
 
+@pytest.mark.nightly
 def test_a_flight_in_space():
     k, b = 2.0**-7, 2.0**-8
     field = law_with({"drag": arb(k), "side": arb(b), "gravity": arb(9.8)}, (side,))

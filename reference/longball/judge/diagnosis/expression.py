@@ -306,16 +306,26 @@ def _folded(node: Node) -> Node:
 # --- values ---------------------------------------------------------------------------------------
 
 
+_NEXT, _PREVIOUS = np.array([1, 2, 0]), np.array([2, 0, 1])  # axes
+
+
 def _cross(a: Array, b: Array) -> Array:
-    (ax, ay, az), (bx, by, bz) = a, b
-    found = np.empty((3, *np.broadcast_shapes(a.shape[1:], b.shape[1:])))
-    found[0], found[1], found[2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-    return found
+    return a[_NEXT] * b[_PREVIOUS] - a[_PREVIOUS] * b[_NEXT]
+
+
+def _norm(v: Array) -> Array:
+    return np.sqrt(np.add.reduce(v * v))
 
 
 def _unit(v: Array) -> Array:
-    size = np.sqrt((v * v).sum(0))
+    size = _norm(v)
     return v / np.where(size > 0, size, 1.0)
+
+
+def _vector(*components: Any) -> Array:
+    found = np.empty((3, *(np.broadcast(*components).shape or (1,))))
+    found[0], found[1], found[2] = components
+    return found
 
 
 def _solved(a: Array, b: Array, c: Array, right: Array) -> Array:
@@ -332,14 +342,14 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "quotient": np.divide,
     "negative": np.negative,
     "named": lambda x: x,
-    "norm": lambda v: np.sqrt((v * v).sum(0)),
+    "norm": _norm,
     "sizes": lambda v: np.abs(v).sum(0),  # |x| + |y| + |z|
     "unit": _unit,
-    "dot": lambda a, b: (a * b).sum(0),
+    "dot": lambda a, b: np.add.reduce(a * b),
     "cross": _cross,
     "by_component": np.multiply,
     "by_own_size": lambda v, w: np.abs(v) * w,
-    "vector": lambda x, y, z: np.array(np.broadcast_arrays(*map(np.atleast_1d, (x, y, z)))),
+    "vector": _vector,
     "solve": _solved,
     "where": lambda condition, yes, no: np.where(condition > 0, yes, no),
     "exp": np.exp,
@@ -498,7 +508,9 @@ class Evaluator:
     ) -> None:
         known = columns.beside() if isinstance(columns, Values) else Values(columns)
         nodes = ordered(roots, known, known.arguments)
-        place = {node: i for i, node in enumerate(nodes)}
+        place: dict[Node, int] = {}
+        for i, node in enumerate(nodes):
+            place[node] = place.get(node.args[0], i) if node.op == "named" else i
         self._values: list[Any] = [None] * len(nodes)
         self._given: list[tuple[int, str]] = []
         self._steps: list[tuple[int, Callable[..., Any], list[int]]] = []
@@ -511,6 +523,8 @@ class Evaluator:
                 self._given.append((i, node.data))
             elif any(arg in moves for arg in args):
                 moves.add(node)
+                if node.op == "named":
+                    continue
                 operation = _operation(node, known.columns)
                 self._steps.append((i, operation, [place[arg] for arg in args]))
             else:
