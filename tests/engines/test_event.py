@@ -316,6 +316,7 @@ def test_no_dip_is_missed_and_none_invented(surface):
 
 
 @pytest.mark.parametrize("surface", SURFACES)
+@pytest.mark.sampled(every=3)
 def test_the_enclosure_tells_them_all(surface, nightly):
     for case in dips(surface, flights=5 if nightly else 2, depths=4):
         flight = fly(case, ENCLOSURE)
@@ -542,6 +543,7 @@ def test_a_pitch_that_lift_turns_round_just_beyond_the_plate(engine, limit):
 
 @ENGINES
 @pytest.mark.parametrize("before", [1e-3, 1e-6, 1e-9])
+@pytest.mark.sampled(every=3)
 def test_an_at_bat_whose_pitch_lift_turns_round_just_beyond_the_plate(engine, before):
     """With C_L = 2.5 it turns round after 1 s, and comes to the plate again after 4."""
     scene = parse_scene(TURNED % ("pitch", 2.5, 1000.0, 60.0))

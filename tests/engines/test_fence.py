@@ -190,6 +190,7 @@ def test_a_corner_of_one_height_is_no_question(engine):
 
 @EVERY_ENGINE
 @pytest.mark.parametrize("fence", [[[99, 50, 1], [99, 0, 1], [99, 0, 9], [99, -50, 9]], PARK[:2]])
+@pytest.mark.sampled(every=3)
 def test_a_corner_of_two_heights_or_an_end_is_told_or_not_decided(engine, fence):
     """By 1e-9 to either side it is told; over the corner itself it is not."""
     for aside, told in ((1e-9, True), (-1e-9, True), (0.0, False)):

@@ -87,6 +87,7 @@ BATTED = (0.0, 1.0, 35.0, 30.0)
 
 
 @pytest.mark.parametrize("seed", range(4))
+@pytest.mark.sampled(every=2)
 def test_batted_balls_agree_with_high_precision(seed):
     """Where and when they land, and on the way there."""
     rng = np.random.default_rng([2014, seed])
@@ -226,6 +227,7 @@ def test_a_ball_that_rests_at_its_apex():
 
 
 @pytest.mark.parametrize("sideways", [1e-3, 1e-7, 1e-12])
+@pytest.mark.sampled(every=2)
 def test_a_ball_that_nearly_rests_at_its_apex(sideways):
     start = (0.0, 1.0, sideways, 30.0)
     landing = fly(start, WITH_DRAG, ground())
@@ -431,6 +433,7 @@ AT_BAT = '{"id": "hit", "kind": "at-bat", "swing": {"height_offset": %r}}'
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.sampled(every=2)
 def test_solve_ivp_is_given_the_law_and_terminal_events(monkeypatch, method):
     """A pitch to the plate, the same to the bat, a batted ball."""
     with given_to_solve_ivp(monkeypatch) as calls:

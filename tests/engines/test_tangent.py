@@ -58,6 +58,7 @@ def case_of(identity: str) -> golden.Case:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.sampled(every=2)
 def test_derivatives_are_those_of_the_golden_cases(family, nightly):
     cases = [
         case

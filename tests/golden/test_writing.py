@@ -280,6 +280,7 @@ def with_probabilities(tmp_path_factory, written, computed) -> Path:
     return folder
 
 
+@pytest.mark.nightly
 def test_probabilities_come_into_a_set_without_changing_its_other_files(
     with_probabilities: Path, small: Path
 ):
@@ -299,6 +300,7 @@ def few_lines(monkeypatch, computed) -> None:
 
 
 @pytest.mark.usefixtures("few_lines")
+@pytest.mark.nightly
 def test_a_probability_is_computed_again_by_both_methods(with_probabilities: Path):
     report = check(with_probabilities)
     assert report.failures == ()
@@ -306,6 +308,7 @@ def test_a_probability_is_computed_again_by_both_methods(with_probabilities: Pat
 
 
 @pytest.mark.usefixtures("few_lines")
+@pytest.mark.nightly
 def test_a_wrong_probability_is_found_by_both_methods(with_probabilities: Path):
     (case,) = probabilities(with_probabilities).cases
     (row,) = case.rows

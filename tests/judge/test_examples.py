@@ -63,6 +63,7 @@ def test_they_know_nothing_of_longball(name: str):
 
 @pytest.mark.parametrize("dt", [0.05, pytest.param(0.004, marks=NIGHTLY)])
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.sampled(every=2)
 def test_the_printed_scheme_passes_as_such(name: str, dt: float, tmp_path: Path):
     drawn = [*at_bats(150 if dt == 0.05 else 40), *flights(), *impacts(), *pitches()]
     scenes = [*map(written_out, drawn)]  # they know no defaults

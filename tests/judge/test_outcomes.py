@@ -76,6 +76,7 @@ def test_true_outcomes_follow_from_true_values():
     assert findings(families) == []
 
 
+@pytest.mark.nightly
 def test_an_outcome_that_is_never_said():
     found = one(findings(ENDS, lambda c: batted(c) if c.expected.outcome == "separating" else None))
     assert (found.kind, found.edit) == ("named", "never says separating")

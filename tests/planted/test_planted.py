@@ -148,6 +148,7 @@ def test_without_a_mistake_the_program_in_c_is_right_to_the_digits_of_doubles(fo
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="there is no Node")
 @pytest.mark.parametrize("family", sources.PAPER)
+@pytest.mark.sampled(every=3)
 def test_without_a_mistake_the_program_in_javascript_is_right_to_the_digits_of_doubles(family):
     assert judge(["node", str(sources.HERE / "flight.js")], family).passed
 

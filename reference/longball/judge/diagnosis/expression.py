@@ -310,11 +310,11 @@ _NEXT, _PREVIOUS = np.array([1, 2, 0]), np.array([2, 0, 1])  # axes
 
 
 def _cross(a: Array, b: Array) -> Array:
-    return a[_NEXT] * b[_PREVIOUS] - a[_PREVIOUS] * b[_NEXT]
+    return np.asarray(a[_NEXT] * b[_PREVIOUS] - a[_PREVIOUS] * b[_NEXT])
 
 
 def _norm(v: Array) -> Array:
-    return np.sqrt(np.add.reduce(v * v))
+    return np.asarray(np.sqrt(np.add.reduce(v * v)))
 
 
 def _unit(v: Array) -> Array:
