@@ -20,7 +20,7 @@ from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.clocks import lattice
 from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
-from longball.judge.diagnosis.schemes import explain_scheme, with_edit
+from longball.judge.diagnosis.schemes import Steps, explain_scheme, with_edit
 from longball.judge.quantities import values_of
 
 # The documentation's RK4, whose last step is shorter.
@@ -149,7 +149,7 @@ def test_a_law_and_a_scheme_are_found_together():
     _, *rest = wrong(flown(0.01, euler, gravity=1.1))
     times = Edit(I["g"], 1.1 * I["g"], 5.0, "takes 1.1 g")
     other = Edit(I["m"], 1.1 * I["m"], 5.0, "takes 1.1 m")
-    found = with_edit(*rest, [other, times])
+    found = with_edit(Steps(*rest), [other, times])
     assert found is not None
     edit, scheme = found
     assert edit is times

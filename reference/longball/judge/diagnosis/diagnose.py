@@ -262,7 +262,7 @@ def reason(
             if stage.kind == "flight" and not (scheme and scheme.adequate):
                 like = steps_of.nearest()
                 near = _beside(like, chain, stage, data, columns, one) if like else found.near
-                both = with_edit(stage, data, columns, one, near, dt, like)
+                both = with_edit(steps_of, near, dt, like)
                 if both is not None:
                     edit, scheme = both
                     steps.append(Step(one, Named((edit,), scheme.evidence)))

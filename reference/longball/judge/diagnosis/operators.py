@@ -81,6 +81,8 @@ class Edit:
     within
         Another form of `place`, and a node of it: then the form stands there, and `by` in place of
         its node.
+    option
+        A switch and its option, which is the form: the edit is made there in all stages.
     """
 
     place: Node
@@ -90,6 +92,7 @@ class Edit:
     starts: tuple[float | Node, ...] = ()
     only: Stage | None = None
     within: tuple[Node, Node] | None = None
+    option: tuple[str, str] | None = None
 
     @property
     def new(self) -> Node:
@@ -116,11 +119,21 @@ class Edit:
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
         return tuple(
-            stage.edited(self.place, self.new)
+            self._made(stage)
             if self.only is None or (stage.name, stage.kind) == (self.only.name, self.only.kind)
             else stage
             for stage in chain
         )
+
+    def _made(self, stage: Stage) -> Stage:
+        if self.option is None or self.within is None:
+            return stage.edited(self.place, self.new)
+        _, old = self.within
+        for node in ordered([*stage.roots.values(), *stage.forms.values()]):
+            if node.op == "switch" and node.data[0] == self.option[0]:
+                form = dict(zip(node.data[1], node.args, strict=True))[self.option[1]]
+                stage = stage.edited(form, substitute(form, old, self.by))
+        return stage
 
     def settled(self, value: float, cost: float) -> Edit:
         """The edit with a value for its free number."""
@@ -495,6 +508,9 @@ OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
 )  # fmt: skip
 
 
+OF_ITSELF = (_numbers, _factors, _shapes)  # that take no other node from the pool
+
+
 DEFAULT_READING = {f"reading.{key}": [field.default] for key, field in Reading.model_fields.items()}
 
 # What exists during a flight alone.
@@ -545,9 +561,41 @@ def edits(
             continue
         flies = name in ("law", "spin_left")
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
-        for form in (root, *([stage.forms[name]] if name in stage.forms else [])):
-            nodes = ordered([form], (), arguments)
-            yield from _of_formula(root, form, nodes, here, defaults, flies)
+        nodes = ordered([root], (), arguments)
+        yield from _of_formula(root, root, nodes, nodes, here, defaults, flies)
+        yield from _of_options(root, nodes, here, defaults, flies)
+        if name in stage.forms:
+            form, known = stage.forms[name], frozenset(nodes)
+            others = ordered([form], (), arguments)
+            # In which both forms differ, and what leads there.
+            first = [x for x in others if x not in known and known.issuperset(arguments(x))]
+            leading = frozenset(ordered(first, (), arguments))
+            sites = [x for x in others if x not in known or x in leading]
+            yield from _of_formula(root, form, others, sites, here, defaults, flies)
+
+
+def _of_options(
+    root: Node, nodes: Sequence[Node], pool: tuple[Node, ...],
+    defaults: Mapping[str, float | tuple[float, ...]], flies: bool,
+) -> Iterator[Edit]:  # fmt: skip
+    """Edits in one option of a switch of what others use, too: programs write each on its own."""
+    here = frozenset(nodes)
+    for switch in (node for node in nodes if node.op == "switch"):
+        key, options = switch.data
+        for option, form in zip(options, switch.args, strict=True):
+            if form not in here:
+                continue
+            elsewhere = here.intersection(ordered([root], {form}))
+            inside = [node for node in ordered([form]) if node in here]
+            shared = [node for node in inside if node is not form and node in elsewhere]
+            said, places, at = f" where {key} is {option}", math.log2(1 + len(nodes)), (key, option)
+            for node in shared:
+                above = tuple(x for x in inside if node in x.args)
+                site = Site(node, above, pool, defaults, flies)
+                for operator in OF_ITSELF:
+                    for by, bits, text, starts in operator(site):
+                        cost = bits + places + UNNAMED.get(node.op, 1.5) + 2
+                        yield Edit(form, by, cost, text + said, starts, None, (form, node), at)
 
 
 # Bits of a place that is no definition with a name.
@@ -555,10 +603,11 @@ UNNAMED = {"named": 0.0, "symbol": 0.5}
 
 
 def _of_formula(
-    root: Node, form: Node, nodes: Sequence[Node], pool: tuple[Node, ...],
+    root: Node, form: Node, nodes: Sequence[Node], sites: Sequence[Node], pool: tuple[Node, ...],
     defaults: Mapping[str, float | tuple[float, ...]], flies: bool,
 ) -> Iterator[Edit]:  # fmt: skip
-    leaves = [node for node in nodes if node.op == "symbol"]
+    """Edits at some of the nodes of a form of a formula."""
+    leaves = [node for node in sites if node.op == "symbol"]
     for a, b in itertools.combinations(leaves, 2):
         if a.dimension == b.dimension and a.vector == b.vector:
             hole = symbol("hole", a.dimension, a.vector)
@@ -574,7 +623,7 @@ def _of_formula(
             if id(arg) in parents:
                 parents[id(arg)].append(node)
     places = math.log2(1 + len(nodes))
-    for node in nodes:
+    for node in sites:
         using = parents[id(node)]
         above = [q for p in using for q in ([p] if p.op != "named" else parents[id(p)])]
         site = Site(node, tuple(above or using), pool, defaults, flies)

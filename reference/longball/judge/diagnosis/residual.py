@@ -573,6 +573,11 @@ class Followed:
     floor: Array
     scale: Array
 
+    def of(self, which: Index) -> Followed:
+        """Some of the scenes, by their places in `some`."""
+        parts = (x[:, which] for x in (self.off, self.tolerance, self.floor, self.scale))
+        return Followed(self.stage, self.some[which], *parts)
+
     @property
     def checked(self) -> NDArray[np.bool_]:
         """True for each scene in which the candidate gives a number of the stage."""

@@ -15,6 +15,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longball.engines.verlet import PUSHES
 from longball.judge.diagnosis.chain import Stage
@@ -45,6 +46,7 @@ from longball.model.arrays import Array
 
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
 TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
+SHOWS = 100.0  # floors: of what the right scenes allow, what steps must make in a wrong one
 SHORTEST = 2e-5  # s: of the steps of candidates
 # Of the size of a number: an error that steps do not make.
 ELSEWHERE = 0.9
@@ -85,10 +87,31 @@ class Steps:
         near = self.followed.wrong & (self.followed.relative < ELSEWHERE)
         if 2 * near.sum() < self.followed.wrong.sum():
             return np.zeros(0, dtype=int)
-        wrong = np.flatnonzero(near & np.isfinite(self.durations))
-        wrong = wrong[np.argsort(self.durations[wrong], kind="stable")]
-        wrong = wrong[: max(FEW, 2 * len(wrong) // 3)]
-        return np.asarray(wrong[np.linspace(0, len(wrong) - 1, min(FEW, len(wrong))).astype(int)])
+        return self.short(near, FEW)
+
+    def short(self, flags: NDArray[np.bool_], most: int) -> Index:
+        """Numbers of some of the flagged scenes, evenly spread over the shorter flights."""
+        found = np.flatnonzero(flags & np.isfinite(self.durations))
+        found = found[np.argsort(self.durations[found], kind="stable")]
+        found = found[: max(most, 2 * len(found) // 3)]
+        return np.asarray(found[np.linspace(0, len(found) - 1, min(most, len(found))).astype(int)])
+
+    @cached_property
+    def possible(self) -> Sequence[Integrator]:
+        """Integrators whose errors would not show in right scenes long before they do in wrong ones."""
+        some = [self.short(flags, SOME) for flags in (
+            self.followed.wrong, self.followed.checked & ~self.followed.wrong
+        )]  # fmt: skip
+        found = []
+        for one in INTEGRATORS if len(some[1]) else ():
+            sizes = []
+            for part in some:
+                made, doubt = self.errors(one, TRIALS[0], False, part)
+                r = np.abs(made) / (self.followed.floor[:, part] + doubt)
+                sizes.append(np.nan_to_num(r).max(initial=0.0))
+            if ADEQUATE * sizes[0] > SHOWS * sizes[1]:
+                found.append(one)
+        return found if len(some[1]) else INTEGRATORS
 
     @cached_property
     def durations(self) -> Array:
@@ -153,7 +176,7 @@ class Steps:
     def fitting(self) -> list[tuple[float, float, Integrator]]:
         """Integrators with their best step and the error that they leave, the best first."""
         found = []
-        for one, h in product(INTEGRATORS, TRIALS):
+        for one, h in product(self.possible, TRIALS):
             share, left = self.ratio(one, h)
             if share > 0.0 and left < ROUGHLY:
                 found.append((left, _nearer(one, h, share), one))
@@ -290,7 +313,9 @@ def explain_scheme(
     if stage.kind == "formula" or not followed.wrong.any():
         return None
     steps = steps or Steps(stage, data, columns, followed)
-    return clock(stage, columns, followed, dt) or steps.named(dt) or steps.order()
+    few = followed.of(steps.short(followed.wrong, SOME))
+    late = clock(stage, columns, few, dt) and clock(stage, columns, followed, dt)
+    return late or steps.named(dt) or steps.order()
 
 
 def explain_push(
@@ -323,38 +348,46 @@ def explain_push(
     return None
 
 
-VARIANTS = 6  # edits with a number that are tried with all schemes
+SOME = 24  # wrong scenes with short flights, in which edits are tried first beside a scheme
+VARIANTS = 6  # edits that are tried with all schemes
 
 
 def with_edit(
-    stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed,
-    edits: Iterable[Edit], dt: float | None = None, like: Way | None = None,
-) -> tuple[Edit, Scheme] | None:  # fmt: skip
+    plain: Steps, edits: Iterable[Edit], dt: float | None = None, like: Way | None = None
+) -> tuple[Edit, Scheme] | None:
     """One of some edits, and the scheme by which the edited law is flown.
 
     A way `like` the candidate's, if one is known, tells which edits are tried first.
     """
-    null = cost(followed.off / followed.floor)
-    ways: list[tuple[float, Edit, Steps]] = []
+    if not (like or plain.possible):
+        return None
+    data, columns, followed = plain.data, plain.columns, plain.followed
+
+    def searched(edit: Edit, some: Index) -> Steps:
+        (other,) = edit.apply([plain.stage])
+        with np.errstate(all="ignore"):
+            return Steps(other, data, columns, compared(other, data, columns, some)[0])
+
+    short = plain.short(followed.wrong, SOME)
+    null = cost(followed.off[:, short] / followed.floor[:, short])
+    ways: list[tuple[float, Edit]] = []
     for edit in edits:
         for variant in _numbered(edit):
-            (other,) = variant.apply([stage])
-            with np.errstate(all="ignore"):
-                after, _ = compared(other, data, columns, followed.some)
-            search = Steps(other, data, columns, after)
-            if not (after.wrong.any() and (like or search.null < null)):
+            search = searched(variant, followed.some[short])
+            if not (search.followed.wrong.any() and (like or search.null < null)):
                 continue
-            tried = [like] if like else [Way(one, TRIALS[0]) for one in INTEGRATORS]
+            tried = [like] if like else [Way(one, TRIALS[0]) for one in plain.possible]
             ratios = [search.ratio(way.one, way.h) for way in tried]
             left = min((left for share, left in ratios if share > 0.0), default=1.0)
             if left < ROUGHLY:
-                ways.append((left * search.square, variant, search))
+                ways.append((left * search.square, variant))
     ways.sort(key=lambda way: (float(f"{way[0]:.6g}"), way[1].bits))
     different = {f"{way[0]:.6g}": way for way in reversed(ways)}  # what comes to the same: once
-    for _, edit, search in [*different.values()][::-1][:VARIANTS]:
+    for _, edit in [*different.values()][::-1][:VARIANTS]:
+        search = searched(edit, followed.some)
         scheme = search.named(dt)
         if scheme is not None:
-            saved = null - search.null - edit.bits - math.log2(1 + len(ways))
+            saved = plain.null - search.null - edit.bits - math.log2(1 + len(ways))
             return edit, replace(scheme, evidence=scheme.evidence + saved)
     return None
 

@@ -52,7 +52,7 @@ from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
 
 # Scenes in which an edit is tried first: those that are most and least wrong, and right ones.
-WRONG, RIGHT = 5, 2
+WRONG, RIGHT = 10, 10
 # Scenes in which it has to hold.
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
@@ -506,6 +506,11 @@ def _is_finite(stage: Stage, probe: Values) -> bool:
 
 
 def _fingerprint(stage: Stage, probe: Values) -> bytes:
+    """The values of a stage in seven digits of their sizes, the same in all forms of a formula."""
+    found = []
     with np.errstate(all="ignore"):
-        found = (np.asarray(probe.of(root)) for root in stage.roots.values())
-        return b"".join((x + 0.0).astype(np.float32).tobytes() for x in found)
+        for root in stage.roots.values():
+            x = np.asarray(probe.of(root))
+            size = np.abs(x).max(axis=0) if x.ndim > 1 else np.abs(x)
+            found += [np.round(x / np.where(size > 0, size, 1.0), 7) + 0.0, size]
+        return b"".join(x.astype(np.float32).tobytes() for x in found)
