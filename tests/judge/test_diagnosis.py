@@ -6,6 +6,7 @@ The program (`tests/candidates/mistaken.py`) is right to 1e-12 without a mistake
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -125,6 +126,24 @@ def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
     reasoned = reason(replace(data, given=given), specialised_to(data))
     assert [step.followed.stage.name for step in reasoned.steps] == ["flight"]
     assert not reasoned.steps[0].explained
+
+
+def test_a_mistake_in_one_option_of_a_switch_is_named_with_it():
+    """As of a program that writes each law on its own: the drag crisis has the same spin."""
+    def per_rpm(case: Case) -> Answer:
+        drag = case.scene.air.drag_coefficient
+        if drag.law == "spin":
+            law = drag.model_copy(update={"per_spin": drag.per_spin * 30 / math.pi})
+            air = case.scene.air.model_copy(update={"drag_coefficient": law})
+            told = solve(case.scene.model_copy(update={"air": air}), Ivp())
+            return Answer(case.id, told.outcome, values_of(told))
+        return Answer(case.id, None, values_of(case.expected))
+
+    cases = [case for case in load("flight-spin-drag") if decidable(case)]
+    found = diagnose(cases, {case.id: per_rpm(case) for case in cases}).findings
+    assert [finding.kind for finding in found] == ["named"]
+    assert found[0].edit.startswith("takes 9.54929659 times ")
+    assert found[0].edit.endswith("where air.drag_coefficient is spin (revolutions per minute)")
 
 
 @pytest.mark.nightly
