@@ -368,7 +368,7 @@ def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
 def _pytest(files: tuple[str, ...], plugin: object) -> int:
     options = [f"-pno:{name}" for name in ("cacheprovider", "faulthandler", "xdist", "cov")]
     # Hypothesis is warm.
-    options += ["-q", "--tb=short", "-Wignore::pytest.PytestAssertRewriteWarning"]
+    options += ["--nightly", "-q", "--tb=short", "-Wignore::pytest.PytestAssertRewriteWarning"]
     return int(pytest.main([*options, *files], plugins=[plugin]))
 
 
