@@ -130,6 +130,7 @@ def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
 
 def test_a_mistake_in_one_option_of_a_switch_is_named_with_it():
     """As of a program that writes each law on its own: the drag crisis has the same spin."""
+
     def per_rpm(case: Case) -> Answer:
         drag = case.scene.air.drag_coefficient
         if drag.law == "spin":

@@ -257,6 +257,21 @@ def depends(root: Node, names: frozenset[str]) -> bool:
     return any(node.op == "symbol" and node.data in names for node in _nodes(root))
 
 
+@lru_cache(maxsize=1024)
+def names_in(roots: tuple[Node, ...]) -> tuple[str, ...]:
+    """Columns from which expressions are computed."""
+    found: dict[str, None] = {}
+    for node in ordered(roots):
+        match node.op:
+            case "symbol":
+                found[node.data] = None
+            case "switch":
+                found[node.data[0]] = None
+            case "table":
+                found |= {f"{node.data[0]}.at": None, f"{node.data[0]}.values": None}
+    return tuple(found)
+
+
 def specialised(root: Node, columns: Columns, made: dict[int, Node]) -> Node:
     """An expression without the switches that have one option in all scenes.
 

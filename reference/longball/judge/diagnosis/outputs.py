@@ -17,7 +17,7 @@ from longball.judge.diagnosis.chain import INPUTS, OWN, Stage
 from longball.judge.diagnosis.expression import NONE, M, S
 from longball.judge.diagnosis.findings import Finding, joined, many
 from longball.judge.diagnosis.operators import AXES, BITS, FACTORS
-from longball.judge.diagnosis.residual import Data, follow
+from longball.judge.diagnosis.residual import Data, Index, follow
 from longball.model.arrays import Array
 
 # The largest relative error falls at least so much where a conversion mends: what a scheme of long
@@ -27,6 +27,7 @@ BROKEN = 2.0  # a stage whose error grows more is broken
 CLOSE = 0.3  # of the error, what a conversion may leave of it where another mistake is beside it
 NOTHING = 1e-6  # m, m/s: what is off by less is not in another unit
 MOST = 3  # conversions, one after another
+FEW = 200  # scenes in which a conversion is tried first
 
 SPEED = (1, 0, -1)
 GROUPS: Mapping[str, tuple[str, ...]] = {
@@ -72,11 +73,17 @@ class Conversion:
 def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
     """Values converted back where a conversion mends stages, and findings of those."""
     findings: list[Finding] = []
+    count = len(data.cases)
+    few = np.unique(np.linspace(0, count - 1, min(FEW, count)).astype(int))
     errors = _errors(data, chain)
     while len(findings) < MOST and any(wrong for _, wrong in errors.values()):
+        here = _errors(data, chain, few)
         found: list[tuple[int, float, Conversion, Errors]] = []
         for one in _conversions(data):
-            after = _errors(replace(data, given={**data.given, **one.given}), chain)
+            converted = replace(data, given={**data.given, **one.given})
+            if _mended(here, _errors(converted, chain, few)) < 2:
+                continue
+            after = _errors(converted, chain)
             mended = _mended(errors, after)
             if mended >= 2:
                 found.append((-mended, one.bits, one, after))
@@ -88,9 +95,9 @@ def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
     return data, findings
 
 
-def _errors(data: Data, chain: Sequence[Stage]) -> Errors:
+def _errors(data: Data, chain: Sequence[Stage], only: Index | None = None) -> Errors:
     """The largest relative error of each stage and quantity, and 1 if one is wrong."""
-    _, followed = follow(chain, data)
+    _, followed = follow(chain, data, only=only)
     found: dict[tuple[str, str, str], tuple[float, int]] = {}
     for one in followed:
         rows = np.nan_to_num(np.abs(one.off) / one.scale)

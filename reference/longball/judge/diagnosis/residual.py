@@ -30,6 +30,7 @@ from longball.judge.diagnosis.expression import (
     Node,
     Pieces,
     depends,
+    names_in,
     ordered,
     specialised,
     symbol,
@@ -533,10 +534,11 @@ def _with_doubt(
     stage: Stage, columns: Columns, known: dict[Any, Any]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The quantities of a flight, and the same with about their error added."""
-    numbers = hashlib.blake2b()
-    for column in columns.values():
-        numbers.update(column.tobytes())
-    key = stage.name, (*stage.roots.values(),), numbers.digest()
+    roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
+    for name in ("kind", stage.spins, *names_in(roots)):
+        if name in columns:  # all but what moves
+            numbers.update(columns[name].tobytes())
+    key = stage.name, roots, numbers.digest()
     if key in known:
         found: tuple[dict[str, Array], dict[str, Array]] = known[key]
         return found

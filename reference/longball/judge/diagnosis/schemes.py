@@ -98,20 +98,25 @@ class Steps:
 
     @cached_property
     def possible(self) -> Sequence[Integrator]:
-        """Integrators whose errors would not show in right scenes long before they do in wrong ones."""
-        some = [self.short(flags, SOME) for flags in (
-            self.followed.wrong, self.followed.checked & ~self.followed.wrong
-        )]  # fmt: skip
-        found = []
-        for one in INTEGRATORS if len(some[1]) else ():
-            sizes = []
-            for part in some:
-                made, doubt = self.errors(one, TRIALS[0], False, part)
-                r = np.abs(made) / (self.followed.floor[:, part] + doubt)
-                sizes.append(np.nan_to_num(r).max(initial=0.0))
-            if ADEQUATE * sizes[0] > SHOWS * sizes[1]:
-                found.append(one)
-        return found if len(some[1]) else INTEGRATORS
+        """Integrators that may be the candidate's: all, if none of the flights is right.
+
+        An integrator whose errors right scenes do not show makes none that count in wrong ones.
+        """
+        wrong = self.short(self.followed.wrong, SOME)
+        right = self.short(self.followed.checked & ~self.followed.wrong, SOME)
+        if not right.size:
+            return INTEGRATORS
+
+        def largest(one: Integrator, some: Index) -> float:
+            made, doubt = self.errors(one, TRIALS[0], False, some)
+            r = np.abs(made) / (self.followed.floor[:, some] + doubt)
+            return float(np.nan_to_num(r).max(initial=0.0))
+
+        return [
+            one
+            for one in INTEGRATORS
+            if ADEQUATE * largest(one, wrong) > SHOWS * largest(one, right)
+        ]
 
     @cached_property
     def durations(self) -> Array:
