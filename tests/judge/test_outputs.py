@@ -17,13 +17,16 @@ from longball.judge.diagnosis.residual import Data, data_of, follow, specialised
 from longball.judge.quantities import values_of
 
 
-@pytest.fixture(scope="module")
-def truth() -> Data:
-    """Every eighth at-bat and flight, in which every answer is the truth."""
-    families = ("flight-both", "at-bat")
-    cases = [c for f in families for c in golden.load(f) if decidable(c)][::8]
+def true(*families: str, every: int = 8) -> Data:
+    """Some scenes of families, in which every answer is the truth."""
+    cases = [c for f in families for c in golden.load(f) if decidable(c)][::every]
     answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
     return data_of(cases, answers)
+
+
+@pytest.fixture(scope="module")
+def truth() -> Data:
+    return true("flight-both", "at-bat")
 
 
 def changed(data: Data, **given):
@@ -51,6 +54,18 @@ def test_lengths_in_feet(truth):
     data, (found,) = outputs(feet, specialised_to(feet))
     assert found.edit == "all lengths are 3.28084 times the right ones (feet)"
     assert found.remedy == "give them in m"
+    assert wrong(data) == []
+
+
+def test_speeds_of_one_kind_of_scene_in_kilometres_per_hour():
+    both = true("pitch", "at-bat", every=3)
+    told = np.isfinite(both.given["plate.velocity"]).all(axis=0)
+    batted = told & (both.columns["kind"] == "at-bat")
+    fast = {"plate.velocity": both.given["plate.velocity"] * np.where(batted, 3.6, 1.0)}
+    data, (found,) = outputs(changed(both, **fast), specialised_to(both))
+    assert found.edit == "plate.velocity is 3.6 times what is right (km/h)"
+    assert found.scenes.startswith("kind = at-bat")
+    assert (found.wrong, found.checked) == (batted.sum(), told.sum())
     assert wrong(data) == []
 
 

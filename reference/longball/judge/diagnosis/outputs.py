@@ -18,6 +18,7 @@ from longball.judge.diagnosis.expression import NONE, M, S
 from longball.judge.diagnosis.findings import Finding, joined, many
 from longball.judge.diagnosis.operators import AXES, BITS, FACTORS
 from longball.judge.diagnosis.residual import Data, Index, follow
+from longball.judge.diagnosis.scenes import rule
 from longball.model.arrays import Array
 
 # The largest relative error falls at least so much where a conversion mends: what a scheme of long
@@ -124,12 +125,15 @@ def _mended(before: Errors, after: Errors) -> int:
 
 
 def _finding(found: Conversion, data: Data) -> Finding:
-    told = [np.atleast_2d(np.isfinite(data.given[q])).any(axis=0) for q in found.outputs]
-    some = np.logical_or.reduce(told)
+    parts = [(np.atleast_2d(data.given[q]), np.atleast_2d(found.given[q])) for q in found.outputs]
+    told = np.any([np.isfinite(given).any(axis=0) for given, _ in parts], axis=0)
+    some = np.any([(given != right).any(axis=0) for given, right in parts], axis=0) & told
     count = int(some.sum())
+    wrong, right = ([data.cases[i] for i in np.flatnonzero(x)] for x in (some, told & ~some))
     return Finding(
         stage="all" if len(found.outputs) > 1 else "output", quantity=found.outputs[0],
-        kind="named", edit=found.words, remedy=found.remedy, wrong=count, checked=count, worst=1.0,
+        kind="named", edit=found.words, remedy=found.remedy, wrong=count, checked=int(told.sum()),
+        worst=1.0, scenes=rule(wrong, right),
         sentence=f"{found.words}, in {many(count, 'scene')}. Converted back, they follow from each "
         "other.",
         example=data.cases[int(np.flatnonzero(some)[0])].id,
@@ -148,7 +152,7 @@ def _conversions(data: Data) -> Iterator[Conversion]:
             subject, verb = _named(own, known)
             right = "what is right" if verb == "is" else "the right ones"
             text = f"{subject} {verb} {words.format(right)}"
-            given = {q: data.given[q] / factor for q in own}
+            given = {q: _where_off(data, q, data.given[q] / factor) for q in own}
             yield Conversion(own, text, bits, remedy or _remedy(own), given)
     vectors = [q for q in known if OWN[q].vector]
     for axes, rows in AXES.items():
@@ -158,7 +162,7 @@ def _conversions(data: Data) -> Iterator[Conversion]:
             subject, verb = _named(own, known)
             text = f"{subject} {verb} given as {axes}"
             bits = BITS["axes"] + math.log2(len(AXES))
-            given = {q: matrix.T @ data.given[q] for q in own}
+            given = {q: _where_off(data, q, matrix.T @ data.given[q]) for q in own}
             yield Conversion(own, text, bits, "give [x, y, z] with the model's axes", given)
     yield from _others(data)
 
@@ -185,6 +189,13 @@ def _fits(data: Data, quantity: str, converted: Array) -> bool:
     off, plain = (np.sqrt(np.square(np.atleast_2d(given - x)).sum(0)) for x in (converted, true))
     known = np.isfinite(off) & (plain > NOTHING)
     return bool(known.any() and np.median(off[known] / plain[known]) < CLOSE)
+
+
+def _where_off(data: Data, quantity: str, converted: Array) -> Array:
+    """Converted values where what is given is not right: some kinds of scenes may be."""
+    given = np.atleast_2d(data.given[quantity])
+    off = np.abs(given - data.expected[quantity]).max(axis=0) > NOTHING
+    return np.where(off, converted, data.given[quantity])
 
 
 def _named(own: Sequence[str], known: Sequence[str]) -> tuple[str, str]:
