@@ -561,6 +561,7 @@ TABLE = "kind,v,cell\n" + "".join(
 
 
 class TestFit:
+    @pytest.mark.nightly
     def test_columns_and_units_are_told_by_options(self, called):
         columns = (
             "pitch_type=kind", "speed=v", "speed_unit=km/h", "across=cell", "place_unit=cell",

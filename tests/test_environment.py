@@ -82,6 +82,7 @@ def test_closed_streams(tmp_path: Path, line: str, status: int, said: bytes):
         "longball solve scenes.jsonl >> scenes.jsonl",
     ],
 )
+@pytest.mark.sampled(every=3)
 def test_the_source_is_not_overwritten(tmp_path: Path, line: str):
     source = tmp_path / "scenes.jsonl"
     source.write_bytes(FLIGHT)

@@ -71,6 +71,7 @@ def test_engines_give_the_same_bits(engine: str, lines: str):
     assert "error" not in run.stdout
 
 
+@pytest.mark.nightly
 def test_the_judge_and_the_golden_data(tmp_path: Path):
     # The reference itself is judged, as anybody's simulator would be.
     (tmp_path / "run.py").write_text(
@@ -147,6 +148,7 @@ MISSING = {
 
 
 @pytest.mark.parametrize("extra", MISSING)
+@pytest.mark.sampled(every=2)
 def test_what_is_missing_is_named(extra: str, tmp_path: Path):
     names = tuple(name for name, its in EXTRAS.items() if its == extra)
     run = light(CALLS, str(tmp_path), json.dumps(MISSING[extra]), names=names)

@@ -694,6 +694,7 @@ def test_the_error_stays_below_the_tolerance(tolerance: float) -> None:
         assert error > tolerance / 1e4  # or it would be paid for and not used
 
 
+@pytest.mark.nightly
 def test_landings_of_every_tolerance_lie_that_close_to_proven_ones(nightly: bool) -> None:
     """Within the tolerance and, for the rounding, the engine's own statement of its error."""
     rng = np.random.default_rng(6)

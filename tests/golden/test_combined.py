@@ -52,6 +52,7 @@ def without(scene: Any, name: str) -> Any:
     return scene.model_copy(update={"reading": scene.reading.model_copy(update={name: default})})
 
 
+@pytest.mark.nightly
 def test_every_reading_moves_answers_of_every_kind():
     default, moved = Reading(), Counter[tuple[str, str]]()
     cases = [c for c in load("all") if c.scene.reading != default and c.expected.outcome]

@@ -332,6 +332,7 @@ def test_a_wrong_probability_is_found_by_both_methods(with_probabilities: Path):
         ("0.01", "0.02", "probability.json: its SHA-256 is not the one"),
     ],
 )
+@pytest.mark.nightly
 def test_what_is_wrong_with_probabilities_is_said(
     with_probabilities: Path, tmp_path: Path, old: str, new: str, sentence: str
 ):

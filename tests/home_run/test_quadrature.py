@@ -108,14 +108,9 @@ class TestClearance:
 
 class TestQuadrature:
     # The default reading is in test_cli.py, too.
-    @pytest.mark.parametrize(
-        "name",
-        [
-            pytest.param(name, marks=pytest.mark.nightly if i % 8 else ())
-            for i, name in enumerate(GOLDEN, 4)
-        ],
-    )
+    @pytest.mark.parametrize("name", GOLDEN)
     @pytest.mark.usefixtures("coarse")
+    @pytest.mark.nightly
     def test_its_error_covers_the_distance_to_a_finer_rule(self, name):
         case = GOLDEN[name]
         row = case.rows[0]
