@@ -202,6 +202,7 @@ class Reasoned:
 
 # Of the errors of a stage, what an edit may leave in a few scenes: the last digits of its number.
 LAST = 1e-7
+CLEARER = 2.0  # share of wrong scenes, over that of the first wrong flight, of one to begin with
 ROUNDS = 3  # explanations at one stage, each for what the one before has left
 
 
@@ -233,8 +234,8 @@ def reason(
             and tried[stage.name, stage.kind] < ROUNDS
         ]
         if not wrong:
-            return Reasoned(chain, data, tuple(steps))
-        stage, one = wrong[0]
+            return Reasoned(chain, data, _standing(steps, last))
+        stage, one = _clearest(wrong)
         at = stage.name, stage.kind
         tried[at] += 1
         begun[at] = max(begun[at], float(one.relative.max()))
@@ -276,6 +277,29 @@ def reason(
         if stage.kind == "flight" and stage.name in ("pitch", "touching"):
             unknown = np.union1d(unknown, one.some[one.wrong])
             columns, last = follow(chain, data, unknown)
+
+
+def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]:
+    """The first stage that is wrong; of flights, whose law is one, where it shows much more."""
+
+    def share(one: Followed) -> float:
+        return float(one.beyond.sum() / max(one.checked.sum(), 1))
+
+    first = wrong[0]
+    flights = [both for both in wrong if both[0].kind == "flight"]
+    most = max(flights, key=lambda both: share(both[1]), default=first)
+    clearer = first[0].kind == "flight" and share(most[1]) > CLEARER * share(first[1])
+    return most if clearer else first
+
+
+def _standing(steps: Sequence[Step], last: Sequence[Followed]) -> tuple[Step, ...]:
+    """The steps without those located that an edit of a later one has explained."""
+    right = {(one.stage.name, one.stage.kind) for one in last if not one.beyond.any()}
+    return tuple(
+        step
+        for step in steps
+        if step.explained or (step.followed.stage.name, step.followed.stage.kind) not in right
+    )
 
 
 def _beside(

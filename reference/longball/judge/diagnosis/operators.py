@@ -83,6 +83,9 @@ class Edit:
         its node.
     option
         A switch and its option, which is the form: the edit is made there in all stages.
+    use
+        An argument of `place`, and what stands for it there alone: so it does in other stages,
+        where a node of the same words has another form.
     """
 
     place: Node
@@ -93,6 +96,7 @@ class Edit:
     only: Stage | None = None
     within: tuple[Node, Node] | None = None
     option: tuple[str, str] | None = None
+    use: tuple[Node, Node] | None = None
 
     @property
     def new(self) -> Node:
@@ -126,26 +130,36 @@ class Edit:
         )
 
     def _made(self, stage: Stage) -> Stage:
-        if self.option is None or self.within is None:
-            return stage.edited(self.place, self.new)
-        _, old = self.within
+        made = stage.edited(self.place, self.new)
+        if made is not stage:
+            return made
         for node in ordered([*stage.roots.values(), *stage.forms.values()]):
-            if node.op == "switch" and node.data[0] == self.option[0]:
-                form = dict(zip(node.data[1], node.args, strict=True))[self.option[1]]
-                stage = stage.edited(form, substitute(form, old, self.by))
-        return stage
+            new = node
+            if (
+                self.option
+                and self.within
+                and node.op == "switch"
+                and node.data[0] == self.option[0]
+            ):
+                node = dict(zip(node.data[1], node.args, strict=True))[self.option[1]]
+                new = substitute(node, self.within[1], self.by)
+            elif self.use and self.use[0] in node.args and words(node) == words(self.place):
+                new = rebuilt(node, [self.use[1] if x is self.use[0] else x for x in node.args])
+            if new is not node:
+                made = made.edited(node, new)
+        return made
 
     def settled(self, value: float, cost: float) -> Edit:
         """The edit with a value for its free number."""
-        number = {node.dimension: node for node in ordered([self.by]) if node.data == FREE}
-        by = self.by
-        for dimension, node in number.items():
-            by = substitute(by, node, constant(value, dimension))
+        by, use = self.by, self.use
+        for node in [node for node in ordered([by]) if node.data == FREE]:
+            by = substitute(by, node, constant(value, node.dimension))
+            use = use and (use[0], substitute(use[1], node, constant(value, node.dimension)))
         text = f"{value:.9g}"
         said = self.words.replace("{c}", text)
         if self.factor and (meaning := FACTORS.get(value)):
             said += f" ({meaning})"
-        return replace(self, by=by, bits=self.bits + cost, words=said, starts=())
+        return replace(self, by=by, bits=self.bits + cost, words=said, starts=(), use=use)
 
 
 # --- the prior ------------------------------------------------------------------------------------
@@ -635,7 +649,7 @@ def _of_formula(
                 yield Edit(place, by, cost, said, starts, within=within)
                 if len(using) > 1:
                     for use in using:
-                        args = [by if arg is node else arg for arg in use.args]
+                        new = rebuilt(use, [by if arg is node else arg for arg in use.args])
                         place, within = (use, None) if form is root else (root, (form, use))
-                        text = f"{said} in {words(use)}"
-                        yield Edit(place, rebuilt(use, args), cost + 2, text, starts, within=within)
+                        text, here = f"{said} in {words(use)}", None if within else (node, by)
+                        yield Edit(place, new, cost + 2, text, starts, None, within, None, here)

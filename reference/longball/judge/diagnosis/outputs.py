@@ -129,7 +129,7 @@ def _finding(found: Conversion, data: Data) -> Finding:
     told = np.any([np.isfinite(given).any(axis=0) for given, _ in parts], axis=0)
     some = np.any([(given != right).any(axis=0) for given, right in parts], axis=0) & told
     count = int(some.sum())
-    wrong, right = ([data.cases[i] for i in np.flatnonzero(x)] for x in (some, told & ~some))
+    wrong, right = ([data.cases[int(i)] for i in np.flatnonzero(x)] for x in (some, told & ~some))
     return Finding(
         stage="all" if len(found.outputs) > 1 else "output", quantity=found.outputs[0],
         kind="named", edit=found.words, remedy=found.remedy, wrong=count, checked=int(told.sum()),
