@@ -43,15 +43,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Leave out what is for `make nightly`."""
     if config.getoption("--nightly"):
         return
-    seen: Counter[str] = Counter()  # of each test with parameters
+    seen: Counter[str] = (
+        Counter()
+    )  # of each test, its sets of parameters that are not for the night
     by_day, waiting = [], []
     for item in items:
-        test, _, _ = item.nodeid.partition("[")
-        sampled = item.get_closest_marker("sampled")
-        waits = item.get_closest_marker("nightly") or (
-            sampled and seen[test] % sampled.kwargs["every"]
-        )
-        seen[test] += 1
+        waits = item.get_closest_marker("nightly") is not None
+        if not waits and (sampled := item.get_closest_marker("sampled")):
+            test, _, _ = item.nodeid.partition("[")
+            waits = seen[test] % sampled.kwargs["every"] > 0
+            seen[test] += 1
         (waiting if waits else by_day).append(item)
     config.hook.pytest_deselected(items=waiting)
     items[:] = by_day

@@ -175,7 +175,7 @@ class TestSolve:
 
     @pytest.mark.parametrize("indent", [None, 2])
     @pytest.mark.parametrize("array", [False, True])
-    @pytest.mark.sampled(every=3)
+    @pytest.mark.sampled(every=4)
     def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
         scene = {"kind": "pitch"}
         file = tmp_path / "scenes.json"

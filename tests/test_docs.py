@@ -68,6 +68,9 @@ class Checker(doctest.OutputChecker):
         return same(" ".join(want.split()), " ".join(got.split()))
 
 
+BY_DAY, NIGHTLY = ("README", "tutorial-simulator"), pytest.mark.nightly
+
+
 @pytest.mark.parametrize(
     ("command", "shown"),
     # What two pages show is run once.
@@ -75,8 +78,8 @@ class Checker(doctest.OutputChecker):
         pytest.param(
             *case,
             id=f"{page.stem}: {case[0][:50]}",
-            # A search for causes, beside another in the same page.
-            marks=pytest.mark.nightly if "judge --golden" in case[0] else (),
+            # The README's and the tutorial's are run by day.
+            marks=() if page.stem in BY_DAY and "judge --golden" not in case[0] else NIGHTLY,
         )
         for case, page in {case: page for page in PAGES for case in commands(page)}.items()
     ],
