@@ -8,6 +8,9 @@ INSTALLED := $(VENV)/.installed
 # The tests start hundreds of processes, which would each compile the package's sources.
 unexport PYTHONDONTWRITEBYTECODE
 
+# Tests run on all cores: more threads in each would wait for each other.
+test nightly: export OPENBLAS_NUM_THREADS = 1
+
 .PHONY: report paper docs test nightly coverage lint bench mutants planted clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures

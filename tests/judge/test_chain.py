@@ -6,8 +6,8 @@ import pytest
 from longball import golden
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.diagnosis.chain import CHAIN, OWN
-from longball.judge.diagnosis.expression import NONE, ordered
+from longball.judge.diagnosis.chain import CHAIN, LAW, OWN, SPEED, U, u
+from longball.judge.diagnosis.expression import NONE, constant, norm, ordered, substitute
 from longball.judge.diagnosis.residual import data_of, follow, seen, specialised_to
 from longball.judge.quantities import values_of
 
@@ -81,3 +81,10 @@ def test_sums_have_one_dimension():
                 kinds = {(x.dimension, x.vector) for x in options}
                 # Numbers such as 273.15 in formulas of the weather have the unit of their table.
                 assert len(kinds) == 1 or all(d == NONE for d, _ in kinds), node
+
+
+def test_drag_and_lift_have_one_airspeed():
+    """So that a program that takes another size for it in both is one edit away."""
+    changed = substitute(LAW, U, constant(1.0, SPEED))
+    assert norm(u) in ordered([LAW])
+    assert norm(u) not in ordered([changed])

@@ -178,7 +178,7 @@ W = named(
 u = named("u", v - W)
 U = named("U", norm(u))
 u_lift = named("u_L", switch("reading.wind_acts_on", {"both": u, "drag": v}))
-U_lift = norm(u_lift)
+U_lift = switch("reading.wind_acts_on", {"both": U, "drag": norm(v)})
 
 spin_left = named(
     "e^(-s/L_ω)",
