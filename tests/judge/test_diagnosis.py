@@ -66,7 +66,7 @@ def test_right_answers_have_no_finding(gold: list[Case]):
 # The stage at which each is made, and the edit that it is.
 EXPECTED = {
     "g-9.80665": ("pitch", "takes 9.80665 for g, whatever the scene says"),
-    "mass-0.145": ("pitch", "ignores m: takes 0.145, its default"),
+    "mass-0.145": ("flight", "ignores m: takes 0.145, its default"),
     "drag-per-component": ("pitch", "takes each component's own size for |v| in k·C_D·U·v"),
     "nathan": ("restitution", "leaves out m/M_eff"),
     "bat-at-rest": ("normal speed", "leaves out -V_b"),

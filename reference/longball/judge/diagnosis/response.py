@@ -190,6 +190,8 @@ def left_by(
     off = off[rows]
     sizes = np.sqrt((off * off).sum(axis=0))
     wrong = sizes > sizes.max(initial=0.0) * RIGHT
+    if not wrong.any():
+        return [1.0] * len(edits)
     scale = np.where(wrong, sizes, np.median(sizes[wrong]))
     a = (off / scale).ravel()
     changes: list[Change] = []

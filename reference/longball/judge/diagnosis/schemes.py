@@ -47,6 +47,7 @@ from longball.model.arrays import Array
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
 TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
 SHOWS = 100.0  # floors: of what the right scenes allow, what steps must make in a wrong one
+PART = 0.1  # of the errors, what is enough if they are small
 SHORTEST = 2e-5  # s: of the steps of candidates
 # Of the size of a number: an error that steps do not make.
 ELSEWHERE = 0.9
@@ -107,15 +108,17 @@ class Steps:
         if not right.size:
             return INTEGRATORS
 
-        def largest(one: Integrator, some: Index) -> float:
+        def sizes(one: Integrator, some: Index) -> Array:
             made, doubt = self.errors(one, TRIALS[0], False, some)
             r = np.abs(made) / (self.followed.floor[:, some] + doubt)
-            return float(np.nan_to_num(r).max(initial=0.0))
+            return np.asarray(np.nan_to_num(r).max(axis=0, initial=0.0))
 
+        r = np.abs(self.followed.off[:, wrong] / self.followed.floor[:, wrong])
+        shows = min(SHOWS, PART * float(np.nan_to_num(r).max(initial=0.0)))
         return [
             one
             for one in INTEGRATORS
-            if ADEQUATE * largest(one, wrong) > SHOWS * largest(one, right)
+            if ADEQUATE * sizes(one, wrong).max(initial=0.0) > shows * np.median(sizes(one, right))
         ]
 
     @cached_property
@@ -181,7 +184,7 @@ class Steps:
     def fitting(self) -> list[tuple[float, float, Integrator]]:
         """Integrators with their best step and the error that they leave, the best first."""
         found = []
-        for one, h in product(self.possible, TRIALS):
+        for one, h in product(INTEGRATORS, TRIALS):
             share, left = self.ratio(one, h)
             if share > 0.0 and left < ROUGHLY:
                 found.append((left, _nearer(one, h, share), one))
@@ -319,7 +322,7 @@ def explain_scheme(
         return None
     steps = steps or Steps(stage, data, columns, followed)
     few = followed.of(steps.short(followed.wrong, SOME))
-    late = clock(stage, columns, few, dt) and clock(stage, columns, followed, dt)
+    late = few.some.size and clock(stage, columns, few, dt) and clock(stage, columns, followed, dt)
     return late or steps.named(dt) or steps.order()
 
 
