@@ -43,9 +43,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Leave out what is for `make nightly`."""
     if config.getoption("--nightly"):
         return
-    seen: Counter[str] = (
-        Counter()
-    )  # of each test, its sets of parameters that are not for the night
+    seen: Counter[str] = Counter()  # sets of parameters of each sampled test
     by_day, waiting = [], []
     for item in items:
         waits = item.get_closest_marker("nightly") is not None

@@ -51,7 +51,7 @@ def command_line(*arguments: str, **options) -> subprocess.CompletedProcess:
     ("engine", "lines"),
     [
         ("ivp", AT_BAT),
-        pytest.param("ivp", FLIGHT, marks=pytest.mark.nightly),
+        pytest.param("ivp", SCENES, marks=pytest.mark.nightly),
         ("verlet", SCENES),
         *(
             pytest.param(e, AT_BAT, marks=pytest.mark.nightly)

@@ -25,7 +25,7 @@ from longball.judge.diagnosis.expression import ordered, words
 from longball.judge.diagnosis.operators import edits
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to, values
 from longball.judge.diagnosis.scenes import rule
-from longball.judge.diagnosis.search import EFFORT, Explanation, Named, defaults
+from longball.judge.diagnosis.search import PAIRS, Explanation, Named, defaults
 from longball.judge.quantities import values_of
 from longball.model.scene import parse_scene
 from tests.candidates.mistaken import solve as simulate
@@ -66,7 +66,7 @@ def test_right_answers_have_no_finding(gold: list[Case]):
 # The stage at which each is made, and the edit that it is.
 EXPECTED = {
     "g-9.80665": ("pitch", "takes 9.80665 for g, whatever the scene says"),
-    "mass-0.145": ("flight", "ignores m: takes 0.145, its default"),
+    "mass-0.145": ("pitch", "ignores m: takes 0.145, its default"),
     "drag-per-component": ("pitch", "takes each component's own size for |v| in k·C_D·U·v"),
     "nathan": ("restitution", "leaves out m/M_eff"),
     "bat-at-rest": ("normal speed", "leaves out -V_b"),
@@ -285,7 +285,7 @@ def test_an_edit_of_its_own_chain_is_found_again(stage: str):
         if wrong.beyond.sum() < 10:
             continue
         shown += 1
-        found = Explanation(chain, one, moved, now, wrong, EFFORT[one.kind]).explain()
+        found = Explanation(chain, one, moved, now, wrong, pairs=PAIRS[one.kind]).explain()
         assert isinstance(found, Named), edit.words
     assert shown >= 2
 

@@ -63,7 +63,7 @@ def test_speeds_of_one_kind_of_scene_in_kilometres_per_hour():
     batted = told & (both.columns["kind"] == "at-bat")
     fast = {"plate.velocity": both.given["plate.velocity"] * np.where(batted, 3.6, 1.0)}
     data, (found,) = outputs(changed(both, **fast), specialised_to(both))
-    assert found.edit == "plate.velocity is 3.6 times what is right (km/h)"
+    assert found.edit == "plate.velocity is 3.6 times the right value (km/h)"
     assert found.scenes.startswith("kind = at-bat")
     assert (found.wrong, found.checked) == (batted.sum(), told.sum())
     assert wrong(data) == []
@@ -93,7 +93,7 @@ def test_one_output_that_equals_another(truth):
 def test_one_output_divided_by_an_input(truth):
     light = changed(truth, **{"impact.impulse": truth.given["impact.impulse"] / truth.columns["m"]})
     data, (found,) = outputs(light, specialised_to(light))
-    assert found.edit == "impact.impulse is what is right divided by m"
+    assert found.edit == "impact.impulse is the right value divided by m"
     assert wrong(data) == []
 
 

@@ -112,7 +112,7 @@ def rewritten(block: B, values: Mapping[str, object]) -> B:
     """Return a block with other numbers, or whole vectors, under names that it has."""
     data: Any = block.model_dump()
     for name, value in values.items():
-        data = _put(data, _STEP.findall(name), value)
+        data = _put(data, [*_way(name)], value)
     return type(block).model_validate(data)
 
 

@@ -15,7 +15,7 @@ from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis import sentences as told
-from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.chain import Kind, Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.findings import Diagnosis, Finding
@@ -35,7 +35,7 @@ from longball.judge.diagnosis.residual import (
 )
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.schemes import Steps, explain_push, explain_scheme, with_edit
-from longball.judge.diagnosis.search import EFFORT, Explanation, Located, Named, asking
+from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
 
 # Runs a candidate again: from scenes to answers by id.
 Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
@@ -202,7 +202,8 @@ class Reasoned:
 
 # Of the errors of a stage, what an edit may leave in a few scenes: the last digits of its number.
 LAST = 1e-7
-CLEARER = 2.0  # share of wrong scenes, over that of the first wrong flight, of one to begin with
+# A flight is explained before the first wrong one if its share of wrong scenes is so much larger.
+CLEARER = 2.0
 ROUNDS = 3  # explanations at one stage, each for what the one before has left
 
 
@@ -247,13 +248,16 @@ def reason(
             data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
             columns, last = follow(chain, data, unknown)
             continue
-        effort = EFFORT[stage.kind]
-        found = Explanation(chain, stage, data, columns, one, effort).explain(ask)
+        search = Explanation(chain, stage, data, columns, one, pairs=PAIRS[stage.kind])
+        found = search.explain(ask)
         if isinstance(found, Named):
-            steps.append(Step(one, found))
             for edit in found.edits:
                 chain = edit.apply(chain)
             columns, last = follow(chain, data, unknown)
+            # An earlier flight that is right now is where the mistake shows first.
+            right, before = _right(last), wrong[: wrong.index((stage, one))]
+            told = next((other for s, other in before if (s.name, s.kind) in right), one)
+            steps.append(Step(told, found))
             continue
         tried[at] = ROUNDS
         scheme = None
@@ -280,7 +284,7 @@ def reason(
 
 
 def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]:
-    """The first stage that is wrong; of flights, whose law is one, where it shows much more."""
+    """The stage to explain next: the first wrong one, or a flight that shows the law better."""
 
     def share(one: Followed) -> float:
         return float(one.beyond.sum() / max(one.checked.sum(), 1))
@@ -292,9 +296,14 @@ def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]
     return most if clearer else first
 
 
+def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:
+    """The stages without an error, by name and kind."""
+    return {(one.stage.name, one.stage.kind) for one in last if not one.beyond.any()}
+
+
 def _standing(steps: Sequence[Step], last: Sequence[Followed]) -> tuple[Step, ...]:
-    """The steps without those located that an edit of a later one has explained."""
-    right = {(one.stage.name, one.stage.kind) for one in last if not one.beyond.any()}
+    """Drop the stages that were located and that a later edit has explained."""
+    right = _right(last)
     return tuple(
         step
         for step in steps
@@ -315,8 +324,7 @@ def _beside(
     one, _ = compared(stage, data, columns, one.some)
     if not one.beyond.any():
         return ()
-    effort = EFFORT[stage.kind]._replace(pairs=0)
-    found = Explanation(chain, stage, data, columns, one, effort).explain()
+    found = Explanation(chain, stage, data, columns, one).explain()
     return found.near if isinstance(found, Located) else found.edits
 
 

@@ -82,10 +82,10 @@ class Edit:
         Another form of `place`, and a node of it: then the form stands there, and `by` in place of
         its node.
     option
-        A switch and its option, which is the form: the edit is made there in all stages.
+        A switch and an option of it, the form: other stages have the edit in that option, too.
     use
-        An argument of `place`, and what stands for it there alone: so it does in other stages,
-        where a node of the same words has another form.
+        An argument of `place`, and what replaces it there. In stages without that place the nodes
+        with the same words take its part.
     """
 
     place: Node
@@ -130,23 +130,19 @@ class Edit:
         )
 
     def _made(self, stage: Stage) -> Stage:
+        """The stage with the edit, where the place may have another form than at its own stage."""
         made = stage.edited(self.place, self.new)
         if made is not stage:
             return made
-        for node in ordered([*stage.roots.values(), *stage.forms.values()]):
-            new = node
-            if (
-                self.option
-                and self.within
-                and node.op == "switch"
-                and node.data[0] == self.option[0]
-            ):
-                node = dict(zip(node.data[1], node.args, strict=True))[self.option[1]]
-                new = substitute(node, self.within[1], self.by)
+        for node in ordered(stage.roots.values()):
+            if self.option and self.within and node.op == "switch":
+                key, options = node.data
+                if key == self.option[0]:
+                    form = node.args[options.index(self.option[1])]
+                    made = made.edited(form, substitute(form, self.within[1], self.by))
             elif self.use and self.use[0] in node.args and words(node) == words(self.place):
-                new = rebuilt(node, [self.use[1] if x is self.use[0] else x for x in node.args])
-            if new is not node:
-                made = made.edited(node, new)
+                args = [self.use[1] if arg is self.use[0] else arg for arg in node.args]
+                made = made.edited(node, rebuilt(node, args))
         return made
 
     def settled(self, value: float, cost: float) -> Edit:
@@ -522,8 +518,8 @@ OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
 )  # fmt: skip
 
 
-OF_ITSELF = (_numbers, _factors, _shapes)  # that take no other node from the pool
-
+# Operators that take no other node from the pool.
+OF_ITSELF: tuple[Callable[[Site], Iterator[Option]], ...] = (_numbers, _factors, _shapes)
 
 DEFAULT_READING = {f"reading.{key}": [field.default] for key, field in Reading.model_fields.items()}
 
@@ -581,7 +577,7 @@ def edits(
         if name in stage.forms:
             form, known = stage.forms[name], frozenset(nodes)
             others = ordered([form], (), arguments)
-            # In which both forms differ, and what leads there.
+            # Only where the forms differ, and below: elsewhere the edits of both are the same.
             first = [x for x in others if x not in known and known.issuperset(arguments(x))]
             leading = frozenset(ordered(first, (), arguments))
             sites = [x for x in others if x not in known or x in leading]
@@ -592,7 +588,10 @@ def _of_options(
     root: Node, nodes: Sequence[Node], pool: tuple[Node, ...],
     defaults: Mapping[str, float | tuple[float, ...]], flies: bool,
 ) -> Iterator[Edit]:  # fmt: skip
-    """Edits in one option of a switch of what others use, too: programs write each on its own."""
+    """Edits in one option of a switch, of nodes that stand elsewhere as well.
+
+    Programs write each option on its own, so that a mistake in one leaves the others right.
+    """
     here = frozenset(nodes)
     for switch in (node for node in nodes if node.op == "switch"):
         key, options = switch.data

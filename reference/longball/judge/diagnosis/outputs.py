@@ -17,7 +17,7 @@ from longball.judge.diagnosis.chain import INPUTS, OWN, Stage
 from longball.judge.diagnosis.expression import NONE, M, S
 from longball.judge.diagnosis.findings import Finding, joined, many
 from longball.judge.diagnosis.operators import AXES, BITS, FACTORS
-from longball.judge.diagnosis.residual import Data, Index, follow
+from longball.judge.diagnosis.residual import Data, Index, evenly, follow
 from longball.judge.diagnosis.scenes import rule
 from longball.model.arrays import Array
 
@@ -74,8 +74,7 @@ class Conversion:
 def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
     """Values converted back where a conversion mends stages, and findings of those."""
     findings: list[Finding] = []
-    count = len(data.cases)
-    few = np.unique(np.linspace(0, count - 1, min(FEW, count)).astype(int))
+    few = evenly(np.arange(len(data.cases)), FEW)
     errors = _errors(data, chain)
     while len(findings) < MOST and any(wrong for _, wrong in errors.values()):
         here = _errors(data, chain, few)
@@ -150,7 +149,7 @@ def _conversions(data: Data) -> Iterator[Conversion]:
         own = tuple(q for q in known if _fits(data, q, factor * data.expected[q]))
         if own:
             subject, verb = _named(own, known)
-            right = "what is right" if verb == "is" else "the right ones"
+            right = "the right value" if verb == "is" else "the right ones"
             text = f"{subject} {verb} {words.format(right)}"
             given = {q: _where_off(data, q, data.given[q] / factor) for q in own}
             yield Conversion(own, text, bits, remedy or _remedy(own), given)
@@ -192,7 +191,7 @@ def _fits(data: Data, quantity: str, converted: Array) -> bool:
 
 
 def _where_off(data: Data, quantity: str, converted: Array) -> Array:
-    """Converted values where what is given is not right: some kinds of scenes may be."""
+    """Convert the values that are wrong. In scenes of another kind they may be right as given."""
     given = np.atleast_2d(data.given[quantity])
     off = np.abs(given - data.expected[quantity]).max(axis=0) > NOTHING
     return np.where(off, converted, data.given[quantity])

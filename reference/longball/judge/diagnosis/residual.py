@@ -289,6 +289,13 @@ def take(columns: Columns, some: Index) -> dict[str, Any]:
     return {name: column[..., some] for name, column in columns.items()}
 
 
+def evenly(some: Index, most: int) -> Index:
+    """At most so many of some scenes, evenly spread."""
+    if len(some) <= most:
+        return some
+    return np.asarray(some[np.linspace(0, len(some) - 1, most).round().astype(int)])
+
+
 _A, _B, _C = DOP853.A[:12, :12], DOP853.B, DOP853.C[:12]
 _PATH = frozenset(("path",))
 
@@ -536,7 +543,7 @@ def _with_doubt(
     """The quantities of a flight, and the same with about their error added."""
     roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
     for name in ("kind", stage.spins, *names_in(roots)):
-        if name in columns:  # all but what moves
+        if name in columns:  # a symbol that moves has none
             numbers.update(columns[name].tobytes())
     key = stage.name, roots, numbers.digest()
     if key in known:

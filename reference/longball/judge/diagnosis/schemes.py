@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -41,13 +41,21 @@ from longball.judge.diagnosis.integrators import (
     steps,
 )
 from longball.judge.diagnosis.operators import FACTORS, Edit
-from longball.judge.diagnosis.residual import Data, Followed, Index, compared, is_rough, take
+from longball.judge.diagnosis.residual import (
+    Data,
+    Followed,
+    Index,
+    compared,
+    evenly,
+    is_rough,
+    take,
+)
 from longball.model.arrays import Array
 
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
 TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
-SHOWS = 100.0  # floors: of what the right scenes allow, what steps must make in a wrong one
-PART = 0.1  # of the errors, what is enough if they are small
+SHOWS = 100.0  # floors: the error beside which steps are looked for with an edit
+LEAST = 1e-300  # a divisor in place of 0
 SHORTEST = 2e-5  # s: of the steps of candidates
 # Of the size of a number: an error that steps do not make.
 ELSEWHERE = 0.9
@@ -81,6 +89,7 @@ class Steps:
     data: Data
     columns: Mapping[str, Any]
     followed: Followed
+    known: dict[Any, tuple[Array, Array]] = field(default_factory=dict, compare=False)
 
     @cached_property
     def few(self) -> Index:
@@ -94,31 +103,29 @@ class Steps:
         """Numbers of some of the flagged scenes, evenly spread over the shorter flights."""
         found = np.flatnonzero(flags & np.isfinite(self.durations))
         found = found[np.argsort(self.durations[found], kind="stable")]
-        found = found[: max(most, 2 * len(found) // 3)]
-        return np.asarray(found[np.linspace(0, len(found) - 1, min(most, len(found))).astype(int)])
+        return evenly(found[: max(most, 2 * len(found) // 3)], most)
 
     @cached_property
     def possible(self) -> Sequence[Integrator]:
-        """Integrators that may be the candidate's: all, if none of the flights is right.
+        """Integrators that the candidate may have used, judged by the scenes that are right.
 
-        An integrator whose errors right scenes do not show makes none that count in wrong ones.
+        An error that stays hidden in right scenes is small in wrong ones, too: an integrator is
+        left out if it could not reach SHOWS floors in any. Without a right scene all are possible.
         """
         wrong = self.short(self.followed.wrong, SOME)
         right = self.short(self.followed.checked & ~self.followed.wrong, SOME)
         if not right.size:
             return INTEGRATORS
 
-        def sizes(one: Integrator, some: Index) -> Array:
+        def largest(one: Integrator, some: Index) -> float:
             made, doubt = self.errors(one, TRIALS[0], False, some)
             r = np.abs(made) / (self.followed.floor[:, some] + doubt)
-            return np.asarray(np.nan_to_num(r).max(axis=0, initial=0.0))
+            return float(np.nan_to_num(r).max(initial=0.0))
 
-        r = np.abs(self.followed.off[:, wrong] / self.followed.floor[:, wrong])
-        shows = min(SHOWS, PART * float(np.nan_to_num(r).max(initial=0.0)))
         return [
             one
             for one in INTEGRATORS
-            if ADEQUATE * sizes(one, wrong).max(initial=0.0) > shows * np.median(sizes(one, right))
+            if ADEQUATE * largest(one, wrong) > SHOWS * largest(one, right)
         ]
 
     @cached_property
@@ -170,15 +177,28 @@ class Steps:
         r = (off - made) / (self.followed.floor[:, some] + doubt)
         return np.where(np.isfinite(off) & ~np.isfinite(r), LOST, r)
 
+    def _first(self, one: Integrator, h: float, chord: bool) -> tuple[Array, Array]:
+        """Errors in the first scenes, the candidate's and a scheme's, in units of their sizes."""
+        key = one.words, h, chord
+        if key not in self.known:
+            made, _ = self.errors(one, h, chord, self.few)
+            off, scale = (x[:, self.few] for x in (self.followed.off, self.followed.scale))
+            both = np.isfinite(off) & np.isfinite(made)
+            self.known[key] = np.where(both, off / scale, 0.0), np.where(both, made / scale, 0.0)
+        return self.known[key]
+
     def ratio(self, one: Integrator, h: float, chord: bool = False) -> tuple[float, float]:
         """The candidate's errors over those of a scheme, and the share that is left of them."""
-        made, _ = self.errors(one, h, chord, self.few)
-        off, floor = (x[:, self.few] for x in (self.followed.off, self.followed.scale))
-        known = np.isfinite(off) & np.isfinite(made)
-        a, b = (off / floor)[known], (made / floor)[known]
-        square = float(a @ a)
-        share = float(a @ b) / max(float(b @ b), 1e-300)
-        return share, float(np.square(a - share * b).sum()) / max(square, 1e-300)
+        a, b = (x.ravel() for x in self._first(one, h, chord))
+        share = float(a @ b) / max(float(b @ b), LEAST)
+        return share, float(np.square(a - share * b).sum()) / max(float(a @ a), LEAST)
+
+    def typical_ratio(self, one: Integrator, h: float) -> tuple[float, float]:
+        """The same of the median scene: in a few scenes the errors of a flight nearly cancel."""
+        a, b = self._first(one, h, False)
+        share = float(np.median((a * b).sum(0) / np.maximum((b * b).sum(0), LEAST)))
+        left = np.square(a - share * b).sum(0) / np.maximum((a * a).sum(0), LEAST)
+        return share, float(np.median(left))
 
     @cached_property
     def fitting(self) -> list[tuple[float, float, Integrator]]:
@@ -289,11 +309,20 @@ class Steps:
                 return Scheme(said, order, h, bits, evidence, True, way)
         return None
 
+    def _alike(self) -> list[tuple[float, float, Integrator]]:
+        """What a typical scene leaves, a step, and the integrator, the best first."""
+        found = []
+        for one, h in product(INTEGRATORS, TRIALS):
+            share, left = self.typical_ratio(one, h)
+            if share > 0.0:
+                found.append((left, _nearer(one, h, share), one))
+        return sorted(found, key=lambda each: each[0])
+
     def order(self) -> Scheme | None:
         """The order that the errors have, if they have one."""
         off = self.followed.off[:, self.followed.wrong]
         wrong = self.all[self.followed.wrong]
-        for _, h, one in self.fitting[:2] if self.few.size else []:
+        for _, h, one in self._alike()[:2] if self.few.size else []:
             made, _ = self.errors(one, h, False, wrong)
             known = np.isfinite(off) & np.isfinite(made)
             before, after = (
@@ -322,8 +351,11 @@ def explain_scheme(
         return None
     steps = steps or Steps(stage, data, columns, followed)
     few = followed.of(steps.short(followed.wrong, SOME))
-    late = few.some.size and clock(stage, columns, few, dt) and clock(stage, columns, followed, dt)
-    return late or steps.named(dt) or steps.order()
+    if few.some.size and clock(stage, columns, few, dt) is not None:
+        late = clock(stage, columns, followed, dt)
+        if late is not None:
+            return late
+    return steps.named(dt) or steps.order()
 
 
 def explain_push(

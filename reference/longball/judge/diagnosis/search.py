@@ -40,6 +40,7 @@ from longball.judge.diagnosis.residual import (
     Stepping,
     compared,
     data_of,
+    evenly,
     follow,
     inputs,
     switches,
@@ -117,29 +118,17 @@ def _median(x: Any) -> float:
     return float(np.median(known)) if known.size else 0.0
 
 
-def _evenly(some: Index, most: int) -> Index:
-    """At most so many of some scenes, evenly spread."""
-    if len(some) <= most:
-        return some
-    return np.asarray(some[np.linspace(0, len(some) - 1, most).round().astype(int)])
-
-
 class Effort(NamedTuple):
     """Numbers of edits of a stage."""
 
     foreseen: int  # the cheapest, of which first-order effects are computed
     tried: int  # in the first scenes, those whose effects fit best
     held: int  # against all scenes
-    pairs: int  # with a second edit, where no single one explains all
 
 
-# A law takes a flight for each trial.
-EFFORT: Mapping[Kind, Effort] = {
-    "flight": Effort(5000, 150, 6, 1),
-    "formula": Effort(5000, 150, 16, 4),
-    "event": Effort(5000, 150, 16, 2),
-}
-SECOND = {"foreseen": 1000, "tried": 50, "pairs": 0}  # beside another edit
+ALONE, BESIDE_ANOTHER = Effort(5000, 150, 16), Effort(1000, 50, 16)
+# Edits that are tried with a second one. A law takes a flight for each trial.
+PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
 
 @dataclass
@@ -151,14 +140,15 @@ class Explanation:
     data: Data
     columns: Mapping[str, Any]
     followed: Followed
-    effort: Effort
+    effort: Effort = ALONE
+    pairs: int = 0
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
         wrong, right = f.some[f.beyond], f.some[~f.beyond & f.checked]
         sizes = f.relative[f.beyond]
         order = wrong[np.argsort(-sizes, kind="stable")]
-        self.all = np.concatenate([_evenly(order, MOST_WRONG), _evenly(right, MOST_RIGHT)])
+        self.all = np.concatenate([evenly(order, MOST_WRONG), evenly(right, MOST_RIGHT)])
         self.base = base = self._compared(stage, self.all)
         self.null_all = cost(_in_floors(base))
         # First come scenes that long steps fly well.
@@ -168,8 +158,8 @@ class Explanation:
         near = np.asarray(~(np.abs(coarse - base.off) > NEARLY * base.scale).any(axis=0))
         near = near if near[is_wrong].any() else np.ones_like(near)
         self.few = few = np.concatenate([
-            _evenly(np.flatnonzero(near & is_wrong), WRONG),
-            _evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
+            evenly(np.flatnonzero(near & is_wrong), WRONG),
+            evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
         ])  # fmt: skip
         own = take(self.columns, self.all[few])
         self.near = Values({**own, "spin": own[stage.spins]})
@@ -261,7 +251,7 @@ class Explanation:
 
         Also the number of edits that were tried.
         """
-        some = take(self.columns, _evenly(self.all, PROBES))
+        some = take(self.columns, evenly(self.all, PROBES))
         probe = self.probe = Values(_moved_at_random(self.stage, some))
         place = str(OWN[self.stage.quantities[0]].data)
         self.beside = [
@@ -353,8 +343,8 @@ class Explanation:
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
-        for left, group in found[: self.effort.held]:
-            if adequate and left > RIVAL * self.null:
+        for i, (left, group) in enumerate(found[: self.effort.held]):
+            if left > RIVAL * self.null and (adequate or i > self.pairs):
                 continue
             edit, twins = group[0], group[1:TWINS]
             if edit.starts:
@@ -374,7 +364,7 @@ class Explanation:
         if adequate:
             return self._named(adequate, ask)
         partial.sort(key=lambda one: one[0])
-        for left, edit in partial[: self.effort.pairs]:
+        for left, edit in partial[: self.pairs]:
             if left > BESIDE * self.null_all:
                 break
             if (both := self._with_another(edit)) is not None:
@@ -391,8 +381,7 @@ class Explanation:
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any():
             return None
-        effort = self.effort._replace(**SECOND)
-        second = Explanation(chain, stage, self.data, self.columns, f, effort).explain()
+        second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
             return None
         return Named((edit, *second.edits), second.evidence)
@@ -424,7 +413,7 @@ class Explanation:
         """The number of scenes in which a stage is wrong."""
         some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
         with np.errstate(all="ignore"):
-            one = compared(stage, self.data, self.columns, _evenly(some, MOST_WRONG))[0]
+            one = compared(stage, self.data, self.columns, evenly(some, MOST_WRONG))[0]
         return int(one.wrong.sum())
 
 
@@ -464,7 +453,7 @@ def asking(
     return holds if alike else None
 
 
-# Of the cost of the errors, what a rival of an adequate edit may leave in the first scenes.
+# Of the cost of the errors, what an adequate edit may leave in the first scenes.
 RIVAL = 0.2
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
 # An event function that is below NOTHING, m, in more than ANYWHERE of the random scenes holds
