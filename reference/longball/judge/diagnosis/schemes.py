@@ -310,7 +310,7 @@ class Steps:
         return None
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:
-        """What a typical scene leaves, a step, and the integrator, the best first."""
+        """Integrators by the share of a typical scene's errors that they leave, with a step."""
         found = []
         for one, h in product(INTEGRATORS, TRIALS):
             share, left = self.typical_ratio(one, h)
