@@ -34,7 +34,7 @@ def parks(
     """Tell in which parks batted balls are home runs, and by how much.
 
     Each scene is flown with the fence of each park, and at its elevation if the scene's density is
-    a weather. Without scenes the parks are listed, with their numbers in feet and their sources.
+    a weather. Without scenes the parks are listed, with some of their numbers, and their sources.
     """
     with refusing("--park: "):
         where = [park(name) for name in only] if only else [*every_park()]
@@ -66,11 +66,13 @@ def parks(
 
 
 def _list(where: Sequence[Park]) -> None:
-    def feet(lengths: Sequence[float]) -> str:
-        return "/".join(f"{round(length / FOOT, 2):g}" for length in lengths)
-
-    rows = [[one.name, one.seasons, feet(one.distances), feet(one.walls)] for one in where]
-    show(["park", "seasons", "distances, ft", "walls, ft"], rows)
+    rows = []
+    for one in where:
+        left, *_, right = one.distances
+        far = f"{left / FOOT:.0f}/{max(one.distances) / FOOT:.0f}/{right / FOOT:.0f}"
+        walls = " to ".join(f"{top / FOOT:g}" for top in sorted({min(one.walls), max(one.walls)}))
+        rows.append([one.name, one.seasons, far, walls, str(len(one.walls)), one.source])
+    show(["park", "seasons", "left/farthest/right, ft", "walls, ft", "vertices", "source"], rows)
 
 
 def _show(name: str, found: list[InPark], as_json: bool) -> None:
