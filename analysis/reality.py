@@ -145,7 +145,7 @@ def rms(x: Array, axis: int = -1) -> Array:
 
 
 def outs(flies: MeasuredFlies) -> pd.DataFrame:
-    """Return what Nathan's model says of each fly in its park, and of home runs in all parks.
+    """Fly each ball in its own park by Nathan's laws, and home runs in all parks.
 
     A row for each fly: whether it was a home run, and whether it is said to be one; how far from
     the top of the fence it passes, m, infinite if it does not get there; and in how many of all

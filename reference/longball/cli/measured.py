@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from longball import engines
@@ -29,8 +28,8 @@ from longball.model.csv_files import write_frame
 from longball.model.names import one_of
 from longball.model.scene import InvalidScene
 from longball.pitches.models import MODELS
-from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
-from longball.pitches.statcast import FOOT, GAMES, Kind, MeasuredFlies, read_measured
+from longball.pitches.prediction import as_data, as_frame, as_text, predict, questions, scenes
+from longball.pitches.statcast import GAMES, Kind, read_measured
 from longball.pitches.table import NoSuchColumn, TableError
 
 
@@ -112,10 +111,8 @@ def measured(
         print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
     else:
         print(as_text(prediction, model, law).rstrip())
-    if isinstance(rows, MeasuredFlies) and prediction.compared.any():
-        share = float(np.nanmedian(rows.measured / prediction.predicted))
-        if abs(share / FOOT - 1.0) < 0.2:  # between other units there are larger factors
-            note(f"hit_distance_sc: {share:.2f} times the prediction; is it in m instead of ft?")
+    for question in questions(prediction):
+        note(question)
     if prediction.failed:
         tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
     if nothing := not prediction.solved.any():
@@ -127,11 +124,13 @@ def measured(
 
 
 def _instead(missing: Sequence[str]) -> str:
-    """Return a hint for missing columns."""
-    if {"spin_axis", "release_spin_rate"} & {*missing}:
+    """Return hints for missing columns."""
+    of_spin = {*missing} & {"spin_axis", "release_spin_rate"}
+    said = "; --column NAME=COLUMN says what the table calls it" if {*missing} - of_spin else ""
+    if of_spin:
         without = ", ".join(name for name, law in MODELS.items() if not law.spin)
-        return (
+        said += (
             f"; Statcast's tables have spin_axis from 2020 on, and the models {without} "
             "(--model) do without a spin"
         )
-    return "; --column NAME=COLUMN says what the table calls it"
+    return said

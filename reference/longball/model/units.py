@@ -41,3 +41,17 @@ def in_si(number: float, unit: str, si: str) -> float:
         known = one_of("the units here are", unit, UNITS[si]) if si else "; it has no unit"
         raise ValueError(f"{unit!r} is no unit here{known}")
     return number * UNITS[si][unit] + _ZEROS.get(unit, 0.0)
+
+
+def from_si(number: float, unit: str, si: str) -> float:
+    """Return a number in a unit of which `in_si` makes the given one."""
+    return (number - _ZEROS.get(unit, 0.0)) / UNITS[si][unit]
+
+
+def si_of(unit: str) -> str:
+    """Return the SI unit of the quantity that has a unit.
+
+    >>> si_of("mph")
+    'm/s'
+    """
+    return next(si for si, units in UNITS.items() if unit in units)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -30,6 +31,7 @@ from longball.pitches.statcast import (
     MeasuredPitches,
     read_measured,
 )
+from longball.pitches.table import unit_that_explains
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -177,7 +179,13 @@ def measured(
     Raises
     ------
     ValueError
-        If the table has no such columns, none of its rows is usable, or there is no such model.
+        If the table has no such columns or they are in another unit, none of its rows is usable,
+        or there is no such model.
+
+    Warns
+    -----
+    UserWarning
+        If measured distances look like another unit.
 
     Examples
     --------
@@ -195,7 +203,20 @@ def measured(
     given = GAMES if games is None else games
     rows = read_measured(table, kind, given, spin=law.spin, names=names)
     solver = engines.create(engine) if isinstance(engine, str) else engine
-    return as_frame(predict(rows, law, engine=solver))
+    prediction = predict(rows, law, engine=solver)
+    for question in questions(prediction):
+        warnings.warn(question, stacklevel=2)
+    return as_frame(prediction)
+
+
+def questions(prediction: Prediction) -> Iterator[str]:
+    """Yield what a comparison asks of the table: whether a measured distance is in another unit."""
+    if isinstance(prediction.measured, MeasuredFlies) and prediction.compared.any():
+        share = float(np.nanmedian(prediction.measured.measured / prediction.predicted))
+        if unit := unit_that_explains(share, "ft"):
+            yield (
+                f"hit_distance_sc: {share:.2g} times the prediction; is it in {unit} instead of ft?"
+            )
 
 
 def _place(result: Result) -> tuple[float, ...] | None:

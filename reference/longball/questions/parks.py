@@ -2,11 +2,11 @@
 
 A fence is a line of straight chords. Each vertex has a bearing from centre field, a distance from
 the plate and the height of the wall there, which is linear along a chord; two vertices at one place
-are a step. Most shapes were measured from the air by A. Fox, to a few feet, and their curves
-are chords here that depart from them by a foot or two. Of a park that was changed since or is newer,
-and of which no such measurement was found, there are five vertices: the published distances of the
-foul poles, of centre field and of the alleys, which are put at 22.5°. Parks of which no source was
-found that gives distances and heights are not here.
+are a step. Most shapes were measured from the air by A. Fox, to a few feet; chords depart from his
+curves by a foot or two. A park that was changed since or is newer, and of which no such measurement
+was found, has five vertices: the published distances of the foul poles, of centre field and of the
+alleys, which are put at 22.5°. Parks of which no source was found that gives distances and heights
+are not here.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Park:
     formerly
         What it was called before, with the same fence; empty if nothing else.
     bearings
-        rad, of each vertex from centre field, positive to the left: from the left pole to the right.
+        rad, of each vertex from centre field, positive to the left; the left pole is the first.
     distances
         m, from the plate to each vertex.
     walls
