@@ -26,7 +26,7 @@ from pydantic import BaseModel
 from pydantic_core import to_json
 
 from longball import engines
-from longball.api import Solution, as_engine, as_scene
+from longball.api import as_engine, as_scene
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
@@ -45,6 +45,7 @@ from longball.model.scene import (
     refused,
     vector_length,
 )
+from longball.solution import Solution
 
 if TYPE_CHECKING:
     import pandas as pd

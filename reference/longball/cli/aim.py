@@ -8,8 +8,8 @@ import typer
 
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
 from longball.cli.common import option_value, wrong_call
-from longball.cli.infer import Unknowns, answering, one_scene
-from longball.cli.solve import Source
+from longball.cli.infer import Unknowns, answering
+from longball.cli.scenes import Source, one_scene
 
 
 def aim(

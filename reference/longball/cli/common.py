@@ -92,6 +92,8 @@ Quiet = Annotated[
     typer.Option("-q", "--quiet", callback=_hushed, help="No progress, no notes: errors only."),
 ]
 EngineName = Annotated[engines.Name, typer.Option(help="What solves the scenes.")]
+# Of commands that seldom need another: without the list of them in the help.
+AnyEngine = Annotated[str, typer.Option("--engine", metavar="NAME", help="What solves the scenes.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
@@ -141,6 +143,12 @@ def wrong_call(sentence: str) -> NoReturn:
     raise typer.Exit(2)
 
 
+def fail(sentence: str) -> NoReturn:
+    """Print what went wrong and exit with status 1."""
+    tell(sentence)
+    raise typer.Exit(1)
+
+
 @contextmanager
 def failing_unless(passed: bool) -> Iterator[None]:
     """Leave with status 1 after a verdict is printed, even to a reader that has left."""
@@ -187,8 +195,7 @@ def reading_table() -> Iterator[None]:
     except TableError as error:
         if isinstance(error.__cause__, OSError):
             wrong_call(str(error))
-        tell(str(error))
-        raise typer.Exit(1) from None
+        fail(str(error))
 
 
 def named(source: str) -> str:
@@ -226,6 +233,11 @@ def split_assignment(option: str, text: str) -> tuple[str, str]:
     if not (name and equals and value):
         wrong_call(f"{option} {text}: NAME=VALUE is needed")
     return name, value
+
+
+def assignments(option: str, texts: Iterable[str] | None) -> dict[str, str]:
+    """Return the values of a repeated option by their names."""
+    return dict(split_assignment(option, text) for text in texts or ())
 
 
 def option_value(text: str) -> Any:

@@ -12,22 +12,21 @@ import typer
 from longball import engines
 from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.common import (
+    AnyEngine,
     Json,
     Quiet,
+    assignments,
     chosen_table,
     note,
     reading_table,
     refusing,
-    split_assignment,
     tell,
     to_file,
     to_picture,
-    wrong_call,
 )
 from longball.model.csv_files import write_frame
-from longball.model.names import one_of
 from longball.model.scene import InvalidScene
-from longball.pitches.models import MODELS
+from longball.pitches.models import MODELS, model_of
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, questions, scenes
 from longball.pitches.statcast import GAMES, Kind, read_measured
 from longball.pitches.table import NoSuchColumn, TableError
@@ -62,7 +61,7 @@ def measured(
     set_: SetOption = None,
     fence: FenceOption = None,
     reading: ReadingOption = None,
-    engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
+    engine: AnyEngine = "batch",
     scenes_file: Annotated[
         Path | None, to_file("Write the scenes here.", "--scenes", metavar="FILE")
     ] = None,
@@ -82,10 +81,9 @@ def measured(
     has the spin that a published regression expects of it, and is compared in its distance.
     """
     source = chosen_table(table, example)
-    if model not in MODELS:
-        wrong_call(f"--model {model}: there is none{one_of('the models are', model, MODELS)}")
-    law = MODELS[model]
-    names = dict(split_assignment("--column", text) for text in column or [])
+    with refusing("--"):
+        law = model_of(model)
+    names = assignments("--column", column)
     change = chosen_changes(set_, fence, reading)
     with refusing():
         solver = engines.create(engine)

@@ -19,10 +19,9 @@ from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags
 from longball.model.changes import Changes
-from longball.model.names import one_of
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
-from longball.pitches.models import MODELS, FlightModel, expected_spin
+from longball.pitches.models import FlightModel, expected_spin, model_of
 from longball.pitches.statcast import (
     GAMES,
     MPH,
@@ -195,11 +194,7 @@ def measured(
     >>> lb.measured(flies, "batted").predicted_distance.round(2).tolist()
     [128.33]
     """
-    if model not in MODELS:
-        raise ValueError(
-            f"model = {model!r}: there is none{one_of('the models are', model, MODELS)}"
-        )
-    law = MODELS[model]
+    law = model_of(model)
     given = GAMES if games is None else games
     rows = read_measured(table, kind, given, spin=law.spin, names=names)
     solver = engines.create(engine) if isinstance(engine, str) else engine
