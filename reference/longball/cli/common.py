@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import stat
@@ -238,14 +237,6 @@ def split_assignment(option: str, text: str) -> tuple[str, str]:
 def assignments(option: str, texts: Iterable[str] | None) -> dict[str, str]:
     """Return the values of a repeated option by their names."""
     return dict(split_assignment(option, text) for text in texts or ())
-
-
-def option_value(text: str) -> Any:
-    """Return a JSON value or a number, as .5, where the text is one; the text itself elsewhere."""
-    for read in (json.loads, float):
-        with suppress(ValueError):
-            return read(text)
-    return text
 
 
 def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

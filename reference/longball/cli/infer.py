@@ -11,9 +11,10 @@ from typing import Annotated, Any
 import typer
 
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import Json, assignments, fail, option_value, wrong_call
+from longball.cli.common import Json, assignments, fail, wrong_call
 from longball.cli.scenes import Source, one_scene
 from longball.engines.engine import CannotSolve
+from longball.model.jsonl import json_or_number
 from longball.model.numbers import Undecided
 from longball.model.scene import InvalidScene
 
@@ -72,7 +73,7 @@ def infer(
         data = pd.read_csv(points)
     else:
         pairs = assignments("--measured", measured)
-        data = {name: option_value(value) for name, value in pairs.items()}
+        data = {name: json_or_number(value) for name, value in pairs.items()}
     scene = one_scene(source, chosen_changes(set_, None, reading))
     with answering():
         found = fit(data, scene, unknowns=unknown, sigma=sigma)

@@ -46,7 +46,7 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
             yield file
         return
     with refusing(f"{source}: "):
-        from longball.tables import scene_lines
+        from longball.table_files import scene_lines
 
         lines = scene_lines(Path(source))
     yield BytesIO(lines)

@@ -230,6 +230,6 @@ def results_to(
         wrong_call(f"{output} is the file that the scenes are read from")
     results: list[bytes] = []
     yield results.append
-    from longball.tables import write_table
+    from longball.table_files import write_table
 
     write_table(output, results)

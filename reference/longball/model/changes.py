@@ -17,7 +17,7 @@ from longball.model.units import in_si, unit_of
 
 _ELEMENT = re.compile(r"(.*)\[(\d+)\]")
 # Of kinds that need no block, to complete vectors from.
-_USUAL: dict[Any, Any] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
+USUAL_SCENES: dict[Any, Any] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Changes:
         for name, value in self.values:
             if element := _ELEMENT.fullmatch(name):
                 name, place = element[1], int(element[2])
-                vector = at(changed, name) or at(_USUAL.get(data.get("kind")), name)
+                vector = at(changed, name) or at(USUAL_SCENES.get(data.get("kind")), name)
                 if not isinstance(vector, list | tuple) or place >= len(vector):
                     raise InvalidScene(
                         f"{name}[{place}]: the scene does not give {name}; set all of it"
