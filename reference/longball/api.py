@@ -30,7 +30,7 @@ from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.explain import explain
-from longball.model.inputs import OF_SPIN, OF_VELOCITY, inputs, launched, require_inputs
+from longball.model.inputs import CONTACT, OF_SPIN, OF_VELOCITY, inputs, launched, require_inputs
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.plain import plain
 from longball.model.quantities import numbers
@@ -49,11 +49,6 @@ if TYPE_CHECKING:
     from longball.model import dicts
     from longball.pitches import FittedPitches
     from longball.solution import FlightSolution, ImpactSolution, PitchSolution
-
-
-# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
-# Trajectory Calculator begins there.
-CONTACT = (0.6096, 0.0, 0.9144)
 
 
 # --- scenes ---------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What a solved scene offers in Python: its quantities, its path, and how it is shown."""
+"""Solutions of scenes for Python: their quantities, their paths, and the form that is shown."""
 
 from __future__ import annotations
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import Annotated, Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from longball.model.doubts import doubts
 from longball.model.names import one_of
 from longball.model.result import signed
 from longball.model.scene import InvalidScene
-from longball.model.units import UNITS, in_si
+from longball.model.units import UNITS, read_in_si
 from longball.pitches.models import MODELS, model_of
 from longball.pitches.prediction import scenes
 from longball.pitches.statcast import FOOT, SEA_LEVEL, USUAL_TEMPERATURE, MeasuredFlies
@@ -103,12 +102,12 @@ def flight(
 
 def _in_si(option: str, text: str, si: str, usual: str = "") -> float:
     """Return a number of an option, with or without a unit, in an SI unit."""
-    parts = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", text)
-    if parts is None:
+    with refusing(f"{option} {text}: "):
+        number = read_in_si(text, si, usual)
+    if number is None:
         units = ", ".join(UNITS[si])
         wrong_call(f"{option} {text}: a number is needed, alone or with a unit: {units}")
-    with refusing(f"{option} {text}: "):
-        return in_si(float(parts[1]), parts[2] or usual or si, si)
+    return number
 
 
 def _wind(text: str) -> list[float]:

@@ -30,6 +30,11 @@ OF_SPIN = ("launch.backspin", "launch.side_spin", "launch.gyrospin")
 TRACKED = (*OF_VELOCITY, *OF_SPIN)
 
 
+# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
+# Trajectory Calculator begins there.
+CONTACT = (0.6096, 0.0, 0.9144)
+
+
 def inputs(scene: Scene) -> dict[str, float]:
     """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
     found = dict(numbers(scene))

@@ -28,6 +28,7 @@ import numpy as np
 
 from longball.home_run.at_bats import Arrays
 from longball.model.arrays import Array, Flags, Integers
+from longball.model.inputs import CONTACT
 from longball.model.names import one_of
 from longball.pitches.table import (
     DATA,
@@ -65,10 +66,6 @@ PLATE_FRONT = 17.0 / 12.0 * FOOT
 
 # The plate on the drawing that hc_x and hc_y are taken from.
 DRAWN_PLATE = (125.42, 198.27)
-
-# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
-# Trajectory Calculator begins there.
-CONTACT = (2.0 * FOOT, 0.0, 3.0 * FOOT)
 
 # K and m, where nothing is known of a game: a mild day by the sea.
 USUAL_TEMPERATURE, SEA_LEVEL = 293.15, 0.0
