@@ -99,7 +99,7 @@ def test_an_unknown_park_names_the_nearest(called):
         lb.in_parks(lb.Pitch())
 
 
-def test_parks_of_a_file(called):
+def test_parks_of_a_file(called, tmp_path):
     lines = [ball(45.0).line(), "{", ball(20.0).line()]
     told = called("parks", "-", "--json", "--park", "Petco Park", stdin="\n".join(lines).encode())
     answers = [json.loads(line) for line in told.stdout.splitlines()]
@@ -107,6 +107,9 @@ def test_parks_of_a_file(called):
     assert [answer["id"] for answer in answers] == ["1", "3"]
     assert "line 2: not JSON" in told.stderr
     assert told.returncode == 1
+    table = b"kind,gravity,air,launch.position,launch.velocity\nflight,9.8,null,\"[0,0,0]\",\"[32,0,32]\""
+    (tmp_path / "balls.csv").write_bytes(table)
+    assert called("parks", str(tmp_path / "balls.csv")).stdout.startswith("2: a home run in ")
     shown = called("parks", "-", stdin=ball(45.0).line().encode()).stdout
     assert shown.startswith(f"1: a home run in {len(lb.parks())} of {len(lb.parks())} parks")
 
@@ -130,9 +133,9 @@ def test_units_wind_and_park_of_a_flight(called):
     assert called(*asked).stdout == called(*same).stdout
     out, into = (called(*same, "--wind", f"10 mph {way}", "--json").stdout for way in ("out", "in"))
     assert json.loads(out)["landing"]["distance"] > json.loads(into)["landing"]["distance"] + 15
-    park = json.loads(called(*same, "--park", "Comerica Park", "--json").stdout)
-    assert math.hypot(*park["fence"]["position"][:2]) == pytest.approx(412 * FOOT)
-    plain = json.loads(called(*same, "--park", "Comerica Park", "--set", "fence.radius=100",
+    park = json.loads(called(*same, "--park", "Globe Life Field", "--json").stdout)
+    assert math.hypot(*park["fence"]["position"][:2]) == pytest.approx(407 * FOOT)
+    plain = json.loads(called(*same, "--park", "Globe Life Field", "--set", "fence.radius=100",
                            "--json").stdout)  # fmt: skip
     assert math.hypot(*plain["fence"]["position"][:2]) == pytest.approx(100.0)
 

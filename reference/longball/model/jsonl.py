@@ -33,7 +33,7 @@ def json_bytes(data: Mapping[str, Any]) -> bytes:
 
 
 def json_or_number(text: str) -> Any:
-    """Return what a text says: JSON (null for no air), a number such as .5, or else the text."""
+    """Parse a text: JSON (null for no air), a number such as .5, or else the text itself."""
     for read in (json.loads, float):
         with suppress(ValueError, RecursionError):
             return read(text)

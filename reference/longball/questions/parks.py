@@ -3,10 +3,9 @@
 A fence is a line of straight chords. Each vertex has a bearing from centre field, a distance from
 the plate and the height of the wall there, which is linear along a chord; two vertices at one place
 are a step. Most shapes were measured from the air by A. Fox, to a few feet; chords depart from his
-curves by a foot or two. A park that was changed since or is newer, and of which no such measurement
-was found, has five vertices: the published distances of the foul poles, of centre field and of the
-alleys, which are put at 22.5°. Parks of which no source was found that gives distances and heights
-are not here.
+curves by a foot or two. Parks of which no such measurement was found have five vertices: the
+published distances of the foul poles, of centre field and of the alleys, which are put at 22.5°.
+Parks of which no source was found that gives distances and heights are not here.
 """
 
 from __future__ import annotations
