@@ -107,7 +107,8 @@ def test_parks_of_a_file(called, tmp_path):
     assert [answer["id"] for answer in answers] == ["1", "3"]
     assert "line 2: not JSON" in told.stderr
     assert told.returncode == 1
-    table = b"kind,gravity,air,launch.position,launch.velocity\nflight,9.8,null,\"[0,0,0]\",\"[32,0,32]\""
+    row = 'flight,9.8,null,"[0, 0, 0]","[32, 0, 32]"'
+    table = f"kind,gravity,air,launch.position,launch.velocity\n{row}\n".encode()
     (tmp_path / "balls.csv").write_bytes(table)
     assert called("parks", str(tmp_path / "balls.csv")).stdout.startswith("2: a home run in ")
     shown = called("parks", "-", stdin=ball(45.0).line().encode()).stdout

@@ -178,7 +178,7 @@ def in_parks(
     >>> ball = lb.Flight(launch=lb.launch(speed=46.0, angle=0.49, direction=0.35))
     >>> found = lb.in_parks(ball)
     >>> sum(each.is_out for each in found), len(found)
-    (12, 29)
+    (11, 29)
     """
     asked = as_scene(scene)
     if not isinstance(asked, FlightScene | AtBatScene):
