@@ -43,13 +43,14 @@ def in_si(number: float, unit: str, si: str) -> float:
     return number * UNITS[si][unit] + _ZEROS.get(unit, 0.0)
 
 
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s\[\]]\S*)?\s*")
+_NUMBER = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s\[\]]\S*)?\s*")
 
 
 def read_in_si(text: str, si: str, usual: str = "") -> float | None:
     """Return the number in a text in an SI unit; None if it holds something else.
 
-    A number without a unit is in the `usual` one, or else in the SI unit.
+    A number without a unit is in the `usual` one, or else in the SI unit. A ValueError says that it
+    is no number, or has a unit of something else.
 
     >>> read_in_si("90 km/h", "m/s")
     25.0
