@@ -15,8 +15,9 @@ from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE, prediction, statcast
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
-from longball.pitches.prediction import ANGLES, Prediction, bands, predict, solve
-from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches, read_measured
+from longball.pitches.prediction import ANGLES, Prediction, bands, predict, scenes, solve
+from longball.pitches.statcast import GAMES, RPM, MeasuredFlies, MeasuredPitches, read_measured
+from longball.questions.parks import in_parks, park, parks
 
 NATHAN = MODELS["nathan"]
 # Shares of active spin that are tried, and those of them that are solved: places at the plate are
@@ -49,7 +50,7 @@ def run(report: Report, full: bool) -> str:
     return report.render(
         "reality", there, flies=flies, launch=launch, pitches=pitches, of_flies=of_flies,
         of_pitches=of_pitches, shares=shares, spread=spread,
-        day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
+        day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1], outs=outs(launch),
         best=best_constants(flies), scatters=scatter(flies), distance=flies.measured[:, 0],
     )  # fmt: skip
 
@@ -141,6 +142,25 @@ def scatter(flies: MeasuredFlies) -> tuple[float, float]:
 def rms(x: Array, axis: int = -1) -> Array:
     """Return the root mean square."""
     return np.asarray(np.sqrt(np.mean(x**2, axis=axis)))
+
+
+def outs(flies: MeasuredFlies) -> pd.DataFrame:
+    """Fly each ball in its own park by Nathan's laws, and home runs in all parks.
+
+    A row for each fly: whether it was a home run, and whether it is said to be one; how far from
+    the top of the fence it passes, m, infinite if it does not get there; and in how many of all
+    parks a home run is said to be one.
+    """
+    of_game = pd.read_csv(GAMES).set_index("game_pk").park
+    was = pd.read_csv(EXAMPLE).events.iloc[flies.rows - 1].eq("home_run")
+    rows = []
+    for scene, game, was_out in zip(scenes(flies, NATHAN), flies.games, was, strict=True):
+        own = park(of_game[game])
+        found = {each.park: each for each in in_parks(scene, parks() if was_out else [own])}
+        over = found[own].clearance
+        near = np.inf if over is None else abs(over)
+        rows.append((was_out, found[own].is_out, near, sum(x.is_out for x in found.values())))
+    return pd.DataFrame(rows, columns=["was", "said", "near", "parks"])
 
 
 HELD_OUT = "Nathan, the active share of its type, fitted to the other games"

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from longball.model.arrays import Array
+from longball.model.names import one_of
 from longball.model.scene import Ball
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
 
@@ -98,6 +99,13 @@ MODELS = {
         _NATHAN_LIFT,
     ),
 }  # fmt: skip
+
+
+def model_of(name: str) -> FlightModel:
+    """Return a model of flight by its name; a ValueError names the nearest."""
+    if name not in MODELS:
+        raise ValueError(f"model {name}: there is none{one_of('the models are', name, MODELS)}")
+    return MODELS[name]
 
 
 def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Array:

@@ -15,11 +15,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from longball.api import Path, Solution, as_scene, solve
+from longball.api import as_scene, solve
 from longball.model.arrays import Array
 from longball.model.scene import InvalidScene, PitchScene
 from longball.model.scene import Pitch as PitchBlock
 from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT
+from longball.solution import Path, Solution
 
 Vector = tuple[float, float, float]
 
