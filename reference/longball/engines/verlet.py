@@ -44,7 +44,7 @@ from typing import Any, NamedTuple, TypeVar, get_args
 import numpy as np
 
 from longball.engines.arithmetic import ARRAYS, Dual
-from longball.engines.branches import branches_at
+from longball.engines.branches import branches_at, require_law
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
@@ -357,6 +357,7 @@ class Verlet(Stepped[float]):
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
         branches = branches_at(law, start, DOUBLES)
+        require_law(law, branches, 0.0)
         form = law.on(branches) if law.bends else law
         force = _acceleration(form, start)
         steps = math.ceil(min(limit / self.dt, 2.0**53))
@@ -374,6 +375,7 @@ class Verlet(Stepped[float]):
                 # The next step begins in another form of the law.
                 states = states[:, : 2 + int(np.argmax(passed))]
                 branches = _branches(law, states[:, -1], DOUBLES)
+                require_law(law, branches, (done + states.shape[1] - 1) * self.dt)
                 form = law.on(branches)
                 force = _acceleration(form, states[:, -1].tolist())
             yield done, states
