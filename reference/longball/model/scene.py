@@ -550,8 +550,8 @@ def may_be_mixed(scene: Scene) -> bool:
     """Check that scenes are valid whose numbers lie between those of valid ones, like this one.
 
     A condition on a scene mostly holds in a convex set of its numbers. Not so where the ball must
-    touch a bat, where a spin or a side force must not be parallel to the velocity, and where a fence must not cross
-    itself.
+    touch a bat, where a spin or a side force must not be parallel to the velocity, and where a
+    fence must not cross itself.
     """
     if isinstance(scene, ImpactScene):
         return False
