@@ -13,7 +13,7 @@ from longball.judge.quantities import values_of
 
 FAMILIES = [
     "flight-vertical", "flight-both", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
-    "flight-wind", "flight-weather", "flight-real", "pitch", "impact", "impact-oblique", "at-bat",
+    "flight-wind", "flight-weather", "flight-side", "flight-real", "pitch", "impact", "impact-oblique", "at-bat",
     "at-bat-real", "fence",
 ]  # fmt: skip
 

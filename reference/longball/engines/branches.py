@@ -47,11 +47,16 @@ def require_law(law: Law[N], branches: Sequence[Any], time: Any) -> None:
     """
     for bend, branch in zip(law.bends, branches, strict=True):
         if bend.ends and branch == 0:
-            raise CannotSolve(
-                "the side force has no direction where the airspeed is parallel to "
-                f"air.side_coefficient.direction, as it is {float(time):.6g} s after the ball is "
-                "set free; take another direction, or a time_limit before that"
-            )
+            raise no_direction(time)
+
+
+def no_direction(time: Any) -> CannotSolve:
+    """Return the error of a side force that has no direction at a time, s since the launch."""
+    return CannotSolve(
+        "the side force has no direction where the airspeed is parallel to "
+        f"air.side_coefficient.direction, as it is {float(time):.6g} s after the ball is set free; "
+        "take another direction, or a time_limit before that"
+    )
 
 
 def _branches(

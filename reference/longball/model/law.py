@@ -142,17 +142,18 @@ def side_force(p: Strengths, flow: Flow) -> Vector:
 
     That part is ``d - (d·u) u/U²``, of the size ``|d × u|/U``.
     """
-    across = norm(cross(_side_of(p), flow.velocity))
+    across = norm(_across(p, flow))
     if p.side is ZERO or across is ZERO:
         return ZERO, ZERO, ZERO
-    square, along = flow.speed * flow.speed, dot(_side_of(p), flow.velocity)
-    whole = minus(scaled(square, _side_of(p)), scaled(along, flow.velocity))
+    direction = p.side_s, p.side_y, p.side_z
+    square, along = flow.speed * flow.speed, dot(direction, flow.velocity)
+    whole = minus(scaled(square, direction), scaled(along, flow.velocity))
     return scaled(p.side * (flow.speed / across), whole)
 
 
-def _side_of(p: Strengths) -> Vector:
-    """Return the direction of the side force, a unit vector."""
-    return p.side_s, p.side_y, p.side_z
+def _across(p: Strengths, flow: Flow) -> Vector:
+    """Return ``d × u`` of the direction d of the side force, which is 0 where that has none."""
+    return cross((p.side_s, p.side_y, p.side_z), flow.velocity)
 
 
 def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Motion:
@@ -289,6 +290,7 @@ class _Traced:
     # What the variables are that stand for exponentials and logarithms, by name: each in terms of
     # the variables before it.
     made: Mapping[str, Node]
+    aside: Vector  # see `_across`
 
 
 @cache
@@ -314,9 +316,10 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
         if hasattr(law, "passed"):
             top, bottom = map(trace.as_node, law.passed(flow))
             passed[of] = top, bottom
+    aside = _across(p, motion.lift)
     if p.side is not ZERO:
-        across = norm(cross(_side_of(p), motion.lift.velocity))
-        passed["side"] = across * across, trace.as_node(motion.lift.speed * motion.lift.speed)
+        size, speed = norm(aside), motion.lift.speed
+        passed["side"] = size * size, speed * speed
     # Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
     # singularity that small errors of x come near to.
     for name, value in p.made.items():
@@ -326,7 +329,7 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
             for v, rate in rates.items()
         )
         rates[name] = (y if value.kind == "exp" else trace.exp(-y)) * grows
-    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.made)
+    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.made, aside)
 
 
 def _is_polynomial(node: Node) -> bool:
@@ -558,6 +561,14 @@ class Law(Generic[N]):
     def spin_left(self, state: State[N], numbers: Numbers[N]) -> N:
         """Return the size of the spin in a state, relative to that at launch."""
         return self._value(self._traced.spin_left, state, numbers)
+
+    def aside(self, state: State[N], numbers: Numbers[N]) -> Vector:
+        """Return what is zero where the side force has no direction, and turns with it elsewhere.
+
+        It is the product of the unit vector of that direction and the airspeed, m/s.
+        """
+        a, b, c = (self._value(node, state, numbers) for node in self._traced.aside)
+        return a, b, c
 
     def _value(self, node: Node, state: State[N], numbers: Numbers[N]) -> N:
         bound = _value(self.program, node).bind(self.strengths, numbers.functions)
