@@ -81,8 +81,8 @@ def spin_from_movement(
     ----------
     scene
         A pitch or an at-bat, as `solve` takes it: its ball, air, gravity and law of lift count, and
-        its side force is taken off; a mapping need not have a spin. A law of the spin parameter is needed: rational, linear,
-        bilinear, or a table.
+        its side force is taken off; a mapping need not have a spin. A law of the spin parameter is
+        needed: rational, linear, bilinear, or a table.
     velocity, acceleration
         m/s and m/s², shape (…, 3), at one point of the pitch; of nine parameters best in the middle
         of the way, where the acceleration is nearest to its mean.
@@ -170,7 +170,8 @@ def _side(air: Air, ahead: Array) -> Array:
     direction = np.array(air.side_coefficient.direction)
     direction = direction / np.linalg.norm(direction)
     across = direction - np.sum(direction * ahead, axis=-1, keepdims=True) * ahead
-    return air.side_coefficient.value * across / np.linalg.norm(across, axis=-1, keepdims=True)
+    unit: Array = across / np.linalg.norm(across, axis=-1, keepdims=True)
+    return air.side_coefficient.value * unit
 
 
 def _air_of(scene: PitchScene | AtBatScene) -> Air:
