@@ -563,9 +563,9 @@ class Law(Generic[N]):
         return self._value(self._traced.spin_left, state, numbers)
 
     def aside(self, state: State[N], numbers: Numbers[N]) -> Vector:
-        """Return what is zero where the side force has no direction, and turns with it elsewhere.
+        """Return ``d × u`` of the direction d of a side force, m/s.
 
-        It is the product of the unit vector of that direction and the airspeed, m/s.
+        It is zero where the force has no direction.
         """
         a, b, c = (self._value(node, state, numbers) for node in self._traced.aside)
         return a, b, c
