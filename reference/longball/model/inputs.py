@@ -19,7 +19,10 @@ from longball.model.scene import FlightScene, Scene
 from longball.model.vectors import dot
 
 # A zero here is a force that the scene does not name, and not a small one.
-_ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")
+_ABSENT_AT_ZERO = (
+    "air.density", "air.drag_coefficient", "air.lift_coefficient", "air.side_coefficient.value",
+    "gravity",
+)  # fmt: skip
 
 # Of an input of zero, in its unit, and of others relative to them.
 STEP = 2.0**-50

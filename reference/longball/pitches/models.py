@@ -32,6 +32,7 @@ class FlightModel:
     # Mass and radius, where they are not the paper's.
     ball: Mapping[str, float] = field(default_factory=dict)
     gravity: float = STANDARD_GRAVITY  # m/s²
+    side: Mapping[str, Any] | None = None  # as ``side_coefficient`` of a scene
 
     def blocks(self, temperature: float, elevation: float) -> dict[str, Any]:
         """Return the blocks of a scene in the weather of a game, K and m."""
@@ -46,6 +47,8 @@ class FlightModel:
                     "elevation": elevation,
                 }
             air = {"density": density, "drag_coefficient": self.drag, "lift_coefficient": self.lift}
+            if self.side is not None:
+                air["side_coefficient"] = self.side
         return {"air": air, "gravity": self.gravity, "ball": dict(self.ball)}
 
 

@@ -274,12 +274,16 @@ def movement(
 
 
 def _without_lift(scene: PitchScene, place: Sequence[float], velocity: Sequence[float]) -> Any:
-    """Return the same pitch from a place on, its spin still there, which drag may depend on."""
+    """Return the same pitch from a place on, without lift and side force.
+
+    Its spin is still there, which drag may depend on.
+    """
     data = scene.model_dump(mode="json", exclude_defaults=True) | {"kind": "pitch"}
     thrown = {"release": place, "velocity": velocity, "spin": scene.pitch.spin}
     data["pitch"] = {key: value for key, value in thrown.items() if value is not None}
     if scene.air is not None:
-        data["air"] = data.get("air", {}) | {"lift_coefficient": 0.0}
+        across = {"lift_coefficient": 0.0, "side_coefficient": None}
+        data["air"] = data.get("air", {}) | across
     return as_scene(data)
 
 

@@ -102,6 +102,8 @@ INPUTS = (
     _input("lift.numerator", "air.lift_coefficient.numerator"),
     _input("lift.constant", "air.lift_coefficient.constant"),
     _input("lift.slope", "air.lift_coefficient.slope"),
+    _input("C_S", "air.side_coefficient.value"),
+    _input("d", "air.side_coefficient.direction", vector=True),
     _input("W_0", "air.wind", SPEED, True),
     _input("wind.velocity", "air.wind.velocity", SPEED, True),
     _input("above", "air.wind.above", M),
@@ -275,6 +277,10 @@ _per_spin = I["R"] * (
 )  # of a total S, C_L/S is smooth where spin and motion are parallel
 
 
+# Of a direction fixed in space, the part across the airspeed.
+_sideways = named("d - (d·û)û", I["d"] - dot(I["d"], unit(u_lift)) * unit(u_lift))
+
+
 def _law(paper_lift: Node) -> Node:
     spinning = switch(
         "reading.spin_parameter",
@@ -288,8 +294,16 @@ def _law(paper_lift: Node) -> Node:
         "earth",
         {"none": constant(0.0, ACCELERATION, True), "given": -(2.0 * cross(rotation, v))},
     )
+    aside = switch(
+        "air.side_coefficient",
+        {
+            "none": constant(0.0, ACCELERATION, True),
+            "given": k * I["C_S"] * (U_lift * U_lift) * unit(_sideways),
+        },
+    )
     drag = named("drag", -(k * C_D * U * u))
-    return drag + named("lift", lift) + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
+    total = drag + named("lift", lift) + named("side force", aside)
+    return total + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
 
 
 _cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])

@@ -256,7 +256,7 @@ def _options(scene: Any) -> dict[str, str]:
     forms = {"above": "above", "roughness": "profile"}
     form = next((forms[key] for key in forms if hasattr(wind, key)), "uniform")
     found["air.wind"] = "none" if wind is None else form
-    for key in ("air.spin_decay_length", "air.density_scale_height"):
+    for key in ("air.spin_decay_length", "air.density_scale_height", "air.side_coefficient"):
         held = getattr(air, key.partition(".")[2], None)
         found[key] = "none" if held is None else "given"
     found["earth"] = "given" if _has(scene, "earth") else "none"
