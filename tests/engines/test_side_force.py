@@ -253,7 +253,7 @@ def test_columns_are_the_scenes_one_by_one():
     for i, value in enumerate(values.tolist()):
         alone = landing(flight(value), Batch())
         assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone[:3].tolist()
-    assert set(table["engine"]) == {Batch().description}
+    assert table["engine"][1] == Ivp().description  # which flew it: the compiled code does not
     told = lb.solve_many(
         {
             "kind": "pitch",
@@ -264,31 +264,6 @@ def test_columns_are_the_scenes_one_by_one():
     )
     assert told["outcome"].tolist() == ["crossed"] * 3
     assert np.sign(told["plate.position[1]"]).tolist() == [0.0, 1.0, -1.0]
-
-
-def test_many_at_once_have_the_bits_of_each_alone_and_the_places_of_others():
-    """Those that come near to their direction are flown alone, by an engine that the result names.
-
-    Directions that turn with the number, from across the launch to along it.
-    """
-    scenes = [
-        flight(0.15, (math.cos(a), math.sin(a), 0.1 * i), air={"wind": (2.0, i / 2, 0.0)})
-        for i in range(4)
-        for a in np.linspace(0.0, 2 * math.pi, 12, endpoint=False).tolist()
-    ]
-    scenes += [PitchScene(air=scene.air) for scene in scenes[1::6]]
-    together = Batch().solve_all(scenes)
-    for scene, result in zip(scenes, together, strict=True):
-        assert solve(scene, Batch()) == result
-        other = solve(scene, Ivp())
-        assert result.outcome == other.outcome
-        assert result.error == other.error
-        if result.error is None:
-            here, there = ((x.landing or x.plate).position for x in (result, other))
-            assert here == pytest.approx(there, abs=2e-13)
-    engines = {result.engine.split(" ")[0] for result in together}
-    assert engines == {"batch", "ivp"}
-    assert sum(result.engine.startswith("ivp") for result in together) < len(scenes) / 4
 
 
 def test_derivatives_know_that_its_length_does_not_matter():
