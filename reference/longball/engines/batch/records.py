@@ -12,12 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from longball.engines.arithmetic import Arithmetic
-from longball.engines.batch import flights
-from longball.engines.batch.flights import Records, new_flights
+from longball.engines.batch.flights import Records, Stop, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Events
 from longball.model.law import PAPER, Law, State, law_with
-from longball.model.vectors import cross
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
 # pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
@@ -33,7 +31,7 @@ STOPS: Mapping[str, int] = {
     "fence": 4,
     "fence_behind": 5,
     "level": 6,
-    "time": flights.TIME_LIMIT,
+    "time": Stop.TIME_LIMIT,
 }
 NOT_FLOWN = -1  # stands for what stopped it where there is no flight
 
@@ -54,26 +52,6 @@ def flies_in_lanes(law: Law[Any]) -> bool:
     if law.bends or "path" in law.variables:
         return False
     return law.is_paper or law.gravity is not None
-
-
-def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
-    """Tell which flights of the extended model start where lift or drag has a corner.
-
-    Straight up or down through the air, or along their spin.
-    """
-    if law.is_paper:
-        return np.False_
-    wind = [law.strengths.get(f"wind_{name}", 0.0) for name in "syz"]
-    u, v, w = (
-        velocity - drift
-        for velocity, drift in zip((start.u, getattr(start, "v", 0.0), start.w), wind, strict=True)
-    )
-    corner = (u == 0.0) & (v == 0.0)
-    if "spin" in law.strengths:
-        spin = [law.strengths.get(f"spin_{name}", 0.0) for name in "syz"]
-        across = cross((spin[0], spin[1], spin[2]), (u, v, w))
-        corner = corner | ((across[0] == 0.0) & (across[1] == 0.0) & (across[2] == 0.0))
-    return corner
 
 
 def general(law: Law[Any]) -> Law[Any]:
@@ -210,7 +188,7 @@ def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
 
 
 def stops(end: Records, events: Events[Any]) -> Any:
-    """Return the reason each flight stopped: one of `STOPS`, or why there is no answer."""
+    """Return the reason each flight stopped: one of `STOPS`, TOUCH or FALLBACK."""
     numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
     by_event = (end["stop"] >= 0) & (end["stop"] < len(events))
     return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]
