@@ -410,16 +410,10 @@ def _take_out(s: _Setup, lane: int) -> None:
 
 @inner
 def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
-    r"""Note what ends a flight within a step, if anything does; return how far the step goes.
+    """Note what ends a flight within a step, if anything does; return how far the step goes.
 
     The polynomials of the step are on the workspace, and at last the state where the flight is.
-    The first fall of each function's height ends the search for those of the others:
-
-        \_____/             NEVER: it stays above its error
-        --------- error
-        \_____/             its minimum, in doubt: FALLBACK, unless another falls before
-        --------- 0
-          \___/             the time at which it falls through zero
+    The first fall of each function ends the search for those of the others.
     """
     flight, arrival, mark, lane = slot
     stop: int = Stop.FLYING
@@ -451,19 +445,13 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
             elif not launched and not near_bat:  # from a turning point
                 stop, end = Stop.FALLBACK, 0.0
                 break
-        root, least = first_fall(s.p, s.slope, s.bend, s.degree, end, error)
-        if math.isnan(root):
+        fall = first_fall(s.p, s.slope, s.degree, end, error)
+        if math.isnan(fall):
             stop, end = Stop.FALLBACK, 0.0
             break
-        if root == NEVER:
-            continue
-        end = root
-        if not math.isnan(least):
-            stop = Stop.FALLBACK
-        elif number > 0:
-            stop = event
-        else:
-            stop = Stop.WAYPOINT
+        if fall != NEVER:
+            end = fall
+            stop = event if number > 0 else Stop.WAYPOINT
 
     mark[_STOP] = stop
     if stop == Stop.FALLBACK or (near_bat and _meets_bat(s, slot, time, end, stop >= 0)):
@@ -485,21 +473,28 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
 
 @inner
 def _evaluate(s: _Setup, lane: int, t: float) -> None:
-    """Find the state at t on the step, and what rounding takes from the positions.
+    """Find the state at t on the step, and what rounding takes from the positions."""
+    for i in range(s.half):
+        place, rate, lost = _moved(s, lane, i, t)
+        s.state[i], s.state[s.half + i] = place, rate
+        s.lost[(s.half + i) * WIDTH + lane] = lost
+
+
+@inner
+def _moved(s: _Setup, lane: int, i: int, t: float) -> tuple[float, float, float]:
+    """Return a position at t on the step, its rate, and what rounding takes from the position.
 
     What it took before is made up for, as in `longball.engines.batch.expansion`.
     """
-    for i in range(s.half):
-        p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
-        start = p[0]
-        p[0] = 0.0
-        change, s.state[s.half + i] = two_values(p, q, s.degree, t)
-        p[0] = start
-        change += s.lost[i * WIDTH + lane]
-        end = start + change
-        taken = end - start
-        s.state[i] = end
-        s.lost[(s.half + i) * WIDTH + lane] = (start - (end - taken)) + (change - taken)
+    p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
+    start = p[0]
+    p[0] = 0.0
+    change, rate = two_values(p, q, s.degree, t)
+    p[0] = start
+    change += s.lost[i * WIDTH + lane]
+    end = start + change
+    taken = end - start
+    return end, rate, (start - (end - taken)) + (change - taken)
 
 
 @inner
@@ -526,12 +521,7 @@ def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
         return
     top[0] = time + t
     for i in range(s.half):
-        p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
-        start = p[0]
-        p[0] = 0.0
-        change, top[1 + s.half + i] = two_values(p, q, s.degree, t)
-        p[0] = start
-        top[1 + i] = start + (change + s.lost[i * WIDTH + slot.lane])
+        top[1 + i], top[1 + s.half + i], _ = _moved(s, slot.lane, i, t)
 
 
 @inner
