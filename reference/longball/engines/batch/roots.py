@@ -87,7 +87,16 @@ def first_zero(
     end: float,
     bend: float,  # an upper bound on ``-sign p''`` up to the end
 ) -> float:
-    """Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
+    r"""Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
+
+    Each parabola lies below the polynomial, so that its zero comes before the polynomial's:
+
+        *__
+         . \__    p
+          .   \__
+        ---x-----\---- 0
+        t  |     root
+           next t
 
     NaN if the walk takes too long, as it does to a triple root.
     """
