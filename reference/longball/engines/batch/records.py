@@ -5,13 +5,12 @@ A law, a state, an event hold a number of each flight, or one number for all.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from longball.engines.arithmetic import Arithmetic
+from longball.engines.arithmetic import Dual
 from longball.engines.batch.flights import Records, Stop, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Events
@@ -63,31 +62,6 @@ def general(law: Law[Any]) -> Law[Any]:
     return law_with({**dict.fromkeys(PAPER, 0.0), **law.strengths}) if law.is_paper else law
 
 
-@dataclass(frozen=True)
-class _Linear(Arithmetic):
-    """A linear function of the variables: their coefficients, by name, and a constant."""
-
-    coefficients: Mapping[str, Any]
-    constant: Any = 0.0
-
-    __array_ufunc__ = None  # an array is one factor or constant
-
-    def __add__(self, other: Any) -> _Linear:
-        if not isinstance(other, _Linear):
-            return _Linear(self.coefficients, self.constant + other)
-        names = {**self.coefficients, **other.coefficients}
-        both = (self.coefficients, other.coefficients)
-        added = {name: sum(part[name] for part in both if name in part) for name in names}
-        return _Linear(added, self.constant + other.constant)
-
-    def __mul__(self, factor: Any) -> _Linear:
-        scaled = {name: x * factor for name, x in self.coefficients.items()}
-        return _Linear(scaled, self.constant * factor)
-
-    def __neg__(self) -> _Linear:
-        return self * -1.0
-
-
 class Bat(NamedTuple):
     """A bat to search for, and the error of the margin, m."""
 
@@ -119,17 +93,18 @@ def records_of(
         **{(name,): getattr(start.state, name) for name in names},
     }
 
-    def put(way: tuple[Any, ...], value: _Linear, size: Any) -> None:
-        numbers = [value.coefficients.get(name, 0.0) for name in names]
-        for i, number in enumerate([*numbers, value.constant, size]):
+    def put(way: tuple[Any, ...], line: Sequence[Any], size: Any) -> None:
+        for i, number in enumerate([*line, size]):
             columns[(*way, i)] = number
 
     for i, event in enumerate(events):
-        value = _linear(law, event.value)
-        put(("events", i), value, event.size)
+        line = _linear(law, event.value)
+        put(("events", i), line, event.size)
         if event.name == "plate":
             columns["ahead",] = float(i)
-            put(("waypoint",), value - APPROACH * abs(value.coefficients["s"]), 0.0)
+            *along, constant = line
+            before = APPROACH * abs(along[names.index("s")])
+            put(("waypoint",), [*along, constant - before], 0.0)
     if bat is not None:
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
         put(("across",), _linear(law, bat.section.frame.towards_x), 0.0)
@@ -156,10 +131,11 @@ def flown(
     return starts, flyer.fly_all(starts, general(law).program)
 
 
-def _linear(law: Law[Any], value: Any) -> _Linear:
-    state = law.state(*(_Linear({name: 1.0}) for name in law.program.variables))
-    found: _Linear = value(state)
-    return found
+def _linear(law: Law[Any], value: Callable[[Any], Any]) -> list[Any]:
+    """Return the coefficients of a linear function of the state, and its constant."""
+    names = law.program.variables
+    along = [value(law.state(*(Dual(0.0, float(name == one)) for name in names))) for one in names]
+    return [*(part.rate for part in along), along[0].value]
 
 
 def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
