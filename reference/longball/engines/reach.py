@@ -1,4 +1,4 @@
-"""How far a Taylor series reaches: the length of a step.
+"""Length of the steps of Taylor's method: the reach of a series.
 
 This source runs in a namespace of its own (`longball.engines.compiled.Code`), with the recurrence
 that is printed for a law: on lists of numbers as it is, on arrays of doubles when it is compiled.
@@ -13,11 +13,11 @@ _SMALLEST = 2.0**-1022  # of the doubles that have all their digits
 
 
 def reach_of_terms(x: Any, order: int, rtol: float, changing: tuple[int, ...]) -> float:
-    """Return how long, s, the last terms of the rows that change stay small; NaN beyond doubles.
+    """Return the time, s, in which the last terms of the series stay small; NaN beyond doubles.
 
-    The last two terms of what changes stay below `rtol` times its size, which is that of the first
-    term that is not zero; and in each component below `rtol` times the largest term, so that a
-    drift that is small beside the flight is as exact as the flight.
+    The last two terms of what changes, in the rows `changing`, stay below `rtol` times its size,
+    which is that of the first term that is not zero; and in each component below `rtol` times the
+    largest term, so that a drift that is small beside the flight is as exact as the flight.
 
     Along a circle, whose series converges at any time, that would be half a turn, with terms so
     large that their roundings show: the term of second order stays below twice the size, and so a
