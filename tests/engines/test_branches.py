@@ -108,6 +108,7 @@ NATHAN = {"air": {"spin_decay_length": 100.0}, "reading": {"spin_decay": "nathan
 @pytest.mark.parametrize(
     ("floor", "above"), [(1.0, 0.5), (0.5, 0.5), (0.0, 0.5)], ids=["aloft", "tie", "calm"]
 )
+@pytest.mark.sampled(every=2)
 def test_the_spin_at_the_landing_has_the_wind_that_the_ball_came_through(
     engine, error, floor, above
 ):
@@ -251,6 +252,7 @@ THIN = {"density_scale_height": 8500.0, "lift_coefficient": 0.0}
 
 @all_engines
 @pytest.mark.parametrize("climb", [17.0, -17.0])
+@pytest.mark.sampled(every=3)
 def test_a_launch_from_the_ground_goes_by_its_velocity(engine, error, climb):
     """Also where heights are uncertain by the rounding of another number of the launch."""
     launch = {"position": (1.0, 0.0, 0.0), "velocity": (12.0, 9.5, climb)}
@@ -275,6 +277,7 @@ def test_a_launch_from_the_ground_goes_by_its_velocity(engine, error, climb):
 
 @all_engines
 @pytest.mark.parametrize("climb", [6.0, 0.0, -6.0])
+@pytest.mark.sampled(every=2)
 def test_a_launch_from_where_the_wind_sets_in_goes_by_its_velocity(engine, error, climb):
     """Upwards into the wind, else into the calm; a level one falls."""
     start = (0.0, 0.0, 1.0), (30.0, 0.0, climb)
@@ -305,6 +308,7 @@ def test_a_ball_that_stays_at_that_height_is_in_the_calm(engine, error):
 
 @all_engines
 @pytest.mark.parametrize("height", [0.0, 1.0])
+@pytest.mark.sampled(every=3)
 def test_where_ground_and_switch_coincide_the_ground_ends_the_flight(engine, error, height):
     start = (0.0, 0.0, height + 1.0), (30.0, 0.0, 25.0)
     time, place, _, _ = flown(*start, (0, 0, 0), (3.0, 0.0, 0.0), -9.0, lambda y: y[2] - height)

@@ -186,7 +186,7 @@ MOVING = [case for case in SMALL_STEPS if "moving" in case.id]
         for i, case in enumerate([*SMALL_STEPS[::4], *MOVING[1::4]])
     ],
 )
-@pytest.mark.sampled(every=3)
+@pytest.mark.sampled(every=7)
 def test_kinks_are_passed_as_small_steps_pass_them(case):
     """Within the change of the acceleration, up to 10 m/s², in a step into another wind."""
     place = [float(x) for x in case.expected.landing.position]

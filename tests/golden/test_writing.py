@@ -201,6 +201,7 @@ def test_a_changed_last_digit_is_found_by_the_proof_alone(small: Path):
         ("case.schema.json", "difficulty", "ease", "not the schema that this version"),
     ],
 )
+@pytest.mark.sampled(every=2)
 def test_what_is_wrong_is_said_in_a_sentence(small: Path, file, old, new, sentence):
     spoil(small / file, old, new)
     assert any(sentence in failure for failure in check(small, sample=0).failures)
