@@ -124,23 +124,30 @@ def test_the_spin_at_the_landing_has_the_wind_that_the_ball_came_through(
     assert found[3] == pytest.approx(spin, rel=error)
 
 
-@all_engines
-def test_the_spin_at_the_contact_has_the_wind_there(engine, error):
-    """The pitch stays in the wind up to the contact: what the height is does not matter."""
-    spin, wind, decay = (0.0, -100.0, 0.0), (10.0, 0.0, 0.0), 300.0
-    start = (18.44, 0.0, 1.8), (-40.0, 0.0, 0.0), spin
-    reach = RADIUS + 0.033
-    _, plate, _, _ = flown(*start, wind, -1.0, lambda y: y[0], decay=decay)
+PITCHED = (18.44, 0.0, 1.8), (-40.0, 0.0, 0.0), (0.0, -100.0, 0.0)
+ALOFT, DECAY = (10.0, 0.0, 0.0), 300.0
+
+
+@pytest.fixture(scope="module")
+def met():
+    """Time, position, velocity and spin of a pitch that stays in the wind, at the contact."""
+    _, plate, _, _ = flown(*PITCHED, ALOFT, -1.0, lambda y: y[0], decay=DECAY)
 
     def gap(y):
-        return math.hypot(y[0], y[2] - plate[2]) - reach
+        return math.hypot(y[0], y[2] - plate[2]) - (RADIUS + 0.033)
 
     # Steps of 4 cm do not pass the bat.
-    time, place, _, there = flown(*start, wind, -1.0, gap, decay=decay, longest=1e-3)
-    pitch = {"velocity": start[1], "spin": spin}
-    air = {"lift_coefficient": {"law": "linear"}, "spin_decay_length": decay}
+    return flown(*PITCHED, ALOFT, -1.0, gap, decay=DECAY, longest=1e-3)
+
+
+@all_engines
+def test_the_spin_at_the_contact_has_the_wind_there(engine, error, met):
+    """The pitch stays in the wind up to the contact: what the height is does not matter."""
+    time, place, _, there = met
+    pitch = {"velocity": PITCHED[1], "spin": PITCHED[2]}
+    air = {"lift_coefficient": {"law": "linear"}, "spin_decay_length": DECAY}
     scene = {"kind": "at-bat", "pitch": pitch, "air": air, "reading": {"spin_decay": "nathan"}}
-    air["wind"] = {"velocity": wind, "above": 0.1}
+    air["wind"] = {"velocity": ALOFT, "above": 0.1}
     result = solve(parse_scene(json.dumps(scene)), engine)
     assert place[2] > 0.11
     assert [*map(float, result.contact.position)] == pytest.approx(place, abs=10 * error)
@@ -204,14 +211,15 @@ def test_straight_up_in_an_air_that_rises_faster(engine, error):
     assert found[2] == pytest.approx(velocity, rel=error)
 
 
-@all_engines
-@pytest.mark.sampled(every=2)
-def test_a_lift_that_is_always_up_keeps_the_tables_of_the_drag(engine, error):
-    """A ball straight up flies without lift: w' = -g - k C_D(|w|) |w| w."""
-    at, values = (10.0, 20.0, 30.0, 45.0), (0.9, 0.5, 0.3, 0.6)
+SPEEDS, DRAGS = (10.0, 20.0, 30.0, 45.0), (0.9, 0.5, 0.3, 0.6)
+
+
+@pytest.fixture(scope="module")
+def fallen():
+    """Time and velocity of a ball straight up and down: w' = -g - k C_D(|w|) |w| w."""
 
     def rates(t, y):
-        return y[1], -9.8 - UNIT * np.interp(abs(y[1]), at, values) * abs(y[1]) * y[1]
+        return y[1], -9.8 - UNIT * np.interp(abs(y[1]), SPEEDS, DRAGS) * abs(y[1]) * y[1]
 
     def ground(t, y):
         return y[0]
@@ -221,14 +229,21 @@ def test_a_lift_that_is_always_up_keeps_the_tables_of_the_drag(engine, error):
         rates, (0.0, 60.0), (1.0, 40.0), "DOP853", rtol=1e-12, atol=1e-12, max_step=1e-3,
         events=ground,
     )  # fmt: skip
-    table = {"law": "table", "of": "speed", "at": at, "values": values}
+    return fall.t[-1], fall.y[1, -1]
+
+
+@all_engines
+def test_a_lift_that_is_always_up_keeps_the_tables_of_the_drag(engine, error, fallen):
+    """A ball straight up flies without lift."""
+    table = {"law": "table", "of": "speed", "at": SPEEDS, "values": DRAGS}
     scene = {
         "kind": "flight", "launch": {"position": (0.0, 0.0, 1.0), "velocity": (0.0, 0.0, 40.0)},
         "air": {"drag_coefficient": table}, "reading": {"lift_direction": "always_up"},
     }  # fmt: skip
     found = landed(parse_scene(json.dumps(scene)), engine)
-    assert found[0] == pytest.approx(fall.t[-1], rel=error)
-    assert found[2][2] == pytest.approx(fall.y[1, -1], rel=error)
+    time, velocity = fallen
+    assert found[0] == pytest.approx(time, rel=error)
+    assert found[2][2] == pytest.approx(velocity, rel=error)
 
 
 def test_steps_that_push_the_ball_take_the_drag_of_its_speed():

@@ -17,7 +17,7 @@ from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from longball.engines.chain import solve, solve_with_restitutions
+from longball.engines.chain import solve
 from longball.engines.enclosure import Balls, Enclosure
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
@@ -133,13 +133,6 @@ def test_engines_of_different_digits_do_not_meet():
         assert [solve(scene, few), solve(scene, many)] == expected
     assert flint.ctx.prec == before
     assert few.numbers.bits < many.numbers.bits
-
-
-def test_no_digits_are_refused():
-    with pytest.raises(ValueError, match="digits = 501 is not between 1 and 500"):
-        Enclosure(digits=501)
-    with pytest.raises(ValueError, match="digits = 0"):
-        Enclosure(0)
 
 
 # --- an independent method agrees -----------------------------------------------------------------
@@ -261,10 +254,3 @@ def test_a_landing_at_a_round_time():
         flight(height=0.0, velocity=(1.0, 0.0, 75.0), air=None, gravity=10.0), ENGINE
     ).landing
     assert distance(found.time, Fraction(15)) <= Fraction(found.time.radius)
-
-
-def test_restitutions_share_a_pitch():
-    scene = at_bat()
-    results = solve_with_restitutions(scene, [0.41, 0.42], ENGINE)
-    assert results[1] == solve(scene, ENGINE)
-    assert results[0].contact == results[1].contact

@@ -87,7 +87,7 @@ BATTED = (0.0, 1.0, 35.0, 30.0)
 
 
 @pytest.mark.parametrize("seed", range(4))
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=4)
 def test_batted_balls_agree_with_high_precision(seed):
     """Where and when they land, and on the way there."""
     rng = np.random.default_rng([2014, seed])
@@ -227,7 +227,7 @@ def test_a_ball_that_rests_at_its_apex():
 
 
 @pytest.mark.parametrize("sideways", [1e-3, 1e-7, 1e-12])
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_a_ball_that_nearly_rests_at_its_apex(sideways):
     start = (0.0, 1.0, sideways, 30.0)
     landing = fly(start, WITH_DRAG, ground())

@@ -304,12 +304,6 @@ def test_engines_of_different_digits_do_not_meet():
     assert mpmath.mp.prec == before
 
 
-@pytest.mark.parametrize("digits", [0, 291])
-def test_digits_beyond_reason_are_refused(digits):
-    with pytest.raises(ValueError, match="not between 1 and 290"):
-        Multiprecision(digits)
-
-
 @pytest.mark.parametrize(
     ("x", "text"),
     [

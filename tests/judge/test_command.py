@@ -296,6 +296,7 @@ def test_other_readings_and_rows_are_shown_if_asked_for(called, tmp_path: Path):
 EULER = [sys.executable, str(CANDIDATE.with_name("euler_csv.py"))]
 
 
+@pytest.mark.nightly
 def test_a_candidate_that_takes_csv_converges(called):
     command = ["--golden", "flight-both", "--as-csv", "--", *EULER, "{dt}", "17"]
     ran = called("converge", "--json", "--steps", "0.01:0.001:5", *command)

@@ -95,6 +95,7 @@ def test_a_mistake_is_named_where_it_is_made(gold: list[Case], mistake: str, sta
     assert (first.stage, first.kind, first.edit) == (stage, "named", edit), first.sentence
 
 
+@pytest.mark.nightly
 def test_two_mistakes_at_different_stages_are_both_named(gold: list[Case]):
     found = diagnose(gold, answers(gold, "nathan", "distance-in-feet"))
     named = {f.stage: f.edit for f in found.findings if f.kind == "named"}

@@ -193,6 +193,7 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
         assert any(mistake in edit for edit in named), named
 
 
+@pytest.mark.nightly
 def test_a_contact_force_that_is_carried_on_is_no_longer_the_printed_scheme(tmp_path: Path):
     text = (FOLDER / "paper_verlet.py").read_text(encoding="utf-8")
     source = tmp_path / "candidate.py"
@@ -220,6 +221,7 @@ def test_a_heading_taken_anew_is_told_where_the_ball_turns(tmp_path: Path):
     assert told.kind == "located"
 
 
+@pytest.mark.nightly
 def test_single_precision_is_named(cases: list[Known], tmp_path: Path):
     dt = 0.05
     text = (FOLDER / "paper_verlet.c").read_text(encoding="utf-8")
