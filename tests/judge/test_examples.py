@@ -170,7 +170,7 @@ OLD, NEXT = (f"acceleration({v}, to or heading({v}))" for v in ("v", "add(half, 
          ["takes 9.81 for g", LAGGED, "leaves out r_b", WHOLE]),
     ],
 )  # fmt: skip
-@pytest.mark.sampled(every=4)
+@pytest.mark.nightly
 def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
     dt: float,
     edits: list[tuple[str, str]],

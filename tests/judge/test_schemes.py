@@ -141,6 +141,7 @@ def test_a_scheme_that_is_not_known_gets_its_order_and_no_name():
     assert found.order == 4
 
 
+@pytest.mark.nightly
 def test_a_wrong_law_is_no_scheme():
     assert explain_scheme(*wrong(flown(1e-3, gravity=1.001))) is None
 

@@ -210,6 +210,7 @@ def test_the_energy_balance_follows_from_the_energies_of_both_bodies():
     assert sp.expand(change - expected) == 0
 
 
+@pytest.mark.nightly
 def test_friction_would_show_in_the_energy_balance():
     """The balance is of the rule that is given, not a formula that any rule would return."""
     assert derivation.energy_change(no_collision) == 0
