@@ -43,8 +43,8 @@ def fitted(
     """Free numbers with the smallest residual, that residual and its derivatives.
 
     Gauss-Newton steps run from all starts at once. `residual` takes an array of shape
-    (starts, numbers), as `starts` is; the first axis of its result is that of the starts. The first axis of the
-    derivatives is that of the numbers.
+    (starts, numbers), as `starts` is; the first axis of its result is that of the starts. The first
+    axis of the derivatives is that of the numbers.
     """
     c = np.array(starts, dtype=float)
     r, slope = _with_slope(residual, c)
