@@ -131,6 +131,7 @@ def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
     assert not reasoned.steps[0].explained
 
 
+@pytest.mark.nightly
 def test_two_numbers_of_its_own_in_one_law_are_both_named():
     """Neither explains the errors alone, nor most of them."""
 
