@@ -173,23 +173,6 @@ class TestSolve:
         (result,) = results(called("solve", stdin=FLIGHT))
         assert result["engine"] == f"longball {lb.__version__} ivp Taylor"
 
-    @pytest.mark.parametrize("indent", [None, 2])
-    @pytest.mark.parametrize("array", [False, True])
-    @pytest.mark.sampled(every=4)
-    def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
-        scene = {"kind": "pitch"}
-        file = tmp_path / "scenes.json"
-        file.write_text(json.dumps([scene] if array else scene, indent=indent))
-        for arguments, text in (([str(file)], b""), ([], file.read_bytes())):
-            command = [sys.executable, "-m", "longball", "solve", *arguments]
-            run = subprocess.run(command, input=text, capture_output=True, check=False)
-            if indent is None and not array:
-                assert run.returncode == 0
-                continue
-            assert (run.returncode, run.stdout) == (2, b"")
-            (said,) = run.stderr.decode().splitlines()
-            assert f"a scene stands in one line: jq -c {chr(39) + '.[]' if array else '.'}" in said
-
     def test_a_broken_first_line_is_one_line_without_an_answer(self, called):
         run = called("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')
         assert [json.loads(line).get("outcome") for line in run.stdout.splitlines()] == [

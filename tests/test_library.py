@@ -302,14 +302,6 @@ class TestPath:
         with pytest.raises(ValueError, match="no path"):
             _ = lb.solve(lb.Impact(incoming=touching)).path
 
-
-def test_a_scene_shows_what_was_written():
-    scene = lb.AtBat(**AT_BAT, gravity=9.81, air={"drag_coefficient": {"law": "crisis"}})
-    assert "crisis" in repr(scene)
-    assert "bat=" not in repr(scene)
-    assert eval(repr(scene), {"AtBat": lb.AtBat}) == scene
-    assert repr(lb.Pitch()) == "Pitch()"
-
     def test_it_is_drawn_from_the_side_to_scale(self):
         plt = pytest.importorskip("matplotlib.pyplot")
         path = lb.solve(lb.AtBat(**AT_BAT)).path
@@ -323,6 +315,14 @@ def test_a_scene_shows_what_was_written():
             assert axes.get_aspect() == 1.0
         finally:
             plt.close("all")
+
+
+def test_a_scene_shows_what_was_written():
+    scene = lb.AtBat(**AT_BAT, gravity=9.81, air={"drag_coefficient": {"law": "crisis"}})
+    assert "crisis" in repr(scene)
+    assert "bat=" not in repr(scene)
+    assert eval(repr(scene), {"AtBat": lb.AtBat}) == scene
+    assert repr(lb.Pitch()) == "Pitch()"
 
 
 class TestSolveMany:

@@ -33,7 +33,7 @@ def truth(family):
 
 
 @pytest.mark.parametrize("family", BENT)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_what_the_chain_cannot_fly_counts_for_nothing(family):
     data = truth(family)
     chain = specialised_to(data)
@@ -44,7 +44,7 @@ def test_what_the_chain_cannot_fly_counts_for_nothing(family):
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_every_stage_follows_from_the_true_values_before_it(family):
     data = truth(family)
     _, found = follow(specialised_to(data), data)
