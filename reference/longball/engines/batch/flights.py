@@ -22,9 +22,11 @@ from longball.engines.batch.expansion import (
     LENGTH,
     RANGES,
     TIME,
+    TIMES,
     WAITED,
     WIDTH,
     Kernel,
+    Tangents,
     aligned,
 )
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
@@ -105,11 +107,14 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
             # When, s, and in what state it ends; and a mark of the way. That is where it passed the
             # waypoint; or, near a bat, where it first touched it; or, with neither, where between
             # the ends of a step it ceased to rise, the highest such point. Its time is NaN if it
-            # did not.
-            *((f"{prefix}{name}", np.float64) for prefix in ("", "mark_") for name in names),
+            # did not. Near a bat, also where the margin is taken.
+            *((f"{prefix}{name}", np.float64) for prefix in PREFIXES for name in names),
         ]
     )
 
+
+# Of the names of times and states of arrivals, in the order of `TIMES`.
+PREFIXES = ("", "mark_", "nearest_")
 
 # Columns of arrivals.
 _STOP, _STEPS, _EVENT, _RIVAL, _MARGIN, _DOUBT, _END = range(7)
@@ -136,6 +141,37 @@ def fly_all(
     `steps`, of shape (steps, 1 + variables), is filled with time, s, and state at the beginning of
     each step of the one flight.
     """
+    none = np.empty((flights.size, 0, 0))
+    return _flown(kernel, flights, order, truncation, none, none, steps)
+
+
+def fly_all_with_tangents(
+    kernel: Kernel,  # of a program of `with_partials`
+    flights: Records,
+    order: int,
+    truncation: float,
+    # shape (flights, tangents, sources): derivatives of variables and parameters by some numbers
+    changes: Array,
+) -> tuple[Records, Array]:
+    """Fly flights as `fly_all` does, and derivatives of the state with them.
+
+    Returns arrivals, and an array of shape (flights, times, tangents, variables): derivatives of the
+    state at the end, at the mark and where the ball is closest to the bat, each at a fixed time.
+    """
+    shape = len(changes), TIMES, changes.shape[1], len(kernel.layout.program.variables)
+    found = np.full(shape, math.nan)
+    return _flown(kernel, flights, order, truncation, changes, found), found
+
+
+def _flown(
+    kernel: Kernel,
+    flights: Records,
+    order: int,
+    truncation: float,
+    changes: Array,
+    found: Array,
+    steps: Array | None = None,
+) -> Records:
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
@@ -144,6 +180,8 @@ def fly_all(
     lanes, rest = layout.allocate(order, WIDTH), layout.allocate(order, 1)
     rows, width = lanes.shape[1], 2 * order + 4
     steps = np.array([]) if steps is None else steps
+    tangents = Tangents(program)
+    count = changes.shape[1]
     _fly_all(
         (kernel.step, kernel.rest, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
@@ -157,9 +195,15 @@ def fly_all(
             aligned(rows * WIDTH),
             np.zeros((variables + _SCRATCH) * width),
         ),
-        np.zeros(WIDTH, np.int64),
+        np.zeros(2 * WIDTH, np.int64),
         steps.ravel(),
         len(steps),
+        (kernel.tangents, count, tangents.first(rows), tangents.size),
+        (
+            tangents.allocate(count, rows).ravel(),
+            np.ascontiguousarray(changes).ravel(),
+            found.ravel(),
+        ),
     )
     return arrivals.reshape(flights.shape)
 
@@ -219,6 +263,9 @@ class _Setup(NamedTuple):
     across: Any
     above: Any
     state: Any  # of a flight at some time
+    # times: of each lane's step, s: how far it goes, where the flight is marked, where it is closest
+    # to the bat; NaN where it is not
+    times: Any
 
 
 _SCRATCH = 6  # rows of a workspace after those of the state
@@ -233,6 +280,23 @@ class _Slot(NamedTuple):
     lane: int
 
 
+class _Tangents(NamedTuple):
+    """Tangents of the flights; see `longball.engines.batch.expansion.Tangents`."""
+
+    # code: address; count: of each flight; sources: numbers at their start; variables; first: row of
+    # the first one in the memory; size: rows of one
+    code: int
+    count: int
+    sources: int
+    variables: int
+    first: int
+    size: int
+    # memory: of the lanes; starts, found: see `fly_all_with_tangents`
+    memory: Any
+    starts: Any
+    found: Any
+
+
 @compiled
 def _fly_all(
     code: tuple[int, int, int, int],
@@ -244,6 +308,8 @@ def _fly_all(
     numbers: Integers,
     steps: Array,
     recorded: int,
+    tangent_sizes: tuple[int, int, int, int],
+    tangent_memory: tuple[Array, Array, Array],
 ) -> None:
     variables, parameters, functions, order, rows, width = sizes
     count = record_sizes[2]
@@ -278,9 +344,22 @@ def _fly_all(
         shifted(scratch, 3 * width),
         shifted(scratch, 4 * width),
         shifted(scratch, 5 * width),
+        unowned_view(tangent_memory[0]),
+    )
+    tangents = _Tangents(
+        tangent_sizes[0],
+        tangent_sizes[1],
+        variables + parameters,
+        variables,
+        tangent_sizes[2],
+        tangent_sizes[3],
+        s.times,
+        unowned_view(tangent_memory[1]),
+        unowned_view(tangent_memory[2]),
     )
     pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
     active, way = unowned_view(numbers), unowned_view(steps)
+    flying = shifted(active, WIDTH)  # in the step
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
@@ -292,8 +371,10 @@ def _fly_all(
         for lane in range(WIDTH):
             if active[lane] == _NONE and next_one < count:
                 _launch(s, _slot(pointers, record_sizes, next_one, lane))
+                _put_tangents(tangents, next_one, lane)
                 active[lane] = next_one
                 next_one += 1
+            flying[lane] = active[lane]
             busy += active[lane] != _NONE
         if busy == 0:
             return
@@ -301,6 +382,9 @@ def _fly_all(
         for lane in range(WIDTH):
             if active[lane] != _NONE and _overflows(s, lane, order):
                 _expand_shorter(s, code[0], rows, lane)
+                _spoil_tangents(tangents, lane)
+            for k in range(TIMES):
+                s.times[k * WIDTH + lane] = math.nan
         for lane in range(WIDTH):
             i = active[lane]
             if i == _NONE:
@@ -338,6 +422,7 @@ def _fly_all(
                 if slot.mark[_STOP] < 0:
                     for k in range(variables):
                         x[k * s.block + lane] = s.state[k]
+            s.times[lane] = length
             for k in range(s.half):
                 s.lost[k * WIDTH + lane] = s.lost[(s.half + k) * WIDTH + lane]
             # Where a ball all but rests its steps are shorter than the spacing of times.
@@ -353,6 +438,11 @@ def _fly_all(
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
             elif length == 0.0 or slot.mark[_STEPS] >= MOST_STEPS:
                 slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
+        if tangents.count > 0:
+            call(tangents.code, (x, s.times, order, rows, tangents.count, _wanted(s)))
+            for lane in range(WIDTH):
+                if flying[lane] != _NONE:
+                    _take_tangents(tangents, flying[lane], lane)
 
 
 @inner
@@ -360,6 +450,54 @@ def _slot(pointers: Any, sizes: tuple[int, int, int], number: Integer, lane: int
     flight, arrival = number * sizes[0], number * sizes[1]
     starts, ends, marks = pointers
     return _Slot(shifted(starts, flight), shifted(ends, arrival), shifted(marks, arrival), lane)
+
+
+@inner
+def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
+    """Put the tangents of a flight into its lane."""
+    parameters = t.sources - t.variables
+    for i in range(t.count):
+        source = shifted(t.starts, (number * t.count + i) * t.sources)
+        target = shifted(t.memory, (t.first + i * t.size) * WIDTH + lane)
+        for k in range(parameters):
+            target[k * WIDTH] = source[t.variables + k]
+        for k in range(t.variables):
+            target[(parameters + k) * WIDTH] = source[k]
+
+
+@inner
+def _spoil_tangents(t: _Tangents, lane: int) -> None:
+    """Give up the tangents of a flight."""
+    for i in range(t.count):
+        target = shifted(t.memory, (t.first + i * t.size) * WIDTH + lane)
+        for k in range(t.sources):
+            target[k * WIDTH] = math.nan
+
+
+@inner
+def _wanted(s: _Setup) -> float:
+    """Return how many of the times the tangents are wanted at."""
+    wanted = 1.0
+    for k in range(1, TIMES):
+        for lane in range(WIDTH):
+            if not math.isnan(s.times[k * WIDTH + lane]):
+                wanted = k + 1.0
+    return wanted
+
+
+@inner
+def _take_tangents(t: _Tangents, number: Integer, lane: int) -> None:
+    """Keep the tangents of a flight in a step: the last ones at its end, and those at its marks."""
+    parameters = t.sources - t.variables
+    for k in range(TIMES):
+        if math.isnan(t.memory[k * WIDTH + lane]):
+            continue
+        for i in range(t.count):
+            way = t.first + i * t.size + parameters + k * t.variables
+            source = shifted(t.memory, way * WIDTH + lane)
+            target = shifted(t.found, ((number * TIMES + k) * t.count + i) * t.variables)
+            for j in range(t.variables):
+                target[j] = source[j * WIDTH]
 
 
 @inner
@@ -558,6 +696,7 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
         if not near_bat and doubtful == _NONE and end > 0.0:
             _decide(s, slot, stop)
     elif stop == _AT_WAYPOINT:
+        s.times[WIDTH + lane] = end
         s.linear[s.variables * WIDTH + lane] = math.inf
         _note(s, shifted(arrival, _END + 1 + s.variables), time + end)
     elif stop == _AT_REST:
@@ -608,6 +747,7 @@ def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
     if top[0] == top[0] and not height + rise > top[highest]:
         return
     top[0] = time + t
+    s.times[WIDTH + slot.lane] = t
     for i in range(s.half):
         p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
         start = p[0]
@@ -796,6 +936,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
     if mark[_STEPS] <= 1:
         gap = _distance(s, 0.0) - reach
         arrival[_MARGIN] = -gap
+        _note_nearest(s, slot, time, 0.0)
         if gap < -error:
             mark[_STOP], arrival[_DOUBT] = INSIDE_BAT, gap
             return True
@@ -805,6 +946,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         if gap <= error and approaching:
             _evaluate(s, lane, 0.0)
             _note(s, noted, time)
+            s.times[WIDTH + lane] = 0.0
     begin = 0.0
     while True:
         sign = -1.0 if approaching else 1.0
@@ -815,8 +957,9 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         until = min(turn, end)
         margin = reach - _distance(s, until)
         settled = last or turn != NEVER
-        if settled:
-            arrival[_MARGIN] = max(arrival[_MARGIN], margin)
+        if settled and margin > arrival[_MARGIN]:
+            arrival[_MARGIN] = margin
+            _note_nearest(s, slot, time, until)
         if settled and abs(margin) <= error:
             mark[_STOP], arrival[_MARGIN], arrival[_DOUBT] = GRAZES_BAT, margin, margin
             return True
@@ -825,6 +968,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
             touch = touch if touch < until else until
             _evaluate(s, lane, touch)
             _note(s, noted, time + touch)
+            s.times[WIDTH + lane] = touch
         if settled and margin > 0.0:
             mark[_STOP], arrival[_MARGIN] = TOUCH, margin
             for k in range(s.variables + 1):
@@ -834,6 +978,14 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
             return False
         begin = turn
         approaching = not approaching
+
+
+@inner
+def _note_nearest(s: _Setup, slot: _Slot, time: float, t: float) -> None:
+    """Note where in a step the margin is taken."""
+    _evaluate(s, slot.lane, t)
+    _note(s, shifted(slot.arrival, _END + 2 * (1 + s.variables)), time + t)
+    s.times[2 * WIDTH + slot.lane] = t
 
 
 @inner

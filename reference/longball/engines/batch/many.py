@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import compress, pairwise
 from operator import attrgetter
 from types import NoneType, SimpleNamespace
@@ -76,6 +78,77 @@ def solve_columns(
     return _named(table, scene, known, flyer, model)
 
 
+@dataclass(frozen=True)
+class Slopes:
+    """Derivatives in columns.
+
+    Attributes
+    ----------
+    columns
+        Of each quantity, shape (inputs, n): its derivatives by the inputs, in order; NaN where
+        there is none.
+    alone
+        Rows whose derivatives were found one by one, by the engine ivp.
+    refused
+        Why there are no derivatives by some inputs, by row and input.
+    """
+
+    columns: dict[str, Array]
+    alone: list[int]
+    refused: dict[int, Mapping[str, str]]
+
+
+def solve_columns_with_slopes(
+    scene: Scene,
+    columns: Mapping[str, ArrayLike],
+    names: Sequence[str],
+    engine: BatchFlyer | None = None,
+    threads: int = 1,
+) -> tuple[dict[str, NDArray[Any]], Slopes]:
+    """Solve columns as `solve_columns` does, and their derivatives by inputs of the scene.
+
+    The inputs are named as by `longball.model.inputs`. Rows in which the compiled code does not
+    know a derivative, or there may be none, are left to `longball.engines.tangent`.
+    """
+    from longball.engines.batch import slopes  # brings ball arithmetic
+    from longball.engines.tangent import derivatives_of
+
+    flyer, known = engine or _batch(), _checked(scene, columns)
+
+    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Any]) -> None:
+        part, jets = tables[0].part(rows), slopes.jets_for(rows.stop - rows.start)
+        view = _view(scene, slopes.seeded_columns(scene, cells, names))
+        run = slopes.SlopeColumns(view, flyer, MODEL, table=part, row=lambda i: None, jets=jets)
+        chain.CHAINS[scene.kind](run)
+        part.withdraw_what_is_not_finite()
+        part.conclude_doubt(jets.doubtful)
+
+    table: Any
+    if slopes.are_followed(scene):
+        (table,) = _in_blocks(
+            solve_block, scene, known, lambda n: [slopes.SlopeTable(n, len(names))], threads
+        )
+        table.alone |= table.outcome == UNSOLVED
+    else:
+        table = slopes.SlopeTable(_count(known), len(names))
+        vars(table).update(vars(_solve(scene, known, flyer, threads)))
+        table.doubtful[:] = True
+    found = _named(table, scene, known, flyer)
+
+    alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
+    refused = {}
+    for i in alone:
+        cells = {name: column.item(i) for name, column in known.items()}
+        there = [name for name, column in table.columns.items() if _known(column[i : i + 1])[0]]
+        one = derivatives_of(quantities.replaced(scene, cells), there, names, create("ivp"))
+        for quantity, by in one.items():
+            if not all(math.isnan(x) for x in by.values()) or quantity in table.slopes:
+                table.put_slopes_of_row(quantity, i, [by[name] for name in names])
+        if one.refused:
+            refused[i] = one.refused
+    return found, Slopes(table.slopes, alone, refused)
+
+
 def solve_columns_with_restitutions(
     scene: AtBatScene,
     columns: Mapping[str, ArrayLike],
@@ -99,7 +172,9 @@ def solve_columns_with_restitutions(
             chain.finish(_run(ball, cells, flyer, MODEL, part), contact)
             part.withdraw_what_is_not_finite()
 
-    tables = _in_blocks(solve_block, scene, known, len(balls), threads)
+    tables = _in_blocks(
+        solve_block, scene, known, lambda n: [Table(n) for _ in balls], threads
+    )
     return [_named(t, ball, known, flyer) for ball, t in zip(balls, tables, strict=True)]
 
 
@@ -250,7 +325,7 @@ def _solve(
         chain.CHAINS[scene.kind](_run(scene, cells, flyer, model, part))
         part.withdraw_what_is_not_finite()
 
-    (table,) = _in_blocks(solve_block, scene, columns, 1, threads, model)
+    (table,) = _in_blocks(solve_block, scene, columns, lambda n: [Table(n)], threads, model)
     return table
 
 
@@ -268,6 +343,11 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
 # The numbers of a scene that the law of motion is made of, in the frame of the ball's heading.
 _OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
 
+def _count(columns: Mapping[str, Array]) -> int:
+    """Return the number of rows."""
+    return max(map(len, columns.values()), default=1)
+
+
 SolveBlock = Callable[[slice, Mapping[str, Array], Sequence[Table]], None]
 
 
@@ -275,7 +355,7 @@ def _in_blocks(
     solve_block: SolveBlock,
     scene: Scene,
     columns: Mapping[str, Array],
-    count: int,
+    empty: Callable[[int], list[Table]],  # tables of so many rows
     threads: int,
     model: Model = MODEL,
 ) -> list[Table]:
@@ -283,8 +363,8 @@ def _in_blocks(
 
     What is zero is not computed: rows in a block have the same zeros in what their law is made of.
     """
-    n = max(map(len, columns.values()), default=1)
-    tables = [Table(n) for _ in range(count)]
+    n = _count(columns)
+    tables = empty(n)
     if not _flies_in_lanes(scene, model):
         for table in tables:
             table.alone[:] = True

@@ -147,15 +147,15 @@ def records_of(
             columns[(*way, i)] = number
 
     for i, event in enumerate(events):
-        value = _linear(law, event.value)
+        value = linear(law, event.value)
         put(("events", i), value, event.size)
         if event.name == "plate":
             columns["ahead",] = float(i)
             put(("waypoint",), value - APPROACH * abs(value.coefficients["s"]), 0.0)
     if bat is not None:
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
-        put(("across",), _linear(law, bat.section.frame.towards_x), 0.0)
-        put(("above",), _linear(law, lambda state: state.z - bat.section.height), 0.0)
+        put(("across",), linear(law, bat.section.frame.towards_x), 0.0)
+        put(("above",), linear(law, lambda state: state.z - bat.section.height), 0.0)
     columns = {way: value[rows] if np.ndim(value) else value for way, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
     flight = new_flights(law.program, shape, len(events))
@@ -178,7 +178,8 @@ def flown(
     return starts, flyer.fly_all(starts, general(law).program)
 
 
-def _linear(law: Law[Any], value: Any) -> _Linear:
+def linear(law: Law[Any], value: Any) -> _Linear:
+    """Return a linear function of a state as its coefficients."""
     state = law.state(*(_Linear({name: 1.0}) for name in law.program.variables))
     found: _Linear = value(state)
     return found
