@@ -118,7 +118,7 @@ def solve_many(
         As in `solve`. Of columns, a column ``landing.distance by launch.speed`` for each number of
         the result and each of these numbers of the scene, NaN where there is none. ``derivatives``
         names the engine that they are from: the compiled code leaves some rows to the engine ivp,
-        which takes a thousand times as long. ``refused`` says by which number there is none, and why.
+        which takes a thousand times as long. ``refused`` says by which there is none, and why.
     paths
         Points of the path of each ball, evenly spaced in time, from the start of its scene to the
         end: of columns a column ``path`` of arrays of shape (paths, 7) with t (s), x, y, z (m), vx,
@@ -314,7 +314,8 @@ def _solve_as_columns(
         for quantity in sorted(slopes.columns, key=_place)
         for name, column in zip(names, slopes.columns[quantity], strict=True)
     }
-    by = np.where(table["outcome"] != "", signed(solver.description), None)
+    by = np.full(len(frame), None, object)
+    by[table["outcome"] != ""] = signed(solver.description)
     by[slopes.alone] = signed(_alone(solver).description)
     refused = np.full(len(by), None, object)
     for i, reasons_of_row in slopes.refused.items():
@@ -327,7 +328,7 @@ def _solve_as_columns(
 
 def _alone(engine: Any) -> PathEngine[Any]:
     """Return the engine that finds the derivatives of single scenes."""
-    return engines.create("ivp") if isinstance(engine, ManyAtOnce) else differentiable(engine)
+    return differentiable(engines.create("ivp") if isinstance(engine, ManyAtOnce) else engine)
 
 
 def _derivatives_alone(

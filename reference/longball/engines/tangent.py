@@ -16,7 +16,6 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel
@@ -256,6 +255,7 @@ class Shallow(CannotSolve):
 
 
 # --- flights --------------------------------------------------------------------------------------
+
 
 @dataclass(frozen=True)
 class Tangent(PathEngine[Jet]):
@@ -596,7 +596,7 @@ def derivatives_of(
         slopes: Mapping[str, Any] = {}
         try:
             slopes = derivatives_by(scene, name, engine)
-        except (CannotSolve, Undecided) as error:
+        except (CannotSolve, Undecided, ValueError) as error:
             refused[name] = str(error)
         for quantity, row in table.items():
             row[name] = engine.numbers.report(slopes[quantity]) if quantity in slopes else math.nan

@@ -1,4 +1,4 @@
-"""The variational equation of a law: how its flights change with their start and with its strengths.
+"""The variational equation of a law: how flights change with their start and its strengths.
 
 ``ξ' = (∂f/∂state) ξ + ∂f/∂p dp/dx`` for the derivative ξ of a state by a number x, with a law
 ``state' = f(state, p)`` (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*,

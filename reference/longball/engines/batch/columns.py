@@ -12,9 +12,10 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, cast, get_args
+from typing import Any, Protocol, Self, cast, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records
@@ -139,7 +140,7 @@ class Table:
         """The outcomes, as places in OUTCOMES."""
         return self.whole[self.rows]
 
-    def part(self, rows: slice) -> Table:
+    def part(self, rows: slice) -> Self:
         """Return the table of a range of rows."""
         part = copy(self)
         part.rows = rows
@@ -191,12 +192,17 @@ class Table:
                 overflown |= reached & np.isnan(self.columns[quantity][self.rows])
         self.outcome[overflown] = UNSOLVED
 
-    def in_order(self, places: Integers) -> Table:
+    def in_order(self, places: Integers) -> Self:
         """Return the table with its rows at other places."""
-        table = Table(len(self))
-        table.whole[places], table.alone[places] = self.whole, self.alone
-        for name, column in self.columns.items():
-            table.column(name, column)[places] = column
+
+        def placed(column: NDArray[Any]) -> NDArray[Any]:
+            moved = np.empty_like(column)
+            moved[places] = column
+            return moved
+
+        table = copy(self)
+        table.whole, table.alone = placed(self.whole), placed(self.alone)
+        table.columns = {name: placed(column) for name, column in self.columns.items()}
         return table
 
 
@@ -216,11 +222,6 @@ class BatchFlyer(Protocol):
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of starts by a law's program; return records of arrivals, in order."""
-
-    def fly_all_with_tangents(
-        self, starts: Records, program: Program, changes: Array
-    ) -> tuple[Records, Array]:
-        """Do the same with derivatives; see `longball.engines.batch.flights`."""
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander
 from longball.engines.variation import with_partials
+from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers, Undecided, doubt
 from longball.model.scene import Scene

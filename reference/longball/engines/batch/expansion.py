@@ -41,10 +41,10 @@ WIDTH = 16
 # of the step, and at its end.
 LENGTH, TIME, WAITED, CLEARANCE, FARTHEST, RANGES = range(6)
 
-# Sums that one loop carries, of sixteen doubles each. With more, registers are spilled: with AVX-512,
-# which has 32 registers of eight, one loop for all the sums of spin, wind and drag crisis in space
-# took 1.5 times as long, and limits of 8 to 12 as long as 10 within a tenth; with 16 registers of
-# four, limits of 3 to 6 take a third less than 10 where there are partial derivatives to expand.
+# Sums that one loop carries, of sixteen doubles each. With more, registers are spilled. AVX-512 has
+# 32 of eight doubles: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
+# long, and limits of 8 to 12 sums as long as 10 within a tenth. Other processors have 16 of four:
+# limits of 3 to 6 sums took a third less time than 10, with partial derivatives to expand.
 MOST_CHAINS = 10 if binding.get_host_cpu_features().get("avx512f") else 5
 
 NO_LIMIT = 1e300  # s, of a step
@@ -714,8 +714,8 @@ def _write_rest(module: Any, program: Program) -> None:
 class Tangents:
     """Rows of an array that tangents of the flights in the lanes are in.
 
-    A tangent is the derivative ξ of the state by a number x, which the strengths p of the law depend
-    on as well: ``ξ' = (∂f/∂state) ξ + (∂f/∂p) dp/dx``.
+    A tangent is the derivative ξ of the state by a number x, which the strengths p of the law may
+    depend on: ``ξ' = (∂f/∂state) ξ + (∂f/∂p) dp/dx``.
     """
 
     program: Program  # of `with_partials`
@@ -749,8 +749,8 @@ class _Tangents(_Writer):
 
     The first argument is the array of the expansion, the second that of `Tangents`. The integers
     are the order, the rows of a block and the number of tangents; the double is the number of times
-    that they are wanted at. Two tangents go at a time, in half of the lanes: their sums then stay in
-    registers, and what both are multiplied by is loaded once.
+    that they are wanted at. Two tangents go at once, in half of the lanes: their sums then stay in
+    registers, and a partial derivative is loaded once for both.
     """
 
     def __init__(self, module: Any, program: Program) -> None:
@@ -937,7 +937,8 @@ def _kernel(program: Program) -> Kernel:
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
     names = ("step", "expand_from_rest", "tangents")
-    return Kernel(Layout(program), *map(engine.get_function_address, names), engine)
+    step, rest, tangents = map(engine.get_function_address, names)
+    return Kernel(Layout(program), step, rest, tangents, engine)
 
 
 def kernel(program: Program) -> Kernel:

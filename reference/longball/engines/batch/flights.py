@@ -141,7 +141,7 @@ def fly_all(
     `steps`, of shape (steps, 1 + variables), is filled with time, s, and state at the beginning of
     each step of the one flight.
     """
-    none = np.empty((flights.size, 0, 0))
+    none = np.empty((0, 0, flights.size))
     return _flown(kernel, flights, order, truncation, none, none, steps)
 
 
@@ -150,16 +150,17 @@ def fly_all_with_tangents(
     flights: Records,
     order: int,
     truncation: float,
-    # shape (flights, tangents, sources): derivatives of variables and parameters by some numbers
+    # shape (sources, tangents, flights): derivatives of variables and parameters by some numbers
     changes: Array,
 ) -> tuple[Records, Array]:
     """Fly flights as `fly_all` does, and derivatives of the state with them.
 
-    Returns arrivals, and an array of shape (flights, times, tangents, variables): derivatives of the
-    state at the end, at the mark and where the ball is closest to the bat, each at a fixed time.
+    Returns arrivals, and derivatives of shape (times, variables, tangents, flights): of the state
+    at the end, at the mark and where the ball is closest to the bat, each at a fixed time.
     """
-    shape = len(changes), TIMES, changes.shape[1], len(kernel.layout.program.variables)
-    found = np.full(shape, math.nan)
+    shape = TIMES, len(kernel.layout.program.variables), *changes.shape[1:]
+    found = np.empty(shape)
+    found[1:] = math.nan  # a flight has no mark, or no bat
     return _flown(kernel, flights, order, truncation, changes, found), found
 
 
@@ -201,7 +202,7 @@ def _flown(
         (kernel.tangents, count, tangents.first(rows), tangents.size),
         (
             tangents.allocate(count, rows).ravel(),
-            np.ascontiguousarray(changes).ravel(),
+            changes.ravel(),
             found.ravel(),
         ),
     )
@@ -263,8 +264,8 @@ class _Setup(NamedTuple):
     across: Any
     above: Any
     state: Any  # of a flight at some time
-    # times: of each lane's step, s: how far it goes, where the flight is marked, where it is closest
-    # to the bat; NaN where it is not
+    # times: of each lane's step, s: how far it goes, where the flight is marked, and where it is
+    # closest to the bat; NaN where it is not
     times: Any
 
 
@@ -283,10 +284,11 @@ class _Slot(NamedTuple):
 class _Tangents(NamedTuple):
     """Tangents of the flights; see `longball.engines.batch.expansion.Tangents`."""
 
-    # code: address; count: of each flight; sources: numbers at their start; variables; first: row of
-    # the first one in the memory; size: rows of one
+    # code: address; flights: how many; each: tangents of one; sources: numbers at their start;
+    # variables; first: row of the first one in the memory; size: rows of one
     code: int
-    count: int
+    flights: int
+    each: int
     sources: int
     variables: int
     first: int
@@ -348,6 +350,7 @@ def _fly_all(
     )
     tangents = _Tangents(
         tangent_sizes[0],
+        count,
         tangent_sizes[1],
         variables + parameters,
         variables,
@@ -438,8 +441,8 @@ def _fly_all(
                 slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
             elif length == 0.0 or slot.mark[_STEPS] >= MOST_STEPS:
                 slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
-        if tangents.count > 0:
-            call(tangents.code, (x, s.times, order, rows, tangents.count, _wanted(s)))
+        if tangents.each > 0:
+            call(tangents.code, (x, s.times, order, rows, tangents.each, _wanted(s)))
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
                     _take_tangents(tangents, flying[lane], lane)
@@ -456,19 +459,19 @@ def _slot(pointers: Any, sizes: tuple[int, int, int], number: Integer, lane: int
 def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
     """Put the tangents of a flight into its lane."""
     parameters = t.sources - t.variables
-    for i in range(t.count):
-        source = shifted(t.starts, (number * t.count + i) * t.sources)
+    for i in range(t.each):
+        source = shifted(t.starts, i * t.flights + number)
         target = shifted(t.memory, (t.first + i * t.size) * WIDTH + lane)
         for k in range(parameters):
-            target[k * WIDTH] = source[t.variables + k]
+            target[k * WIDTH] = source[(t.variables + k) * t.each * t.flights]
         for k in range(t.variables):
-            target[(parameters + k) * WIDTH] = source[k]
+            target[(parameters + k) * WIDTH] = source[k * t.each * t.flights]
 
 
 @inner
 def _spoil_tangents(t: _Tangents, lane: int) -> None:
     """Give up the tangents of a flight."""
-    for i in range(t.count):
+    for i in range(t.each):
         target = shifted(t.memory, (t.first + i * t.size) * WIDTH + lane)
         for k in range(t.sources):
             target[k * WIDTH] = math.nan
@@ -476,7 +479,7 @@ def _spoil_tangents(t: _Tangents, lane: int) -> None:
 
 @inner
 def _wanted(s: _Setup) -> float:
-    """Return how many of the times the tangents are wanted at."""
+    """Return the number of the times up to the last one that a tangent is wanted at."""
     wanted = 1.0
     for k in range(1, TIMES):
         for lane in range(WIDTH):
@@ -492,12 +495,12 @@ def _take_tangents(t: _Tangents, number: Integer, lane: int) -> None:
     for k in range(TIMES):
         if math.isnan(t.memory[k * WIDTH + lane]):
             continue
-        for i in range(t.count):
+        for i in range(t.each):
             way = t.first + i * t.size + parameters + k * t.variables
             source = shifted(t.memory, way * WIDTH + lane)
-            target = shifted(t.found, ((number * TIMES + k) * t.count + i) * t.variables)
+            target = shifted(t.found, (k * t.variables * t.each + i) * t.flights + number)
             for j in range(t.variables):
-                target[j] = source[j * WIDTH]
+                target[j * t.each * t.flights] = source[j * WIDTH]
 
 
 @inner

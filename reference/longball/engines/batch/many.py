@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 from itertools import compress, pairwise
 from operator import attrgetter
 from types import NoneType, SimpleNamespace
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +28,9 @@ from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
+
+if TYPE_CHECKING:
+    from longball.engines.batch.slopes import SlopeTable, TangentFlyer
 
 # Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
 BLOCK = 16_384
@@ -102,7 +104,7 @@ def solve_columns_with_slopes(
     scene: Scene,
     columns: Mapping[str, ArrayLike],
     names: Sequence[str],
-    engine: BatchFlyer | None = None,
+    engine: TangentFlyer | None = None,
     threads: int = 1,
 ) -> tuple[dict[str, NDArray[Any]], Slopes]:
     """Solve columns as `solve_columns` does, and their derivatives by inputs of the scene.
@@ -113,9 +115,10 @@ def solve_columns_with_slopes(
     from longball.engines.batch import slopes  # brings ball arithmetic
     from longball.engines.tangent import derivatives_of
 
-    flyer, known = engine or _batch(), _checked(scene, columns)
+    flyer = engine or cast("TangentFlyer", _batch())
+    known = _checked(scene, columns)
 
-    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Any]) -> None:
+    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[SlopeTable]) -> None:
         part, jets = tables[0].part(rows), slopes.jets_for(rows.stop - rows.start)
         view = _view(scene, slopes.seeded_columns(scene, cells, names))
         run = slopes.SlopeColumns(view, flyer, MODEL, table=part, row=lambda i: None, jets=jets)
@@ -123,27 +126,26 @@ def solve_columns_with_slopes(
         part.withdraw_what_is_not_finite()
         part.conclude_doubt(jets.doubtful)
 
-    table: Any
-    if slopes.are_followed(scene):
-        (table,) = _in_blocks(
-            solve_block, scene, known, lambda n: [slopes.SlopeTable(n, len(names))], threads
-        )
-        table.alone |= table.outcome == UNSOLVED
-    else:
-        table = slopes.SlopeTable(_count(known), len(names))
-        vars(table).update(vars(_solve(scene, known, flyer, threads)))
-        table.doubtful[:] = True
+    (table,) = _in_blocks(
+        solve_block, scene, known, lambda n: [slopes.SlopeTable(n, len(names))], threads
+    )
+    table.alone |= table.outcome == UNSOLVED
+    table.doubtful |= table.alone
     found = _named(table, scene, known, flyer)
 
+    solver: Any = create("ivp")
     alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
     refused = {}
     for i in alone:
         cells = {name: column.item(i) for name, column in known.items()}
-        there = [name for name, column in table.columns.items() if _known(column[i : i + 1])[0]]
-        one = derivatives_of(quantities.replaced(scene, cells), there, names, create("ivp"))
+        there = [
+            name
+            for name, column in table.columns.items()
+            if column.dtype == float and np.isfinite(column[i]) and name not in DISCRETE
+        ]
+        one = derivatives_of(quantities.replaced(scene, cells), there, names, solver)
         for quantity, by in one.items():
-            if not all(math.isnan(x) for x in by.values()) or quantity in table.slopes:
-                table.put_slopes_of_row(quantity, i, [by[name] for name in names])
+            table.put_slopes_of_row(quantity, i, [by[name] for name in names])
         if one.refused:
             refused[i] = one.refused
     return found, Slopes(table.slopes, alone, refused)
@@ -172,9 +174,7 @@ def solve_columns_with_restitutions(
             chain.finish(_run(ball, cells, flyer, MODEL, part), contact)
             part.withdraw_what_is_not_finite()
 
-    tables = _in_blocks(
-        solve_block, scene, known, lambda n: [Table(n) for _ in balls], threads
-    )
+    tables = _in_blocks(solve_block, scene, known, lambda n: [Table(n) for _ in balls], threads)
     return [_named(t, ball, known, flyer) for ball, t in zip(balls, tables, strict=True)]
 
 
@@ -343,22 +343,23 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
 # The numbers of a scene that the law of motion is made of, in the frame of the ball's heading.
 _OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
 
+
 def _count(columns: Mapping[str, Array]) -> int:
     """Return the number of rows."""
     return max(map(len, columns.values()), default=1)
 
 
-SolveBlock = Callable[[slice, Mapping[str, Array], Sequence[Table]], None]
+T = TypeVar("T", bound=Table)
 
 
 def _in_blocks(
-    solve_block: SolveBlock,
+    solve_block: Callable[[slice, Mapping[str, Array], Sequence[T]], None],
     scene: Scene,
     columns: Mapping[str, Array],
-    empty: Callable[[int], list[Table]],  # tables of so many rows
+    empty: Callable[[int], list[T]],  # tables of so many rows
     threads: int,
     model: Model = MODEL,
-) -> list[Table]:
+) -> list[T]:
     """Fill tables by a function of rows, their columns and the tables, from several threads.
 
     What is zero is not computed: rows in a block have the same zeros in what their law is made of.

@@ -1,27 +1,36 @@
 """Derivatives in columns: the chain followed in jets whose numbers are columns.
 
-It is what `longball.engines.tangent` does of one scene, and gives the same derivatives; the compiled
-code flies them with the balls. A row in which a derivative is not known so well, or there may be
-none, is marked in the table, and left to be solved alone.
+It is what `longball.engines.tangent` does of one scene, and gives the same derivatives; the
+compiled code flies them with the balls. A row in which a derivative is not known so well, or there
+may be none, is marked in the table, and left to be solved alone.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
 from longball.engines.batch import flights, records
-from longball.engines.batch.columns import NUMBERS, Columns, Flights, Table, how_they_meet, not_flown
-from longball.engines.batch.records import Bat, Start
+from longball.engines.batch.columns import (
+    NUMBERS,
+    BatchFlyer,
+    Columns,
+    Flights,
+    Table,
+    how_they_meet,
+    not_flown,
+)
+from longball.engines.batch.expansion import TIMES
+from longball.engines.batch.flights import Records
+from longball.engines.batch.records import NOT_FLOWN, Bat, Start
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Touch
 from longball.engines.event import Event, Events, past
-from longball.engines.path import Flight, Path
+from longball.engines.path import Path
 from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.inputs import TRACKED, launched, tracks_of
@@ -29,6 +38,7 @@ from longball.model.law import Law, State
 from longball.model.quantities import number
 from longball.model.result import Outcome
 from longball.model.scene import FlightScene, Scene
+from longball.model.trace import Program
 
 # --- jets of columns ------------------------------------------------------------------------------
 
@@ -36,7 +46,8 @@ from longball.model.scene import FlightScene, Scene
 class ColumnJet(Jet):
     """A column of numbers, and their derivatives by some inputs.
 
-    The value is of shape (rows,) or a number; the rate of shape (inputs, rows) or (inputs, 1), or 0.
+    The value is of shape (rows,) or a number; the rate of shape (inputs, rows) or (inputs, 1), or
+    it is 0.
     """
 
     __slots__ = ()
@@ -58,10 +69,15 @@ class ColumnJet(Jet):
     def __ge__(self, other: Any) -> Any:
         return self.value >= plain_of(other)
 
+    def __eq__(self, other: object) -> Any:
+        return (self.value == plain_of(other)) & np.all(self.rate == rate_of(other), axis=0)
 
-@dataclass(frozen=True)
+    __hash__ = None
+
+
+@dataclass(frozen=True, eq=False)
 class ColumnSeed:
-    """A column of numbers in a scene that derivatives are taken by; see `longball.engines.tangent`."""
+    """A column of numbers in a scene that derivatives are taken by, as a `tangent.Seed`."""
 
     numbers: Any
     rates: Any  # as of `ColumnJet`
@@ -71,6 +87,11 @@ class ColumnSeed:
         return ColumnSeed(self.numbers + numbers, self.rates + rates)
 
     __radd__ = __add__
+
+    def __eq__(self, other: object) -> bool:
+        return bool(np.all(self.numbers == getattr(other, "numbers", other)))
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
@@ -174,15 +195,14 @@ class SlopeTable(Table):
     def conclude_doubt(self, doubtful: Flags) -> None:
         """Mark the rows that are left to be solved alone; also those without a derivative."""
         doubtful = doubtful | (self.outcome < 0)
-        for name, slopes in self.slopes.items():
+        for name, slopes in [*self.slopes.items()]:  # another thread may add some
             there = ~np.isnan(self.columns[name][self.rows])
             doubtful |= there & ~np.isfinite(slopes[:, self.rows].sum(axis=0))
         self.doubtful[self.rows] = doubtful
 
-    def in_order(self, places: Integers) -> SlopeTable:
+    def in_order(self, places: Integers) -> Self:
         """Return the table with its rows at other places."""
-        table = copy(self)
-        vars(table).update(vars(super().in_order(places)))
+        table = super().in_order(places)
         table.doubtful = np.empty_like(self.doubtful)
         table.doubtful[places] = self.doubtful
         table.slopes = {name: np.empty_like(slopes) for name, slopes in self.slopes.items()}
@@ -234,12 +254,6 @@ def _size(*components: Any) -> Any:
     return np.sqrt(sum(x * x for x in components))
 
 
-def are_followed(scene: Scene) -> bool:
-    """True if the chain of a scene is followed in jets: not past a fence or through the vertical."""
-    upward = scene.reading.lift_direction == "always_up"
-    return getattr(scene, "fence", None) is None and not upward
-
-
 # --- the run --------------------------------------------------------------------------------------
 
 
@@ -265,10 +279,17 @@ def _moved(
     """
     speeds = law.rates(NUMBERS)(*map(plain_of, state))
     late = -_quotient(change, falls(speeds))
-    moved = (
-        ColumnJet(x.value, x.rate + v * late) for x, v in zip(state, speeds, strict=True)
-    )
+    moved = (ColumnJet(x.value, x.rate + v * late) for x, v in zip(state, speeds, strict=True))
     return Start(ColumnJet(plain_of(time), rate_of(time) + late), type(state)(*moved))
+
+
+class TangentFlyer(BatchFlyer, Protocol):
+    """Protocol of engines that fly derivatives with the balls; `batch.engine.Batch` is one."""
+
+    def fly_all_with_tangents(
+        self, starts: Records, program: Program, changes: Array
+    ) -> tuple[Records, Array]:
+        """Fly records, and derivatives; see `longball.engines.batch.flights`."""
 
 
 @dataclass
@@ -277,8 +298,9 @@ class SlopeColumns(Columns):
 
     table: SlopeTable = field(kw_only=True)
     jets: ColumnJets = field(kw_only=True)
+    engine: TangentFlyer
 
-    numbers = property(lambda self: self.jets)  # type: ignore[assignment]
+    numbers = property(lambda self: self.jets)
 
     def decide(self, x: Any, error: Any, question: str, rows: Flags) -> tuple[Flags, Flags]:
         """See `Columns`."""
@@ -305,9 +327,14 @@ class SlopeColumns(Columns):
     ) -> JetFlights:
         """See `Run`."""
         plain, launch = _plain_law(law), Start(0.0, start)
-        still = Start(0.0, _plain_state(start))
         known = [_plain_event(event) for event in events]
-        alone = rows & records.starts_at_corner(plain, still.state)
+        if not records.flies_in_lanes(plain):
+            self.table.alone[self.table.rows] |= rows
+            stops: Any = NOT_FLOWN
+            return JetFlights(
+                Path(()), stops, *launch, launch, launch, numbers=self.jets, law=plain
+            )
+        alone = rows & records.starts_at_corner(plain, _plain_state(start))
         for event in known:
             alone = alone | (rows & ~np.isfinite(event.size))
         self.table.alone[self.table.rows] |= alone
@@ -335,21 +362,20 @@ class SlopeColumns(Columns):
         plain, state = _plain_law(law), _plain_state(start.state)
         still = Start(plain_of(start.time), state)
         program = records.general(plain).program
-        shape = flights.TIMES, len(program.variables), self.table.inputs, len(rows)
+        shape = TIMES, len(program.variables), self.table.inputs, len(rows)
         if not rows.any():
             return not_flown(plain, still, len(rows)), np.full(shape, math.nan)
-        error = self.engine.flight_error
-        limited = plain_of(limit), error
-        begun = records.records_of(plain, still, events, *limited, bat, rows)
+        error, until = self.engine.flight_error, plain_of(limit)
+        begun = records.records_of(plain, still, events, until, error, bat, rows)
         strengths = records.general(law).strengths
         sources = [*start.state, *(strengths[name] for name in program.parameters)]
-        changes = np.empty((self.table.inputs, begun.size, len(sources)))
-        for k, x in enumerate(sources):
+        changes = np.empty((len(sources), self.table.inputs, begun.size))
+        whole_block = begun.ndim == 0 or rows.all()
+        for change, x in zip(changes, sources, strict=True):
             rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
-            changes[:, :, k] = rate[:, :1] if begun.ndim == 0 else rate[:, rows]
-        ends, found = self.engine.fly_all_with_tangents(begun, program, changes.swapaxes(0, 1))
-        found = np.ascontiguousarray(found.transpose(1, 3, 2, 0))
-        if ends.ndim == 0 or rows.all():
+            change[...] = rate[:, : begun.size] if whole_block else rate[:, rows]
+        ends, found = self.engine.fly_all_with_tangents(begun, program, changes)
+        if whole_block:
             return ends, found
         every, whole = not_flown(plain, still, len(rows)), np.full(shape, math.nan)
         every[rows], whole[..., rows] = ends, found
@@ -439,7 +465,7 @@ class SlopeColumns(Columns):
         numbers.doubt(rows & (plain_of(distance) <= ON_THE_AXIS * section.reach))
 
         # the touching, where half the square of the distance falls at the rate d·v
-        time, state = self._noted(ends, found, law, 1)
+        state = self._noted(ends, found, law, 1).state
         noted = Start(*records.noted(ends, plain))
         state = type(state)(
             *(ColumnJet(plain_of(x), rate_of(y)) for x, y in zip(noted.state, state, strict=True))
