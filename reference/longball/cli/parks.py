@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from longball import engines
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import Json, named, reading_from, refusing, show, tell
+from longball.cli.cluster import Scheduler, on_cluster
+from longball.cli.common import Json, Workers, named, reading_from, refusing, show, tell
+from longball.engines.parallel import in_parallel
+from longball.model.changes import Changes
 from longball.model.jsonl import json_line
 from longball.model.scene import InvalidScene, parse_scene
 from longball.pitches.statcast import FOOT
@@ -29,6 +32,8 @@ def parks(
     set_: SetOption = None,
     reading: ReadingOption = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "ivp",
+    workers: Workers = 1,
+    scheduler: Scheduler = None,
     as_json: Json = False,
 ) -> None:
     """Tell in which parks batted balls are home runs, and by how much.
@@ -45,24 +50,35 @@ def parks(
     with refusing():
         solver = engines.create(engine)
     failed = told = 0
-    with reading_from(source) as lines:
-        for number, line in enumerate(lines, 1):
-            if not line.strip():
-                continue
+    with on_cluster(scheduler), reading_from(source) as lines:
+        tasks = (
+            (number, line, change, where, solver)
+            for number, line in enumerate(lines, 1)
+            if line.strip()
+        )
+        for name, found in in_parallel(_answer, tasks, -1 if scheduler else workers):
             told += 1
-            try:
-                scene = parse_scene(line, change)
-                found = in_parks(scene, where, solver)
-            except InvalidScene as error:
+            if isinstance(found, InvalidScene):
                 failed += 1
-                tell(f"line {number}: {error}")
+                tell(f"{name}: {found}")
                 continue
-            _show(scene.id or str(number), found, as_json)
+            _show(name, found, as_json)
             failed += all(each.result.error for each in found)
     if not told:
         tell(f"no scenes in {named(source)}")
     if failed or not told:
         raise typer.Exit(1)
+
+
+def _answer(
+    number: int, line: bytes, change: Changes | None, where: Sequence[Park], engine: Any
+) -> tuple[str, list[InPark] | InvalidScene]:
+    """Return the id of a scene on a line, or which line it is, and what it is in each park."""
+    try:
+        scene = parse_scene(line, change)
+        return scene.id or str(number), in_parks(scene, where, engine)
+    except InvalidScene as error:
+        return f"line {number}", error
 
 
 def _list(where: Sequence[Park]) -> None:
