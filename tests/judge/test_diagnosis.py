@@ -129,6 +129,23 @@ def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
     assert not reasoned.steps[0].explained
 
 
+def test_two_numbers_of_its_own_in_one_law_are_both_named():
+    """Neither explains the errors alone, nor most of them."""
+
+    def by_own_numbers(case: Case) -> Answer:
+        air = case.scene.air.model_copy(update={"density": 1.2})
+        scene = case.scene.model_copy(update={"air": air, "gravity": 9.81})
+        return Answer(case.id, case.expected.outcome, values_of(solve(scene, Ivp())))
+
+    cases = [case for case in load("flight-both") if decidable(case)][::3]
+    found = diagnose(cases, {case.id: by_own_numbers(case) for case in cases}).findings
+    (edit,) = (f.edit or "" for f in found if (f.stage, f.kind) == ("flight", "named"))
+    assert set(edit.split(" and ")) == {
+        "takes 9.81 for g, whatever the scene says",
+        "takes 1.2 for ρ_0, whatever the scene says",
+    }
+
+
 def test_a_mistake_in_one_option_of_a_switch_is_named_with_it():
     """As of a program that writes each law on its own: the drag crisis has the same spin."""
 

@@ -14,7 +14,7 @@ from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.expression import Values
 from longball.judge.diagnosis.operators import FREE, Edit, edits
 from longball.judge.diagnosis.residual import begun, data_of, specialised_to, take, values
-from longball.judge.diagnosis.response import Direct, Response, left_by
+from longball.judge.diagnosis.response import Direct, Effects, Response
 from longball.judge.diagnosis.search import defaults
 from longball.judge.quantities import values_of
 
@@ -76,9 +76,9 @@ def test_an_edit_leaves_nothing_of_its_own_errors_and_much_of_another(words: str
     edit = edit_of(chain, stage, columns, words)
     other = edit_of(chain, stage, columns, "takes -Ṽ·n")
     off = right.moved([(edit, None)])[0]
-    assert left_by(right, [edit], [()], off) == pytest.approx([0.0], abs=1e-12)
-    assert left_by(right, [other], [()], off)[0] > 1e-4
-    assert left_by(right, [edit], [()], -off) == [1.0]  # only forwards
+    assert Effects(right, [edit], [()], off).left() == pytest.approx([0.0], abs=1e-12)
+    assert Effects(right, [other], [()], off).left()[0] > 1e-4
+    assert Effects(right, [edit], [()], -off).left() == [1.0]  # only forwards
 
 
 def test_a_number_may_do_more_than_its_start():
@@ -87,4 +87,21 @@ def test_a_number_may_do_more_than_its_start():
     edit = edit_of(chain, stage, columns, "takes {c} for g, whatever the scene says")
     effects = Response(stage, Values(columns))
     off = effects.moved([(edit, 9.80665)])[0]
-    assert left_by(effects, [edit], [(9.8,)], off) == pytest.approx([0.0], abs=1e-9)
+    assert Effects(effects, [edit], [(9.8,)], off).left() == pytest.approx([0.0], abs=1e-9)
+
+
+def test_of_a_pair_both_edits_are_found_where_neither_fits_alone():
+    chain, stage, columns = stage_of("flight-both", "flight")
+    effects = Response(stage, Values(columns))
+    every = [e for e in edits(chain, stage, defaults(), columns) if "takes {c} times" in e.words]
+    gravity = edit_of(chain, stage, columns, "takes {c} for g, whatever the scene says")
+    mass = edit_of(chain, stage, columns, "takes {c} times m")
+    off = effects.moved([(gravity, 9.81), (mass, 1.0005)]).sum(axis=0)
+    every = [gravity, *every]
+    with np.errstate(all="ignore"):
+        found = Effects(effects, every, [(9.8,), *[(0.9,)] * (len(every) - 1)], off)
+    assert min(found.left()) > 1e-3
+    pair = {edit.words for edit, _ in found.pairs(1)[0]}
+    # Whatever scales both forces alike moves the ball as the mass does.
+    (other,) = pair - {gravity.words}
+    assert other in {f"takes {{c}} times {name}" for name in ("m", "ρ_0", "ρ", "A", "k", "π")}

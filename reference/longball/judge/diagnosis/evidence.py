@@ -38,25 +38,30 @@ def is_adequate(r: Array, rough: bool = False) -> bool:
 
 
 def fitted(
-    residual: Callable[[Array], Array], starts: Sequence[float], rounds: int = 8
-) -> tuple[float, Array, Array]:
-    """Free number with the smallest residual, that residual and its derivative.
+    residual: Callable[[Array], Array], starts: Sequence[Sequence[float]] | Array, rounds: int = 8
+) -> tuple[Array, Array, Array]:
+    """Free numbers with the smallest residual, that residual and its derivatives.
 
-    Gauss-Newton steps run from all starts at once. `residual` takes an array of numbers; the
-    first axis of its result is theirs.
+    Gauss-Newton steps run from all starts at once. `residual` takes an array of shape
+    (starts, numbers), as `starts` is; the first axis of its result is that of the starts. The first axis of the
+    derivatives is that of the numbers.
     """
-    c = np.array(starts)
+    c = np.array(starts, dtype=float)
     r, slope = _with_slope(residual, c)
-    for _ in range(rounds):
-        known = np.isfinite(slope) & np.isfinite(r)
-        steep = _squares(np.where(known, slope, 0.0))
-        along = np.where(known, slope * r, 0.0).sum(axis=(1, 2))
-        step = -np.divide(along, steep, out=np.zeros_like(along), where=steep > 0)
-        before, moving = _squares(r), step != 0.0
+    for _ in range(rounds if c.size else 0):
+        known = np.isfinite(slope).all(axis=1) & np.isfinite(r)
+        down, off = np.where(known[:, None], slope, 0.0), np.where(known, r, 0.0)
+        steep = np.sqrt(np.einsum("kirn,kirn->ki", down, down))
+        down /= np.where(steep > 0, steep, 1.0)[..., None, None]
+        normal = np.einsum("kirn,kjrn->kij", down, down)
+        along = np.einsum("kirn,krn->ki", down, off)
+        scaled = np.einsum("kij,kj->ki", np.linalg.pinv(normal, 1e-12, hermitian=True), along)
+        step = -np.divide(scaled, steep, out=np.zeros_like(scaled), where=steep > 0)
+        before, moving = _squares(r), (step != 0.0).any(axis=1)
         for share in (1.0, 0.3):  # far from the minimum a shorter step may succeed
             again, slopes = _with_slope(residual, c + share * step)
             better = moving & (_squares(again) < before)
-            c = np.where(better, c + share * step, c)
+            c = np.where(better[:, None], c + share * step, c)
             r[better], slope[better] = again[better], slopes[better]
             moving &= ~better
             if not moving.any():
@@ -64,13 +69,16 @@ def fitted(
         if not (_squares(r) <= STAYS * before).any():
             break
     best = int(np.argmin(_squares(r)))
-    return float(c[best]), r[best], slope[best]
+    return c[best], r[best], slope[best]
 
 
 def _with_slope(residual: Callable[[Array], Array], c: Array) -> tuple[Array, Array]:
+    starts, numbers = c.shape
     h = 1e-6 * np.maximum(np.abs(c), 1e-3)
-    r, beside = np.split(residual(np.concatenate([c, c + h])), 2)
-    return r.copy(), (beside - r) / h[:, None, None]
+    beside = c[:, None] + h[:, None] * np.eye(numbers)
+    every = residual(np.concatenate([c, beside.reshape(c.size, numbers)]))
+    r, moved = every[:starts].copy(), every[starts:].reshape(starts, numbers, *every.shape[1:])
+    return r, (moved - r[:, None]) / h[..., None, None]
 
 
 def _squares(r: Array) -> Array:

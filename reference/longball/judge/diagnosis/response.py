@@ -176,47 +176,130 @@ class Direct:
         return np.array([np.broadcast_to(value - old, shape) for value in every])
 
 
-def left_by(
-    effects: Response | Direct, edits: Sequence[Edit], starts: Sequence[Sequence[float]], off: Array
-) -> list[float]:
-    """Fraction of the squared errors that remains after a fit of each edit's effect.
+# An edit with a value of its free number, which is None if it has none.
+Trial = tuple[Edit, float | None]
 
-    The fit scales the effect freely. Each scene has the same weight: an error is divided by its
-    size in that scene, or by the median size where the scene is right. `starts` are values of each
-    edit's free number. The spin counts where nothing else is wrong.
+
+class Effects:
+    """How well the first-order effects of edits fit the errors, alone and in pairs.
+
+    A fit scales an effect freely; two values of a free number span its effects. Each scene has the
+    same weight: an error is divided by its size in that scene, or by the median size where the
+    scene is right. `starts` are values of each edit's free number. The spin counts where nothing
+    else is wrong.
     """
-    off = np.nan_to_num(off)
-    rows = slice(ROWS) if off[:ROWS].any() else slice(ROWS, None)
-    off = off[rows]
-    sizes = np.sqrt((off * off).sum(axis=0))
-    wrong = sizes > sizes.max(initial=0.0) * RIGHT
-    if not wrong.any():
-        return [1.0] * len(edits)
-    scale = np.where(wrong, sizes, np.median(sizes[wrong]))
-    a = (off / scale).ravel()
-    changes: list[Change] = []
-    trials = []  # of an edit: slices of its changes
-    for edit, numbers in zip(edits, starts, strict=True):
-        # Two values of a free number span its effects: its start may change a few scenes only.
-        first, width = len(changes), 2 if numbers else 1
-        values = [x for start in numbers for x in (start, OTHER * start or 0.1)]
-        changes += [(edit, x) for x in values or (None,)]
-        trials.append([slice(i, i + width) for i in range(first, len(changes), width)])
-    moved = effects.moved(changes)[:, rows]
-    moved = (np.broadcast_to(moved, (len(changes), *off.shape)) / scale).reshape(len(changes), -1)
-    moved = np.where(np.abs(moved) < FAR, moved, 0.0)
-    found = []
-    for numbers, slices in zip(starts, trials, strict=True):
-        best = 1.0
-        for b in (moved[some] for some in slices):
-            parts = np.linalg.lstsq(b.T, a, rcond=1e-9)[0]
-            if numbers or parts[0] > 0:
-                rest = a - parts @ b
-                best = min(best, float(rest @ rest) / float(a @ a))
-        found.append(best)
-    return found
+
+    def __init__(
+        self, way: Response | Direct, edits: Sequence[Edit], starts: Sequence[Sequence[float]],
+        off: Array,
+    ) -> None:  # fmt: skip
+        off = np.nan_to_num(off)
+        rows = slice(ROWS) if off[:ROWS].any() else slice(ROWS, None)
+        off = off[rows]
+        sizes = np.sqrt((off * off).sum(axis=0))
+        wrong = sizes > sizes.max(initial=0.0) * RIGHT
+        scale = np.where(wrong, sizes, np.median(sizes[wrong]) if wrong.any() else 1.0)
+        self.errors = (off / scale).ravel()
+        self.edits = edits
+        self.trials: list[Trial] = []
+        of, changes, second = [], list[Change](), []
+        for i, (edit, numbers) in enumerate(zip(edits, starts, strict=True)):
+            for start in numbers if len(numbers) else (None,):
+                self.trials.append((edit, start))
+                of.append(i)
+                changes.append((edit, start))
+                second.append(None if start is None else (edit, OTHER * start or 0.1))
+        self._of = np.array(of, int)
+        self._free = np.array([other is not None for other in second], bool)
+        every = way.moved([*changes, *filter(None, second)])[:, rows]
+        every = np.broadcast_to(every, (len(every), *off.shape)) / scale
+        every = np.where(np.abs(every) < FAR, every, 0.0).reshape(len(every), off.size)
+        moved, other = every[: len(changes)], np.zeros((len(changes), every.shape[1]))
+        # Orthonormal axes of the effects of each trial.
+        self._size, one = _unit(moved)
+        beside = every[len(changes) :]
+        along = np.einsum("ij,ij->i", one[self._free], beside)
+        across = beside - along[:, None] * one[self._free]
+        across[np.abs(across).max(axis=1) < PARALLEL * np.abs(beside).max(axis=1)] = 0.0
+        other[self._free] = across
+        self._axes = np.stack([one, _unit(other)[1]])
+
+    def left(self) -> list[float]:
+        """Fraction of the squared errors that remains after a fit of each edit's effect."""
+        found = np.ones(len(self.edits))
+        along = self._axes @ self.errors
+        forwards = self._free | (along[0] > 0)
+        if (whole := float(self.errors @ self.errors)) > 0.0:
+            rest = 1.0 - np.where(forwards, (along**2).sum(axis=0), 0.0) / whole
+            np.minimum.at(found, self._of, rest)
+        return found.tolist()
+
+    def pairs(self, count: int) -> list[tuple[Trial, Trial]]:
+        """Pairs of trials whose effects together fit the errors best, the best ones first.
+
+        An edit without a free number has to do about what it does alone.
+        """
+        a, distinct = self.errors, self._distinct()
+        one, other = self._axes[:, distinct]
+        free, size = self._free[distinct], self._size[distinct]
+        bits = np.array([self.trials[i][0].bits for i in distinct])
+        whole, numbers = float(a @ a), np.count_nonzero(a)
+        alone = whole - (one @ a) ** 2 - (other @ a) ** 2
+        found = []
+        for i in np.argsort(alone, kind="stable")[:FIRSTS]:
+            u, w = one[i], other[i]
+            rest = a - (u @ a) * u - (w @ a) * w
+            # The axes of the second, less their parts along those of the first; and the latter one
+            # less its part along the former.
+            uu, uw, wu, ww = one @ u, one @ w, other @ u, other @ w
+            n, m = 1.0 - uu**2 - uw**2, (other**2).sum(axis=1) - wu**2 - ww**2
+            slant = -(uu * wu + uw * ww)
+            with np.errstate(all="ignore"):
+                p = np.where(n > PARALLEL, (one @ rest) / n, 0.0)
+                across = m - slant**2 / n
+                q = np.where(across > PARALLEL, (other @ rest - slant * p) / across, 0.0)
+                by = p - np.where(q == 0.0, 0.0, slant / n * q)
+            fitted = np.where(p == 0.0, 0.0, n * p**2) + np.where(q == 0.0, 0.0, across * q**2)
+            left = np.maximum(rest @ rest - fitted, 0.0) / whole
+            does = free | ((by > size / ABOUT) & (by < size * ABOUT))
+            if not free[i]:
+                own = u @ a - uu * by - wu * q
+                does &= (own > size[i] / ABOUT) & (own < size[i] * ABOUT)
+            score = numbers / 2 * np.log2(np.maximum(left, LINEAR)) + bits + bits[i]
+            found += [
+                (score[j], i, j)
+                for j in np.argsort(np.where(does, score, np.inf), kind="stable")[:count]
+                if does[j]
+            ]
+        best = {frozenset((i, j)): (i, j) for _, i, j in sorted(found)}
+        return [
+            (self.trials[distinct[i]], self.trials[distinct[j]])
+            for i, j in [*best.values()][:count]
+        ]
+
+    def _distinct(self) -> list[int]:
+        """The cheapest trial of each direction of effects."""
+        probe = np.random.default_rng(0).normal(size=self.errors.shape)
+        shadow = sum((axis @ probe)[:, None] * axis for axis in self._axes)
+        sizes = np.where(self._free, 0.0, np.float32(self._size))
+        found: dict[bytes, int] = {}
+        for i in sorted(range(len(self.trials)), key=lambda i: self.trials[i][0].bits):
+            if self._size[i] > 0.0:
+                key = (np.round(shadow[i], 5) + 0.0).tobytes() + sizes[i].tobytes()
+                found.setdefault(key, i)
+        return [*found.values()]
+
+
+def _unit(rows: Array) -> tuple[Array, Array]:
+    """Sizes of vectors, and their directions."""
+    sizes = np.sqrt((rows * rows).sum(axis=1))
+    return sizes, np.divide(rows, sizes[:, None], out=np.zeros_like(rows), where=sizes[:, None] > 0)
 
 
 ROWS = 6  # position and velocity; the spin follows
 FAR = 1e9  # times the error: larger effects are ignored
 RIGHT = 1e-9  # of the largest error: a scene with a smaller one is right
+PARALLEL = 1e-7  # of an effect: a smaller part of it across another is rounding
+FIRSTS = 200  # edits that fit best alone: one of a pair is among them
+ABOUT = 2.0  # factor that the effect of a finite edit may differ by from that of first order
+LINEAR = 1e-6  # of the squared errors, what effects of first order leave of a right pair at least

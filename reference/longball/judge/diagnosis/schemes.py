@@ -273,9 +273,9 @@ class Steps:
         for _, fit, one in found:
 
             def left(steps: Array, one: Integrator = one) -> Array:
-                return np.array([self.left(one, abs(h), False, self.few) for h in steps])
+                return np.array([self.left(one, abs(h), False, self.few) for (h,) in steps])
 
-            c, *_ = fitted(left, (fit,))
+            (c,), *_ = fitted(left, [(fit,)])
             yield from ((one, x, False) for x, _ in rounded(abs(c)) if x > SHORTEST)
 
     def _holds(self, one: Integrator, h: float, chord: bool, some: Index | None = None) -> bool:

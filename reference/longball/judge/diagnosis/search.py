@@ -27,7 +27,14 @@ from longball.judge.diagnosis.evidence import (
     is_adequate,
     rounded,
 )
-from longball.judge.diagnosis.expression import Evaluator, Node, Values, ordered
+from longball.judge.diagnosis.expression import (
+    Evaluator,
+    Node,
+    Values,
+    contains,
+    ordered,
+    symbol,
+)
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
@@ -47,7 +54,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Direct, Response, left_by
+from longball.judge.diagnosis.response import Direct, Effects, Response
 from longball.judge.fresh import random_scenes
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
@@ -196,10 +203,11 @@ class Explanation:
     def _off(
         self, stage: Stage, some: Index, c: Array | None = None, limits: Stepping = FINE
     ) -> Array:
-        """Errors of a stage in some of `all` scenes; the first axis is that of the free number."""
-        c = np.zeros(1) if c is None else c
+        """Errors of a stage in some of `all` scenes, for each row of the free numbers."""
+        c = np.zeros((1, 0)) if c is None else c
         columns = take(self.columns, np.tile(self.all[some], len(c)))
-        columns |= {FREE: np.repeat(c, len(some)), "spin": columns[stage.spins]}
+        columns |= {name: np.repeat(x, len(some)) for name, x in zip(NUMBERS, c.T, strict=False)}
+        columns["spin"] = columns[stage.spins]
         way = self.data.way(stage) if limits.exact else None
         found = values(stage, columns, limits) if way is None else way(stage, columns)[0]
         rows = np.concatenate([np.atleast_2d(found[q]) for q in stage.quantities if q in found])
@@ -207,14 +215,15 @@ class Explanation:
         return np.asarray((-off if stage.kind == "event" else off).swapaxes(0, 1))
 
     def screened(self, stage: Stage) -> Callable[[Array], Array]:
-        """Errors in the first scenes as a function of the free number, in floors."""
+        """Errors in the first scenes as a function of the free numbers, in floors."""
         known = np.isfinite(self.off)
         if stage.kind != "flight":
-            evaluator = Evaluator([*stage.roots.values()], self.near, frozenset((FREE,)))
+            evaluator = Evaluator([*stage.roots.values()], self.near, frozenset(NUMBERS))
             given, sign = self._given(self.few), 1.0 if stage.kind == "event" else -1.0
 
             def at_once(numbers: Array) -> Array:
-                found = [sign * (evaluator(**{FREE: c})[0] - given) for c in numbers]
+                every = [dict(zip(NUMBERS, c, strict=False)) for c in numbers]
+                found = [sign * (evaluator(**one)[0] - given) for one in every]
                 r = np.array([(off + 0.0 * self.off) / self.roughly for off in found])
                 return np.where(known & ~np.isfinite(r), LOST, r)
 
@@ -227,7 +236,7 @@ class Explanation:
             for c, left, lost in zip(numbers, r, huge, strict=True):
                 if lost.any() and self._is_explained(left, ~lost):
                     # Shorter steps tell whether only the long ones leave the path.
-                    again = self._off(stage, self.few[lost], np.array([c]), MIDDLE)[0]
+                    again = self._off(stage, self.few[lost], c[None], MIDDLE)[0]
                     left[:, lost] = again / self.roughly[:, lost]
             return np.where(known & ~np.isfinite(r), LOST, r)
 
@@ -242,6 +251,10 @@ class Explanation:
         """The stage with an edit."""
         (stage,) = edit.apply([self.stage])
         return stage
+
+    def _residual(self, stage: Stage, some: Index, limits: Stepping) -> Callable[[Array], Array]:
+        """Errors in some of `all` scenes as a function of the free numbers, in floors."""
+        return lambda c: self._off(stage, some, c, limits) / self.base.floor[:, some]
 
     # --- the search -------------------------------------------------------------------------------
 
@@ -265,7 +278,8 @@ class Explanation:
         effects = (Response if flies else Direct)(self.stage, self.near)
         starts = [self._starts(edit, effects.at) for edit in cheapest]
         errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
-        shares = dict(zip(cheapest, left_by(effects, cheapest, starts, errors), strict=True))
+        self.fits = Effects(effects, cheapest, starts, errors)
+        shares = dict(zip(cheapest, self.fits.left(), strict=True))
         # Equal edits leave the same, and follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
@@ -285,10 +299,11 @@ class Explanation:
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
             if edit.starts:
-                c, r, _ = fitted(screened, self._starts(edit, effects.at))
-                group[0] = replace(edit, starts=(c,))
+                starts_of = [(start,) for start in self._starts(edit, effects.at)]
+                (c,), r, _ = fitted(screened, starts_of)
+                group[0] = replace(edit, starts=(float(c),))
             else:
-                (r,) = screened(np.zeros(1))
+                (r,) = screened(np.zeros((1, 0)))
             if (left := cost(r)) < NEARER * self.null:
                 found.append((left, group))
         found.sort(key=lambda one: one[0] + one[1][0].bits)
@@ -319,16 +334,12 @@ class Explanation:
         Also what it leaves in all scenes, and the number with its bits.
         """
         stage = self.edited(edit)
-
-        def residual(some: Index, limits: Stepping) -> Callable[[Array], Array]:
-            floor = self.base.floor[:, some]
-            return lambda c: self._off(stage, some, c, limits) / floor
-
         (start,) = edit.starts
         assert isinstance(start, float)
         with np.errstate(all="ignore"):
-            c, *_ = fitted(residual(self.few, MIDDLE), (start,), 2)
-            c, r, slope = fitted(residual(np.arange(len(self.all)), FINE), (c,), 1)
+            c, *_ = fitted(self._residual(stage, self.few, MIDDLE), [(start,)], 2)
+            every = self._residual(stage, np.arange(len(self.all)), FINE)
+            (c,), r, (slope,) = fitted(every, c[None], 1)
             usual = FACTORS if edit.factor else ()
             near = [(cost(r + slope * (x - c)) + bits, bits, x) for x, bits in rounded(c, usual)]
             _, bits, x = min(near)
@@ -339,12 +350,13 @@ class Explanation:
         """The cheapest edit that explains the stage in all scenes; or two, if none does."""
         found, tried = self.candidates()
         near = tuple(group[0] for left, group in found[:NEAR])
+        alone = min((left for left, _ in found), default=self.null)
         found = [(left, group) for left, group in found if left <= HALF * self.null]
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
         for i, (left, group) in enumerate(found[: self.effort.held]):
-            if left > RIVAL * self.null and (adequate or i > self.pairs):
+            if left > RIVAL * self.null and (adequate or i > 0):
                 continue
             edit, twins = group[0], group[1:TWINS]
             if edit.starts:
@@ -364,15 +376,77 @@ class Explanation:
         if adequate:
             return self._named(adequate, ask)
         partial.sort(key=lambda one: one[0])
-        for left, edit in partial[: self.pairs]:
-            if left > BESIDE * self.null_all:
-                break
+        for edit in self._in_pairs(alone) if self.pairs else ():
             if (both := self._with_another(edit)) is not None:
                 return both
         if not partial:
             return Located(near=near)
         left, edit = partial[0]
         return Located(edit, (left - edit.bits) / self.null_all, near)
+
+    @np.errstate(all="ignore")
+    def _in_pairs(self, best: float) -> list[Edit]:
+        """Edits that explain the first scenes beside another, the best first; see `Effects`.
+
+        Of each pair it is the one that explains more alone. `best` is what the best edit leaves.
+        """
+        found = []
+        for (one, a), (two, b) in self.fits.pairs(TOGETHER):
+            # What contains the other is edited before it.
+            if contains(one.place, two.place):
+                (one, a), (two, b) = (two, b), (one, a)
+            stage = self.edited(two)
+            if a is not None:
+                stage = _renamed(stage, *NUMBERS)
+            (stage,) = one.apply([stage])
+            starts = [x for x in (a, b) if x is not None]
+            c, r, _ = fitted(self.screened(stage), [starts], 4)
+            if (left := cost(r)) <= BETTER * best:
+                found.append((left + one.bits + two.bits, one, two, stage, c))
+        least = min((pair[0] for pair in found), default=0.0)
+        found = [pair for pair in found if pair[0] < least + RIVALS][:ELSEWHERE]
+        if len(found) > 1:
+            found.sort(key=lambda pair: pair[0] + self._elsewhere(pair[1], pair[2], pair[4]))
+        return [self._settled_beside(*pair[1:]) for pair in found[: self.pairs]]
+
+    def _settled_beside(self, one: Edit, two: Edit, stage: Stage, c: Array) -> Edit:
+        """The edit of a pair that explains more, with the roundest number that fits."""
+        numbers = np.split(c, [len(one.starts) and 1])
+        left = [
+            cost(self.screened(self.edited(edit))(number[None]))
+            for edit, number in zip((one, two), numbers, strict=True)
+        ]
+        which = int(left[1] < left[0])
+        chosen = (one, two)[which]
+        if not chosen.starts:
+            return chosen
+        with np.errstate(all="ignore"):
+            every = self._residual(stage, np.arange(len(self.all)), FINE)
+            c, r, slopes = fitted(every, c[None], 2)
+            at = which if len(c) == 2 else 0
+            known = np.isfinite(r) & np.isfinite(slopes).all(axis=0)
+            r, slopes = np.where(known, r, 0.0), np.where(known, slopes, 0.0)
+            other = slopes[1 - at] if len(c) == 2 else np.zeros_like(r)
+            size, near = max(float((other * other).sum()), TINY), []
+            for number, bits in rounded(c[at], FACTORS if chosen.factor else ()):
+                off = r + slopes[at] * (number - c[at])
+                off = off - (off * other).sum() / size * other
+                near.append((cost(off) + bits, bits, number))
+        _, bits, number = min(near)
+        return chosen.settled(number, bits)
+
+    def _elsewhere(self, one: Edit, two: Edit, c: Array) -> float:
+        """Bits that the errors of other stages cost if two edits are made there."""
+        numbers = [float(x) for x in c]
+        first = one.settled(numbers.pop(0), 0.0) if one.starts else one
+        second = two.settled(numbers.pop(0), 0.0) if two.starts else two
+        made, total = first.apply(second.apply(self.chain)), 0.0
+        for stage, was in zip(made, self.chain, strict=True):
+            if stage is not was and was is not self.stage:
+                some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
+                few = evenly(some, WRONG + RIGHT)
+                total += cost(_in_floors(compared(stage, self.data, self.columns, few)[0]))
+        return total
 
     def _with_another(self, edit: Edit) -> Named | None:
         """Two edits that explain the stage together, each of them better than chance."""
@@ -455,12 +529,16 @@ def asking(
 
 # Of the cost of the errors, what an adequate edit may leave in the first scenes.
 RIVAL = 0.2
+BETTER = 0.8  # of what the best edit leaves there, what a pair may leave
+TINY = 1e-300  # in place of 0 in a division
+ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chosen
+TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
+NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
 RIVALS = 10.0  # bits: an edit that costs so much more than another is none
 # An event function that is below NOTHING, m, in more than ANYWHERE of the random scenes holds
 # everywhere. A ball MOVED by this distance, m, has to change it by FLAT of the usual change.
 NOTHING, ANYWHERE = 1e-9, 0.1
 MOVED, FLAT = 0.1, 0.3
-BESIDE = 0.7  # of the cost of the errors, what an edit may leave for a second one
 
 
 def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
@@ -485,6 +563,13 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
         FREE: draw.uniform(0.2, 0.9, count), "spin": columns[stage.spins],
     }  # fmt: skip
     return moved
+
+
+def _renamed(stage: Stage, old: str, new: str) -> Stage:
+    """A stage with another name of a symbol."""
+    for node in [node for node in ordered(stage.roots.values()) if node.data == old]:
+        stage = stage.edited(node, symbol(new, node.dimension, node.vector))
+    return stage
 
 
 def _is_finite(stage: Stage, probe: Values) -> bool:
