@@ -18,7 +18,7 @@ import pandas as pd
 import pytest
 
 import longball as lb
-from longball import api, engines, tables
+from longball import api, engines, solution, tables
 from longball.model.quantities import flat, numbers
 from longball.pitches import prediction
 from longball.questions import movement, parks, spin
@@ -42,7 +42,9 @@ class TestImport:
         with pytest.raises(AttributeError, match="solv'"):
             _ = lb.solv
 
-    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, prediction, spin])
+    @pytest.mark.parametrize(
+        "module", [lb, api, solution, tables, movement, parks, prediction, spin]
+    )
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
         assert results.attempted > 0

@@ -16,8 +16,8 @@ from longball.engines.batch.records import (
     Bat,
     Start,
     approach_is_clear,
-    flies_in_lanes,
     general,
+    in_lanes,
     noted,
     placed,
     records_of,
@@ -118,13 +118,17 @@ def test_what_stopped_a_flight_is_told_by_the_events_that_it_had() -> None:
 
 
 def test_laws_that_the_compiled_code_takes() -> None:
-    assert flies_in_lanes(PLANE)
-    assert flies_in_lanes(law_with({"drag": 0.0075}))
-    assert flies_in_lanes(law_of_flight())
-    assert not flies_in_lanes(law_of_flight(gravity=0.0))
-    assert not flies_in_lanes(law_of_flight(spin_decay_length=100.0))
+    assert in_lanes(PLANE)
+    assert in_lanes(law_with({"drag": 0.0075}))
+    assert in_lanes(law_of_flight())
+    assert not in_lanes(law_of_flight(gravity=0.0))
+    assert not in_lanes(law_of_flight(spin_decay_length=100.0))
     table = {"law": "table", "of": "speed", "at": [1, 40], "values": [0.5, 0.3]}
-    assert not flies_in_lanes(law_of_flight(drag_coefficient=table))
+    assert not in_lanes(law_of_flight(drag_coefficient=table))
+    side = {"value": 0.1, "direction": [0, 1, 0]}
+    assert in_lanes(law_of_flight(side_coefficient=side)).form == (1,)
+    profile = {"velocity": [1, 0, 0], "height": 10}
+    assert not in_lanes(law_of_flight(side_coefficient=side, wind=profile))
 
 
 def test_laws_of_the_paper_are_completed_by_what_does_not_act() -> None:

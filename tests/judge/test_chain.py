@@ -13,8 +13,8 @@ from longball.judge.quantities import values_of
 
 FAMILIES = [
     "flight-vertical", "flight-both", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
-    "flight-wind", "flight-weather", "flight-real", "pitch", "impact", "impact-oblique", "at-bat",
-    "at-bat-real", "fence",
+    "flight-wind", "flight-weather", "flight-side", "flight-real", "pitch", "impact",
+    "impact-oblique", "at-bat", "at-bat-real", "fence",
 ]  # fmt: skip
 
 # Whose balls touch kinks of the law, or go along them: the chain cannot fly a few of these.

@@ -146,6 +146,19 @@ def test_two_numbers_of_its_own_in_one_law_are_both_named():
     }
 
 
+def test_a_wrong_default_is_named_with_the_scenes_that_leave_the_key_out():
+    def by_own_default(case: Case) -> Answer:
+        scene, ball = case.scene, case.scene.ball
+        if "mass" not in ball.model_fields_set:
+            scene = scene.model_copy(update={"ball": ball.model_copy(update={"mass": 0.1417})})
+        return Answer(case.id, case.expected.outcome, values_of(solve(scene, Ivp())))
+
+    every = [*load("defaults"), *load("impact")[::4]]
+    cases = [case for case in every if decidable(case) and case.scene.kind == "impact"]
+    found = diagnose(cases, {case.id: by_own_default(case) for case in cases}).findings
+    assert {f.edit for f in found} == {"takes 0.1417 for m where the scene leaves it out"}
+
+
 def test_a_mistake_in_one_option_of_a_switch_is_named_with_it():
     """As of a program that writes each law on its own: the drag crisis has the same spin."""
 

@@ -10,11 +10,11 @@ import typer
 from longball import engines
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
 from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import Json, Workers, named, reading_from, refusing, show, tell
+from longball.cli.common import AnyEngine, Json, Workers, named, refusing, show, tell
+from longball.cli.scenes import each_scene
 from longball.engines.parallel import in_parallel
-from longball.model.changes import Changes
 from longball.model.jsonl import json_line
-from longball.model.scene import InvalidScene, parse_scene
+from longball.model.scene import InvalidScene
 from longball.pitches.statcast import FOOT
 from longball.questions.parks import InPark, Park, in_parks, park
 from longball.questions.parks import parks as every_park
@@ -23,7 +23,7 @@ from longball.questions.parks import parks as every_park
 def parks(
     source: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENES|-]", help="Batted balls as JSON Lines; - reads stdin."),
+        typer.Argument(metavar="[SCENES|-]", help="Batted balls; - reads stdin."),
     ] = None,
     only: Annotated[
         list[str] | None,
@@ -31,7 +31,7 @@ def parks(
     ] = None,
     set_: SetOption = None,
     reading: ReadingOption = None,
-    engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "ivp",
+    engine: AnyEngine = "ivp",
     workers: Workers = 1,
     scheduler: Scheduler = None,
     as_json: Json = False,
@@ -39,7 +39,7 @@ def parks(
     """Tell in which parks batted balls are home runs, and by how much.
 
     Each scene is flown with the fence of each park, and at its elevation if the scene's density is
-    a weather. Without scenes the parks are listed, with their numbers in feet and their sources.
+    a weather. Without scenes the parks are listed, with some of their numbers, and their sources.
     """
     with refusing("--park: "):
         where = [park(name) for name in only] if only else [*every_park()]
@@ -50,15 +50,14 @@ def parks(
     with refusing():
         solver = engines.create(engine)
     failed = told = 0
-    with on_cluster(scheduler), reading_from(source) as lines:
+    with on_cluster(scheduler):
         tasks = (
-            (number, line, change, where, solver)
-            for number, line in enumerate(lines, 1)
-            if line.strip()
+            (number, str(scene) if isinstance(scene, InvalidScene) else scene, where, solver)
+            for number, scene in each_scene(source, change)
         )
         for name, found in in_parallel(_answer, tasks, -1 if scheduler else workers):
             told += 1
-            if isinstance(found, InvalidScene):
+            if isinstance(found, str):
                 failed += 1
                 tell(f"{name}: {found}")
                 continue
@@ -71,22 +70,25 @@ def parks(
 
 
 def _answer(
-    number: int, line: bytes, change: Changes | None, where: Sequence[Park], engine: Any
-) -> tuple[str, list[InPark] | InvalidScene]:
-    """Return the id of a scene on a line, or which line it is, and what it is in each park."""
+    number: int, scene: Any, where: Sequence[Park], engine: Any
+) -> tuple[str, list[InPark] | str]:
+    """Return the id of a scene and what it is in each park; or its line, and why it is none."""
+    if isinstance(scene, str):
+        return f"line {number}", scene
     try:
-        scene = parse_scene(line, change)
-        return scene.id or str(number), in_parks(scene, where, engine)
+        return str(scene.id), in_parks(scene, where, engine)
     except InvalidScene as error:
-        return f"line {number}", error
+        return f"line {number}", str(error)
 
 
 def _list(where: Sequence[Park]) -> None:
-    def feet(lengths: Sequence[float]) -> str:
-        return "/".join(f"{round(length / FOOT, 2):g}" for length in lengths)
-
-    rows = [[one.name, one.seasons, feet(one.distances), feet(one.walls)] for one in where]
-    show(["park", "seasons", "distances, ft", "walls, ft"], rows)
+    rows = []
+    for one in where:
+        left, *_, right = one.distances
+        far = f"{left / FOOT:.0f}/{max(one.distances) / FOOT:.0f}/{right / FOOT:.0f}"
+        walls = " to ".join(f"{top / FOOT:g}" for top in sorted({min(one.walls), max(one.walls)}))
+        rows.append([one.name, one.seasons, far, walls, str(len(one.walls)), one.source])
+    show(["park", "seasons", "left/farthest/right, ft", "walls, ft", "vertices", "source"], rows)
 
 
 def _show(name: str, found: list[InPark], as_json: bool) -> None:

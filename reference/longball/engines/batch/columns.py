@@ -298,15 +298,16 @@ class Columns(Run):
         self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
     ) -> Flights:
         """See `Run`. What the compiled code does not fly is left to be solved alone."""
-        launch = Start(0.0, start)
-        if records.flies_in_lanes(law):
-            alone = rows & records.starts_at_corner(law, start)
+        launch, form = Start(0.0, start), records.in_lanes(law)
+        if form is not None:
+            alone = rows & records.starts_at_corner(form, start)
             for event in events:
                 # The plate has no size for a pitch along its plane, which alone is an error.
                 alone = alone | (rows & ~np.isfinite(event.size))
-            ends = self._flown(law, launch, events, limit, rows & ~alone)
-            stops, arrived = records.stops(ends, events), records.placed(ends, law, events)
-            mark = records.noted(ends, law, "mark_")
+            over = [*events, *records.guards(form, start)]
+            ends = self._flown(form, launch, over, limit, rows & ~alone)
+            stops, arrived = records.stops(ends, over), records.placed(ends, form, over)
+            mark = records.noted(ends, form, "mark_")
         else:
             alone, stops, arrived, mark = rows, NOT_FLOWN, launch, launch
         self.table.alone[self.table.rows] |= alone
@@ -338,10 +339,13 @@ class Columns(Run):
         clear = records.approach_is_clear(bat, pitch.state.z)
         start = _where(self.numbers, clear, pitch.mark, pitch.launch)
         error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
-        over = [past(bat.frame, bat.reach, NUMBERS), *events]
-        ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
+        form = records.in_lanes(law)
+        assert form is not None  # under others no pitch has come to the plate
+        guards = records.guards(form, pitch.launch.state)
+        over = [past(bat.frame, bat.reach, NUMBERS), *events, *guards]
+        ends = self._flown(form, start, over, self.time_limit, rows, Bat(bat, error))
         code, margin = how_they_meet(ends, over)
-        return Touch(margin, code, *records.noted(ends, law))
+        return Touch(margin, code, *records.noted(ends, form))
 
     def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. What others than the compiled code fly is left to be solved alone."""

@@ -130,18 +130,21 @@ class Batch(ManyAtOnce):
         self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
-        if not records.flies_in_lanes(law) or records.starts_at_corner(law, start):
-            return replace(SCALAR.fly(law, start, events, limit), flown_by=SCALAR.description)
-        launch = Start(0.0, start)
-        flight, end = records.flown(self, law, launch, events, limit)
-        _require_answer(end, flight, events)
+        form = records.in_lanes(law)
+        if form is None or records.starts_at_corner(form, start):
+            return _fly_alone(law, start, events, limit)
+        launch, ends = Start(0.0, start), [*events, *records.guards(form, start)]
+        flight, end = records.flown(self, form, launch, ends, limit)
+        if records.is_guarded(end, events):
+            return _fly_alone(law, start, events, limit)
+        _require_answer(end, flight, ends)
         names = {number: name for name, number in records.STOPS.items()}
         return OneFlight(
-            Path(self._pieces(flight, records.general(law))),
-            names[records.stops(end, events).item()],
-            *_plain(records.placed(end, law, events)),
+            Path(self._pieces(flight, records.general(form))),
+            names[records.stops(end, ends).item()],
+            *_plain(records.placed(end, form, ends)),
             launch,
-            _plain(records.noted(end, law, "mark_")),
+            _plain(records.noted(end, form, "mark_")),
         )
 
     def touch(
@@ -153,16 +156,20 @@ class Batch(ManyAtOnce):
         limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        if not isinstance(pitch, OneFlight):
+        form = records.in_lanes(law)
+        if form is None or not isinstance(pitch, OneFlight):
             return SCALAR.touch(pitch, law, bat, events, limit)
         start = pitch.mark if records.approach_is_clear(bat, pitch.state.z) else pitch.launch
         error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
-        ends = [past(bat.frame, bat.reach, DOUBLES), *events]
-        flight, end = records.flown(self, law, start, ends, limit, records.Bat(bat, error))
+        over = [past(bat.frame, bat.reach, DOUBLES), *events]
+        ends = [*over, *records.guards(form, pitch.launch.state)]
+        flight, end = records.flown(self, form, start, ends, limit, records.Bat(bat, error))
+        if records.is_guarded(end, over):
+            return SCALAR.touch(pitch, law, bat, events, limit)
         margin = end["margin"].item()
         match end["stop"].item():
             case flights.TOUCH:
-                return Touch(margin, True, *_plain(records.noted(end, law)))
+                return Touch(margin, True, *_plain(records.noted(end, form)))
             case flights.GRAZES_BAT:
                 return Touch(margin, None, doubt=doubt(margin, error, TOUCHES, DOUBLES))
         _require_answer(end, flight, ends)
@@ -203,6 +210,13 @@ class Batch(ManyAtOnce):
         for (begin, *state), end in zip(way.tolist(), ends, strict=True):
             if begin < end:  # not too short a step to be seen in the time
                 yield PolynomialPiece(begin, end - begin, law.state, expand(np.array(state))[0])
+
+
+def _fly_alone(
+    law: Law[float], start: State[float], events: Events[float], limit: float
+) -> Flight[float]:
+    """Fly as the compiled code does not."""
+    return replace(SCALAR.fly(law, start, events, limit), flown_by=SCALAR.description)
 
 
 def _plain(start: Start) -> Start:

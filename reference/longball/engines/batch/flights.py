@@ -57,6 +57,7 @@ Records = NDArray[Any]
     UNDECIDED, UNDECIDED_FIRST, UNDECIDED_IN_TIME, GRAZES_BAT,
     INSIDE_BAT, UNDECIDED_RELEASE, OUT_OF_RANGE, TOO_LONG,
 ) = range(100, 110)  # fmt: skip
+DOUBTS = UNDECIDED, UNDECIDED_FIRST, UNDECIDED_IN_TIME
 # While it flies: on its way, at its waypoint, or at rest for a moment, at the apex of a flight
 # straight up.
 _FLYING, _AT_WAYPOINT, _AT_REST = -1, -2, -3

@@ -337,7 +337,7 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
     rubbed = isinstance(scene, AtBatScene) and scene.bat.friction is not None
     thrown = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     frame = Frame(0.0, 0.0, 1.0, 0.0, (1.0, 1.0, 1.0) if rubbed else thrown.spin)
-    return records.flies_in_lanes(law_of(scene, frame, DOUBLES, model.forces))
+    return records.in_lanes(law_of(scene, frame, DOUBLES, model.forces)) is not None
 
 
 # The numbers of a scene that the law of motion is made of, in the frame of the ball's heading.

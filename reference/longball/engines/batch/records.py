@@ -11,13 +11,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from longball.engines.arithmetic import Arithmetic
+from longball.engines.arithmetic import ARRAYS, Arithmetic
 from longball.engines.batch import flights
 from longball.engines.batch.flights import Records, new_flights
 from longball.engines.contact import BatSection
-from longball.engines.event import Events
+from longball.engines.event import Event, Events
+from longball.model.atmosphere import ROUGHNESS
 from longball.model.law import PAPER, Law, State, law_with
-from longball.model.vectors import cross
+from longball.model.vectors import cross, dot
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
 # pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
@@ -33,6 +34,7 @@ STOPS: Mapping[str, int] = {
     "fence": 4,
     "fence_behind": 5,
     "level": 6,
+    "aside": 7,
     "time": flights.TIME_LIMIT,
 }
 NOT_FLOWN = -1  # stands for what stopped it where there is no flight
@@ -45,21 +47,63 @@ class Start(NamedTuple):
     state: State[Any]
 
 
-def flies_in_lanes(law: Law[Any]) -> bool:
-    """True if the compiled code flies under a law.
+def in_lanes(law: Law[Any]) -> Law[Any] | None:
+    """Return the form of a law that the compiled code flies; None if it flies none.
 
     Not where the law has several forms, or a state has a path besides positions and velocities;
-    nor where nothing keeps a ball from going straight on, to where it comes to rest in a wind.
+    nor where nothing keeps a ball from going straight on, to where it comes to rest in a wind. A
+    side force has one form as long as it has a direction; see `guards`.
     """
-    if law.bends or "path" in law.variables:
-        return False
-    return law.is_paper or law.gravity is not None
+    if not all(bend.ends for bend in law.bends) or "path" in law.variables:
+        return None
+    if not law.is_paper and law.gravity is None:
+        return None
+    if not law.bends:
+        return law
+    return None if ROUGHNESS in law.strengths else law.on([1] * len(law.bends))
+
+
+# The part of `guards` that has to be left; and how large they have to be at the start, relative to
+# the airspeed and in m/s. An angle of `longball.model.law.ALONG` is far below, at any speed.
+_LEFT, _LEAST, _LEAST_SPEED = 1 / 16, 0.01, 1.0
+
+
+def guards(law: Law[Any], start: State[Any]) -> list[Event[Any]]:
+    """Return where flights under a law in lanes are left to be flown alone, as events.
+
+    That is well before a side force has no direction: what `Law.aside` gives is zero there. A part
+    of it is linear in the state: along itself at the start; or, better, along z, which gravity does
+    not change.
+    """
+    if "side" not in law.strengths:
+        return []
+    first = law.aside(law.state_of(start), ARRAYS)
+    whole = np.sqrt(dot(first, first))
+    along_z = 2.0 * np.abs(first[2]) >= whole
+    unit = tuple(
+        np.where(along_z, z, part / np.where(whole > 0.0, whole, 1.0))[()]
+        for part, z in zip(first, (0.0, 0.0, np.sign(first[2])), strict=True)
+    )
+    size = dot(unit, first)
+    question = "the side force comes near to where it has no direction"
+
+    def value(state: Any) -> Any:
+        return dot(unit, law.aside(state, ARRAYS)) - _LEFT * size
+
+    return [Event("aside", question, value, lambda state: state, size)]
+
+
+def is_guarded(end: Records, events: Events[Any]) -> Any:
+    """Tell which flights met a guard, which come behind their other events, or may have met one."""
+    of_guard = (end["stop"] >= len(events)) & (end["stop"] < flights.TIME_LIMIT)
+    doubted = (end["event"] >= len(events)) | (end["rival"] >= len(events))
+    return of_guard | (np.isin(end["stop"], flights.DOUBTS) & doubted)
 
 
 def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
     """Tell which flights of the extended model start where lift or drag has a corner.
 
-    Straight up or down through the air, or along their spin.
+    Straight up or down through the air, along their spin, or almost along a side force.
     """
     if law.is_paper:
         return np.False_
@@ -73,6 +117,9 @@ def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
         spin = [law.strengths.get(f"spin_{name}", 0.0) for name in "syz"]
         across = cross((spin[0], spin[1], spin[2]), (u, v, w))
         corner = corner | ((across[0] == 0.0) & (across[1] == 0.0) & (across[2] == 0.0))
+    for guard in guards(law, start):
+        least = np.maximum(_LEAST * np.sqrt(u * u + v * v + w * w), _LEAST_SPEED)
+        corner = corner | ~(guard.size > least)
     return corner
 
 

@@ -328,7 +328,7 @@ class SlopeColumns(Columns):
         """See `Run`."""
         plain, launch = _plain_law(law), Start(0.0, start)
         known = [_plain_event(event) for event in events]
-        if not records.flies_in_lanes(plain):
+        if plain.bends or records.in_lanes(plain) is None:  # a side force has bends in lanes, too
             self.table.alone[self.table.rows] |= rows
             stops: Any = NOT_FLOWN
             return JetFlights(
