@@ -110,6 +110,17 @@ def test_lines_have_the_same_answers(called, cluster: Cluster) -> None:
     assert there.stdout == here.stdout
 
 
+def test_balls_are_out_in_the_same_parks(called, cluster: Cluster) -> None:
+    lines = b"".join(
+        b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [%d, 5, 22]}}\n' % speed
+        for speed in (30, 40)
+    )
+    here = called("parks", "-", "--json", stdin=lines)
+    there = called("parks", "-", "--json", "--scheduler", cluster.address, stdin=lines)
+    assert there.returncode == 0, there.stderr
+    assert there.stdout == here.stdout
+
+
 # The last that needs both workers.
 @pytest.mark.nightly
 def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> None:

@@ -263,24 +263,28 @@ def solve(
         result = certified(asked, result)
         if result.certificate is not None:
             raise Undecided(result.certificate)
-    slopes = _derivatives(asked, result, solver, derivatives) if derivatives else None
+    slopes = derivatives_in(asked, result, solver, derivatives) if derivatives else None
     return Solution(asked, result, solver, trajectory, slopes)
 
 
-def _derivatives(
+def derivatives_in(
     scene: Scene, result: Result, engine: Engine[Any], names: bool | Sequence[str]
 ) -> Derivatives:
     """Return the derivatives of a result by some numbers of its scene, or by all."""
     from longball.engines.tangent import derivatives_of
 
-    if isinstance(names, bool):
-        chosen = [*inputs(scene)]
-    elif isinstance(names, str):
-        raise TypeError(f"derivatives = {names!r}: a list of names is needed, such as [{names!r}]")
-    else:
-        chosen = require_inputs(scene, names)
+    chosen = chosen_inputs(scene, names)
     quantities = [name for name, _ in numbers(result) if name not in chain.DISCRETE]
     return derivatives_of(scene, quantities, chosen, differentiable(engine))
+
+
+def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
+    """Return the names of some inputs of a scene, checked, or of all."""
+    if isinstance(names, bool):
+        return [*inputs(scene)]
+    if isinstance(names, str):
+        raise TypeError(f"derivatives = {names!r}: a list of names is needed, such as [{names!r}]")
+    return require_inputs(scene, names)
 
 
 def differentiable(engine: Engine[Any]) -> PathEngine[Any]:

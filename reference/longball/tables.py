@@ -12,7 +12,7 @@ import os
 import re
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any, cast, overload
@@ -22,7 +22,13 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from longball import engines
-from longball.api import as_engine, as_scene
+from longball.api import (
+    as_engine,
+    as_scene,
+    chosen_inputs,
+    derivatives_in,
+    differentiable,
+)
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
@@ -44,6 +50,9 @@ from longball.solution import Solution
 if TYPE_CHECKING:
     import pandas as pd
 
+    from longball.engines.path_engine import PathEngine
+    from longball.engines.tangent import Derivatives
+
 
 @overload
 def solve_many(
@@ -51,6 +60,7 @@ def solve_many(
     engine: str | Engine[Any] = "batch",
     *,
     certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
     paths: int | None = None,
     workers: int = -1,
     **options: Any,
@@ -63,6 +73,7 @@ def solve_many(
     engine: str | Engine[Any] = "batch",
     *,
     certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
     paths: int | None = None,
     workers: int = -1,
     **options: Any,
@@ -74,6 +85,7 @@ def solve_many(
     engine: str | Engine[Any] = "batch",
     *,
     certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
     paths: int | None = None,
     workers: int = -1,
     **options: Any,
@@ -96,6 +108,11 @@ def solve_many(
     certify
         Whether every number comes with a proven bound on its error; where there is none,
         ``certificate`` says why.
+    derivatives
+        As in `solve`. Of columns, a column ``landing.distance by launch.speed`` for each number of
+        the result and each of these numbers of the scene, NaN where there is none. ``derivatives``
+        names the engine that they are from: the compiled code leaves some rows to the engine ivp,
+        which takes a thousand times as long. ``refused`` says by which there is none, and why.
     paths
         Points of the path of each ball, evenly spaced in time, from the start of its scene to the
         end: of columns a column ``path`` of arrays of shape (paths, 7) with t (s), x, y, z (m), vx,
@@ -142,6 +159,8 @@ def solve_many(
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
         solver = Certifying(flyer)
+    if certify and derivatives:
+        raise ValueError("derivatives are not certified; engine = 'enclosure' proves them")
     if paths is not None:
         paths = engines.whole_number("paths", paths, 2)
         if certify:
@@ -151,7 +170,8 @@ def solve_many(
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
         names = getattr(scenes, "columns", scenes)
-        table = _solve_table({name: scenes[name] for name in names}, solver, workers, paths)
+        columns = {name: scenes[name] for name in names}
+        table = _solve_table(columns, solver, workers, paths, derivatives)
         _warn_of_repeated(table.get("id", ()))
         return table.set_axis(scenes.index) if hasattr(scenes, "columns") else table
     if isinstance(scenes, str | bytes | BaseModel):
@@ -162,7 +182,12 @@ def solve_many(
             f"not an object of type {type(scenes).__name__}"
         )
     solutions = [
-        Solution(asked if isinstance(asked, BaseModel) else None, result, flyer)
+        Solution(
+            asked if isinstance(asked, BaseModel) else None,
+            result,
+            flyer,
+            derivatives=_derivatives_alone(asked, result, flyer, derivatives),
+        )
         for asked, result in _asked_and_results(scenes, solver, workers, paths)
     ]
     _warn_of_repeated(solution.id for solution in solutions)
@@ -216,6 +241,7 @@ def _solve_table(
     solver: Engine[Any] | ManyAtOnce,
     workers: int,
     paths: int | None,
+    derivatives: bool | Sequence[str],
 ) -> pd.DataFrame:
     """Solve the scenes of columns; see `solve_many`."""
     for name in columns:
@@ -225,7 +251,7 @@ def _solve_table(
     ids = varied.pop("id", fixed.pop("id", None))
     frame = None
     if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all") and paths is None:
-        frame = _solve_as_columns(fixed, varied, solver, workers)
+        frame = _solve_as_columns(fixed, varied, solver, workers, derivatives)
     if frame is None:
         rows = [*_rows(fixed, varied, count)]
         scenes = (scene_of(row, _json_alone) for row in rows)
@@ -243,26 +269,106 @@ def _solve_table(
             points = np.empty(count, object)
             points[:] = [None if path is None else np.array(path, float) for path in flown]
             frame["path"] = points
+        if derivatives:
+            found = [_derivatives_alone(*one, solver, derivatives) for one in solved]
+            frame = _with_slopes(frame, *_slopes_alone(found, solver))
     if ids is not None and count:
         frame.insert(0, "id", ids)
     return frame
 
 
 def _solve_as_columns(
-    fixed: Mapping[str, Any], varied: dict[str, NDArray[Any]], solver: Any, workers: int
+    fixed: Mapping[str, Any],
+    varied: dict[str, NDArray[Any]],
+    solver: Any,
+    workers: int,
+    derivatives: bool | Sequence[str],
 ) -> pd.DataFrame | None:
     """Solve columns by the batch engine, without a scene for each; None if some row is no scene."""
-    from longball.engines.batch import solve_columns
+    from longball.engines.batch import solve_columns, solve_columns_with_slopes
 
     base = _all_valid(fixed, varied)
     if base is None:
         return None
-    table = solve_columns(base, varied, solver, workers)
+    slopes = None
+    if derivatives:
+        names = chosen_inputs(base, derivatives)
+        table, slopes = solve_columns_with_slopes(base, varied, names, solver, workers)
+    else:
+        table = solve_columns(base, varied, solver, workers)
     unsolved = np.flatnonzero(table["outcome"] == "").tolist()
     rows = ({n: column.item(i) for n, column in varied.items()} for i in unsolved)
     scenes = (scene_of({**fixed, **row}, _json_alone) for row in rows)
     reasons = (result for _, result in _asked_and_results(scenes, solver, workers))
-    return _with_engines_signed(_frame(table, dict(zip(unsolved, reasons, strict=True))))
+    frame = _with_engines_signed(_frame(table, dict(zip(unsolved, reasons, strict=True))))
+    if slopes is None:
+        return frame
+    columns = {
+        f"{quantity} by {name}": column
+        for quantity in sorted(slopes.columns, key=_place)
+        for name, column in zip(names, slopes.columns[quantity], strict=True)
+    }
+    by = np.full(len(frame), None, object)
+    by[table["outcome"] != ""] = signed(solver.description)
+    by[slopes.alone] = signed(_alone(solver).description)
+    refused = np.full(len(by), None, object)
+    for i, reasons_of_row in slopes.refused.items():
+        refused[i] = _told(reasons_of_row)
+    return _with_slopes(frame, columns, by, refused)
+
+
+# --- derivatives ----------------------------------------------------------------------------------
+
+
+def _alone(engine: Any) -> PathEngine[Any]:
+    """Return the engine that finds the derivatives of single scenes."""
+    return differentiable(engines.create("ivp") if isinstance(engine, ManyAtOnce) else engine)
+
+
+def _derivatives_alone(
+    scene: Scene | InvalidScene, result: Result, engine: Any, names: bool | Sequence[str]
+) -> Derivatives | None:
+    """Return the derivatives of a result, if any are asked for and it is one."""
+    if not names or isinstance(scene, InvalidScene) or result.error is not None:
+        return None
+    return derivatives_in(scene, result, _alone(engine), names)
+
+
+def _slopes_alone(
+    found: Sequence[Derivatives | None], engine: Any
+) -> tuple[dict[str, Any], Any, Any]:
+    """Return derivatives of rows as columns, the engine's name, and what is refused."""
+    there = [one for one in found if one is not None]
+    pairs = dict.fromkeys((q, name) for one in there for q, by in one.items() for name in by)
+    columns = {
+        f"{quantity} by {name}": np.array(
+            [
+                math.nan if one is None else float(one.get(quantity, {}).get(name, math.nan))
+                for one in found
+            ]
+        )
+        for quantity, name in sorted(pairs, key=lambda pair: _place(pair[0]))
+    }
+    by = [None if one is None else signed(_alone(engine).description) for one in found]
+    refused = [None if one is None or not one.refused else _told(one.refused) for one in found]
+    return columns, np.array(by, object), np.array(refused, object)
+
+
+def _told(refused: Mapping[str, str]) -> str:
+    return "; ".join(f"{name}: {reason}" for name, reason in refused.items())
+
+
+@naming_extras()
+def _with_slopes(
+    frame: pd.DataFrame, columns: Mapping[str, Any], by: Any, refused: Any
+) -> pd.DataFrame:
+    """Return a table of results with columns of derivatives, and where they are from."""
+    import pandas as pd
+
+    text = pd.StringDtype(na_value=math.nan)
+    told = {"derivatives": pd.array(by, text), "refused": pd.array(refused, text)}
+    slopes = pd.DataFrame({**columns, **told}, frame.index, copy=False)
+    return pd.concat([frame, slopes], axis=1)
 
 
 def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], int]:

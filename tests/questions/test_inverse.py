@@ -2,11 +2,13 @@
 
 import math
 import random
+import re
 
 import numpy as np
 import pytest
 
 import longball as lb
+from longball.model.inputs import value_of, with_values
 
 RECOVERED = 1e-10  # relative; of unknowns, from what is computed of a scene in doubles
 
@@ -45,39 +47,62 @@ UNKNOWNS = [
 
 def off(scene, unknowns):
     """Return the scene with unknowns some percent off."""
-    from longball.model.inputs import value_of, with_values
-
     return with_values(
         scene, {n: value_of(scene, n) * (1.05 if i % 2 else 0.96) for i, n in enumerate(unknowns)}
     )
 
 
 def recovered(found, scene, unknowns):
-    from longball.model.inputs import value_of
-
     return max(
         abs(found[name] - value_of(scene, name)) / max(1e-1, abs(value_of(scene, name)))
         for name in unknowns
     )
 
 
-def test_a_path_gives_its_scene_back(nightly):
-    for seed in range(1000 if nightly else 2):
+# A thousand random scenes at night, in pieces that `pytest -n` shares out; by day some of them.
+PIECES = pytest.mark.parametrize("first", range(0, 1000, 50))
+
+
+def seeds(first, nightly):
+    return range(first, first + (50 if nightly else 5))
+
+
+@PIECES
+@pytest.mark.sampled(every=20)
+def test_a_path_gives_its_scene_back(first, nightly):
+    for seed in seeds(first, nightly):
         scene = real(seed)
         seen = lb.solve(scene).path.sample(25)
         found = lb.fit(seen, off(scene, UNKNOWNS), unknowns=UNKNOWNS, sigma=0.01)
         assert recovered(found, scene, UNKNOWNS) < RECOVERED
 
 
-def test_a_landing_gives_its_launch_back(nightly):
+@PIECES
+@pytest.mark.sampled(every=4)
+def test_a_landing_gives_its_launch_back(first, nightly):
     names = ["landing.position[0]", "landing.position[1]", "landing.hang_time"]
     unknowns = UNKNOWNS[:3]
-    for seed in range(1000 if nightly else 2):
+    for seed in seeds(first, nightly):
         scene = real(seed)
         result = lb.solve(scene)
         seen = {name: result[name] for name in names}
         found = lb.fit(seen, off(scene, unknowns), unknowns=unknowns)
         assert recovered(found, scene, unknowns) < RECOVERED
+
+
+@PIECES
+@pytest.mark.sampled(every=20)
+def test_the_air_of_random_scenes_is_determined_by_its_products_alone(first, nightly):
+    # All forces of the air are ρ/m times something that knows neither.
+    for seed in seeds(first, nightly)[:: 1 if nightly else 5]:
+        scene = real(seed)
+        unknowns = ["launch.speed", "air.density", "launch.angle", "ball.mass"]
+        with pytest.raises(lb.CannotSolve, match="do not determine") as refused:
+            lb.fit(lb.solve(scene).path.sample(12), scene, unknowns=unknowns)
+        along = re.findall(r"([a-z.]+) ([+-][0-9.e-]+)", str(refused.value))
+        ratio = scene.ball.mass / scene.air.density
+        assert [name for name, _ in along] == ["air.density", "ball.mass"]
+        assert [float(x) for _, x in along] == pytest.approx([1.0, ratio], rel=1e-3)
 
 
 def test_a_pitch_gives_its_drag_back():
@@ -196,6 +221,23 @@ def test_a_curved_ball_lands_where_it_is_aimed():
         landing = lb.solve(hit).landing.position
         assert landing == pytest.approx((95.0, -20.0, 0.0), abs=1e-9)
         assert hit.launch.position == scene.launch.position
+
+
+@PIECES
+@pytest.mark.sampled(every=20)
+def test_random_scenes_say_how_far_they_get(first, nightly):
+    for seed in seeds(first, nightly)[:: 10 if nightly else 5]:
+        scene = real(seed)
+        with pytest.raises(lb.CannotSolve) as refused:
+            lb.aim(scene, 1000.0)
+        told = re.search(r"gets (\S+) m of 1000 m .* launch\.angle = (\S+)$", str(refused.value))
+        gets, angle = map(float, told.groups())
+        farthest = lb.solve(with_values(scene, {"launch.angle": angle}))
+        assert farthest.landing.distance == pytest.approx(gets, rel=1e-5)
+        low, *_, high = lb.aim(scene, 0.99 * gets)
+        for hit in (low, high):
+            assert lb.solve(hit).landing.distance == pytest.approx(0.99 * gets, abs=1e-9)
+        assert low.launch.velocity[2] < high.launch.velocity[2]
 
 
 def test_a_speed_is_found():

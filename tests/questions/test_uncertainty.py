@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import longball as lb
+from longball.model.quantities import nested
 
 
 def vacuum(angle):
@@ -39,29 +40,76 @@ def test_correlations_count():
         assert [*found] == ["landing.distance"]
 
 
-def test_where_the_second_order_is_small_monte_carlo_agrees(nightly):
-    spread = {"launch.velocity[0]": 0.4, "launch.velocity[2]": 0.4, "air.drag_coefficient": 0.01}
-    scene = lb.Flight(launch={"position": [0, 0, 1], "velocity": [38, 0, 16]})
+LAUNCH = {
+    "kind": "flight",
+    "launch.position[0]": 0.0, "launch.position[1]": 0.0, "launch.position[2]": 1.0,
+    "launch.velocity[0]": 38.0, "launch.velocity[1]": 0.0, "launch.velocity[2]": 16.0,
+}  # fmt: skip
+SPINNING = LAUNCH | {
+    "launch.spin[0]": 20.0, "launch.spin[1]": -200.0, "launch.spin[2]": 30.0,
+    "air.density": 1.1, "air.lift_coefficient.law": "rational",
+    "air.wind[0]": 2.0, "air.wind[1]": 1.0, "air.wind[2]": 0.0,
+}  # fmt: skip
+AT_BAT = {"kind": "at-bat", "pitch.speed": 38.6, "swing.height_offset": -0.03, "swing.tilt": 0.14}
+SMALL = [
+    (
+        LAUNCH | {"air.drag_coefficient": 0.4},
+        {"launch.velocity[0]": 0.4, "launch.velocity[2]": 0.4, "air.drag_coefficient": 0.01},
+        ["landing.distance", "landing.time"],
+    ),
+    (
+        SPINNING,
+        {"launch.spin[1]": 10.0, "air.density": 0.02, "air.wind[0]": 0.5},
+        ["landing.distance", "landing.position[1]", "apex.position[2]"],
+    ),
+    (
+        AT_BAT,
+        {"pitch.speed": 0.3, "swing.height_offset": 2e-4, "swing.tilt": 0.002},
+        ["landing.distance", "impact.velocity[0]", "plate.time"],
+    ),
+]
+
+
+def sampled(base, spread, n):
+    """Results of n scenes that are drawn, and of the one that they are drawn about."""
+    draws = np.random.default_rng(1).normal(size=(len(spread), n))
+    columns = {
+        name: base[name] + sigma * draws[i] for i, (name, sigma) in enumerate(spread.items())
+    }
+    return lb.solve_many(base | columns, engine="batch"), nested(base)
+
+
+@pytest.mark.parametrize(("base", "spread", "quantities"), SMALL)
+def test_where_the_second_order_is_small_monte_carlo_agrees(base, spread, quantities, nightly):
+    n = 1_000_000 if nightly else 20_000
+    solved, scene = sampled(base, spread, n)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = lb.uncertainty(scene, spread)
-    n = 1_000_000 if nightly else 20_000
-    rng = np.random.default_rng(1)
-    draws = rng.normal(size=(3, n))
-    columns = {
-        "kind": "flight",
-        "launch.position[0]": 0.0, "launch.position[1]": 0.0, "launch.position[2]": 1.0,
-        "launch.velocity[0]": 38 + 0.4 * draws[0],
-        "launch.velocity[1]": 0.0,
-        "launch.velocity[2]": 16 + 0.4 * draws[1],
-        "air.drag_coefficient": scene.air.drag_coefficient + 0.01 * draws[2],
-    }  # fmt: skip
-    solved = lb.solve_many(columns, engine="batch")
-    for name in ("landing.distance", "landing.time"):
+        found = lb.uncertainty(scene, spread, quantities=quantities)
+    assert solved["error"].isna().all()
+    for name in quantities:
         # The sample's own error is σ/√(2n); five of them, and what the second order adds.
         drawn = solved[name].std()
         second = found.second[name] ** 2 / (2 * found[name])
         assert abs(drawn - found[name]) < 5 * found[name] / math.sqrt(2 * n) + 2 * second
+        mean = solved[name].mean() - found.value[name]
+        assert abs(mean - found.shift[name]) < 5 * found[name] / math.sqrt(n) + second
+
+
+def test_where_the_second_order_is_large_the_warning_says_what_monte_carlo_finds(nightly):
+    # Near its greatest, the distance has σ² + second² for variance, and the mean is shifted.
+    n = 1_000_000 if nightly else 20_000
+    spread = {"launch.velocity[2]": 3.0}
+    solved, scene = sampled(LAUNCH | {"launch.velocity[2]": 34.0}, spread, n)
+    name = "landing.distance"
+    with pytest.warns(UserWarning, match="the second-order term is large"):
+        found = lb.uncertainty(scene, spread, quantities=[name])
+    size = math.hypot(found[name], found.second[name])
+    assert found.second[name] > found[name]
+    # The third order and the fourth are left, a tenth of the second.
+    assert abs(solved[name].std() / size - 1) < 0.1
+    mean = solved[name].mean() - found.value[name]
+    assert abs(mean / found.shift[name] - 1) < 0.1
 
 
 def test_where_the_second_order_is_large_it_is_said():

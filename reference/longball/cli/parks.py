@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from longball import engines
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import AnyEngine, Json, named, refusing, show, tell
+from longball.cli.cluster import Scheduler, on_cluster
+from longball.cli.common import AnyEngine, Json, Workers, named, refusing, show, tell
 from longball.cli.scenes import each_scene
+from longball.engines.parallel import in_parallel
 from longball.model.jsonl import json_line
 from longball.model.scene import InvalidScene
 from longball.pitches.statcast import FOOT
@@ -30,6 +32,8 @@ def parks(
     set_: SetOption = None,
     reading: ReadingOption = None,
     engine: AnyEngine = "ivp",
+    workers: Workers = 1,
+    scheduler: Scheduler = None,
     as_json: Json = False,
 ) -> None:
     """Tell in which parks batted balls are home runs, and by how much.
@@ -46,22 +50,35 @@ def parks(
     with refusing():
         solver = engines.create(engine)
     failed = told = 0
-    for number, scene in each_scene(source, change):
-        told += 1
-        try:
-            if isinstance(scene, InvalidScene):
-                raise scene
-            found = in_parks(scene, where, solver)
-        except InvalidScene as error:
-            failed += 1
-            tell(f"line {number}: {error}")
-            continue
-        _show(str(scene.id), found, as_json)
-        failed += all(each.result.error for each in found)
+    with on_cluster(scheduler):
+        tasks = (
+            (number, str(scene) if isinstance(scene, InvalidScene) else scene, where, solver)
+            for number, scene in each_scene(source, change)
+        )
+        for name, found in in_parallel(_answer, tasks, -1 if scheduler else workers):
+            told += 1
+            if isinstance(found, str):
+                failed += 1
+                tell(f"{name}: {found}")
+                continue
+            _show(name, found, as_json)
+            failed += all(each.result.error for each in found)
     if not told:
         tell(f"no scenes in {named(source)}")
     if failed or not told:
         raise typer.Exit(1)
+
+
+def _answer(
+    number: int, scene: Any, where: Sequence[Park], engine: Any
+) -> tuple[str, list[InPark] | str]:
+    """Return the id of a scene and what it is in each park; or its line, and why it is none."""
+    if isinstance(scene, str):
+        return f"line {number}", scene
+    try:
+        return str(scene.id), in_parks(scene, where, engine)
+    except InvalidScene as error:
+        return f"line {number}", str(error)
 
 
 def _list(where: Sequence[Park]) -> None:

@@ -16,8 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel
 
@@ -29,13 +28,12 @@ from longball.engines.engine import CannotSolve, Touch
 from longball.engines.event import Curve, Event, Events, Piece
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine
-from longball.model import trace
+from longball.engines.variation import RATE, variational
 from longball.model.inputs import TRACKED, launched, tracked, value_of
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers, Undecided
 from longball.model.quantities import steps_of, unknown
 from longball.model.scene import InvalidScene, Scene
-from longball.model.trace import Program, parameter, variable
 
 B = TypeVar("B", bound=BaseModel)
 
@@ -87,42 +85,46 @@ class Jet:
 
     def __add__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
-            return Jet(self.value + other.value, self.rate + other.rate)
-        return NotImplemented if isinstance(other, Dual) else Jet(self.value + other, self.rate)
+            return type(self)(self.value + other.value, self.rate + other.rate)
+        if isinstance(other, Dual):
+            return NotImplemented
+        return type(self)(self.value + other, self.rate)
 
     __radd__ = __add__
 
     def __neg__(self) -> Jet:
-        return Jet(-self.value, -self.rate)
+        return type(self)(-self.value, -self.rate)
 
     def __sub__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
-            return Jet(self.value - other.value, self.rate - other.rate)
-        return NotImplemented if isinstance(other, Dual) else Jet(self.value - other, self.rate)
+            return type(self)(self.value - other.value, self.rate - other.rate)
+        if isinstance(other, Dual):
+            return NotImplemented
+        return type(self)(self.value - other, self.rate)
 
     def __rsub__(self, other: Any) -> Jet:
-        return Jet(other - self.value, -self.rate)
+        return type(self)(other - self.value, -self.rate)
 
     def __mul__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
             rate = self.rate * other.value + self.value * other.rate
-            return Jet(self.value * other.value, rate)
+            return type(self)(self.value * other.value, rate)
         if isinstance(other, Dual):
             return NotImplemented
-        return Jet(self.value * other, self.rate * other)
+        return type(self)(self.value * other, self.rate * other)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
             ratio = self.value / other.value
-            return Jet(ratio, (self.rate - ratio * other.rate) / other.value)
+            return type(self)(ratio, (self.rate - ratio * other.rate) / other.value)
         if isinstance(other, Dual):
             return NotImplemented
-        return Jet(self.value / other, self.rate / other)
+        return type(self)(self.value / other, self.rate / other)
 
     def __rtruediv__(self, other: Any) -> Jet:
-        return Jet(other) / self
+        return type(self)(other) / self
 
     def __abs__(self) -> Jet:
         return -self if self.value < 0 else self
@@ -164,10 +166,12 @@ class Jets:
 
     inner: Any  # a number system
 
+    jet: ClassVar[type[Jet]] = Jet
+
     @property
     def pi(self) -> Jet:
         """The constant."""
-        return Jet(self.inner.pi)
+        return self.jet(self.inner.pi)
 
     @property
     def rounding(self) -> float:
@@ -187,10 +191,10 @@ class Jets:
 
         def exp(x: Jet) -> Jet:
             value = of["exp"](x.value)
-            return Jet(value, value * x.rate)
+            return self.jet(value, value * x.rate)
 
         def log(x: Jet) -> Jet:
-            return Jet(of["log"](x.value), x.rate / x.value)
+            return self.jet(of["log"](x.value), x.rate / x.value)
 
         def unit(part: Any, whole: Any) -> Any:
             return part / whole if whole != 0 else part * 0
@@ -222,7 +226,7 @@ class Jets:
     def cos_sin(self, angle: Jet) -> tuple[Jet, Jet]:
         """See `Numbers`."""
         cos, sin = self.inner.cos_sin(angle.value)
-        return Jet(cos, -sin * angle.rate), Jet(sin, cos * angle.rate)
+        return self.jet(cos, -sin * angle.rate), self.jet(sin, cos * angle.rate)
 
     def angle(self, y: Any, x: Any) -> Jet:
         """Return the angle from the x axis to a vector, rad."""
@@ -251,54 +255,6 @@ class Shallow(CannotSolve):
 
 
 # --- flights --------------------------------------------------------------------------------------
-
-# Of the names of derivatives.
-_RATE = "_rate"
-
-
-@cache
-def variational(program: Program) -> Program:
-    """Return the program of a law together with its variational equation.
-
-    Variables and parameters are followed by their derivatives.
-    """
-    known = (*program.variables, *program.parameters)
-    # Parameters, too, are something to take derivatives by.
-    names = [variable(name) for name in known]
-    functions: dict[str, Callable[..., Any]] = {
-        "sqrt": trace.sqrt,
-        "exp": trace.exp,
-        "log": trace.log,
-        "unit": _quotient,
-    }
-    of_names = program.bind(dict(zip(known, names, strict=True)), functions)
-    rates = [variable(name + _RATE) for name in known]
-    derived: list[dict[Any, Any]] = [{} for _ in known]
-    changes = [
-        trace.total(
-            trace.derivative(trace.as_node(output), name, found) * rate
-            for name, rate, found in zip(names, rates, derived, strict=True)
-        )
-        for output in of_names(*names[: len(program.variables)])
-    ]
-    as_they_were = [
-        make(name + ending)
-        for ending in ("", _RATE)
-        for make, group in ((variable, program.variables), (parameter, program.parameters))
-        for name in group
-    ]
-    again = Program((*known, *(name + _RATE for name in known)), (), tuple(changes)).bind(
-        {}, functions
-    )
-    return Program(
-        (*program.variables, *(name + _RATE for name in program.variables)),
-        (*program.parameters, *(name + _RATE for name in program.parameters)),
-        (*program.outputs, *map(trace.as_node, again(*as_they_were))),
-    )
-
-
-def _quotient(a: Any, b: Any) -> Any:
-    return a / b
 
 
 @dataclass(frozen=True)
@@ -338,7 +294,7 @@ class Tangent(PathEngine[Jet]):
         values = {name: plain_of(x) for name, x in law.strengths.items()}
         numbers = self.inner.numbers
         nothing = numbers.exact(0.0)
-        changes = {f"{name}{_RATE}": nothing + rate_of(x) for name, x in law.strengths.items()}
+        changes = {f"{name}{RATE}": nothing + rate_of(x) for name, x in law.strengths.items()}
         code = variational(law.program)
         flown = Law(code, {name: (values | changes)[name] for name in code.parameters}, law.shape)
         rates = flown.rates(numbers)
@@ -375,13 +331,13 @@ class Tangent(PathEngine[Jet]):
         than a derivative needs, has a margin without one.
         """
         found = super().touch(pitch, law, bat, events, limit)
-        if abs(bat.reach - found.margin) > _ON_THE_AXIS * bat.reach:
+        if abs(bat.reach - found.margin) > ON_THE_AXIS * bat.reach:
             return found
         return replace(found, margin=Jet(plain_of(found.margin), rate_of(found.margin) * math.nan))
 
 
 # Of the reach: the direction in which a pitch passes the axis is then known to six digits.
-_ON_THE_AXIS = 1e-9
+ON_THE_AXIS = 1e-9
 
 
 def _inner_event(event: Event[Jet], state: Callable[..., Any]) -> Event[Any]:
@@ -505,21 +461,26 @@ class JetCurve:
         return rate_of(up) - rate_of(level)  # the constants of an event change, too
 
     def _require_steep(self, here: Any, falls: Any, speeds: Sequence[Any]) -> None:
-        """Require ġ to be known to as many digits as a derivative is to have.
-
-        An error ε of places makes one of ``ε/s²`` of ġ, relative, where a surface is met at the
-        angle s: as deep below as the ball gets, ``s² V²/(2 a)``, it may get ε less or more.
-        """
+        """Require ġ to be known to as many digits as a derivative is to have."""
         if not self.piece.rounding:
             return
         places = [n for n, name in enumerate(here._fields) if name in ("s", "y", "z")]
         speed = math.hypot(*(speeds[n] for n in places))
         across = math.hypot(*(self._slope(here, n) for n in places)) * speed
-        if self.piece.rounding * _ROUNDINGS * across**2 > _GOOD * falls**2:
+        if not is_steep(falls, across, self.piece.rounding):
             raise Shallow(
                 "a surface is met at so small an angle that doubles know too few digits of a "
                 "derivative; take the engine enclosure"
             )
+
+
+def is_steep(falls: Any, across: Any, rounding: float) -> Any:
+    """True if ġ, which is at most `across`, is known to as many digits as a derivative is to have.
+
+    An error ε of places makes one of ``ε/s²`` of ġ, relative, where a surface is met at the angle
+    s: as deep below as the ball gets, ``s² V²/(2 a)``, it may get ε less or more.
+    """
+    return rounding * _ROUNDINGS * across**2 <= _GOOD * falls**2
 
 
 # Of a piece: what ġ is compared over for its own rate, three digits of which are enough.
@@ -635,7 +596,7 @@ def derivatives_of(
         slopes: Mapping[str, Any] = {}
         try:
             slopes = derivatives_by(scene, name, engine)
-        except (CannotSolve, Undecided) as error:
+        except (CannotSolve, Undecided, ValueError) as error:
             refused[name] = str(error)
         for quantity, row in table.items():
             row[name] = engine.numbers.report(slopes[quantity]) if quantity in slopes else math.nan

@@ -8,7 +8,7 @@ spin along axes that go with it (A. M. Nathan's convention): they are inputs, to
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from pydantic import ValidationError
 
@@ -88,12 +88,22 @@ def tracked(scene: Scene) -> dict[str, float]:
     """
     if not isinstance(scene, FlightScene) or not any(scene.launch.velocity):
         return {}
-    x, y, z = scene.launch.velocity
-    angle, direction = math.atan2(z, math.hypot(x, y)), math.atan2(y, x)
-    found = dict(zip(OF_VELOCITY, (math.hypot(x, y, z), angle, direction), strict=True))
-    if scene.launch.spin is not None:
-        along, back, side = axes_of(angle, direction, DOUBLES)
-        spin = scene.launch.spin
+    return tracks_of(scene.launch.velocity, scene.launch.spin, DOUBLES, math.hypot, math.atan2)
+
+
+def tracks_of(
+    velocity: Vector[N],
+    spin: Vector[N] | None,
+    numbers: Numbers[N],
+    size: Callable[..., N],  # of a vector, from its components
+    turn: Callable[[N, N], N],  # from the x axis to a vector, rad, from y and x
+) -> dict[str, N]:
+    """Return a velocity and a spin in trackers' quantities; see `tracked`."""
+    x, y, z = velocity
+    angle, direction = turn(z, size(x, y)), turn(y, x)
+    found = dict(zip(OF_VELOCITY, (size(x, y, z), angle, direction), strict=True))
+    if spin is not None:
+        along, back, side = axes_of(angle, direction, numbers)
         parts = dot(spin, back), dot(spin, side), dot(spin, along)
         found |= dict(zip(OF_SPIN, parts, strict=True))
     return found

@@ -3,10 +3,15 @@
 `expansion` makes machine code of a law: the series of sixteen flights; `flights` flies records to
 their ends, whose events `roots` finds on a step's polynomials, in code that `jit` helps to compile.
 `records` writes and reads the records; `engine` makes an engine of it, for one scene at a time;
-`columns` gives the chain columns for numbers, and `many` is what one calls.
+`columns` gives the chain columns for numbers, `slopes` columns with derivatives, and `many` is what
+one calls.
 """
 
 from longball.engines.batch.engine import Batch
-from longball.engines.batch.many import solve_columns, solve_columns_with_restitutions
+from longball.engines.batch.many import (
+    solve_columns,
+    solve_columns_with_restitutions,
+    solve_columns_with_slopes,
+)
 
-__all__ = ["Batch", "solve_columns", "solve_columns_with_restitutions"]
+__all__ = ["Batch", "solve_columns", "solve_columns_with_restitutions", "solve_columns_with_slopes"]

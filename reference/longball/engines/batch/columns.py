@@ -12,9 +12,10 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, cast, get_args
+from typing import Any, Protocol, Self, cast, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records, Stop
@@ -97,6 +98,10 @@ class Elementwise:
         """Tell where ``x > 0``, of numbers without error."""
         return x > 0.0
 
+    def missing(self, x: Array) -> Any:
+        """Tell where there is no number."""
+        return np.isnan(x)
+
 
 NUMBERS: Any = Elementwise()
 
@@ -135,7 +140,7 @@ class Table:
         """The outcomes, as places in OUTCOMES."""
         return self.whole[self.rows]
 
-    def part(self, rows: slice) -> Table:
+    def part(self, rows: slice) -> Self:
         """Return the table of a range of rows."""
         part = copy(self)
         part.rows = rows
@@ -187,12 +192,17 @@ class Table:
                 overflown |= reached & np.isnan(self.columns[quantity][self.rows])
         self.outcome[overflown] = UNSOLVED
 
-    def in_order(self, places: Integers) -> Table:
+    def in_order(self, places: Integers) -> Self:
         """Return the table with its rows at other places."""
-        table = Table(len(self))
-        table.whole[places], table.alone[places] = self.whole, self.alone
-        for name, column in self.columns.items():
-            table.column(name, column)[places] = column
+
+        def placed(column: NDArray[Any]) -> NDArray[Any]:
+            moved = np.empty_like(column)
+            moved[places] = column
+            return moved
+
+        table = copy(self)
+        table.whole, table.alone = placed(self.whole), placed(self.alone)
+        table.columns = {name: placed(column) for name, column in self.columns.items()}
         return table
 
 
@@ -223,11 +233,12 @@ class Flights(Flight[Any]):
 
     launch: Start
     mark: Start
+    numbers: Any = field(default=NUMBERS, kw_only=True)
 
     def highest(self, numbers: Any) -> Start:
         """See `Flight.highest`; NaN where there is none."""
-        lower = np.isnan(self.mark.time) | (self.launch.state.z > self.mark.state.z)
-        return _where(lower & ~(self.launch.state.w > 0.0), self.launch, self.mark)
+        lower = numbers.missing(self.mark.time) | (self.launch.state.z > self.mark.state.z)
+        return _where(numbers, lower & ~(self.launch.state.w > 0.0), self.launch, self.mark)
 
     def stopped(self, name: str) -> Any:
         """Return flags of the flights that an event of that name stopped."""
@@ -237,19 +248,21 @@ class Flights(Flight[Any]):
         """Return these flights, those of `second` that were flown going on where these ended."""
         flown = second.stop != NOT_FLOWN  # type: ignore[comparison-overlap]
         stop: Any = np.where(flown, second.stop, self.stop)[()]
+        numbers = self.numbers
         end = Start(self.time + second.time, second.state)
-        time, state = _where(flown, end, Start(self.time, self.state))
-        top, other = self.highest(NUMBERS), cast(Start, second.highest(NUMBERS))
+        time, state = _where(numbers, flown, end, Start(self.time, self.state))
+        top, other = self.highest(numbers), cast(Start, second.highest(numbers))
         later = Start(self.time + other.time, other.state)
-        higher = np.isnan(top.time) | (later.state.z > top.state.z)
-        mark = _where(flown, _where(higher, later, top), self.mark)
+        higher = numbers.missing(top.time) | (later.state.z > top.state.z)
+        mark = _where(numbers, higher, later, top)
+        mark = _where(numbers, flown, mark, self.mark)
         return replace(self, stop=stop, time=time, state=state, mark=mark)
 
 
-def _where(flags: Any, yes: Start, no: Start) -> Start:
+def _where(numbers: Any, flags: Any, yes: Start, no: Start) -> Start:
     """Return times and states: those of `yes` where a flag is set, else those of `no`."""
-    state = (np.where(flags, a, b)[()] for a, b in zip(yes.state, no.state, strict=True))
-    return Start(np.where(flags, yes.time, no.time)[()], type(no.state)(*state))
+    state = (numbers.where(flags, a, b) for a, b in zip(yes.state, no.state, strict=True))
+    return Start(numbers.where(flags, yes.time, no.time), type(no.state)(*state))
 
 
 @dataclass
@@ -314,11 +327,7 @@ class Columns(Run):
             _, flown = records.flown(self.engine, law, start, events, limit, bat, rows)
             if flown.ndim == 0 or rows.all():
                 return flown
-        program = records.general(law).program
-        ends = np.zeros(len(rows), flights.arrival_dtype(program))
-        ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
-        for name in program.variables:
-            ends[name] = getattr(start.state, name)
+        ends = not_flown(law, start, len(rows))
         if rows.any():
             ends[rows] = flown
         return ends
@@ -328,17 +337,22 @@ class Columns(Run):
     ) -> Touch[Any]:
         """See `Run`."""
         clear = records.approach_is_clear(bat, pitch.state.z)
-        start = _where(clear, pitch.mark, pitch.launch)
+        start = _where(self.numbers, clear, pitch.mark, pitch.launch)
         error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
         ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
+        code, margin = self._how_they_meet(ends, over, rows)
+        return Touch(margin, code, *records.noted(ends, law))
+
+    def _how_they_meet(self, ends: Records, over: Events[Any], rows: Flags) -> tuple[Any, Any]:
+        """Return 1 where ball and bat touch, 0 where they miss, else -1; and the margin, m."""
         stops = records.stops(ends, over)
         self.table.alone[self.table.rows] |= rows & (stops == Stop.FALLBACK)
         touched = stops == Stop.TOUCH
         missed = np.isin(stops, [records.STOPS[name] for name in ("past", "ground", "time")])
         margin = np.where(touched | missed, ends["margin"], np.nan)[()]
         code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
-        return Touch(margin, code, *records.noted(ends, law))
+        return code, margin
 
     def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. What others than the compiled code fly is left to be solved alone."""
@@ -365,6 +379,16 @@ class Columns(Run):
 
     def follow(self, frame: Any, flight: Flight[Any], begin: Any, rows: Flags) -> None:
         """See `Run`."""
+
+
+def not_flown(law: Law[Any], start: Start, rows: int) -> Records:
+    """Return arrivals of flights that stay where they start."""
+    program = records.general(law).program
+    ends = np.zeros(rows, flights.arrival_dtype(program))
+    ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
+    for name in program.variables:
+        ends[name] = getattr(start.state, name)
+    return ends
 
 
 def _row_of(launch: Launch[Any], i: int) -> Launch[float]:

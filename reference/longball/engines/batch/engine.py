@@ -21,6 +21,8 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander
+from longball.engines.variation import with_partials
+from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers
 from longball.model.scene import Scene
@@ -170,9 +172,18 @@ class Batch(ManyAtOnce):
 
         Flights past a bat take a hundredth of a second, which steps of a lower order span.
         """
+        return flights.fly_all(kernel(program), starts, self._order_of(starts), self.truncation)
+
+    def fly_all_with_tangents(
+        self, starts: Records, program: Program, changes: Array
+    ) -> tuple[Records, Array]:
+        """Fly records with derivatives; see `flights.fly_all_with_tangents`."""
+        code, order = kernel(with_partials(program)), self._order_of(starts)
+        return flights.fly_all_with_tangents(code, starts, order, self.truncation, changes)
+
+    def _order_of(self, starts: Records) -> int:
         near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
-        order = max(8, 2 * self.order // 5) if near_bat else self.order
-        return flights.fly_all(kernel(program), starts, order, self.truncation)
+        return max(8, 2 * self.order // 5) if near_bat else self.order
 
     def _pieces(self, flight: Records, law: Law[float]) -> Iterator[Piece[float]]:
         """Yield the steps of a flight, expanded anew."""

@@ -25,7 +25,7 @@ from llvmlite import binding, ir
 from longball.engines.compiled import stored
 from longball.engines.series import recurrence, row_of
 from longball.model.arrays import Array
-from longball.model.trace import Node, Program, squares, variable
+from longball.model.trace import ZERO, Node, Program, squares, variable
 
 Value = Any  # of LLVM: a number in each lane
 Values = dict[Node, Value]
@@ -41,10 +41,11 @@ WIDTH = 16
 # position: at the beginning of the step, and at its end.
 LENGTH, TIME, TIME_LOST, CLEARANCE, FARTHEST, RANGES = range(6)
 
-# Sums that one loop carries: two of 32 registers each; others hold what is multiplied. With more,
-# registers are spilled: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
-# long, and limits of 8 to 12 sums as long as this one within a tenth.
-MOST_CHAINS = 10
+# Sums that one loop carries, of sixteen doubles each. With more, registers are spilled. AVX-512 has
+# 32 of eight doubles: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
+# long, and limits of 8 to 12 sums as long as 10 within a tenth. Other processors have 16 of four:
+# limits of 3 to 6 sums took a third less time than 10, with partial derivatives to expand.
+MOST_CHAINS = 10 if binding.get_host_cpu_features().get("avx512f") else 5
 
 NO_LIMIT = 1e300  # s, of a step
 
@@ -70,11 +71,18 @@ class Layout:
         """Block whose row k is 1/k."""
         return self.parameters + 2
 
+    @property
+    def partials(self) -> dict[Node, int]:
+        """Blocks of the rates' partial derivatives, of a program of `with_partials`."""
+        found = self.program.outputs[len(self.program.variables) :]
+        nodes = dict.fromkeys(node for node in found if node is not ZERO)
+        return {node: self.inverse + 1 + i for i, node in enumerate(nodes)}
+
     def allocate(self, order: int) -> Array:
         """Return an expansion of the velocity to the power `order`, of the position to the next."""
         parts = 3 * len(self.program.variables) + RANGES, len(self.program.parameters)
         rows = max(order + 2, *parts)
-        x = aligned(self.inverse + 1, rows, WIDTH)
+        x = aligned(self.inverse + 1 + len(self.partials), rows, WIDTH)
         x[self.inverse, 1 : order + 2] = 1.0 / np.arange(1, order + 2)[:, np.newaxis]
         return x
 
@@ -95,13 +103,14 @@ _DOUBLE = ir.DoubleType()
 
 
 class _Writer:
-    """Writes a function whose values are a double in each lane.
+    """Writes a function whose values are a double in each of some lanes.
 
     Its arguments are two pointers to arrays of lanes, three integers and a double.
     """
 
-    def __init__(self, module: Any, name: str) -> None:
-        self.type = ir.VectorType(_DOUBLE, WIDTH)
+    def __init__(self, module: Any, name: str, lanes: int = WIDTH) -> None:
+        self.lanes = lanes
+        self.type = ir.VectorType(_DOUBLE, lanes)
         arguments = [self.type.as_pointer()] * 2 + [_INDEX] * 3 + [_DOUBLE]
         self.function = ir.Function(module, ir.FunctionType(_INDEX, arguments), name)
         self.arguments = self.function.args
@@ -111,7 +120,7 @@ class _Writer:
 
     def number(self, value: float) -> Value:
         """Return a number, the same in every lane."""
-        return ir.Constant(self.type, [ir.Constant(_DOUBLE, value)] * WIDTH)
+        return ir.Constant(self.type, [ir.Constant(_DOUBLE, value)] * self.lanes)
 
     def spread(self, scalar: Value) -> Value:
         """Return a double or an integer in every lane."""
@@ -119,7 +128,7 @@ class _Writer:
             scalar = self.builder.sitofp(scalar, _DOUBLE)
         nothing = ir.Constant(self.type, ir.Undefined)
         first = self.builder.insert_element(nothing, scalar, ir.Constant(ir.IntType(32), 0))
-        every = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
+        every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
         return self.builder.shuffle_vector(first, nothing, every)
 
     def index(self, value: int) -> Value:
@@ -137,7 +146,7 @@ class _Writer:
     def call(self, name: str, *arguments: Value) -> Value:
         """Call a function of LLVM: fma, sqrt, exp, log, fabs."""
         shape = ir.FunctionType(self.type, [self.type] * len(arguments))
-        full = f"llvm.{name}.v{WIDTH}f64"
+        full = f"llvm.{name}.v{self.lanes}f64"
         known = self.function.module.globals
         function = known[full] if full in known else ir.Function(self.function.module, shape, full)
         return self.builder.call(function, arguments)
@@ -224,11 +233,18 @@ class _Expansion(_Writer):
     @property
     def outputs(self) -> list[tuple[Node, Node]]:
         """The variables and their rates."""
-        return list(zip(map(variable, self.program.variables), self.program.outputs, strict=True))
+        return list(zip(map(variable, self.program.variables), self.program.outputs, strict=False))
+
+    def keep(self, node: Node, k: Value, value: Value) -> None:
+        """Write the coefficient k of a partial derivative."""
+        start = self.builder.mul(self.index(self.layout.partials[node]), self.stride)
+        self.store(self.array, self.builder.add(start, k), value)
 
     def expand(self) -> None:
         """Fill in the coefficients from those of t^0."""
         self.order_zero()
+        for node in self.layout.partials:
+            self.keep(node, self.index(0), self.zeroth[node])
         first = [self.zeroth[rate] for _, rate in self.outputs]
         for (name, _), rate in zip(self.outputs, first, strict=True):
             self.put(name, self.index(1), rate)
@@ -299,6 +315,9 @@ class _Expansion(_Writer):
             self.end(node, n, sums, current, halves)
             if node in self.blocks:
                 self.put(node, n, self.whole(node, current, halves))
+        for node in self.layout.partials:
+            if not node.static:  # of the others there is but the first
+                self.keep(node, n, self.whole(node, current, halves))
         per_n = self.extra(self.layout.inverse, self.after(n))
         following = []
         for name, rate in self.outputs:
@@ -643,13 +662,189 @@ class _Step(_Expansion):
         self.put_step(len(self.variables) + CLEARANCE, result)
 
 
+# --- tangents -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Tangents:
+    """Rows of an array that tangents of the flights in the lanes are in.
+
+    A tangent is the derivative ξ of the state by a number x, which the strengths p of the law may
+    depend on: ``ξ' = (∂f/∂state) ξ + (∂f/∂p) dp/dx``.
+    """
+
+    program: Program  # of `with_partials`
+
+    @property
+    def sources(self) -> int:
+        """Number of the variables and parameters."""
+        return len(self.program.variables) + len(self.program.parameters)
+
+    def first(self, rows: int) -> int:
+        """Row of the first tangent, after `TIMES` and the series of two."""
+        return TIMES + 2 * len(self.program.variables) * rows
+
+    @property
+    def size(self) -> int:
+        """Rows of one: dp/dx; ξ at the end of the step; and at the other times, in order."""
+        return len(self.program.parameters) + TIMES * len(self.program.variables)
+
+    def allocate(self, count: int, rows: int) -> Array:
+        """Return an array for tangents of expansions with so many rows in a block."""
+        return aligned(self.first(rows) + count * self.size, WIDTH)
+
+
+# The times on a step, s, that a tangent is wanted at: its end, where it is marked, and where the
+# ball is closest to the bat.
+TIMES = 3
+
+
+class _Tangents(_Writer):
+    """Writes a function that takes tangents through a step, from the partial derivatives along it.
+
+    The first argument is the array of the expansion, the second that of `Tangents`. The integers
+    are the order, the rows of a block and the number of tangents; the double is the number of times
+    that they are wanted at. Two tangents go at once, in half of the lanes: their sums then stay in
+    registers, and a partial derivative is loaded once for both.
+    """
+
+    def __init__(self, module: Any, program: Program) -> None:
+        super().__init__(module, "tangents", WIDTH // 2)
+        self.array, self.memory, self.order, self.stride, count, times = self.arguments
+        self.rows, self.count = Tangents(program), len(program.variables)
+        # of each variable: where the variable is that is its rate; or, in a rate that is none, the
+        # sources that it depends on, and the blocks of the partial derivatives
+        self.mover: dict[int, int] = {}
+        self.terms: dict[int, list[tuple[int, int]]] = {}
+        blocks, sources = Layout(program).partials, self.rows.sources
+        for i, rate in enumerate(program.outputs[: self.count]):
+            if rate.kind == "variable":
+                self.mover[i] = program.variables.index(rate.args[0])
+            else:
+                slopes = program.outputs[self.count + i * sources :][:sources]
+                self.terms[i] = [(j, blocks[x]) for j, x in enumerate(slopes) if x is not ZERO]
+        self.inverse = Layout(program).inverse
+        self.times = self.builder.fptosi(times, _INDEX)
+
+        build, two = self.builder, self.index(2)
+        pairs = build.sdiv(count, two)
+        for self.half in range(2):
+            self.repeat(self.index(0), pairs, [], lambda i, _: self.carry(build.mul(i, two), 2))
+            self.repeat(build.mul(pairs, two), count, [], lambda i, _: self.carry(i, 1))
+        build.ret(self.index(0))
+
+    def place(self, row: Value) -> Value:
+        """Return where the half of a row is."""
+        return self.builder.add(self.builder.mul(row, self.index(2)), self.index(self.half))
+
+    def get(self, block: int, k: Value) -> Value:
+        """Return a row of a block of the expansion."""
+        start = self.builder.mul(self.index(block), self.stride)
+        return self.load(self.array, self.place(self.builder.add(start, k)))
+
+    def series(self, which: int, i: int, k: Value) -> Value:
+        """Return where the coefficient k of a component of ξ is, of the first or second tangent."""
+        block = self.builder.mul(self.index(which * self.count + i), self.stride)
+        return self.place(self.builder.add(self.builder.add(self.index(TIMES), block), k))
+
+    def known(self, tangent: Value, row: Value | int) -> Value:
+        """Return where a row of a tangent is: dp/dx, and ξ at the times."""
+        row = self.index(row) if isinstance(row, int) else row
+        begin = self.builder.mul(tangent, self.index(self.rows.size))
+        series = self.builder.mul(self.index(2 * self.count), self.stride)
+        first = self.builder.add(self.index(TIMES), series)
+        return self.place(self.builder.add(self.builder.add(first, begin), row))
+
+    def carry(self, first: Value, size: int) -> list[Value]:
+        """Take some neighbouring tangents through the step."""
+        build = self.builder
+        tangents = [build.add(first, self.index(i)) for i in range(size)]
+        parameters = self.rows.sources - self.count
+        for which, tangent in enumerate(tangents):
+            for i in range(self.count):
+                start = self.load(self.memory, self.known(tangent, parameters + i))
+                self.store(self.memory, self.series(which, i, self.index(0)), start)
+        sums = [(which, i) for which in range(size) for i in self.terms]
+
+        def next_order(n: Value, _: list[Value]) -> list[Value]:
+            begin = []
+            for which, i in sums:
+                total = self.number(0.0)
+                for source, block in self.terms[i]:
+                    if source >= self.count:
+                        place = self.known(tangents[which], source - self.count)
+                        total = self.fma(self.get(block, n), self.load(self.memory, place), total)
+                begin.append(total)
+
+            def term(m: Value, totals: list[Value]) -> list[Value]:
+                k = build.sub(n, m)
+                found = list(totals)
+                for i, terms in self.terms.items():
+                    for source, block in terms:
+                        if source >= self.count:
+                            continue
+                        slope = self.get(block, m)
+                        for which in range(size):
+                            place = sums.index((which, i))
+                            xi = self.load(self.memory, self.series(which, source, k))
+                            found[place] = self.fma(slope, xi, found[place])
+                return found
+
+            after = build.add(n, self.index(1))
+            totals = self.repeat(self.index(0), after, begin, term)
+            self.put_order(size, n, dict(zip(sums, totals, strict=True)))
+            return []
+
+        self.repeat(self.index(0), self.order, [], next_order)
+        self.put_order(size, self.order, dict.fromkeys(sums, self.number(0.0)))
+
+        def evaluate(at: Value, _: list[Value]) -> list[Value]:
+            start = build.add(build.mul(at, self.index(self.count)), self.index(parameters))
+            for which, tangent in enumerate(tangents):
+                for i, value in enumerate(self.sums(which, self.load(self.memory, self.place(at)))):
+                    row = build.add(start, self.index(i))
+                    self.store(self.memory, self.known(tangent, row), value)
+            return []
+
+        return self.repeat(self.index(0), self.times, [], evaluate)
+
+    def put_order(self, size: int, n: Value, totals: dict[tuple[int, int], Value]) -> None:
+        """Write the coefficients of order n + 1, those of n of the rates being known."""
+        after = self.builder.add(n, self.index(1))
+        per_n = self.get(self.inverse, after)
+        for which in range(size):
+            for i in range(self.count):
+                if i in self.mover:
+                    rate = self.load(self.memory, self.series(which, self.mover[i], n))
+                else:
+                    rate = totals[which, i]
+                change = self.multiply(rate, per_n)
+                self.store(self.memory, self.series(which, i, after), change)
+
+    def sums(self, which: int, time: Value) -> list[Value]:
+        """Return the components of ξ at a time on the step."""
+        last = self.builder.add(self.order, self.index(1))
+
+        def term(k: Value, totals: list[Value]) -> list[Value]:
+            down = self.builder.sub(self.order, k)
+            return [
+                self.fma(total, time, self.load(self.memory, self.series(which, i, down)))
+                for i, total in enumerate(totals)
+            ]
+
+        begin = [self.load(self.memory, self.series(which, i, last)) for i in range(self.count)]
+        return self.repeat(self.index(0), last, begin, term)
+
+
 # --- machine code ---------------------------------------------------------------------------------
 
 
 def written(program: Program) -> Any:
-    """Return the module of LLVM with the function `step`."""
+    """Return the module of LLVM with the functions of a `Kernel`."""
     module = ir.Module("law")
     _Step(module, program)
+    if Layout(program).partials:
+        _Tangents(module, program)
     return module
 
 
@@ -658,9 +853,11 @@ class Kernel:
     """The compiled steps of a program."""
 
     layout: Layout
-    # Address of the function of (x, functions, order, stride, count, truncation), of which the
-    # stride is the number of rows of a block
+    # Addresses of functions; the stride is the number of rows of a block.
+    # step: of (x, functions, order, stride, count, truncation);
+    # tangents: of (x, tangents, order, stride, count, times), or 0
     step: int
+    tangents: int
     engine: Any  # owns the code
 
 
@@ -692,7 +889,8 @@ def _kernel(program: Program) -> Kernel:
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    return Kernel(Layout(program), engine.get_function_address("step"), engine)
+    step, tangents = map(engine.get_function_address, ("step", "tangents"))
+    return Kernel(Layout(program), step, tangents, engine)
 
 
 def kernel(program: Program) -> Kernel:

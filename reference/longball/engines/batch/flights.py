@@ -28,8 +28,10 @@ from longball.engines.batch.expansion import (
     RANGES,
     TIME,
     TIME_LOST,
+    TIMES,
     WIDTH,
     Kernel,
+    Tangents,
     aligned,
 )
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
@@ -106,11 +108,14 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
             # When, s, and in what state it ends; and a mark of the way. That is where it passed the
             # waypoint; or, near a bat, where it first touched it; or, with neither, where between
             # the ends of a step it ceased to rise, the highest such point. Its time is NaN if it
-            # did not.
-            *((f"{prefix}{name}", np.float64) for prefix in ("", "mark_") for name in names),
+            # did not. Near a bat, also where the margin is taken.
+            *((f"{prefix}{name}", np.float64) for prefix in PREFIXES for name in names),
         ]
     )
 
+
+# Of the names of times and states of arrivals, in the order of `TIMES`.
+PREFIXES = ("", "mark_", "nearest_")
 
 # Columns of arrivals.
 _STOP, _STEPS, _MARGIN, _END = range(4)
@@ -137,6 +142,37 @@ def fly_all(
     `steps`, of shape (steps, 1 + variables), is filled with time, s, and state at the beginning of
     each step of the one flight.
     """
+    none = np.empty((0, 0, flights.size))
+    return _flown(kernel, flights, order, truncation, none, none, steps)
+
+
+def fly_all_with_tangents(
+    kernel: Kernel,  # of a program of `with_partials`
+    flights: Records,
+    order: int,
+    truncation: float,
+    # shape (sources, tangents, flights): derivatives of variables and parameters by some numbers
+    changes: Array,
+) -> tuple[Records, Array]:
+    """Fly flights as `fly_all` does, and derivatives of the state with them.
+
+    Returns arrivals, and derivatives of shape (times, variables, tangents, flights): of the state
+    at the end, at the mark and where the ball is closest to the bat, each at a fixed time.
+    """
+    shape = TIMES, len(kernel.layout.program.variables), *changes.shape[1:]
+    found = np.full(shape, math.nan)  # there may be no mark, or no bat
+    return _flown(kernel, flights, order, truncation, changes, found), found
+
+
+def _flown(
+    kernel: Kernel,
+    flights: Records,
+    order: int,
+    truncation: float,
+    changes: Array,
+    found: Array,
+    steps: Array | None = None,
+) -> Records:
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
@@ -145,6 +181,8 @@ def fly_all(
     lanes = layout.allocate(order)
     rows, width = lanes.shape[1], 2 * order + 4
     steps = np.array([]) if steps is None else steps
+    tangents = Tangents(program)
+    count = changes.shape[1]
     _fly_all(
         (kernel.step, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
@@ -156,9 +194,15 @@ def fly_all(
             aligned(functions * (variables + 2) * WIDTH),
             np.zeros((variables + _SCRATCH) * width),
         ),
-        np.zeros(WIDTH, np.int64),
+        np.zeros(2 * WIDTH, np.int64),
         steps.ravel(),
         len(steps),
+        (kernel.tangents, count, tangents.first(rows), tangents.size),
+        (
+            tangents.allocate(count, rows).ravel(),
+            changes.ravel(),
+            found.ravel(),
+        ),
     )
     return arrivals.reshape(flights.shape)
 
@@ -211,6 +255,9 @@ class _Setup(NamedTuple):
     across: Any
     above: Any
     state: Any  # of a flight at some time
+    # times: of each lane's step, s: how far it goes, where the flight is marked, and where it is
+    # closest to the bat; NaN where it is not
+    times: Any
 
 
 _SCRATCH = 6  # rows of a workspace after those of the state
@@ -225,6 +272,24 @@ class _Slot(NamedTuple):
     lane: int
 
 
+class _Tangents(NamedTuple):
+    """Tangents of the flights; see `longball.engines.batch.expansion.Tangents`."""
+
+    # code: address; flights: how many; each: tangents of one; sources: numbers at their start;
+    # variables; first: row of the first one in the memory; size: rows of one
+    code: int
+    flights: int
+    each: int
+    sources: int
+    variables: int
+    first: int
+    size: int
+    # memory: of the lanes; starts, found: see `fly_all_with_tangents`
+    memory: Any
+    starts: Any
+    found: Any
+
+
 @compiled
 def _fly_all(
     code: tuple[int, int, int],
@@ -236,11 +301,26 @@ def _fly_all(
     numbers: Integers,
     steps: Array,
     recorded: int,
+    tangent_sizes: tuple[int, int, int, int],
+    tangent_memory: tuple[Array, Array, Array],
 ) -> None:
-    variables, _, functions, order, rows, _ = sizes
-    s = _setup(code, sizes, memory)
+    variables, parameters, functions, order, rows, _ = sizes
+    s = _setup(code, sizes, memory, unowned_view(tangent_memory[0]))
+    t = _Tangents(
+        tangent_sizes[0],
+        record_sizes[2],
+        tangent_sizes[1],
+        variables + parameters,
+        variables,
+        tangent_sizes[2],
+        tangent_sizes[3],
+        s.times,
+        unowned_view(tangent_memory[1]),
+        unowned_view(tangent_memory[2]),
+    )
     pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
     active, way = unowned_view(numbers), unowned_view(steps)
+    flying = shifted(active, WIDTH)  # in the step
     x, step = s.x, s.step
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     lost_row, farthest_row = (variables + TIME_LOST) * WIDTH, (variables + FARTHEST) * WIDTH
@@ -253,13 +333,17 @@ def _fly_all(
         for lane in range(WIDTH):
             if active[lane] == _NONE and next_one < record_sizes[2]:
                 _launch(s, _slot(pointers, record_sizes, next_one, lane))
+                _put_tangents(t, next_one, lane)
                 active[lane] = next_one
                 next_one += 1
+            flying[lane] = active[lane]
             busy += active[lane] != _NONE
         if busy == 0:
             return
         call(code[0], (x, s.linear, order, rows, functions, truncation))
         for lane in range(WIDTH):
+            for k in range(TIMES):
+                s.times[k * WIDTH + lane] = math.nan
             i = active[lane]
             if i == _NONE:
                 continue
@@ -290,6 +374,7 @@ def _fly_all(
                 if rises and step[(variables - 1) * WIDTH + lane] <= 0.0:
                     _take_out(s, lane)
                     _note_apex(s, slot, time, length)
+                s.times[lane] = length
                 for k in range(variables):
                     x[k * s.block + lane] = step[k * WIDTH + lane]
             else:
@@ -297,6 +382,7 @@ def _fly_all(
                 length = _settle(s, slot, time, length)
                 if slot.mark[_STOP] != Stop.FALLBACK and rises and s.state[variables - 1] <= 0.0:
                     _note_apex(s, slot, time, length)
+                s.times[lane] = length
                 if slot.mark[_STOP] >= 0:
                     active[lane] = _NONE
                     continue
@@ -310,12 +396,19 @@ def _fly_all(
             step[time_row + lane] = time + passed
             step[lost_row + lane] = passed - (time + passed - time)
 
+        if t.each > 0:
+            call(t.code, (x, s.times, order, rows, t.each, _wanted(s)))
+            for lane in range(WIDTH):
+                if flying[lane] != _NONE:
+                    _take_tangents(t, flying[lane], lane)
+
 
 @inner
 def _setup(
     code: tuple[int, int, int],
     sizes: tuple[int, int, int, int, int, int],
     memory: tuple[Array, Array, Array],
+    times: Any,
 ) -> _Setup:
     variables, parameters, functions, order, rows, width = sizes
     x, work = unowned_view(memory[0]), unowned_view(memory[2])
@@ -341,6 +434,7 @@ def _setup(
         shifted(scratch, 3 * width),
         shifted(scratch, 4 * width),
         shifted(scratch, 5 * width),
+        times,
     )
 
 
@@ -349,6 +443,45 @@ def _slot(pointers: Any, sizes: tuple[int, int, int], number: Integer, lane: int
     flight, arrival = number * sizes[0], number * sizes[1]
     starts, ends, marks = pointers
     return _Slot(shifted(starts, flight), shifted(ends, arrival), shifted(marks, arrival), lane)
+
+
+@inner
+def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
+    """Put the tangents of a flight into its lane."""
+    parameters = t.sources - t.variables
+    for i in range(t.each):
+        source = shifted(t.starts, i * t.flights + number)
+        target = shifted(t.memory, (t.first + i * t.size) * WIDTH + lane)
+        for k in range(parameters):
+            target[k * WIDTH] = source[(t.variables + k) * t.each * t.flights]
+        for k in range(t.variables):
+            target[(parameters + k) * WIDTH] = source[k * t.each * t.flights]
+
+
+@inner
+def _wanted(s: _Setup) -> float:
+    """Return the number of the times up to the last one that a tangent is wanted at."""
+    wanted = 1.0
+    for k in range(1, TIMES):
+        for lane in range(WIDTH):
+            if not math.isnan(s.times[k * WIDTH + lane]):
+                wanted = k + 1.0
+    return wanted
+
+
+@inner
+def _take_tangents(t: _Tangents, number: Integer, lane: int) -> None:
+    """Keep the tangents of a flight in a step: the last ones at its end, and those at its marks."""
+    parameters = t.sources - t.variables
+    for k in range(TIMES):
+        if math.isnan(t.memory[k * WIDTH + lane]):
+            continue
+        for i in range(t.each):
+            way = t.first + i * t.size + parameters + k * t.variables
+            source = shifted(t.memory, way * WIDTH + lane)
+            target = shifted(t.found, (k * t.variables * t.each + i) * t.flights + number)
+            for j in range(t.variables):
+                target[j * t.each * t.flights] = source[j * WIDTH]
 
 
 @inner
@@ -458,6 +591,7 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
         return end
     _evaluate(s, lane, end)
     if stop == Stop.WAYPOINT:
+        s.times[WIDTH + lane] = end
         s.linear[s.variables * WIDTH + lane] = math.inf
         _note(s, shifted(arrival, _END + 1 + s.variables), time + end)
     elif stop >= 0:
@@ -520,6 +654,7 @@ def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
     if top[0] == top[0] and not height + rise > top[highest]:
         return
     top[0] = time + t
+    s.times[WIDTH + slot.lane] = t
     for i in range(s.half):
         top[1 + i], top[1 + s.half + i], _ = _moved(s, slot.lane, i, t)
 
@@ -686,6 +821,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
             if approaching:
                 _evaluate(s, lane, 0.0)
                 _note(s, noted, time)
+                s.times[WIDTH + lane] = 0.0
     begin = 0.0
     while True:
         sign = -1.0 if approaching else 1.0
@@ -696,13 +832,15 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         if math.isnan(turn) or (settled and abs(margin) <= error):
             mark[_STOP] = Stop.FALLBACK
             return True
-        if settled:
-            arrival[_MARGIN] = max(arrival[_MARGIN], margin)
+        if settled and margin > arrival[_MARGIN]:
+            arrival[_MARGIN] = margin
+            _note_nearest(s, slot, time, until)
         if margin > 0.0 and math.isnan(noted[0]):
             touch = first_zero(s.p, s.slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
             _evaluate(s, lane, touch)
             _note(s, noted, time + touch)
+            s.times[WIDTH + lane] = touch
         if settled and margin > 0.0:
             mark[_STOP], arrival[_MARGIN] = Stop.TOUCH, margin
             for k in range(s.variables + 1):
@@ -712,6 +850,14 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
             return False
         begin = turn
         approaching = not approaching
+
+
+@inner
+def _note_nearest(s: _Setup, slot: _Slot, time: float, t: float) -> None:
+    """Note where in a step the margin is taken."""
+    _evaluate(s, slot.lane, t)
+    _note(s, shifted(slot.arrival, _END + 2 * (1 + s.variables)), time + t)
+    s.times[2 * WIDTH + slot.lane] = t
 
 
 @inner

@@ -6,10 +6,11 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import compress, pairwise
 from operator import attrgetter
 from types import NoneType, SimpleNamespace
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +28,9 @@ from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
+
+if TYPE_CHECKING:
+    from longball.engines.batch.slopes import SlopeTable, TangentFlyer
 
 # Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
 BLOCK = 16_384
@@ -76,6 +80,77 @@ def solve_columns(
     return _named(table, scene, known, flyer, model)
 
 
+@dataclass(frozen=True)
+class Slopes:
+    """Derivatives in columns.
+
+    Attributes
+    ----------
+    columns
+        Of each quantity, shape (inputs, n): its derivatives by the inputs, in order; NaN where
+        there is none.
+    alone
+        Rows whose derivatives were found one by one, by the engine ivp.
+    refused
+        Why there are no derivatives by some inputs, by row and input.
+    """
+
+    columns: dict[str, Array]
+    alone: list[int]
+    refused: dict[int, Mapping[str, str]]
+
+
+def solve_columns_with_slopes(
+    scene: Scene,
+    columns: Mapping[str, ArrayLike],
+    names: Sequence[str],
+    engine: TangentFlyer | None = None,
+    threads: int = 1,
+) -> tuple[dict[str, NDArray[Any]], Slopes]:
+    """Solve columns as `solve_columns` does, and their derivatives by inputs of the scene.
+
+    The inputs are named as by `longball.model.inputs`. Rows in which the compiled code does not
+    know a derivative, or there may be none, are left to `longball.engines.tangent`.
+    """
+    from longball.engines.batch import slopes  # brings ball arithmetic
+    from longball.engines.tangent import derivatives_of
+
+    flyer = engine or cast("TangentFlyer", _batch())
+    known = _checked(scene, columns)
+
+    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[SlopeTable]) -> None:
+        part, jets = tables[0].part(rows), slopes.jets_for(rows.stop - rows.start)
+        view = _view(scene, slopes.seeded_columns(scene, cells, names))
+        run = slopes.SlopeColumns(view, flyer, MODEL, table=part, row=lambda i: None, jets=jets)
+        chain.CHAINS[scene.kind](run)
+        part.withdraw_what_is_not_finite()
+        part.conclude_doubt(jets.doubtful)
+
+    (table,) = _in_blocks(
+        solve_block, scene, known, lambda n: [slopes.SlopeTable(n, len(names))], threads
+    )
+    table.alone |= table.outcome == UNSOLVED
+    table.doubtful |= table.alone
+    found = _named(table, scene, known, flyer)
+
+    solver: Any = create("ivp")
+    alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
+    refused = {}
+    for i in alone:
+        cells = {name: column.item(i) for name, column in known.items()}
+        there = [
+            name
+            for name, column in table.columns.items()
+            if column.dtype == float and np.isfinite(column[i]) and name not in DISCRETE
+        ]
+        one = derivatives_of(quantities.replaced(scene, cells), there, names, solver)
+        for quantity, by in one.items():
+            table.put_slopes_of_row(quantity, i, [by[name] for name in names])
+        if one.refused:
+            refused[i] = one.refused
+    return found, Slopes(table.slopes, alone, refused)
+
+
 def solve_columns_with_restitutions(
     scene: AtBatScene,
     columns: Mapping[str, ArrayLike],
@@ -99,7 +174,7 @@ def solve_columns_with_restitutions(
             chain.finish(_run(ball, cells, flyer, MODEL, part), contact)
             part.withdraw_what_is_not_finite()
 
-    tables = _in_blocks(solve_block, scene, known, len(balls), threads)
+    tables = _in_blocks(solve_block, scene, known, lambda n: [Table(n) for _ in balls], threads)
     return [_named(t, ball, known, flyer) for ball, t in zip(balls, tables, strict=True)]
 
 
@@ -250,7 +325,7 @@ def _solve(
         chain.CHAINS[scene.kind](_run(scene, cells, flyer, model, part))
         part.withdraw_what_is_not_finite()
 
-    (table,) = _in_blocks(solve_block, scene, columns, 1, threads, model)
+    (table,) = _in_blocks(solve_block, scene, columns, lambda n: [Table(n)], threads, model)
     return table
 
 
@@ -268,23 +343,29 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
 # The numbers of a scene that the law of motion is made of, in the frame of the ball's heading.
 _OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
 
-SolveBlock = Callable[[slice, Mapping[str, Array], Sequence[Table]], None]
+
+def _count(columns: Mapping[str, Array]) -> int:
+    """Return the number of rows."""
+    return max(map(len, columns.values()), default=1)
+
+
+T = TypeVar("T", bound=Table)
 
 
 def _in_blocks(
-    solve_block: SolveBlock,
+    solve_block: Callable[[slice, Mapping[str, Array], Sequence[T]], None],
     scene: Scene,
     columns: Mapping[str, Array],
-    count: int,
+    empty: Callable[[int], list[T]],  # tables of so many rows
     threads: int,
     model: Model = MODEL,
-) -> list[Table]:
+) -> list[T]:
     """Fill tables by a function of rows, their columns and the tables, from several threads.
 
     What is zero is not computed: rows in a block have the same zeros in what their law is made of.
     """
-    n = max(map(len, columns.values()), default=1)
-    tables = [Table(n) for _ in range(count)]
+    n = _count(columns)
+    tables = empty(n)
     if not _flies_in_lanes(scene, model):
         for table in tables:
             table.alone[:] = True

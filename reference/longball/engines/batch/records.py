@@ -98,7 +98,7 @@ def records_of(
             columns[(*way, i)] = number
 
     for i, event in enumerate(events):
-        line = _linear(law, event.value)
+        line = linear(law, event.value)
         put(("events", i), line, event.size)
         if event.name == "plate":
             columns["ahead",] = float(i)
@@ -107,8 +107,8 @@ def records_of(
             put(("waypoint",), [*along, constant - before], 0.0)
     if bat is not None:
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
-        put(("across",), _linear(law, bat.section.frame.towards_x), 0.0)
-        put(("above",), _linear(law, lambda state: state.z - bat.section.height), 0.0)
+        put(("across",), linear(law, bat.section.frame.towards_x), 0.0)
+        put(("above",), linear(law, lambda state: state.z - bat.section.height), 0.0)
     columns = {way: value[rows] if np.ndim(value) else value for way, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
     flight = new_flights(law.program, shape, len(events))
@@ -131,7 +131,7 @@ def flown(
     return starts, flyer.fly_all(starts, general(law).program)
 
 
-def _linear(law: Law[Any], value: Callable[[Any], Any]) -> list[Any]:
+def linear(law: Law[Any], value: Callable[[Any], Any]) -> list[Any]:
     """Return the coefficients of a linear function of the state, and its constant."""
     names = law.program.variables
     along = [value(law.state(*(Dual(0.0, float(name == one)) for name in names))) for one in names]

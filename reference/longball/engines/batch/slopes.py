@@ -1,0 +1,505 @@
+"""Derivatives in columns: the chain followed in jets whose numbers are columns.
+
+It is what `longball.engines.tangent` does of one scene, and gives the same derivatives; the
+compiled code flies them with the balls. A row in which a derivative is not known so well, or there
+may be none, is marked in the table, and left to be solved alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Protocol, Self
+
+import numpy as np
+
+from longball.engines.batch import flights, records
+from longball.engines.batch.columns import (
+    NUMBERS,
+    BatchFlyer,
+    Columns,
+    Flights,
+    Table,
+    not_flown,
+)
+from longball.engines.batch.expansion import TIMES
+from longball.engines.batch.flights import Records, Stop
+from longball.engines.batch.records import NOT_FLOWN, Bat, Start
+from longball.engines.contact import BatSection, margin_error
+from longball.engines.engine import Launch, Touch
+from longball.engines.event import Event, Events, past
+from longball.engines.path import Path
+from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
+from longball.model.arrays import Array, Flags, Integers
+from longball.model.inputs import TRACKED, launched, tracks_of
+from longball.model.law import Law, State
+from longball.model.quantities import number
+from longball.model.result import Outcome
+from longball.model.scene import FlightScene, Scene
+from longball.model.trace import Program
+
+# --- jets of columns ------------------------------------------------------------------------------
+
+
+class ColumnJet(Jet):
+    """A column of numbers, and their derivatives by some inputs.
+
+    The value is of shape (rows,) or a number; the rate of shape (inputs, rows) or (inputs, 1), or
+    it is 0.
+    """
+
+    __slots__ = ()
+    __array_ufunc__ = None  # arrays are numbers here, and no lists of jets
+
+    def __abs__(self) -> Jet:
+        sense = np.where(self.value < 0, -1.0, 1.0)
+        return ColumnJet(abs(self.value), self.rate * sense)
+
+    def __lt__(self, other: Any) -> Any:
+        return self.value < plain_of(other)
+
+    def __le__(self, other: Any) -> Any:
+        return self.value <= plain_of(other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self.value > plain_of(other)
+
+    def __ge__(self, other: Any) -> Any:
+        return self.value >= plain_of(other)
+
+    def __eq__(self, other: object) -> Any:
+        return (self.value == plain_of(other)) & np.all(self.rate == rate_of(other), axis=0)
+
+    __hash__ = None
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnSeed:
+    """A column of numbers in a scene that derivatives are taken by, as a `tangent.Seed`."""
+
+    numbers: Any
+    rates: Any  # as of `ColumnJet`
+
+    def __add__(self, other: Any) -> ColumnSeed:
+        numbers, rates = getattr(other, "numbers", other), getattr(other, "rates", 0)
+        return ColumnSeed(self.numbers + numbers, self.rates + rates)
+
+    __radd__ = __add__
+
+    def __eq__(self, other: object) -> bool:
+        return bool(np.all(self.numbers == getattr(other, "numbers", other)))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True)
+class ColumnJets(Jets):
+    """Jets of columns as the numbers of the chain."""
+
+    doubtful: Flags  # rows of which a derivative is to be found alone
+
+    jet: ClassVar[type[Jet]] = ColumnJet
+
+    def exact(self, value: Any) -> Any:
+        """Return numbers of a scene, whose derivatives are 0 unless they are a `ColumnSeed`."""
+        if isinstance(value, ColumnSeed):
+            return ColumnJet(value.numbers, value.rates)
+        return ColumnJet(value)
+
+    def absent(self, value: Any) -> bool:
+        """True if a number of a scene is zero, and stays so, in all rows."""
+        jet = value if isinstance(value, Jet) else self.exact(value)
+        return not (np.any(jet.value) or np.any(jet.rate))
+
+    def where(self, condition: Any, x: Any, y: Any) -> Any:
+        """See `Elementwise`."""
+        value = NUMBERS.where(condition, plain_of(x), plain_of(y))
+        if not isinstance(x, Jet) and not isinstance(y, Jet):
+            return value
+        return ColumnJet(value, _chosen(condition, rate_of(x), rate_of(y)))
+
+    def sqrt(self, x: Any) -> Jet:
+        """Return the square root."""
+        root = np.sqrt(plain_of(x))
+        return ColumnJet(root, _quotient(rate_of(x), 2 * root))
+
+    def angle(self, y: Any, x: Any) -> Jet:
+        """Return the angle from the x axis to a vector, rad."""
+        (u, v), (du, dv) = (plain_of(x), plain_of(y)), (rate_of(x), rate_of(y))
+        return ColumnJet(NUMBERS.angle(v, u), _quotient(u * dv - v * du, u * u + v * v))
+
+    def positive(self, x: Any, error: Any, question: str) -> Any:
+        """Tell where ``x > 0``."""
+        self.doubt_at_border(x)
+        return plain_of(x) > 0.0
+
+    def missing(self, x: Any) -> Any:
+        """See `Elementwise`."""
+        return NUMBERS.missing(plain_of(x))
+
+    def doubt(self, rows: Any) -> None:
+        """Leave rows to be solved alone."""
+        self.doubtful[...] |= rows
+
+    def doubt_at_border(self, x: Any, rows: Any = True) -> None:
+        """Leave rows to be solved alone in which a number is zero, and changes."""
+        zero = plain_of(x) == 0.0
+        if np.any(zero):
+            self.doubt(rows & zero & np.any(rate_of(x) != 0, axis=0))
+
+
+def jets_for(rows: int) -> ColumnJets:
+    """Return jets for columns of so many rows."""
+    return ColumnJets(NUMBERS, np.zeros(rows, bool))
+
+
+def _chosen(condition: Any, x: Any, y: Any) -> Any:
+    if isinstance(x, int) and isinstance(y, int):
+        return 0
+    return np.where(condition, x, y)
+
+
+def _quotient(change: Any, divisor: Any) -> Any:
+    """Return a rate over a number; nothing over any number is nothing."""
+    if isinstance(change, int):
+        return 0
+    return np.where(change == 0, 0.0, change / divisor)
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+class SlopeTable(Table):
+    """Results and their derivatives: of each quantity by each input, shape (inputs, rows)."""
+
+    def __init__(self, rows: int, inputs: int) -> None:
+        super().__init__(rows)
+        self.inputs = inputs
+        self.slopes: dict[str, Array] = {}
+        self.doubtful = np.zeros(rows, bool)  # rows of which a derivative is to be found alone
+
+    def put_slopes(self, name: str, rows: Flags, rates: Any) -> None:
+        """Write derivatives of a quantity into rows."""
+        if name not in self.slopes:
+            empty = np.full((self.inputs, len(self.whole)), np.nan)
+            self.slopes.setdefault(name, empty)
+        np.copyto(self.slopes[name][:, self.rows], rates, where=rows)
+
+    def put_slopes_of_row(self, name: str, row: int, rates: Sequence[float]) -> None:
+        """Write the derivatives of a quantity in one row of the whole table."""
+        self.put_slopes(name, np.zeros(len(self), bool), 0.0)  # makes the columns
+        self.slopes[name][:, row] = rates
+
+    def conclude_doubt(self, doubtful: Flags) -> None:
+        """Mark the rows that are left to be solved alone; also those without a derivative."""
+        doubtful = doubtful | (self.outcome < 0)
+        for name, slopes in [*self.slopes.items()]:  # another thread may add some
+            there = ~np.isnan(self.columns[name][self.rows])
+            doubtful |= there & ~np.isfinite(slopes[:, self.rows].sum(axis=0))
+        self.doubtful[self.rows] = doubtful
+
+    def in_order(self, places: Integers) -> Self:
+        """Return the table with its rows at other places."""
+        table = super().in_order(places)
+        table.doubtful = np.empty_like(self.doubtful)
+        table.doubtful[places] = self.doubtful
+        table.slopes = {name: np.empty_like(slopes) for name, slopes in self.slopes.items()}
+        for name, slopes in self.slopes.items():
+            table.slopes[name][:, places] = slopes
+        return table
+
+
+# --- inputs ---------------------------------------------------------------------------------------
+
+
+def seeded_columns(
+    scene: Scene, cells: Mapping[str, Array], names: Sequence[str]
+) -> dict[str, Any]:
+    """Return columns of a scene, with those of the numbers that change with inputs as seeds."""
+
+    def known(path: str) -> Any:
+        return cells[path] if path in cells else number(scene, path)
+
+    unit = np.eye(len(names))[:, :, np.newaxis]
+    rates: dict[str, Any] = {}
+    for name, rate in zip(names, unit, strict=True):
+        if name not in TRACKED:
+            rates[name] = rates.get(name, 0) + rate
+    if isinstance(scene, FlightScene) and any(name in TRACKED for name in names):
+        spin = scene.launch.spin
+        vectors = {"launch.velocity": True, "launch.spin": spin is not None}
+        velocity, spinning = (
+            tuple(known(f"{vector}[{i}]") for i in range(3)) if there else None
+            for vector, there in vectors.items()
+        )
+        assert velocity is not None
+        parts = tracks_of(velocity, spinning, NUMBERS, _size, np.arctan2)
+        jets = {
+            name: ColumnJet(x, unit[names.index(name)] if name in names else 0)
+            for name, x in parts.items()
+        }
+        for vector, components in launched(jets, jets_for(1)).items():
+            for i, x in enumerate(components):
+                path = f"{vector}[{i}]"
+                rates[path] = rates.get(path, 0) + rate_of(x)
+    return {
+        **cells,
+        **{path: ColumnSeed(known(path), rate) for path, rate in rates.items()},
+    }
+
+
+def _size(*components: Any) -> Any:
+    return np.sqrt(sum(x * x for x in components))
+
+
+# --- the run --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class JetFlights(Flights):
+    """Flights in jets, whose marks are at fixed times."""
+
+    law: Law[Any]  # in plain numbers
+
+    def highest(self, numbers: Any) -> Start:
+        """See `Flights`; the ball is highest where it ceases to rise."""
+        time, state = self.mark
+        top = _moved(self.law, time, state, rate_of(state.w), lambda speeds: speeds[-1])
+        return Flights.highest(replace(self, mark=top), numbers)
+
+
+def _moved(
+    law: Law[Any], time: Any, state: Any, change: Any, falls: Callable[[Sequence[Any]], Any]
+) -> Start:
+    """Return the time and state of an event, from those at a fixed time.
+
+    Its value has there the derivative `change`, and a rate in time that follows from the state's.
+    """
+    speeds = law.rates(NUMBERS)(*map(plain_of, state))
+    late = -_quotient(change, falls(speeds))
+    moved = (ColumnJet(x.value, x.rate + v * late) for x, v in zip(state, speeds, strict=True))
+    return Start(ColumnJet(plain_of(time), rate_of(time) + late), type(state)(*moved))
+
+
+class TangentFlyer(BatchFlyer, Protocol):
+    """Protocol of engines that fly derivatives with the balls; `batch.engine.Batch` is one."""
+
+    def fly_all_with_tangents(
+        self, starts: Records, program: Program, changes: Array
+    ) -> tuple[Records, Array]:
+        """Fly records, and derivatives; see `longball.engines.batch.flights`."""
+
+
+@dataclass
+class SlopeColumns(Columns):
+    """The run of a chain over the rows of a table, in jets."""
+
+    table: SlopeTable = field(kw_only=True)
+    jets: ColumnJets = field(kw_only=True)
+    engine: TangentFlyer
+
+    numbers = property(lambda self: self.jets)
+
+    def decide(self, x: Any, error: Any, question: str, rows: Flags) -> tuple[Flags, Flags]:
+        """See `Columns`."""
+        self.jets.doubt_at_border(x, rows)
+        return super().decide(plain_of(x), plain_of(error), question, rows)
+
+    def record(self, name: str, value: Any, rows: Flags) -> None:
+        """See `Run`."""
+        if isinstance(value, tuple):
+            for i, x in enumerate(value):
+                self.record(f"{name}[{i}]", x, rows)
+            return
+        super().record(name, plain_of(value), rows)
+        if isinstance(value, Jet) and rows.any():
+            self.table.put_slopes(name, rows, rate_of(value))
+
+    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Flags) -> bool:
+        """See `Run`. Such rows are left to be solved alone."""
+        self.table.alone[self.table.rows] |= rows
+        return True
+
+    def fly(
+        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
+    ) -> JetFlights:
+        """See `Run`."""
+        plain, launch = _plain_law(law), Start(0.0, start)
+        known = [_plain_event(event) for event in events]
+        if not records.flies_in_lanes(plain):
+            self.table.alone[self.table.rows] |= rows
+            stops: Any = NOT_FLOWN
+            return JetFlights(
+                Path(()), stops, *launch, launch, launch, numbers=self.jets, law=plain
+            )
+        alone = rows & False
+        for event in known:
+            alone = alone | (rows & ~np.isfinite(event.size))
+        ends, found = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
+        stops = records.stops(ends, known)
+        self.table.alone[self.table.rows] |= alone | (rows & (stops == Stop.FALLBACK))
+        state, mark = (self._noted(ends, found, law, which) for which in (0, 1))
+        end = self._stopped(plain, events, known, ends, state, limit)
+        starts = (stops != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
+        self.jets.doubt(rows & starts)  # ends where it starts, and by the least change goes on
+        return JetFlights(Path(()), stops, *end, launch, mark, numbers=self.jets, law=plain)
+
+    def _flown_in_jets(
+        self,
+        law: Law[Any],
+        start: Start,
+        events: Events[Any],
+        limit: Any,
+        rows: Flags,
+        bat: Bat | None = None,
+    ) -> tuple[Any, Array]:
+        """Fly the rows of a mask, with derivatives; see `Columns._flown`.
+
+        The derivatives are of shape (times, variables, inputs, rows).
+        """
+        plain, state = _plain_law(law), _plain_state(start.state)
+        still = Start(plain_of(start.time), state)
+        program = records.general(plain).program
+        shape = TIMES, len(program.variables), self.table.inputs, len(rows)
+        if not rows.any():
+            return not_flown(plain, still, len(rows)), np.full(shape, math.nan)
+        error, until = self.engine.flight_error, plain_of(limit)
+        begun = records.records_of(plain, still, events, until, error, bat, rows)
+        strengths = records.general(law).strengths
+        sources = [*start.state, *(strengths[name] for name in program.parameters)]
+        changes = np.empty((len(sources), self.table.inputs, begun.size))
+        whole_block = begun.ndim == 0 or rows.all()
+        for change, x in zip(changes, sources, strict=True):
+            rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
+            change[...] = rate[:, : begun.size] if whole_block else rate[:, rows]
+        ends, found = self.engine.fly_all_with_tangents(begun, program, changes)
+        if whole_block:
+            return ends, found
+        every, whole = not_flown(plain, still, len(rows)), np.full(shape, math.nan)
+        every[rows], whole[..., rows] = ends, found
+        return every, whole
+
+    def _noted(self, ends: Any, found: Array, law: Law[Any], which: int) -> Start:
+        """Return time and state at the end or at a mark, which are at a fixed time."""
+        time, state = records.noted(ends, _plain_law(law), flights.PREFIXES[which])
+        return Start(time, type(state)(*map(ColumnJet, state, found[which])))
+
+    def _stopped(
+        self,
+        law: Law[Any],
+        events: Events[Any],
+        known: Events[Any],
+        ends: Any,
+        end: Start,
+        limit: Any,
+    ) -> Start:
+        """Return when and where flights end, from their ends at fixed times.
+
+        An event, a zero of g, moves by ``-(∂g/∂x)/ġ``.
+        """
+        numbers, state, stop = self.jets, end.state, ends["stop"]
+        speeds = law.rates(NUMBERS)(*map(plain_of, state))
+        late: Any = np.where(stop == Stop.TIME_LIMIT, rate_of(limit), 0.0)
+        for i, (event, plain) in enumerate(zip(events, known, strict=True)):
+            here = stop == i
+            change = rate_of(event.value(state))
+            *slopes, _ = records.linear(law, plain.value)
+            falls = _along(slopes, speeds)
+            self._require_steep(slopes, speeds, falls, change, here)
+            late = np.where(here, -_quotient(change, falls), late)
+        time = ColumnJet(end.time, late)
+        moved = type(state)(
+            *(ColumnJet(x.value, x.rate + v * late) for x, v in zip(state, speeds, strict=True))
+        )
+        for i, event in enumerate(events):
+            there = event.place(moved)
+            moved = type(state)(
+                *(numbers.where(stop == i, x, y) for x, y in zip(there, moved, strict=True))
+            )
+        return Start(time, moved)
+
+    def _require_steep(
+        self,
+        slopes: Sequence[Any],
+        speeds: Sequence[Any],
+        falls: Any,
+        change: Any,
+        rows: Flags,
+    ) -> None:
+        """Leave rows to be solved alone in which a surface is grazed, or met at a small angle."""
+        half = len(speeds) // 2
+        across = _norm(slopes[:half])
+        speed = _norm(speeds[:half])
+        steep = (falls < 0) & is_steep(falls, across * speed, NUMBERS.rounding)
+        self.jets.doubt(rows & ~steep & np.any(change != 0, axis=0))
+
+    def touch(
+        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Flags
+    ) -> Touch[Any]:
+        """See `Run`."""
+        numbers, plain = self.jets, _plain_law(law)
+        clear = records.approach_is_clear(bat, pitch.state.z)
+        start = Start(
+            NUMBERS.where(clear, pitch.mark.time, pitch.launch.time),
+            type(pitch.launch.state)(
+                *(
+                    numbers.where(clear, x, y)
+                    for x, y in zip(pitch.mark.state, pitch.launch.state, strict=True)
+                )
+            ),
+        )
+        error = plain_of(margin_error(bat, pitch.state.z, self.engine.flight_error, numbers))
+        over = [_plain_event(x) for x in (past(bat.frame, bat.reach, numbers), *events)]
+        section = BatSection(_plain_parts(bat.frame), plain_of(bat.height), plain_of(bat.reach))
+        limit = self.time_limit
+        ends, found = self._flown_in_jets(law, start, over, limit, rows, Bat(section, error))
+        code, margin = self._how_they_meet(ends, over, rows)
+
+        # where the margin is taken: to first order, it does not change with the time of that
+        nearest = self._noted(ends, found, law, 2).state
+        distance = bat.distance(nearest, numbers)
+        margin = ColumnJet(margin, rate_of(bat.reach - distance))
+        numbers.doubt(rows & (plain_of(distance) <= ON_THE_AXIS * section.reach))
+
+        # the touching, where half the square of the distance falls at the rate d·v
+        state = self._noted(ends, found, law, 1).state
+        noted = Start(*records.noted(ends, plain))
+        state = type(state)(
+            *(ColumnJet(plain_of(x), rate_of(y)) for x, y in zip(noted.state, state, strict=True))
+        )
+        falls = section.approach(_plain_state(state))
+        change = 0.5 * rate_of(bat.depth(state))
+        speed = _norm([plain_of(x) for x in bat.frame.velocity(state)])
+        steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
+        numbers.doubt(rows & (code == 1) & ~steep & np.any(change != 0, axis=0))
+        return Touch(margin, code, *_moved(plain, noted.time, state, change, lambda _: falls))
+
+
+def _along(slopes: Sequence[Any], speeds: Sequence[Any]) -> Any:
+    return sum((x * speed for x, speed in zip(slopes, speeds, strict=True)), np.float64(0.0))
+
+
+def _norm(components: Sequence[Any]) -> Any:
+    return np.sqrt(sum(x * x for x in components))
+
+
+def _plain_law(law: Law[Any]) -> Law[Any]:
+    return replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
+
+
+def _plain_state(state: Any) -> Any:
+    return type(state)(*map(plain_of, state))
+
+
+def _plain_parts(frame: Any) -> Any:
+    return replace(
+        frame, **{name: plain_of(getattr(frame, name)) for name in ("x", "y", "cos", "sin")}
+    )
+
+
+def _plain_event(event: Event[Any]) -> Event[Any]:
+    def value(state: Any) -> Any:
+        return plain_of(event.value(type(state)(*map(ColumnJet, state))))
+
+    return event._replace(value=value, size=plain_of(event.size), slope=plain_of(event.slope))
