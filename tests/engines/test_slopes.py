@@ -227,6 +227,23 @@ def test_a_graze_of_the_bat_is_left_to_more_digits():
     assert slopes.columns["contact.time"][0] == pytest.approx(slope, rel=1e-12)
 
 
+def test_a_flight_that_the_lanes_leave_has_the_derivatives_of_its_scene():
+    # straight down; and aside, which the lanes fly
+    scene = as_scene(FLIGHT | {"air": {"lift_coefficient": 0.0}})
+    columns = {
+        "launch.velocity[0]": np.array([0.0, 30.0]),
+        "launch.velocity[1]": np.zeros(2),
+        "launch.velocity[2]": np.array([-5.0, -5.0]),
+    }
+    names = ["launch.velocity[2]", "gravity"]
+    table, slopes = solve_columns_with_slopes(scene, columns, names)
+    assert ["ivp" in engine for engine in table["engine"]] == [True, False]
+    assert slopes.alone == [0]
+    row = replaced(scene, {name: column.item(0) for name, column in columns.items()})
+    known = derivatives_of(row, ["landing.time"], names, Ivp())["landing.time"]
+    assert [*slopes.columns["landing.time"][:, 0]] == [known[name] for name in names]
+
+
 def test_laws_that_the_compiled_code_does_not_fly_are_left_to_single_scenes():
     air = {
         "drag_coefficient": {"law": "table", "of": "speed", "at": [20, 50], "values": [0.5, 0.3]}
