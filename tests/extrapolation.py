@@ -63,6 +63,7 @@ def advance(slopes, t, y, end, step):
         left = end - t
         last = abs(step) >= abs(left)
         tried = left if last else mp.sign(left) * abs(step)
+        assert t + tried != t, "no step is short enough"
         after, error, count = attempt(slopes, t, y, tried, aim + 2)
         factor = float(tolerance() / max(error, mpf("1e-200"))) ** (1 / (2 * count - 1))
         step = tried * min(4, max(0.02, 0.9 * factor * 1.1 ** (aim - count)))

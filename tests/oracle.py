@@ -356,13 +356,10 @@ class Law:
         return total
 
     def lift_direction(self, spin, moving, U, c, branch):
-        if spin is None and self.reading["lift_direction"] == "always_up":
-            level = of(U).hypot(moving[0], moving[1])
-            if branch.vertical or level == 0:
-                return (0.0, 0.0, 0.0)
-            forward = self.heading[0] * moving[0] + self.heading[1] * moving[1]
-            return times((1 if forward >= 0 else -1) / U, cross(self.axis, moving))  # ±ê × v/U
         if spin is None:
+            # `always_up`: the ball moves forward until it is vertical, so that + points upwards.
+            if self.reading["lift_direction"] == "always_up" and branch.vertical:
+                return (0.0, 0.0, 0.0)
             return times(1 / U, cross(self.axis, moving))  # ê × u/U
         if length(c) == 0:
             return (0.0, 0.0, 0.0)
@@ -476,15 +473,10 @@ class Flight:
         if not self.law.many_digits:
             # After a restart on the bound itself, the ball may seem to be a rounding outside.
             return self.root(room, before, now) if room(before) > 0 else before
-        if isinstance(before, mpf) and abs(room(before)) < FINE:
-            # The leg starts on the bound.
-            if rate(before) < 0:
-                return before
-            if seen(self, room, now) >= 0:
-                return None
-            return self.root(room, self.root(rate, before, mpf(now)), mpf(now))
-        between = [float(before), now]
-        return next(falls(self, room, rate, Doubt(), "", between), None)
+        on_bound = isinstance(before, mpf) and abs(room(before)) < 100 * extrapolation.tolerance()
+        if on_bound and rate(before) < 0:
+            return before  # where the leg starts
+        return first_fall(self, room, rate, Doubt(), "", [before, now])
 
     def root(self, function, low, high):
         """Zero of a function of time between two times at which its signs differ."""
@@ -551,8 +543,9 @@ def falls(flight, value, rate, doubt, question, times=None):
     before, height, slope = times[0], seen(flight, value, times[0]), rate(times[0])
     for now in times[1:]:
         height_now, slope_now = seen(flight, value, now), rate(now)
-        if height > 0 >= height_now:
-            yield flight.root(value, before, now)
+        rises = abs(height) < FINE and slope > 0  # from zero, perhaps for less than a sample
+        if (height > 0 or rises) and height_now <= 0:
+            yield flight.root(value, flight.root(rate, before, now) if rises else before, now)
         elif height > 0 and slope < 0 < slope_now:
             bottom = flight.root(rate, before, now)
             doubt.weigh(question, value(bottom))
@@ -656,6 +649,9 @@ def touching(flight, height, reach, doubt):
         closest = flight.root(opening, low, high)
     margin = -gap(end if closest == last else flight.sharp(closest))
     doubt.weigh("a graze", margin)
+    start = flight.sharp(0.0)
+    if gap(start) == 0 and opening(start) < 0:
+        return start, margin  # released where they touch
     return first_fall(flight, gap, opening, Doubt(), "", samples), margin
 
 

@@ -192,6 +192,12 @@ def check(
         print(failure)
     if report.left_out:
         tell(report.left_out)
+    if report.confirmed:
+        note(report.confirmed)
+    if target.resolve() == reader.DATA:
+        note(
+            "the shipped cases are also confirmed by tests/oracle.py, which shares no line with it"
+        )
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
     count = f"{report.cases} cases, with those of P(e)"
     note(f"{count}; {report.solved_again} solved again: {found}")
