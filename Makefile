@@ -11,7 +11,10 @@ unexport PYTHONDONTWRITEBYTECODE
 # Tests run on all cores: more threads in each would wait for each other.
 test nightly: export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: report paper docs test nightly coverage lint bench mutants planted clean
+LINTERS := mypy pages ruff format codespell prose imports derivation
+LINT := $(LINTERS:%=lint-%)
+
+.PHONY: report paper docs test nightly coverage lint $(LINT) bench mutants planted clean
 
 report: $(INSTALLED)  ## write report/README.md with its tables and figures
 	$(BIN)/python -m analysis
@@ -33,14 +36,31 @@ nightly: $(INSTALLED)  ## compare all engines and the golden data with the tests
 coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
 	$(BIN)/python -m pytest -n auto --cov --cov-report=term
 
-lint: $(INSTALLED)  ## run the linters
-	$(BIN)/ruff check
-	$(BIN)/ruff format --check
-	$(BIN)/codespell
-	$(BIN)/python -m tests.prose
+lint: $(INSTALLED)  ## run the linters, several at once
+	$(MAKE) --jobs=4 $(LINT)
+
+lint-mypy: $(INSTALLED)
 	$(BIN)/mypy reference analysis
+
+lint-pages: $(INSTALLED)
 	$(BIN)/python -m tests.snippets
+
+lint-ruff: $(INSTALLED)
+	$(BIN)/ruff check
+
+lint-format: $(INSTALLED)
+	$(BIN)/ruff format --check
+
+lint-codespell: $(INSTALLED)
+	$(BIN)/codespell
+
+lint-prose: $(INSTALLED)
+	$(BIN)/python -m tests.prose
+
+lint-imports: $(INSTALLED)
 	$(BIN)/lint-imports
+
+lint-derivation: $(INSTALLED)
 	$(BIN)/python -m longball.model.derivation --check
 
 mutants: $(INSTALLED)  ## plant small faults at random and count those that the tests notice; takes hours
@@ -52,9 +72,11 @@ planted: $(INSTALLED)  ## measure how often the judge names a mistake rightly; t
 bench: $(INSTALLED)  ## time the engines side by side, with the peers that are installed
 	$(BIN)/python -m analysis.bench
 
+# pip compiles file by file; here all cores do, and leave out the libraries' own tests.
 $(INSTALLED): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test,lint]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt --editable '.[test,lint]'
+	-$(BIN)/python -m compileall -qq -j 0 -x '/tests?/' $(VENV)/lib
 	touch $@
 
 $(VENV)/.documented: $(INSTALLED)

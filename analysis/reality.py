@@ -1,6 +1,6 @@
 """Measured baseball: what models of flight say of a day of measured pitches and batted balls."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -15,8 +15,9 @@ from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE, prediction, statcast
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
-from longball.pitches.prediction import ANGLES, Prediction, bands, predict, solve
-from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches, read_measured
+from longball.pitches.prediction import ANGLES, Prediction, bands, predict, scenes, solve
+from longball.pitches.statcast import GAMES, RPM, MeasuredFlies, MeasuredPitches, read_measured
+from longball.questions.parks import in_parks, park, parks
 
 NATHAN = MODELS["nathan"]
 # Shares of active spin that are tried, and those of them that are solved: places at the plate are
@@ -32,6 +33,7 @@ def run(report: Report, full: bool) -> str:
     launch = launched(flies)
     of_flies = fly_predictions(flies, launch)
     shares, held_out, spread = held_out_shares(pitches)
+    sides = side_forces(pitches)
     of_pitches = pitch_predictions(pitches)
     of_pitches[HELD_OUT] = held_out
     with report.figure("reality_flies", rows=3, size=(6.4, 8.4)) as panels:
@@ -48,8 +50,8 @@ def run(report: Report, full: bool) -> str:
     there = vars(scipy.stats) | vars(statcast) | vars(prediction) | globals()
     return report.render(
         "reality", there, flies=flies, launch=launch, pitches=pitches, of_flies=of_flies,
-        of_pitches=of_pitches, shares=shares, spread=spread,
-        day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1],
+        of_pitches=of_pitches, shares=shares, spread=spread, sides=sides,
+        day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1], outs=outs(launch),
         best=best_constants(flies), scatters=scatter(flies), distance=flies.measured[:, 0],
     )  # fmt: skip
 
@@ -143,6 +145,25 @@ def rms(x: Array, axis: int = -1) -> Array:
     return np.asarray(np.sqrt(np.mean(x**2, axis=axis)))
 
 
+def outs(flies: MeasuredFlies) -> pd.DataFrame:
+    """Fly each ball in its own park by Nathan's laws, and home runs in all parks.
+
+    A row for each fly: whether it was a home run, and whether it is said to be one; how far from
+    the top of the fence it passes, m, infinite if it does not get there; and in how many of all
+    parks a home run is said to be one.
+    """
+    of_game = pd.read_csv(GAMES).set_index("game_pk").park
+    was = pd.read_csv(EXAMPLE).events.iloc[flies.rows - 1].eq("home_run")
+    rows = []
+    for scene, game, was_out in zip(scenes(flies, NATHAN), flies.games, was, strict=True):
+        own = park(of_game[game])
+        found = {each.park: each for each in in_parks(scene, parks() if was_out else [own])}
+        over = found[own].clearance
+        near = np.inf if over is None else abs(over)
+        rows.append((was_out, found[own].is_out, near, sum(x.is_out for x in found.values())))
+    return pd.DataFrame(rows, columns=["was", "said", "near", "parks"])
+
+
 HELD_OUT = "Nathan, the active share of its type, fitted to the other games"
 FLOOR = "each pitch's own constant C_D, C_L and axis"
 
@@ -184,16 +205,20 @@ def own_constants(pitches: MeasuredPitches) -> Prediction:
 Shares = dict[str, Any]  # by type of pitch
 
 
+def at_shares(pitches: MeasuredPitches) -> Array:
+    """Predict the pitches at every share: a hundredth of an inch from those solved."""
+    spins = (pitches.spin(np.full(len(pitches), share)) for share in SOLVED_SHARES)
+    tried = [predict(pitches, NATHAN, spin).predicted for spin in spins]
+    return np.asarray(CubicSpline(SOLVED_SHARES, np.array(tried))(SHARES))
+
+
 def held_out_shares(pitches: MeasuredPitches) -> tuple[Shares, Prediction, Shares]:
     """Fit the active share of each type of pitch, and predict games that it was not fitted to.
 
     Returns the share of each type that fits all games best; the prediction of each game with the
     shares that fit the other ones best; and the range of those shares.
     """
-    spins = (pitches.spin(np.full(len(pitches), share)) for share in SOLVED_SHARES)
-    tried = [predict(pitches, NATHAN, spin).predicted for spin in spins]
-    # Predictions at every share: a hundredth of an inch from those solved.
-    predicted = CubicSpline(SOLVED_SHARES, np.array(tried))(SHARES)
+    predicted = at_shares(pitches)
     squares: Any = pd.DataFrame(np.sum((predicted - pitches.measured) ** 2, axis=2).T)
     of_games = squares.groupby([pitches.labels, pitches.games]).sum()
     of_kinds = of_games.groupby(level=0)
@@ -204,3 +229,103 @@ def held_out_shares(pitches: MeasuredPitches) -> tuple[Shares, Prediction, Share
     found = Prediction(pitches, predicted[best, np.arange(len(best))], {}, 0)
     shares, ends = of_kinds.sum().idxmin(axis=1), fitted.groupby(level=0).agg(["min", "max"])
     return shares.map(SHARES.item).to_dict(), found, ends.map(SHARES.item).T.to_dict("list")
+
+
+# --- a side force of each type --------------------------------------------------------------------
+
+# C_S by which a place at the plate is said to move in proportion, and the active share there; the
+# force that is fitted so is then solved as it is.
+SMALL_SIDE, SHARE_OF_SIDE = 0.05, 0.5
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Each type's own side force: fitted to half of the games, tested on the other half.
+
+    Both halves have both parts. Types that are not in both are left out.
+    """
+
+    pitches: MeasuredPitches
+    fitted: Array  # to the other half: C_S to the arm side and up, shape (n, 2)
+    # m, shape (n, 2): predicted with the active share of the other half, and with its force, too
+    without: Array
+    within: Array
+
+    def rms(self, which: Any = slice(None)) -> tuple[float, float]:
+        """Return the errors of some pitches without and with the force, m."""
+        errors = ((x - self.pitches.measured)[which] for x in (self.without, self.within))
+        without, within = (float(rms(np.linalg.norm(x, axis=1))) for x in errors)
+        return without, within
+
+    def coefficients(self, kind: str) -> Array:
+        """Return C_S to the arm side and up as the two halves have it, shape (2, 2)."""
+        return np.unique(self.fitted[self.pitches.labels == kind], axis=0)
+
+    def gain(self, which: Any = slice(None)) -> float:
+        """Return by how much the force brings some pitches nearer, in."""
+        without, within = self.rms(which)
+        return (without - within) / statcast.INCH
+
+    def by_game(self) -> Array:
+        """Return by how much the force brings the pitches of each game nearer, in."""
+        games = self.pitches.games
+        return np.array([self.gain(games == game) for game in np.unique(games)])
+
+
+def side_forces(pitches: MeasuredPitches) -> Sides:
+    """Fit the active share of each type with and without a side force, and predict other games."""
+    odd = np.isin(pitches.games, np.unique(pitches.games)[1::2])
+    halves = [pitches.labels[half] for half in (odd, ~odd)]
+    kept = np.isin(pitches.labels, np.intersect1d(*halves))
+    pitches, odd = rows_of(pitches, kept), odd[kept]
+    off = at_shares(pitches) - pitches.measured
+    pushed = arm_side(pitches), np.tile([0.0, 0.0, 1.0], (len(pitches), 1))
+    spin = pitches.spin(np.full(len(pitches), SHARE_OF_SIDE))
+    start = predict(pitches, NATHAN, spin).predicted
+    slopes = np.stack(
+        [
+            (predict(pitches, sided(SMALL_SIDE, way), spin).predicted - start) / SMALL_SIDE
+            for way in pushed
+        ],
+        axis=2,
+    )  # m, shape (n, 2, 2): of the place by C_S either way
+    fitted, share, plain = np.zeros((len(pitches), 2)), np.zeros(len(pitches)), np.array(start)
+    for half in (odd, ~odd):
+        for kind in np.unique(pitches.labels):
+            own = pitches.labels == kind
+            there, here = own & half, np.flatnonzero(own & ~half)
+            squares = np.sum(off[:, there] ** 2, axis=(1, 2))
+            plain[here] = off[np.argmin(squares), here] + pitches.measured[here]
+            # Of each share the best force: the normal equations of places linear in C_S.
+            matrix = np.einsum("nij,nik->jk", slopes[there], slopes[there])
+            right = np.einsum("nij,sni->sj", slopes[there], off[:, there])
+            forces = -np.linalg.solve(matrix, right.T).T
+            best = np.argmin(squares + np.sum(right * forces, axis=1))
+            fitted[here], share[here] = forces[best], SHARES[best]
+    ways = fitted[:, :1] * pushed[0] + fitted[:, 1:] * pushed[1]
+    models = sided(np.linalg.norm(fitted, axis=1), ways)
+    within = predict(pitches, models, pitches.spin(share)).predicted
+    return Sides(pitches, fitted, plain, within)
+
+
+def arm_side(pitches: MeasuredPitches) -> Array:
+    """Return unit vectors to the side of the pitcher's arm, shape (n, 3)."""
+    nothing = np.zeros(len(pitches))
+    return np.stack([nothing, pitches.hand, nothing], axis=1)
+
+
+def sided(value: Any, ways: Array) -> list[FlightModel]:
+    """Return Nathan's model with a side force of each pitch."""
+    values = np.broadcast_to(value, len(ways)).tolist()
+    return [
+        replace(NATHAN, side={"value": size, "direction": way})
+        for size, way in zip(values, ways.tolist(), strict=True)
+    ]
+
+
+def rows_of(pitches: MeasuredPitches, which: Any) -> MeasuredPitches:
+    """Return some of the pitches."""
+    arrays = {
+        name: value[which] for name, value in vars(pitches).items() if isinstance(value, np.ndarray)
+    }
+    return replace(pitches, **arrays)

@@ -220,6 +220,15 @@ class Branch(NamedTuple):
     vertical: bool  # `always_up` after the ball has turned vertical
 
 
+def across(direction, along):
+    """The unit vector of a direction made perpendicular to the unit vector `along`."""
+    direction = times(1 / length(direction), direction)
+    part = minus(direction, times(dot(direction, along), along))
+    if length(part) < 2e-6:
+        raise Unclear("a side force along the velocity")
+    return times(1 / length(part), part)
+
+
 class Law:
     """The acceleration of a ball. A state is r, v and the path through the air since the launch."""
 
@@ -238,6 +247,7 @@ class Law:
         self.wind = air.get("wind")
         self.drag = Coefficient(air["drag_coefficient"])
         self.lift = Coefficient(air["lift_coefficient"])
+        self.side = air.get("side_coefficient")
         self.sound = speed_of_sound(air)
         self.spin, self.decay_length = spin, air.get("spin_decay_length")
         # ê = (sin φ, -cos φ, 0), with the first velocity along (cos φ, sin φ).
@@ -323,7 +333,7 @@ class Law:
             yield "vertical", forward, 0.0, math.inf
 
     def acceleration(self, t, y, branch):
-        """-k C_D U u + lift - g ẑ - 2 Ω × v."""
+        """-k C_D U u + lift + k C_S U² ê - g ẑ - 2 Ω × v."""
         v = tuple(y[3:6])
         total = [0.0, 0.0, -self.gravity]
         if self.rotation is not None:
@@ -353,6 +363,10 @@ class Law:
         direction = self.lift_direction(spin, moving, U, c, branch)
         for i in range(3):
             total[i] += k * lift * U * U * direction[i]
+        if self.side is not None and self.side["value"] != 0:
+            aside = across(self.side["direction"], times(1 / U, moving))
+            for i in range(3):
+                total[i] += k * self.side["value"] * U * U * aside[i]
         return total
 
     def lift_direction(self, spin, moving, U, c, branch):

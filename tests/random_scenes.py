@@ -45,6 +45,9 @@ def random_scene(rng):
         scene["reading"] = reading
     if "friction" in scene.get("bat", {}) and rng.random() < 0.5:
         scene["ball"] = scene.get("ball", {}) | {"inertia_factor": rng.uniform(0.3, 0.667)}
+    if not plain and scene.get("air") and rng.random() < 0.2:
+        side = {"value": rng.uniform(-0.1, 0.1), "direction": direction(rng)}
+        scene["air"]["side_coefficient"] = side
     return scene
 
 

@@ -1,6 +1,7 @@
 """Type checks of the code in README and documentation; `make lint` runs them.
 
-No tests: mypy and pyright take ten seconds each, so that each is started once, for all pages.
+No tests: mypy and pyright take ten seconds each, so that each is started once, for all pages, and
+both at the same time.
 """
 
 from __future__ import annotations
@@ -57,21 +58,26 @@ def main() -> int:
             program.write_text(session(page), encoding="utf-8")
         (folder / "wrong.py").write_text(MISTAKES, encoding="utf-8")
         (folder / "pyrightconfig.json").write_text(json.dumps(SETTINGS), encoding="utf-8")
-        for checker, command in CHECKERS.items():
-            run = subprocess.run(
+        runs = {
+            checker: subprocess.Popen(
                 [sys.executable, *command],
-                capture_output=True,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
                 text=True,
                 cwd=folder,
                 env=os.environ | {"MYPYPATH": str(ROOT / "reference")},
             )
-            found = re.findall(r"(\w+\.py):(\d+)(?::\d+)?(?: -|:) error", run.stdout)
+            for checker, command in CHECKERS.items()
+        }
+        for checker, run in runs.items():
+            output, _ = run.communicate()
+            found = re.findall(r"(\w+\.py):(\d+)(?::\d+)?(?: -|:) error", output)
             errors = {(file, int(line)) for file, line in found}
             if errors != WRONG:
                 failed += 1
                 missed = sorted(line for _, line in WRONG - errors)
                 print(f"{checker}: lines of wrong.py that it accepts: {missed}")
-                print(run.stdout + run.stderr)
+                print(output)
     return failed
 
 

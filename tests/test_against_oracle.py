@@ -102,6 +102,7 @@ def test_a_scene_in_doubt_is_left_out():
     assert nightly.truth(graze) is None
 
 
+@pytest.mark.nightly
 def test_the_present_airspeed_above_a_jump_of_the_wind():
     rows, doubtful = nightly.compare(list(PRESENT.values()), list(PRESENT))
     assert [row for row in rows if row.off is None or row.wrong] == []

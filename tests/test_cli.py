@@ -15,7 +15,7 @@ import pytest
 import typer.testing
 
 import longball as lb
-from longball import cli, tables
+from longball import cli, table_files
 from longball.cli.converge import read_scenes
 from longball.golden import probabilities
 from longball.home_run.quadrature import Nodes
@@ -106,7 +106,7 @@ class TestSolve:
         table.write_text(
             'kind,pitch.speed,air\n\npitch,.5e2,\npitch,30,"{""density"":\n1}",\n,,\npitch,-1\n'
         )
-        lines = tables.scene_lines(table).split(b"\n")
+        lines = table_files.scene_lines(table).split(b"\n")
         assert [n for n, line in enumerate(lines, 1) if line] == [3, 4, 7]
         assert json.loads(lines[3]) == {
             "kind": "pitch", "pitch": {"speed": 30}, "air": {"density": 1},
@@ -130,7 +130,7 @@ class TestSolve:
         table = tmp_path / "scenes.csv"
         table.write_bytes(text.encode("latin-1"))
         with pytest.raises(ValueError, match=said):
-            tables.scene_lines(table)
+            table_files.scene_lines(table)
 
     def test_an_ending_in_capitals_is_one(self, called, tmp_path: Path):
         source, output = tmp_path / "SCENES.CSV", tmp_path / "RESULTS.CSV"
@@ -141,7 +141,7 @@ class TestSolve:
     def test_spaces_around_names_mean_nothing(self, tmp_path: Path):
         table = tmp_path / "scenes.csv"
         table.write_text('kind, pitch.speed , air\npitch, 30, "{""density"": 1}"\n')
-        _, line = tables.scene_lines(table).split(b"\n")
+        _, line = table_files.scene_lines(table).split(b"\n")
         assert json.loads(line) == {
             "kind": "pitch", "pitch": {"speed": 30}, "air": {"density": 1},
         }  # fmt: skip
@@ -172,23 +172,6 @@ class TestSolve:
     def test_a_result_names_the_version(self, called):
         (result,) = results(called("solve", stdin=FLIGHT))
         assert result["engine"] == f"longball {lb.__version__} ivp Taylor"
-
-    @pytest.mark.parametrize("indent", [None, 2])
-    @pytest.mark.parametrize("array", [False, True])
-    @pytest.mark.sampled(every=4)
-    def test_json_that_is_no_lines_is_one_sentence(self, tmp_path: Path, indent, array):
-        scene = {"kind": "pitch"}
-        file = tmp_path / "scenes.json"
-        file.write_text(json.dumps([scene] if array else scene, indent=indent))
-        for arguments, text in (([str(file)], b""), ([], file.read_bytes())):
-            command = [sys.executable, "-m", "longball", "solve", *arguments]
-            run = subprocess.run(command, input=text, capture_output=True, check=False)
-            if indent is None and not array:
-                assert run.returncode == 0
-                continue
-            assert (run.returncode, run.stdout) == (2, b"")
-            (said,) = run.stderr.decode().splitlines()
-            assert f"a scene stands in one line: jq -c {chr(39) + '.[]' if array else '.'}" in said
 
     def test_a_broken_first_line_is_one_line_without_an_answer(self, called):
         run = called("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')

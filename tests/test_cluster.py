@@ -143,6 +143,7 @@ def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> 
         ("tls://127.0.0.1:1", "certificates"),
     ],
 )
+@pytest.mark.sampled(every=3)
 def test_an_address_where_nobody_answers_is_refused(called, address: str, named: str) -> None:
     run = called("homerun", "--samples", "10", "--scheduler", address)
     assert run.returncode == 2

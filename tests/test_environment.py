@@ -63,7 +63,7 @@ def test_output_is_utf_8_whatever_the_locale():
         ("longball solve nowhere.jsonl 2>&-", 2, b""),
     ],
 )
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_closed_streams(tmp_path: Path, line: str, status: int, said: bytes):
     (tmp_path / "scenes.jsonl").write_bytes(FLIGHT)
     run = shell(line, tmp_path)
@@ -92,6 +92,7 @@ def test_the_source_is_not_overwritten(tmp_path: Path, line: str):
     assert source.read_bytes() == FLIGHT
 
 
+@pytest.mark.nightly
 def test_a_disk_that_is_full_is_named():
     if not Path("/dev/full").exists():
         pytest.skip("this system has no /dev/full")
@@ -103,6 +104,7 @@ def test_a_disk_that_is_full_is_named():
 
 
 @pytest.mark.parametrize("engine", ["ivp", "batch"])
+@pytest.mark.sampled(every=2)
 def test_a_line_is_answered_before_the_next_is_read(engine: str):
     with subprocess.Popen(
         [*LONGBALL, "solve", "--engine", engine],
@@ -141,6 +143,7 @@ def test_a_reader_that_leaves_early_is_no_traceback():
         (["judge", "--golden", "flight-weightless", "--results", os.devnull], 1),
     ],
 )
+@pytest.mark.sampled(every=2)
 def test_a_reader_that_has_left_changes_no_status(arguments: list[str], status: int):
     reader, writer = os.pipe()
     os.close(reader)
@@ -227,7 +230,7 @@ class TestSignals:
             ("2", signal.SIGTERM, b"terminated"),
         ],
     )
-    @pytest.mark.sampled(every=2)
+    @pytest.mark.sampled(every=3)
     def test_end_a_run(self, workers: str, number: signal.Signals, said: bytes):
         with self.start("solve", "--workers", workers) as process:
             process.stdin.write(FLIGHT * 100)
@@ -245,6 +248,7 @@ class TestSignals:
         assert words == b"longball: " + said + b"\n"
 
     @pytest.mark.parametrize("name", ["typer", "longball.cli.fit", "numpy"])
+    @pytest.mark.sampled(every=3)
     def test_end_imports_without_a_word(self, name: str):
         code = (
             "import os, signal, sys\n"

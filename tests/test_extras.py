@@ -59,6 +59,7 @@ def command_line(*arguments: str, **options) -> subprocess.CompletedProcess:
         ),
     ],
 )
+@pytest.mark.sampled(every=2)
 def test_engines_give_the_same_bits(engine: str, lines: str):
     run = command_line("solve", "--engine", engine, lines=lines)
     whole = light(
@@ -161,6 +162,7 @@ def test_what_is_missing_is_named(extra: str, tmp_path: Path):
         assert "llvmlite" not in words, arguments  # which numba brings
 
 
+@pytest.mark.nightly
 def test_samples_are_struck_by_an_engine_that_needs_none():
     run = command_line("homerun", "--samples", "3", "--e", "0.42", "--engine", "ivp")
     assert (run.returncode, run.stderr) == (0, "")

@@ -18,7 +18,7 @@ import pandas as pd
 import pytest
 
 import longball as lb
-from longball import api, engines, tables
+from longball import api, engines, solution, tables
 from longball.model.quantities import flat, numbers
 from longball.pitches import prediction
 from longball.questions import movement, parks, spin
@@ -42,7 +42,9 @@ class TestImport:
         with pytest.raises(AttributeError, match="solv'"):
             _ = lb.solv
 
-    @pytest.mark.parametrize("module", [lb, api, tables, movement, parks, prediction, spin])
+    @pytest.mark.parametrize(
+        "module", [lb, api, solution, tables, movement, parks, prediction, spin]
+    )
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
         assert results.attempted > 0
@@ -300,14 +302,6 @@ class TestPath:
         with pytest.raises(ValueError, match="no path"):
             _ = lb.solve(lb.Impact(incoming=touching)).path
 
-
-def test_a_scene_shows_what_was_written():
-    scene = lb.AtBat(**AT_BAT, gravity=9.81, air={"drag_coefficient": {"law": "crisis"}})
-    assert "crisis" in repr(scene)
-    assert "bat=" not in repr(scene)
-    assert eval(repr(scene), {"AtBat": lb.AtBat}) == scene
-    assert repr(lb.Pitch()) == "Pitch()"
-
     def test_it_is_drawn_from_the_side_to_scale(self):
         plt = pytest.importorskip("matplotlib.pyplot")
         path = lb.solve(lb.AtBat(**AT_BAT)).path
@@ -321,6 +315,14 @@ def test_a_scene_shows_what_was_written():
             assert axes.get_aspect() == 1.0
         finally:
             plt.close("all")
+
+
+def test_a_scene_shows_what_was_written():
+    scene = lb.AtBat(**AT_BAT, gravity=9.81, air={"drag_coefficient": {"law": "crisis"}})
+    assert "crisis" in repr(scene)
+    assert "bat=" not in repr(scene)
+    assert eval(repr(scene), {"AtBat": lb.AtBat}) == scene
+    assert repr(lb.Pitch()) == "Pitch()"
 
 
 class TestSolveMany:

@@ -502,15 +502,20 @@ def test_so_does_what_the_engine_answers(scene):
 
 
 @given(scenes())
-@settings(max_examples=40)
 def test_whatever_the_scene_there_is_an_answer(scene):
-    """Scenes no field has seen are solved or refused with a reason, and never a traceback."""
+    """Scenes no field has seen are solved or refused with a reason, and never a traceback.
+
+    That a flight takes too many steps is a reason, too: here after fewer than usual.
+    """
     short = (
         altered(scene, time_limit=min(scene.time_limit, 1.0))
         if "time_limit" in (type(scene).model_fields)
         else scene
     )
-    solved = chain.solve(short, Ivp("DOP853", 1e-6, 1e-6))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("longball.engines.ivp._MANY_STEPS", 100)
+        patch.setattr("longball.engines.ivp._MOST_STEPS", 200)
+        solved = chain.solve(short, Ivp("DOP853", 1e-6, 1e-6))
     assert (solved.outcome is None) == (solved.error is not None) == (solved.code is not None)
 
 

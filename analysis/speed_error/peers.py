@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.integrate
 
-from longball.engines.batch.flights import TIME_LIMIT, TOUCH, Records, arrival_dtype
+from longball.engines.batch.flights import Records, Stop, arrival_dtype
 from longball.model import trace
 from longball.model.arrays import Array
 from longball.model.trace import Node, Program
@@ -109,9 +109,9 @@ class Peer:
             return ends
         problem, flights = problem_of(starts, program)
         place, *ended = self.land(problem, flights).T
-        numbers = [*range(len(problem.stops)), TIME_LIMIT]
+        numbers = [*range(len(problem.stops)), Stop.TIME_LIMIT]
         if problem.bat:
-            numbers[-2] = TOUCH
+            numbers[-2] = Stop.TOUCH
         ends["stop"] = np.array(numbers)[place.astype(int)]
         for name, column in zip(("time", *program.variables), ended, strict=True):
             ends[name] = column

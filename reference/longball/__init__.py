@@ -21,10 +21,7 @@ if TYPE_CHECKING:
         AtBat,
         Flight,
         Impact,
-        Path,
         Pitch,
-        Solution,
-        State,
         home_run_probability,
         launch,
         solve,
@@ -57,6 +54,7 @@ if TYPE_CHECKING:
     from longball.questions.parks import InPark, Park, in_parks, park, parks
     from longball.questions.spin import SpinFromMovement, spin_from_movement
     from longball.questions.uncertainty import uncertainty
+    from longball.solution import Path, Solution, State
     from longball.tables import solve_many
 
 __version__ = "0.1.0"
@@ -64,7 +62,7 @@ __version__ = "0.1.0"
 # Where public names are, which are imported when they are first asked for.
 _HOMES = {
     "api": (
-        *("AtBat", "Flight", "Impact", "Path", "Pitch", "Solution", "State"),
+        *("AtBat", "Flight", "Impact", "Pitch"),
         *("home_run_probability", "launch", "solve"),
     ),
     "engines.engine": ("CannotSolve",),
@@ -81,6 +79,7 @@ _HOMES = {
     "questions.parks": ("InPark", "Park", "in_parks", "park", "parks"),
     "questions.spin": ("SpinFromMovement", "spin_from_movement"),
     "questions.uncertainty": ("uncertainty",),
+    "solution": ("Path", "Solution", "State"),
     "tables": ("solve_many",),
 }
 _PACKAGES = ("convergence", "golden", "judge")

@@ -6,18 +6,13 @@ lines of results have as keys. `longball.tables` solves many scenes at once.
 
 from __future__ import annotations
 
-import html
 import json
-import math
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import (
     TYPE_CHECKING,
     Any,
     Literal,
-    NamedTuple,
     Protocol,
     TypeVar,
     Unpack,
@@ -26,53 +21,34 @@ from typing import (
     overload,
 )
 
-import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import ValidationError
 
 from longball import engines
 from longball.engines import chain
-from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
-from longball.engines.path import Trajectory
+from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model import scene as models
-from longball.model.arrays import Array
-from longball.model.explain import explain, parts_of
-from longball.model.inputs import inputs, require_inputs
-from longball.model.names import one_of
-from longball.model.numbers import Undecided
-from longball.model.plain import column_of, plain
-from longball.model.quantities import at, numbers
+from longball.model.explain import explain
+from longball.model.inputs import CONTACT, OF_SPIN, OF_VELOCITY, inputs, launched, require_inputs
+from longball.model.numbers import DOUBLES, Undecided
+from longball.model.plain import plain
+from longball.model.quantities import numbers
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
-    Apex,
-    Bounded,
-    Certified,
-    Contact,
-    ErrorCode,
-    Fence,
-    Landing,
-    Outcome,
-    Plate,
     Result,
-    signed,
 )
-from longball.model.result import Impact as ImpactResult
 from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
+from longball.solution import Solution, error_of, real_numbers
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.axes import Axes
 
     from longball.engines.path_engine import PathEngine
     from longball.engines.tangent import Derivatives
     from longball.model import dicts
     from longball.pitches import FittedPitches
-
-
-# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
-# Trajectory Calculator begins there.
-CONTACT = (0.6096, 0.0, 0.9144)
+    from longball.solution import FlightSolution, ImpactSolution, PitchSolution
 
 
 # --- scenes ---------------------------------------------------------------------------------------
@@ -153,19 +129,12 @@ def launch(
     """
     if not speed > 0.0:
         raise InvalidScene(f"speed: must be positive (got {speed!r})")
-    level, ahead = math.cos(angle), (math.cos(direction), math.sin(direction))
-    rise = math.sin(angle)
+    tracked: dict[str, float] = dict(zip(OF_VELOCITY, (speed, angle, direction), strict=True))
+    if backspin is not None or side_spin is not None:
+        tracked |= zip(OF_SPIN, (backspin or 0.0, side_spin or 0.0, 0.0), strict=True)
     start: Any = position  # in any form that a block takes
-    velocity = (speed * level * ahead[0], speed * level * ahead[1], speed * rise)
-    if backspin is None and side_spin is None:
-        return models.Launch(position=start, velocity=velocity)
-    back, side = backspin or 0.0, side_spin or 0.0
-    spin = (
-        back * ahead[1] - side * rise * ahead[0],
-        -back * ahead[0] - side * rise * ahead[1],
-        side * level,
-    )
-    return models.Launch(position=start, velocity=velocity, spin=spin)
+    vectors = {name.removeprefix("launch."): v for name, v in launched(tracked, DOUBLES).items()}
+    return models.Launch(position=start, **vectors)
 
 
 def as_scene(written: object) -> Scene:
@@ -200,302 +169,6 @@ def _of_type(value: object) -> str:
 # --- one scene ------------------------------------------------------------------------------------
 
 
-class State(NamedTuple):
-    """Position and velocity of the ball at a time.
-
-    Attributes
-    ----------
-    time
-        s since the start of the scene: a float, or an array of shape (…).
-    position
-        m; array of shape (…, 3).
-    velocity
-        m/s; array of shape (…, 3).
-    """
-
-    time: Any
-    position: Array
-    velocity: Array
-
-
-class Path:
-    """The trajectory of the ball from the start of a scene to its end.
-
-    The velocity jumps at the contact; at that time the one after the impulse is returned.
-
-    Attributes
-    ----------
-    start, end
-        s since the start of the scene: a path begins at 0.
-    """
-
-    def __init__(self, trajectory: Trajectory[Any], engine: Engine[Any]) -> None:
-        self._trajectory, self._numbers = trajectory, engine.numbers
-        self.start = self._double(trajectory.legs[0].begin)
-        self.end = self._double(trajectory.end)
-
-    def __repr__(self) -> str:
-        return f"Path from {self.start:g} s to {self.end:.7g} s"
-
-    def at(self, time: ArrayLike) -> State:
-        """Return the state at one or more times.
-
-        Parameters
-        ----------
-        time
-            s since the start of the scene; a number or an array of any shape.
-
-        Raises
-        ------
-        ValueError
-            If a time lies outside the path.
-        TypeError
-            If a time is no number.
-        """
-        times = _real("time", time)
-        outside = times[~((times >= self.start) & (times <= self.end))]
-        if outside.size:
-            raise ValueError(
-                f"t = {outside[0]} s is outside the path, from {self.start} s to {self.end} s"
-            )
-        with self._numbers.arithmetic():
-            states = [self._state(t) for t in times.ravel().tolist()]
-        found = np.array(states).reshape(*times.shape, 6)
-        return State(times[()], found[..., :3], found[..., 3:])
-
-    @naming_extras()
-    def sample(self, points: int = 200) -> pd.DataFrame:
-        """Return states at evenly spaced times from start to end.
-
-        Parameters
-        ----------
-        points
-            How many, 2 at least: the first at the start, the last at the end. States at times of
-            your own come from `at`.
-
-        Returns
-        -------
-        pandas.DataFrame
-            With columns ``t`` (s), ``x``, ``y``, ``z`` (m), ``vx``, ``vy``, ``vz`` (m/s).
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `points` is not such a number.
-        """
-        import pandas as pd
-
-        if np.ndim(points):
-            raise TypeError(f"points = {points!r}: how many is asked; path.at takes times")
-        count = engines.whole_number("points", points, 2)
-        time, position, velocity = self.at(np.linspace(self.start, self.end, count))
-        table = np.column_stack([time, position, velocity])
-        return pd.DataFrame(table, columns=["t", "x", "y", "z", "vx", "vy", "vz"])
-
-    @naming_extras()
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the path from the side, to scale: height over the way from the plate, m.
-
-        Parameters
-        ----------
-        ax
-            Axes of Matplotlib to draw on; new ones if left out.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            The axes, for titles, limits and more paths.
-
-        Examples
-        --------
-        >>> import longball as lb
-        >>> axes = lb.solve(lb.AtBat()).path.plot()
-        >>> axes.get_ylabel()
-        'height z (m)'
-        """
-        import matplotlib.pyplot as plt
-
-        axes = plt.subplots(layout="constrained")[1] if ax is None else ax
-        position = self.at(np.linspace(self.start, self.end, _PLOTTED)).position
-        axes.plot(position[:, 0], position[:, 2])
-        axes.set(xlabel="x, from the plate towards the pitcher (m)", ylabel="height z (m)")
-        axes.set_aspect("equal", adjustable="datalim")
-        return axes
-
-    def _state(self, time: float) -> list[float]:
-        exact = self._numbers.exact(time)
-        end = self._trajectory.end
-        # The end may lie between two doubles, and so may the beginning of a flight.
-        if time == self.end and exact > end:
-            exact = end
-        for leg in self._trajectory.legs:
-            if time == self._double(leg.begin):
-                exact = leg.begin
-        (row,) = self._trajectory.sample([exact])
-        return [self._double(x) for x in row]
-
-    def _double(self, x: Any) -> float:
-        return float(self._numbers.report(x))
-
-
-_PLOTTED = 400  # points: lines between them are as smooth as a screen
-
-
-class Solution:
-    """The result of a scene.
-
-    Its attributes are the keys of a line of results; a block that the outcome does not have is
-    None. A number is a float, or with `digits` a `Bounded`, which `float` converts.
-
-    Attributes
-    ----------
-    scene
-        The scene that was solved.
-    result
-        The whole result as a model; ``result.line()`` is its line of JSON.
-    """
-
-    id: str | None
-    outcome: Outcome | None
-    # None where the outcome does not have it: who asks for a block knows the outcome.
-    plate: Plate
-    contact: Contact
-    impact: ImpactResult
-    apex: Apex
-    fence: Fence
-    landing: Landing
-    engine: str | None
-    error: str | None
-    code: ErrorCode | None
-
-    def __init__(
-        self,
-        scene: Scene | None,
-        result: Result,
-        solver: Engine[Any],
-        trajectory: Trajectory[Any] | None = None,
-        derivatives: Derivatives | None = None,
-    ) -> None:
-        engine = result.engine and signed(result.engine)
-        self.scene, self.result = scene, result.model_copy(update={"engine": engine})
-        self._solver, self._trajectory = solver, trajectory
-        self._derivatives = derivatives
-
-    def __getattr__(self, name: str) -> Any:
-        if name in Result.model_fields:
-            return getattr(self.result, name)
-        raise AttributeError(f"a solution has no attribute {name!r}")
-
-    def __getitem__(self, name: str) -> Any:
-        """Return a quantity by its name, such as ``landing.position[0]``; None if it is left out.
-
-        A ValueError says that no result has it, and names the nearest.
-        """
-        keys = re.sub(r"\[\d+\]", "", name).split(".")
-        if not parts_of(Result, keys):
-            blocks = chain.PARTS.items()
-            known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
-            raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
-        return at(self.result, name)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain data, without the quantities it does not have."""
-        return self.result.data()
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *Result.model_fields]
-
-    def __getstate__(self) -> dict[str, Any]:
-        # A trajectory is made piece by piece, which no copy can go on with: `path` solves again.
-        state = {name: value for name, value in vars(self).items() if name != "path"}
-        return state | {"_trajectory": None}
-
-    @property
-    def derivatives(self) -> Derivatives:
-        """Derivatives of its numbers by numbers of the scene; a `ValueError` if not asked for."""
-        if self._derivatives is None:
-            raise ValueError("derivatives are to be asked for: lb.solve(scene, derivatives=True)")
-        return self._derivatives
-
-    @cached_property
-    def path(self) -> Path:
-        """The trajectory of the ball.
-
-        Raises
-        ------
-        ValueError
-            If nothing flies in the scene.
-        InvalidScene, Undecided, CannotSolve
-            If it has no result.
-        """
-        if self.scene is None or self.result.error is not None:
-            raise error_of(self.result)
-        way = self._trajectory
-        if way is None:
-            _, way = chain.solve_with_path(self.scene, self._solver)
-        if not way.legs:
-            raise ValueError("an impact has no path: nothing flies in it")
-        return Path(way, self._solver)
-
-    def __repr__(self) -> str:
-        rows = [*self._rows()]
-        width = max((len(name) for name, *_ in rows), default=0)
-        lines = [f"  {name:<{width}} {value} {unit}".rstrip() for name, value, unit in rows]
-        return "\n".join([self._title, *lines])
-
-    def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{name}</td><td>{html.escape(value)}</td><td>{unit}</td></tr>"
-            for name, value, unit in self._rows()
-        )
-        return f"<table><caption>{html.escape(self._title)}</caption>{rows}</table>"
-
-    @property
-    def _title(self) -> str:
-        named = "" if self.id is None else f"{self.id}: "
-        return f"{named}{self.outcome or self.error} ({self.engine or 'not solved'})"
-
-    def _rows(self) -> Iterator[tuple[str, str, str]]:
-        """Yield name, value and unit of every quantity."""
-        blocks = [*chain.BLOCKS]
-        for name in sorted(chain.PARTS, key=lambda part: blocks.index(part.split(".")[0])):
-            block = at(self.result, name)
-            for key, field in type(block).model_fields.items() if block else ():
-                if (
-                    value := getattr(block, key)
-                ) is not None and f"{name}.{key}" not in chain.PARTS:
-                    unit = _UNIT.match(field.description or "")
-                    yield f"{name}.{key}", _shown(value), unit[0] if unit else ""
-
-
-if TYPE_CHECKING:
-    # Solutions of a kind: a type checker refuses what no scene of the kind has.
-
-    class FlightSolution(Solution):
-        """The result of a flight: neither pitch nor bat."""
-
-        plate: None  # type: ignore[assignment]
-        contact: None  # type: ignore[assignment]
-        impact: None  # type: ignore[assignment]
-
-    class PitchSolution(Solution):
-        """The result of a pitch: it is not batted."""
-
-        contact: None  # type: ignore[assignment]
-        impact: None  # type: ignore[assignment]
-        apex: None  # type: ignore[assignment]
-        fence: None  # type: ignore[assignment]
-        landing: None  # type: ignore[assignment]
-
-    class ImpactSolution(Solution):
-        """The result of an impact: nothing flies."""
-
-        plate: None  # type: ignore[assignment]
-        apex: None  # type: ignore[assignment]
-        fence: None  # type: ignore[assignment]
-        landing: None  # type: ignore[assignment]
-
-
 S = TypeVar("S", bound=Solution, covariant=True)
 
 
@@ -504,26 +177,6 @@ class _Of(Protocol[S]):
 
     @property
     def _solved(self) -> S: ...
-
-
-# Descriptions of the result's quantities begin with the unit.
-_UNIT = re.compile(r"(s|m|m/s|rad|rad/s|J|N s)(?=[,;]|$)")
-
-
-def _real(name: str, value: ArrayLike) -> Array:
-    """Return an array of numbers; texts that look like numbers are none."""
-    numbers = column_of(value)
-    if numbers.dtype != float:
-        raise TypeError(f"{name} = {value!r}: a number or an array of numbers is needed")
-    return numbers
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, tuple):
-        return f"({', '.join(map(_shown, value))})"
-    if isinstance(value, Bounded | Certified):
-        return value.value if value.radius is None else f"{value.value} ± {value.radius}"
-    return f"{value:.7g}" if isinstance(value, float) else str(value)
 
 
 @overload
@@ -656,18 +309,6 @@ def as_engine(engine: str | Engine[Any], options: Mapping[str, Any]) -> Engine[A
     return engine
 
 
-def error_of(result: Result) -> Exception:
-    """Return the exception that says why a result has no outcome."""
-    assert result.error is not None
-    assert result.code is not None
-    return _ERRORS[result.code](result.error)
-
-
-_ERRORS: dict[ErrorCode, Callable[[str], Exception]] = {
-    error.code: error for error in (InvalidScene, Undecided, CannotSolve, TooLong, OutOfRange)
-}
-
-
 # --- the probability of a home run ----------------------------------------------------------------
 
 
@@ -763,7 +404,7 @@ def home_run_probability(
 
 
 def _restitutions(e: ArrayLike) -> list[float]:
-    given = _real("e", e)
+    given = real_numbers("e", e)
     if given.ndim > 1 or not given.size or not ((given >= 0) & (given <= 1)).all():
         raise ValueError(
             f"e = {given.tolist()}: one coefficient of restitution or more is needed, "

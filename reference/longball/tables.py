@@ -6,45 +6,40 @@ Columns bear the names of the numbers (`longball.model.quantities`): ``pitch.aim
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import os
 import re
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from itertools import islice, product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
-from pydantic_core import to_json
 
 from longball import engines
-from longball.api import Solution, as_engine, as_scene
+from longball.api import as_engine, as_scene
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import checked
 from longball.extras import naming_extras
-from longball.model.csv_files import decoded, other_separators, unguarded, write_frame
-from longball.model.plain import column_of, is_missing, plain
+from longball.model.changes import USUAL_SCENES
+from longball.model.plain import column_of, is_missing
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result, signed
 from longball.model.scene import (
-    AtBatScene,
     InvalidScene,
-    PitchScene,
     Scene,
     may_be_mixed,
     refused,
     vector_length,
 )
+from longball.solution import Solution
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -233,7 +228,7 @@ def _solve_table(
         frame = _solve_as_columns(fixed, varied, solver, workers)
     if frame is None:
         rows = [*_rows(fixed, varied, count)]
-        scenes = (_scene_of(row, _json_alone) for row in rows)
+        scenes = (scene_of(row, _json_alone) for row in rows)
         solved = [*_asked_and_results(scenes, solver, workers, paths)]
         errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
         if errors and len(errors) == count:
@@ -265,7 +260,7 @@ def _solve_as_columns(
     table = solve_columns(base, varied, solver, workers)
     unsolved = np.flatnonzero(table["outcome"] == "").tolist()
     rows = ({n: column.item(i) for n, column in varied.items()} for i in unsolved)
-    scenes = (_scene_of({**fixed, **row}, _json_alone) for row in rows)
+    scenes = (scene_of({**fixed, **row}, _json_alone) for row in rows)
     reasons = (result for _, result in _asked_and_results(scenes, solver, workers))
     return _with_engines_signed(_frame(table, dict(zip(unsolved, reasons, strict=True))))
 
@@ -339,7 +334,7 @@ def _all_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> 
     ends = [{*column[[column.argmin(), column.argmax()]].tolist()} for column in varied.values()]
     corners = [dict(zip(varied, corner, strict=True)) for corner in product(*ends)]
     try:
-        base = as_scene(_scene_of({**fixed, **corners[0]}, _json_alone))
+        base = as_scene(scene_of({**fixed, **corners[0]}, _json_alone))
         for corner in corners[1:]:
             replaced(base, corner)
     except (TypeError, ValueError):
@@ -355,7 +350,7 @@ def _rows(
         yield {**fixed, **dict(zip(varied, values, strict=True))}
 
 
-def _scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, Any]:
+def scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, Any]:
     """Return the scene of a row as plain data, its texts read; without what is left out."""
     given = {
         str(name): read(x) if isinstance(x, str) and name not in ("id", "kind") else x
@@ -365,18 +360,10 @@ def _scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, A
     # A part of what is given whole: no scene has such a key, and so the row's error names it.
     parts = [n for n in given if any(n[: m.start()] in given for m in _PART.finditer(n))]
     odd = {n: given.pop(n) for n in parts}
-    return nested(given, _DEFAULTS.get(given.get("kind"))) | odd
+    return nested(given, USUAL_SCENES.get(given.get("kind"))) | odd
 
 
 _PART = re.compile(r"[.\[]")
-
-
-def _json_or_number(text: str) -> Any:
-    """Parse a cell of a file: JSON (null for no air), a number such as .5, or text."""
-    for read in (json.loads, float):
-        with suppress(ValueError, RecursionError):
-            return read(text)
-    return text
 
 
 def _json_alone(text: str) -> Any:
@@ -388,10 +375,6 @@ def _json_alone(text: str) -> Any:
 
 
 _NO_AIR = "null"  # as JSON, since None is a value left out
-
-
-# Of kinds that need no block, to complete vectors from.
-_DEFAULTS: dict[Any, Scene] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
 
 
 @naming_extras()
@@ -448,80 +431,3 @@ def _place(name: str) -> tuple[int, int]:
     block, key, _ = re.split(r"\W", f"{name}..", maxsplit=2)
     keys = [*BLOCKS[block].model_fields] if block in BLOCKS else [""]
     return [*Result.model_fields].index(block), keys.index(key)
-
-
-# --- files ----------------------------------------------------------------------------------------
-
-
-def scene_lines(path: Path) -> bytes:
-    """Return the scenes of a .csv or .parquet as lines of JSON, numbered as those of the file."""
-    rows: Iterable[tuple[int, Mapping[Any, Any]]] = _csv_rows(path)
-    if path.suffix.lower() == ".parquet":
-        import pandas as pd
-
-        rows = enumerate(pd.read_parquet(path).to_dict("records"), 1)
-    lines: list[bytes] = []
-    for number, row in rows:
-        lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
-        cells = {name: _written(x) for name, x in row.items()}
-        scene = _scene_of(cells, _json_or_number)
-        lines.append(to_json(scene, inf_nan_mode="constants"))  # null would be no air
-    return b"\n".join(lines)
-
-
-def _written(cell: object) -> Any:
-    """Return a cell of a file as JSON has it; what is neither number nor block, as a text."""
-    try:
-        return plain(cell)
-    except TypeError:
-        return str(cell)
-
-
-def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
-    """Yield the rows of a .csv that are not blank, each with the number of its first line."""
-    text = decoded(path.read_bytes())
-    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
-    begin, head = 1, None
-    try:
-        for cells in reader:
-            number, begin = begin, reader.line_num + 1
-            if not any(map(str.strip, cells)):
-                continue
-            if head is None:
-                head = _head(cells)
-                continue
-            if any(cells[len(head) :]):
-                told = f"{len(cells)} cells, and the head has {len(head)}"
-                raise ValueError(f"line {number}: {told}")
-            pairs = [(name, x) for name, x in zip(head, cells, strict=False) if x]
-            # pandas writes an index of row numbers into a first column without a name.
-            if pairs and cells[0].isdecimal() and head[0] in _INDEX:
-                del pairs[0]
-            if unnamed := [x for name, x in pairs if not name]:
-                raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
-            yield number, {name: unguarded(x) for name, x in pairs}
-    except csv.Error as error:
-        raise ValueError(f"line {begin}: {error}") from None
-
-
-_INDEX = ("", "Unnamed: 0")  # names of a column that holds an index: in a file, and once read
-
-
-def _head(cells: Sequence[str]) -> list[str]:
-    """Return the names of columns as the first row has them."""
-    head = [name.strip() for name in cells]
-    for name in filter(None, head):
-        if head.count(name) > 1:
-            raise ValueError(f"the column {name} is there twice")
-    if hint := other_separators(head):
-        raise ValueError(f"not a table of scenes{hint}")
-    return head
-
-
-def write_table(path: Path, results: Iterable[bytes]) -> None:
-    """Write results, as lines of JSON, as a table."""
-    frame = results_table(map(json.loads, results))
-    if path.suffix.lower() == ".parquet":
-        frame.to_parquet(path)
-    else:
-        write_frame(frame, path)

@@ -1,6 +1,6 @@
 """Random scenes of every family: answered, and answered rightly. Thousands more are a study.
 
-An eighth of the scenes is tried in `make test`, all of them in `make nightly`.
+A twentieth of the scenes is tried in `make test`, all of them in `make nightly`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from longball.model.inputs import inputs
 from longball.model.scene import parse_scene
 
 SEED = 2
-SHARE = 8
+SHARE = 20
 PAPER = [family for family in FAMILIES if family != "extended"]
 
 
@@ -23,7 +23,7 @@ PAPER = [family for family in FAMILIES if family != "extended"]
 def test_engines_agree_with_what_is_proven(family, monkeypatch, nightly):
     # What takes the enclosure more than some tenths of a second is not compared here.
     monkeypatch.setattr("longball.engines.enclosure.engine._MOST_WORK", 1_000_000)
-    for number in range(0, 16, 1 if nightly else SHARE):
+    for number in range(0, 16, 1 if nightly else SHARE // 2):
         scene = random_scene(family, number, SEED)
         for row in examine(scene):
             assert row["verdict"] not in FAULTS, (row, scene.line())
@@ -52,6 +52,7 @@ def test_engines_agree_with_what_is_proven(family, monkeypatch, nightly):
         ("extreme", 46363, 20),
     ],
 )
+@pytest.mark.sampled(every=4)
 def test_what_was_wrong_once_is_right(family, number, seed):
     found = examine(random_scene(family, number, seed))
     verdicts = {row["engine"]: row["verdict"] for row in found}
@@ -79,7 +80,7 @@ def test_so_is_what_takes_long(family, number, moved, monkeypatch):
 def test_a_distance_beyond_the_range_of_doubles_is_no_miss():
     found = examine(random_scene("extreme", 5223, 20))  # a bat that is met at 1e27 m/s
     verdicts = {row["engine"]: row["verdict"] for row in found}
-    assert verdicts == {"ivp": "right", "batch": "declined", "enclosure": "right"}
+    assert verdicts == {"ivp": "right", "batch": "right", "enclosure": "right"}
 
 
 @pytest.mark.parametrize("family", PAPER)
@@ -96,7 +97,7 @@ def test_engines_agree_with_each_other(family, monkeypatch, nightly):
 
 def test_engines_agree_in_the_extended_model(monkeypatch, nightly):
     monkeypatch.setattr("analysis.random_scenes.LAWS", 3)  # each is compiled
-    for number in range(0, 24, 1 if nightly else SHARE):
+    for number in range(0, 24, 1 if nightly else SHARE // 2):
         scene = random_scene("extended", number, SEED)
         for row in examine(scene, proven=scene.kind != "at-bat"):
             assert row["verdict"] not in FAULTS, (row, scene.line())

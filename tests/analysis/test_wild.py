@@ -63,6 +63,7 @@ def test_an_adapter_flies_golden_scenes(title, family, knob, error):
     assert max(map(wild.place_error, found.comparisons)) < error
 
 
+@pytest.mark.nightly
 def test_the_page_tells_of_a_simulator_that_flies_in_a_vacuum(tmp_path, monkeypatch):
     def fly(state, p, word, step):
         x, y, z, vx, vy, vz = state

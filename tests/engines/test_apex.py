@@ -8,11 +8,9 @@ from __future__ import annotations
 import json
 import math
 
-import numpy as np
 import pytest
 
 from longball import engines
-from longball.engines.batch import solve_columns
 from longball.engines.chain import solve
 from longball.model.scene import Scene, parse_scene
 
@@ -114,37 +112,6 @@ def test_an_apex_beyond_a_fence_counts(height: float) -> None:
         found = solve(flown, engines.create(name))
         assert found.outcome == "home_run"
         assert float(found.apex.time) == pytest.approx(25 / 9.8, abs=1e-12)
-
-
-def test_rows_of_columns_have_the_bits_of_their_scenes() -> None:
-    base = parse_scene(
-        '{"kind": "at-bat", "pitch": {"speed": 38.0}, "swing": {"tilt": 0.1}, '
-        '"fence": {"polyline": [[40, 40, 3], [60, 0, 3], [40, -40, 3]]}}'
-    )
-    columns = {
-        "swing.height_offset": np.linspace(-0.06, 0.03, 40),
-        "pitch.aim[0]": np.linspace(-0.2, 0.2, 40),
-    }
-    table = solve_columns(base, columns)
-    flown = {"batted", "home_run", "wall", "missed"}
-    assert {"batted", "home_run"} <= {*table["outcome"]} <= flown
-    for i, outcome in enumerate(table["outcome"]):
-        values = {name: float(column[i]) for name, column in columns.items()}
-        swung = {"tilt": 0.1, "height_offset": values["swing.height_offset"]}
-        pitch = {"speed": 38.0, "aim": [values["pitch.aim[0]"], 1.8]}
-        one = base.model_dump(mode="json", exclude_defaults=True) | {"kind": "at-bat"}
-        found = solve(
-            parse_scene(json.dumps(one | {"swing": swung, "pitch": pitch})), engines.create("batch")
-        )
-        assert found.outcome == outcome
-        asked = (found.plate.approach.vertical, found.plate.approach.horizontal)
-        names = ["plate.approach.vertical", "plate.approach.horizontal"]
-        assert asked == tuple(table[name][i] for name in names)
-        if found.apex is None:
-            assert np.isnan(table["apex.time"][i])
-        else:
-            at = tuple(table[f"apex.position[{k}]"][i] for k in range(3))
-            assert (found.apex.time, *found.apex.position) == (table["apex.time"][i], *at)
 
 
 def test_a_pitch_comes_from_where_it_falls_and_turns() -> None:

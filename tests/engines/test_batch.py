@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
-import mpmath
 import numba
 import numpy as np
 import pytest
@@ -34,21 +33,15 @@ from longball.engines.series import recurrence
 from longball.model import trace
 from longball.model.law import Law, PlaneState, SpaceState, law_with
 from longball.model.numbers import DOUBLES
-from longball.model.readings import Reading
-from longball.model.result import Bounded, Contact, Impact, Landing, Plate, Result
 from longball.model.scene import (
     Air,
     AtBatScene,
     Ball,
     Bat,
     FlightScene,
-    Ground,
-    ImpactScene,
-    Incoming,
     Launch,
     Pitch,
     PitchScene,
-    Rotation,
     Scene,
     Swing,
     parse_scene,
@@ -77,195 +70,7 @@ def landing(strengths: dict[str, float], start: PlaneState[float], *forces: Any)
     return Batch().fly(law_with(strengths, forces), start, [surface], 60.0)
 
 
-# --- scenes ---------------------------------------------------------------------------------------
-
-
-def odd_scene(rng: np.random.Generator, name: str) -> Scene:
-    """Draw a scene of any kind, with readings and forces of any kind."""
-
-    def pick(*options: Any) -> Any:
-        return options[rng.integers(len(options))]
-
-    reading = Reading(
-        lift_direction=pick("fixed_spin_axis", "always_up"),
-        ground_contact=pick("centre", "surface"),
-        bat_ball_restitution=pick("as_printed", "nathan"),
-        inertia=pick("solid_cylinder", "thin_rod", "about_centre"),
-        effective_mass=pick("inertia_over_r_squared", "as_printed"),
-        reduced_mass=pick("bat_mass", "effective_mass"),
-    )
-    common = {
-        "id": name,
-        "reading": reading,
-        "time_limit": pick(60.0, 60.0, 1.0),
-        "gravity": pick(9.8, 9.8, 1.6, 0.0),
-        "air": pick(
-            Air(),
-            Air(),
-            None,
-            Air(lift_coefficient=0.0),
-            Air(drag_coefficient=0.0),
-            Air(density=10.0, lift_coefficient=2.0),
-            Air(drag_coefficient=rng.uniform(0, 1), lift_coefficient=rng.uniform(-1, 2)),
-        ),
-    }
-    pitch = Pitch(
-        speed=pick(rng.uniform(30, 45), rng.uniform(5, 20)),
-        aim=(rng.uniform(-0.6, 0.6), rng.uniform(0.5, 6)),
-        release=pick((18.44, 0.0, 1.8), (rng.uniform(0.3, 3), rng.uniform(-3, 3), 1.5)),
-    )
-    match pick("flight", "pitch", "at-bat", "at-bat", "at-bat", "impact"):
-        case "flight":
-            speed, rise = rng.uniform(0.1, 60), pick(rng.uniform(-1.5, 1.5), math.pi / 2, 0.0)
-            ground = pick(0.0, -1.0)
-            along = 0.0 if rise == math.pi / 2 else speed * math.cos(rise)
-            floor = ground + (0.0366 if reading.ground_contact == "surface" else 0.0)
-            return FlightScene(
-                **common,
-                ground=Ground(height=ground),
-                launch=Launch(
-                    position=(0.0, 1.0, pick(floor, rng.uniform(0.3, 3))),
-                    velocity=(0.6 * along, -0.8 * along, speed * math.sin(rise)),
-                ),
-            )
-        case "pitch":
-            return PitchScene(**common, pitch=pitch)
-        case "impact":
-            angle, reach = rng.uniform(0, 2 * math.pi), 0.0366 + 0.033
-            return ImpactScene(
-                id=name,
-                reading=reading,
-                swing=Rotation(tilt=rng.uniform(-0.2, 0.2)),
-                incoming=Incoming(
-                    position=(
-                        reach * math.cos(angle),
-                        rng.uniform(-0.6, 0.6),
-                        1 + reach * math.sin(angle),
-                    ),
-                    velocity=(rng.uniform(-40, 10), 0.0, rng.uniform(-9, 9)),
-                    bat_height=1.0,
-                ),
-            )
-    return AtBatScene(
-        **common,
-        pitch=pitch,
-        ball=Ball(restitution=rng.uniform(0, 1)),
-        swing=Swing(
-            angular_speed=rng.uniform(0, 40),
-            tilt=rng.uniform(-0.2, 0.3),
-            height_offset=pick(rng.normal(0, 0.03), rng.uniform(-0.1, 0.1), rng.uniform(-2, 2)),
-        ),
-    )
-
-
-@pytest.fixture(scope="module")
-def odd_scenes() -> list[Scene]:
-    rng = np.random.default_rng(20)
-    return [odd_scene(rng, str(i)) for i in range(250)]
-
-
-def numbers(result: Result) -> dict[str, float]:
-    """Flatten the numbers of a result."""
-    found: dict[str, float] = {}
-
-    def walk(name: str, value: Any) -> None:
-        if isinstance(value, dict | Plate | Contact | Impact | Landing):
-            for key, inner in dict(value).items():
-                walk(f"{name}.{key}", inner)
-        elif isinstance(value, tuple):
-            for i, inner in enumerate(value):
-                walk(f"{name}[{i}]", inner)
-        elif isinstance(value, Bounded | float):
-            found[name] = float(value)
-
-    walk("", dict(result))
-    return found
-
-
-# --- the same answer as the reference -------------------------------------------------------------
-
-
-def test_odd_scenes_have_the_answers_of_the_ivp_engine(odd_scenes: list[Scene]) -> None:
-    """Outcomes, and every number that the reference has, to what its touchings are good for."""
-    reference = Ivp()
-    outcomes = set()
-    for scene, result in zip(odd_scenes, Batch().solve_all(odd_scenes), strict=True):
-        expected = solve(scene, reference)
-        assert (result.outcome, result.error) == (expected.outcome, expected.error), scene.line()
-        outcomes.add(result.outcome)
-        found, known = numbers(result), numbers(expected)
-        assert found.keys() == known.keys(), scene.line()
-        for name, value in known.items():
-            if name == ".contact.margin" and value < -0.05:
-                # Of a bat far off, the reference does not look where the pitch came closest.
-                assert found[name] >= value - 1e-9
-            else:
-                assert found[name] == pytest.approx(value, rel=2e-7, abs=2e-8), scene.line()
-    assert outcomes >= {"landed", "airborne", "crossed", "grounded", "batted", "missed"}
-    assert outcomes >= {"beyond_bat", "separating", "struck"}
-
-
-def test_regular_at_bats_agree_with_the_enclosure_to_the_digits_of_doubles() -> None:
-    """A height of 1 m is rounded to 1e-16 m, a normal then to 1e-15, and a landing feels it."""
-    rng = np.random.default_rng(3)
-    scenes = [
-        AtBatScene(
-            id=str(i),
-            pitch=Pitch(speed=rng.uniform(30, 42), aim=(rng.uniform(-0.3, 0.3), 1.8)),
-            swing=Swing(tilt=rng.uniform(0, 0.17), height_offset=rng.uniform(-0.03, 0.03)),
-        )
-        for i in range(12)
-    ]
-    for scene, result in zip(scenes, Batch().solve_all(scenes), strict=True):
-        found, truth = numbers(result), numbers(solve(scene, Enclosure()))
-        assert result.outcome == "batted"
-        assert found.keys() == truth.keys()
-        for name, value in truth.items():
-            assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-12), name
-
-
-@pytest.mark.parametrize(
-    ("u", "w"),
-    [
-        (30.0, 30.0), (-0.5, 25.0), (40.0, -0.5),
-        *(pytest.param(*x, marks=pytest.mark.nightly) for x in ((45.0, 20.0), (3.0, 40.0))),
-    ],
-)  # fmt: skip
-def test_landings_agree_with_a_solution_in_25_digits(u: float, w: float) -> None:
-    """At the time of the landing, an integrator of another kind has the same state."""
-    start = PlaneState(0.0, 1.5, u, w)
-    end = landing(PAPER, start)
-    drag, lift, gravity = PAPER.values()
-    with mpmath.workdps(25):
-
-        def motion(_: Any, y: Any) -> list[Any]:
-            speed = mpmath.hypot(y[2], y[3])
-            return [
-                y[2],
-                y[3],
-                -speed * (drag * y[2] + lift * y[3]),
-                -speed * (drag * y[3] - lift * y[2]) - gravity,
-            ]
-
-        solution = mpmath.odefun(motion, 0, [mpmath.mpf(x) for x in start], tol=1e-20)
-        truth = [float(x) for x in solution(end.time)]
-    # In the time one half ulp of 8 s, in s and z some ulps of 100 m.
-    assert end.stop == "ground"
-    assert list(end.state) == pytest.approx(truth, rel=0, abs=1e-13)
-
-
-def test_a_ball_straight_up_and_down() -> None:
-    """w = c tan, then -c tanh, with c² = g/k_D; V = 0 at the apex, where no series helps."""
-    drag, gravity, w = 0.0074867, 9.8, 30.0
-    c = math.sqrt(gravity / drag)
-    up = math.atan(w / c) / math.sqrt(gravity * drag)
-    height = math.log1p(w * w / (c * c)) / (2 * drag)
-    down = math.acosh(math.exp(drag * height)) / math.sqrt(gravity * drag)
-    end = landing({"drag": drag, "gravity": gravity}, PlaneState(0.0, 0.0, 0.0, w))
-    assert end.stop == "ground"
-    assert end.time == pytest.approx(up + down, rel=1e-14)
-    assert end.state.u == end.state.s == 0.0
-    assert end.state.w == pytest.approx(-c * math.sqrt(-math.expm1(-2 * drag * height)), rel=1e-14)
+# --- exact results --------------------------------------------------------------------------------
 
 
 def test_a_heading_that_all_share_may_be_none() -> None:
@@ -273,7 +78,7 @@ def test_a_heading_that_all_share_may_be_none() -> None:
     scene = FlightScene(id="up", launch=up)
     columns = {"launch.position[2]": [1.0, 2.0]}
     found = solve_columns(scene, columns)
-    assert found["landing.time"][0] == numbers(solve(scene, Batch()))[".landing.time"]
+    assert found["landing.time"][0] == solve(scene, Batch()).landing.time
 
 
 def test_a_parabola_is_exact() -> None:
@@ -284,25 +89,20 @@ def test_a_parabola_is_exact() -> None:
 # --- the same bits --------------------------------------------------------------------------------
 
 
-def test_lists_have_the_bits_of_scenes_solved_alone(odd_scenes: list[Scene]) -> None:
-    engine = Batch()
-    assert engine.solve_all(odd_scenes) == [solve(scene, engine) for scene in odd_scenes]
-
-
 def test_what_is_zero_in_some_scenes_of_a_list_changes_no_bit_of_others() -> None:
     """Winds and spins with and without parts that are zero, and so are not computed."""
-    winds = ((0.0, 0.0, 0.0), (5.0, 0.0, 0.0), (0.0, 3.0, 0.0), (1.0, 1.0, 0.0))
+    winds = ((0.0, 0.0, 0.0), (5.0, 0.0, 0.0))
     scenes: list[Scene] = [
         FlightScene(
             id=str(i),
             launch=Launch(
                 position=(0.0, 0.0, 1.0),
-                velocity=(40 + i / 50, i % 3 * 2.0, 25.0),
+                velocity=(40 + i / 25, i % 3 * 2.0, 25.0),
                 spin=(0.0, -spin, spin / 3),
             ),
-            air=Air(drag_coefficient=0.35, lift_coefficient=0.2, wind=winds[i % 4]),
+            air=Air(drag_coefficient=0.35, lift_coefficient=0.2, wind=winds[i % 2]),
         )
-        for i, spin in enumerate([0.0, 0.0, 0.0, 0.0, 150.0, 150.0, 150.0, 150.0] * 12)
+        for i, spin in enumerate([0.0, 0.0, 150.0, 150.0] * 12)
     ]
     engine = Batch()
     assert engine.solve_all(scenes) == [solve(scene, engine) for scene in scenes]
@@ -372,7 +172,7 @@ LAWS: dict[str, Law[float]] = {
 def expand_lanes(law: Law[float], states: Any, order: int) -> Any:
     """Expand states, a column a lane, by `step`."""
     code = kernel(law.program)
-    x = code.layout.allocate(order, WIDTH)
+    x = code.layout.allocate(order)
     x[: len(states), 0] = states
     for i, name in enumerate(law.program.parameters):
         x[code.layout.parameters, i] = law.strengths[name]
@@ -478,16 +278,16 @@ def slope_of(p: Any) -> Any:
     return slope
 
 
-def polynomial(*roots: float, scale: float = 1.0) -> tuple[Any, Any, Any, int]:
-    """Return a polynomial of some roots, positive at 0; its derivative, scratch and degree."""
+def polynomial(*roots: float, scale: float = 1.0) -> tuple[Any, Any, int]:
+    """Return a polynomial of some roots, positive at 0; its derivative and degree."""
     p = np.polynomial.polynomial.polyfromroots(roots) * scale
     p = p if p[0] > 0 else -p
-    return p, slope_of(p), np.zeros(len(p) + 2), len(p) - 1
+    return p, slope_of(p), len(p) - 1
 
 
 @given(st.floats(1e-3, 0.9), st.lists(st.floats(0.05, 2.0), max_size=4))
 def test_the_first_root_is_found(first: float, further: list[float]) -> None:
-    p, slope, _, degree = polynomial(first, *(first + distance for distance in further))
+    p, slope, degree = polynomial(first, *(first + distance for distance in further))
     for bound in (curvature, downward):
         bend = bound(slope, degree - 1, 1.0)
         found = first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, bend)
@@ -544,32 +344,26 @@ def test_a_root_is_looked_for_from_a_time_on_and_at_a_level(
 def test_the_first_fall_is_that_of_a_search_on_a_grid(
     coefficients: list[float], error: float
 ) -> None:
-    """Before what is found nothing is below the error's other side; there it is, or in doubt."""
+    """Before what is found nothing is below the error's other side; there it is."""
     p = np.array([abs(coefficients[0]) + 2 * error, *coefficients[1:]])
-    degree = len(p) - 1
-    slope, scratch = slope_of(p), np.zeros(degree + 3)
-    time, least = first_fall(p, slope, scratch, degree, 1.0, error)
+    degree, slope = len(p) - 1, slope_of(p)
+    time = first_fall(p, slope, degree, 1.0, error)
     times = np.linspace(0.0, 1.0, 2001)
     heights = np.polynomial.polynomial.polyval(times, p)
     slack = 1e-12 + 1e-6 * error
-    if math.isnan(time):  # three turning points in one are refused, as they are in a scene
-        turns = np.polynomial.polynomial.polyroots(slope)
-        assert max(np.count_nonzero(abs(turns - turn) < 0.01) for turn in turns) >= 3
+    if math.isnan(time):
+        assert heights.min() <= error + slack
         return
     if time == NEVER:
         assert (heights[:-1] >= -error - slack).all() or heights[-1] <= slack
         return
     assert heights[times < time].min(initial=math.inf) >= -error - slack
     there = float(np.polynomial.polynomial.polyval(time, p))
-    if math.isnan(least):
-        assert abs(there) <= slack
-        assert time == 1.0 or float(np.polynomial.polynomial.polyval(time, slope)) <= 1e-5
-    else:
-        assert there == pytest.approx(least, abs=slack)
-        assert abs(least) <= error
+    assert abs(there) <= slack
+    assert float(np.polynomial.polynomial.polyval(time, slope)) <= 1e-5
 
 
-@pytest.mark.parametrize("off", [-0.3, -0.05, 0.05, 0.3])
+@pytest.mark.parametrize("off", [-0.3, -0.05, -5e-6, 5e-6, 0.05, 0.3])
 @pytest.mark.parametrize(
     ("turns", "lowest"),
     [
@@ -585,17 +379,16 @@ def test_a_fall_between_turning_points_is_told_doubtful_or_none(
     """Of a polynomial that turns at given times, and is `off` at its lowest."""
     antiderivative = np.polynomial.Polynomial.fromroots(turns).integ()
     p = (antiderivative - antiderivative(lowest) + off).coef
-    degree, error = len(p) - 1, 0.1
+    degree, error = len(p) - 1, 1e-5
     slope = slope_of(p)
-    time, least = first_fall(p, slope, np.zeros(degree + 3), degree, lowest + 1.0, error)
+    time = first_fall(p, slope, degree, lowest + 1.0, error)
     if off > error:
         assert time == NEVER
     elif off > -error:
-        assert (time, least) == pytest.approx((lowest, off), abs=1e-9)
+        assert math.isnan(time)
     else:
         roots = np.polynomial.polynomial.polyroots(p)
         assert time == pytest.approx(roots[(abs(roots.imag) < 1e-9) & (roots.real > 0)].real.min())
-    assert math.isnan(least) or abs(off) < error
 
 
 @given(st.floats(0.1, 3.0), st.floats(-3.0, 3.0), st.floats(1e-12, 1e-5))
@@ -604,9 +397,8 @@ def test_what_rises_from_zero_falls_only_later(rate: float, bend: float, error: 
     p = np.array([0.0, rate, bend, -1.0])
     zero = (bend + math.sqrt(bend * bend + 4.0 * rate)) / 2.0
     slope = slope_of(p)
-    time, least = first_fall(p, slope, np.zeros(6), 3, zero + 1.0, error)
+    time = first_fall(p, slope, 3, zero + 1.0, error)
     assert time == pytest.approx(zero, rel=1e-9)
-    assert math.isnan(least)
 
 
 def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
@@ -614,49 +406,44 @@ def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
     p = np.array([0.1, -1.0, 0.5, -1 / 6])
     slope = slope_of(p)
     assert downward(slope, 2, 1.0) == 0.0
-    time, _ = first_fall(p, slope, np.zeros(6), 3, 1.0, 1e-13)
+    time = first_fall(p, slope, 3, 1.0, 1e-13)
     truth = np.polynomial.polynomial.polyroots(p)
     assert time == pytest.approx(truth[abs(truth.imag) < 1e-9].real.min(), rel=1e-12)
 
 
 def test_a_root_beyond_the_end_is_none() -> None:
-    p, slope, _, degree = polynomial(1.01, 1.5, -2.0)
+    p, slope, degree = polynomial(1.01, 1.5, -2.0)
     bend = curvature(slope, degree - 1, 1.0)
     assert first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, bend) == NEVER
 
 
 def test_three_roots_in_one_are_refused() -> None:
-    p, slope, _, degree = polynomial(0.5, 0.5, 0.5)
+    p, slope, degree = polynomial(0.5, 0.5, 0.5)
     bend = curvature(slope, degree - 1, 1.0)
     assert math.isnan(first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, bend))
 
 
 def test_a_dip_within_the_error_is_in_doubt() -> None:
-    p, slope, scratch, degree = polynomial(1.0, 1.0, -2.0)
-    for lift, verdict in ((1e-3, NEVER), (1e-9, 1.0), (-1e-9, 1.0), (-1e-3, 0.98174)):
+    p, slope, degree = polynomial(1.0, 1.0, -2.0)
+    for lift, verdict in ((1e-3, NEVER), (1e-9, math.nan), (-1e-9, math.nan), (-1e-3, 0.98174)):
         raised = p.copy()
         raised[0] += lift
-        time, least = first_fall(raised, slope, scratch, degree, 2.0, 1e-6)
-        assert time == pytest.approx(verdict, abs=1e-4)
-        in_doubt = lift if abs(lift) < 1e-6 else math.nan
-        assert least == pytest.approx(in_doubt, abs=1e-12, nan_ok=True)
+        time = first_fall(raised, slope, degree, 2.0, 1e-6)
+        assert time == pytest.approx(verdict, abs=1e-4, nan_ok=True)
 
 
 def test_without_an_error_nothing_is_in_doubt() -> None:
     """A value that only touches zero falls to it there; three roots in one are told as such."""
-    p, slope, scratch, degree = polynomial(0.5, 0.5)
-    time, least = first_fall(p, slope, scratch, degree, 1.0, 0.0)
-    assert time == pytest.approx(0.5, abs=1e-7)
-    assert math.isnan(least)
-    p, slope, scratch, degree = polynomial(0.5, 0.5, 0.5)
-    time, least = first_fall(p, slope, scratch, degree, 1.0, 0.0)
-    assert math.isnan(time)
+    p, slope, degree = polynomial(0.5, 0.5)
+    assert first_fall(p, slope, degree, 1.0, 0.0) == pytest.approx(0.5, abs=1e-7)
+    p, slope, degree = polynomial(0.5, 0.5, 0.5)
+    assert math.isnan(first_fall(p, slope, degree, 1.0, 0.0))
 
 
 def test_the_second_dip_counts_when_the_first_is_too_shallow() -> None:
-    p, slope, scratch, degree = polynomial(0.5, 0.5, 1.5, 1.6)
+    p, slope, degree = polynomial(0.5, 0.5, 1.5, 1.6)
     p[0] += 1e-4
-    time, _ = first_fall(p, slope, scratch, degree, 2.0, 1e-6)
+    time = first_fall(p, slope, degree, 2.0, 1e-6)
     assert time == pytest.approx(1.5, abs=0.01)
 
 
@@ -674,54 +461,33 @@ def test_two_values_are_those_of_each(coefficients: list[float], t: float) -> No
 # --- accuracy, asked for and delivered ------------------------------------------------------------
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
-def test_the_error_stays_below_the_tolerance(tolerance: float) -> None:
-    """From grounders to pop-ups; truth is this engine, which others hold to 1e-13 m above."""
-    rng = np.random.default_rng(5)
-    n = 2000
-    speed, rise = rng.uniform(15, 55, n), np.radians(rng.uniform(-5, 89.9, n))
-    scene = FlightScene(id="any", launch=Launch(position=(0.0, 0.0, 1.0), velocity=(1.0, 0.0, 0.0)))
-    columns = {
-        "launch.velocity[0]": speed * np.cos(rise),
-        "launch.velocity[2]": speed * np.sin(rise),
-        "air.lift_coefficient": rng.uniform(-0.2, 0.4, n),
-    }
-    truth = solve_columns(scene, columns, Batch(1e-14))["landing.position[0]"]
-    found = solve_columns(scene, columns, Batch(tolerance))["landing.position[0]"]
-    error = np.abs(found - truth).max()
-    assert error < tolerance
-    if tolerance > 1e-12:
-        assert error > tolerance / 1e4  # or it would be paid for and not used
-
-
-@pytest.mark.nightly
 def test_landings_of_every_tolerance_lie_that_close_to_proven_ones(nightly: bool) -> None:
-    """Within the tolerance and, for the rounding, the engine's own statement of its error."""
-    rng = np.random.default_rng(6)
-    scenes = [
+    """Within the tolerance and, for the rounding, the engine's own statement of its error.
+
+    Nor are they much closer than a tolerance that is coarse: digits would be paid for and not used.
+    """
+    rng, n = np.random.default_rng(6), 40 if nightly else 8
+    speeds, rises = rng.uniform(15, 55, n), np.radians(rng.uniform(-5, 89, n))
+    scenes: list[Scene] = [
         FlightScene(
-            id=str(i),
+            id="any",
             launch=Launch(
                 position=(0.0, 0.0, 1.0),
                 velocity=(speed * math.cos(rise), 0.0, speed * math.sin(rise)),
             ),
         )
-        for i, (speed, rise) in enumerate(
-            zip(rng.uniform(15, 55, 40), np.radians(rng.uniform(-5, 89, 40)), strict=True)
-        )
+        for speed, rise in zip(speeds, rises, strict=True)
     ]
-    truth = np.array([numbers(solve(s, Enclosure()))[".landing.distance"] for s in scenes])
+
+    def distances(results: Any) -> Any:
+        return np.array([float(result.landing.distance) for result in results])
+
+    truth = distances(solve(scene, Enclosure(20)) for scene in scenes)
     rounding = Batch(1e-14).flight_error
     for tolerance in 10.0 ** -np.arange(4.0, 15.0, 1.0 if nightly else 2.0):
-        results = Batch(tolerance).solve_all(scenes)
-        found = np.array([numbers(result)[".landing.distance"] for result in results])
-        assert (np.abs(found - truth) < tolerance + rounding * truth).all(), tolerance
-
-
-@pytest.mark.parametrize("tolerance", [0.0, 1e-15, 1e-3, math.nan])
-def test_a_tolerance_out_of_range_is_refused(tolerance: float) -> None:
-    with pytest.raises(ValueError, match="tolerance"):
-        Batch(tolerance)
+        error = np.abs(distances(Batch(tolerance).solve_all(scenes)) - truth)
+        assert (error < tolerance + rounding * truth).all(), tolerance
+        assert tolerance < 1e-11 or error.max() > tolerance / 1e4, tolerance
 
 
 # --- what has no answer ---------------------------------------------------------------------------
@@ -846,55 +612,43 @@ def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(size: float
     assert Batch().solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
 
 
-def test_a_pitch_from_beside_the_plate_touches_the_bat_long_before_it() -> None:
-    """It flies at 79° to the bat: where it touches, it is 0.3 m from the plate's plane."""
-    scene = AtBatScene(id="beside", pitch=Pitch(speed=60.0, release=(2.0, -10.0, 1.8)))
-    found, truth = solve(scene, Batch()), solve(scene, Enclosure(20))
-    assert found.contact is not None
-    assert truth.contact is not None
-    assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-14)
-    assert found.outcome == truth.outcome
-
-
-@pytest.mark.parametrize("x", [0.24, 0.25, 0.26])
-def test_a_pitch_from_where_the_search_for_the_bat_begins(x: float) -> None:
-    """0.25 m before the plate; there it has passed that place already."""
-    scene = AtBatScene(id="near", pitch=Pitch(release=(x, 0.0, 1.8), aim=(0.0, 1.8)))
-    found, truth = solve(scene, Batch()), solve(scene, Enclosure(20))
-    assert found.outcome == truth.outcome == "batted"
-    assert found.contact is not None
-    assert truth.contact is not None
-    assert found.contact.time == pytest.approx(float(truth.contact.time), rel=1e-13)
-
-
-def test_a_bat_far_smaller_than_its_distance_is_searched_from_nearby() -> None:
-    """Of reach 2e-8 m: from 0.25 m away, where the search begins, reach² is below all roundings."""
-    scene = AtBatScene(
-        id="thin", ball=Ball(radius=1e-8), bat=Bat(radius=1e-8), swing=Swing(height_offset=1e-8)
-    )
-    found, truth = solve(scene, Batch()).contact, solve(scene, Enclosure(20)).contact
-    assert found is not None
-    assert found.normal is not None
-    assert truth is not None
-    assert truth.normal is not None
-    # A height of 1.8 m is known to 2e-16 m, which is 1e-8 of the reach; some times over.
-    for a, b in zip(found.normal, truth.normal, strict=True):
-        assert float(a) == pytest.approx(float(b), abs=2e-7)
-
-
-def test_a_ball_released_inside_the_bat_is_an_error() -> None:
-    scene = AtBatScene(id="in", pitch=Pitch(release=(0.02, 0.0, 1.8)))
-    (result,) = Batch().solve_all([scene])
-    assert result.error is not None
-    assert "starts inside the bat" in result.error
-
-
 @pytest.mark.parametrize(
-    "sideways",
-    [1e-10, 1e-20, *(pytest.param(x, marks=pytest.mark.nightly) for x in (1e-15, 1e-30))],
+    ("scene", "error"),
+    [
+        # It flies at 79° to the bat: where it touches, it is 0.3 m from the plate's plane.
+        (AtBatScene(id="beside", pitch=Pitch(speed=60.0, release=(2.0, -10.0, 1.8))), 1e-13),
+        # The search begins 0.25 m before the plate; from 0.24 m the ball has passed that place.
+        *(
+            (AtBatScene(id="near", pitch=Pitch(release=(x, 0.0, 1.8), aim=(0.0, 1.8))), 1e-13)
+            for x in (0.24, 0.25, 0.26)
+        ),
+        # From there the square of a reach of 2e-8 m is below all roundings. A height of 1.8 m is
+        # known to 2e-16 m, which is 1e-8 of the reach; some times over.
+        (
+            AtBatScene(
+                id="thin",
+                ball=Ball(radius=1e-8),
+                bat=Bat(radius=1e-8),
+                swing=Swing(height_offset=1e-8),
+            ),
+            2e-7,
+        ),
+    ],
 )
+def test_where_the_search_for_the_bat_begins(scene: AtBatScene, error: float) -> None:
+    result, proven = solve(scene, Batch()), solve(scene, Enclosure(20))
+    found, truth = result.contact, proven.contact
+    assert result.outcome == proven.outcome
+    assert found is not None
+    assert truth is not None
+    assert found.time == pytest.approx(float(truth.time), rel=min(error, 1e-13))
+    assert found.normal == pytest.approx([*map(float, truth.normal)], abs=error)
+
+
+@pytest.mark.parametrize("sideways", [1e-10, 1e-15, 1e-20, 1e-30])
 @pytest.mark.parametrize("up", [40.0, 0.0])
 @pytest.mark.parametrize("lift", [0.0, 0.2])
+@pytest.mark.sampled(every=5)
 def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float) -> None:
     """cos(π/2) is 6e-17: at the apex the ball has that part of its speed."""
     scene = FlightScene(
@@ -915,21 +669,34 @@ def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float
     assert Batch().solve_all([scene] * 20) == [solve(scene, Batch())] * 20
 
 
-@pytest.mark.parametrize("speed", [0.5, 1.0, 20.0])
-@pytest.mark.parametrize("density", [1.29, 1000.0])
-@pytest.mark.parametrize("g", [1e-8, 9.8, 1e6])
-def test_straight_up_and_down(speed: float, density: float, g: float) -> None:
-    """Up for atan(r)/√(g k), r = √(k/g) V, and down for asinh(r)/√(g k)."""
-    air = Air(density=density, lift_coefficient=0.0)
-    speed *= math.sqrt(g / 9.8)  # the same flight at another pace
-    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, speed))
-    scene = FlightScene(id="up", air=air, gravity=g, launch=launch, time_limit=1e6)
-    found = solve(scene, Batch()).landing
-    k = density * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
-    r = math.sqrt(k / g) * speed
-    assert found is not None
-    time = (math.atan(r) + math.asinh(r)) / math.sqrt(g * k)
-    assert found.time == pytest.approx(time, rel=1e-14)
+def test_straight_up_and_down() -> None:
+    """Up for atan(r)/√(g k), r = √(k/g) V, and down for asinh(r)/√(g k), to V/√(1 + r²)."""
+    for speed, density, g in product((0.5, 1.0, 20.0), (1.29, 1000.0), (1e-8, 9.8, 1e6)):
+        air = Air(density=density, lift_coefficient=0.0)
+        pace = speed * math.sqrt(g / 9.8)  # the same flight at another pace
+        launch = Launch(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, pace))
+        scene = FlightScene(id="up", air=air, gravity=g, launch=launch, time_limit=1e6)
+        found = solve(scene, Batch()).landing
+        k = density * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
+        r = math.sqrt(k / g) * pace
+        assert found is not None
+        time = (math.atan(r) + math.asinh(r)) / math.sqrt(g * k)
+        assert found.time == pytest.approx(time, rel=1e-14)
+        assert found.velocity == (0.0, 0.0, pytest.approx(-pace / math.hypot(1.0, r), rel=1e-13))
+
+
+@pytest.mark.parametrize("velocity", [(0.0, 0.0, 30.0), (0.0, 0.0, 0.0), (1e-30, 0.0, 20.0)])
+def test_a_flight_through_rest_is_left_to_the_scalar_engine(velocity: Any) -> None:
+    """The result names it, alone, in a list and in columns."""
+    launch = Launch(position=(0.0, 0.0, 50.0), velocity=velocity)
+    scene = FlightScene(id="rests", air=Air(lift_coefficient=0.0), launch=launch)
+    expected = solve(scene, Ivp())
+    assert expected.engine == "ivp Taylor"
+    assert Batch().solve_all([scene] * 20) == [expected] * 20
+    table = solve_columns(scene, {"launch.position[2]": [50.0, 51.0]})
+    assert table["engine"].tolist() == ["ivp Taylor"] * 2
+    assert expected.landing is not None
+    assert table["landing.time"][0] == expected.landing.time
 
 
 def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:

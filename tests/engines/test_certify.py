@@ -86,6 +86,7 @@ def test_the_radius_holds_golden_values(engine: str, step: int):
 
 
 @pytest.mark.parametrize("engine", ["ivp", "batch", "multiprecision"])
+@pytest.mark.sampled(every=3)
 def test_values_are_the_engines_own(engine: str):
     alone, found = solve(AT_BAT, create(engine)), certified(AT_BAT, create(engine))
     assert {n: float(x) for n, x in numbers(found)} == {n: float(x) for n, x in numbers(alone)}

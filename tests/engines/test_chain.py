@@ -186,6 +186,7 @@ RECONTACT = (
         (2.0, 0.4, "certain"),
     ],
 )
+@pytest.mark.sampled(every=5)
 def test_a_ball_that_stays_slower_than_the_bat_is_told(engine, mass, restitution, said):
     scene = parse_scene(RECONTACT % (mass, restitution))
     found = solve(scene, engines.create(engine))
@@ -221,7 +222,7 @@ def test_a_ball_that_comes_from_behind_the_bat_is_told_too(speed):
         '"tilt":0.10641549767016717}}',
     ],
 )
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_a_tie_with_the_time_limit_is_declined_or_right(line, nightly):
     scene = parse_scene(line)
     # An ulp of the time is 1e-15 s.
@@ -238,26 +239,6 @@ def test_a_tie_with_the_time_limit_is_declined_or_right(line, nightly):
             assert found.outcome == truth.outcome or found.code == "undecided", scene.line()
             outcomes.add(found.outcome)
         assert None in outcomes or engine is precise
-
-
-def test_a_graze_below_rounding_is_not_decided():
-    scene = '{"id":"x","kind":"at-bat","swing":{"height_offset":%r}}'
-    reach = 0.0366 + 0.033
-    margin = solved(scene % reach).contact.margin
-    # Newton on the offset: raising the bat by δ lowers the margin by δ nearly.
-    offset = reach + margin
-    for _ in range(5):
-        result = solved(scene % offset)
-        offset += result.contact.margin
-    assert abs(result.contact.margin) < 1e-14  # a few ulps of the heights
-    assert result.outcome is None
-    assert "cannot be decided in double precision" in result.error
-    assert result.plate is not None
-
-
-def test_a_bat_at_the_release_is_an_error():
-    result = solved('{"id":"x","kind":"at-bat","pitch":{"release":[0.01,0,1.8],"speed":36}}')
-    assert "inside the bat" in result.error
 
 
 def test_engines_are_made_by_name():
@@ -284,6 +265,7 @@ LOOP = (
 
 @pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure"])
 @pytest.mark.parametrize("gravity", [0.0, 9.8])
+@pytest.mark.sampled(every=4)
 def test_thousands_of_loops_that_stay_aloft_are_airborne(engine, gravity):
     # 500 m/s² of lift for each m/s: a hundred loops a second, of 15 mm.
     scene = parse_scene(LOOP % (gravity, 4e3, 10.0, 30.0, 20.0, 60.0))

@@ -3,7 +3,6 @@
 import contextlib
 import itertools
 import json
-import random
 
 import numpy as np
 import pytest
@@ -55,11 +54,14 @@ def readings():
                 yield Reading.model_validate({entry.switch: option})
 
 
-def every_kind():
+def every_kind(whole):
     """Golden scenes of every kind and outcome, hard ones included, under every reading."""
+    each = 1 if whole else 5
     cases = golden.load()
-    chosen = [case.scene for case in cases[:: max(1, len(cases) // 150)]]
-    chosen += [case.scene for case in cases if case.id.startswith("hard-")]
+    chosen = [case.scene for case in cases[:: 5 * each]]
+    chosen += [case.scene for case in cases if case.id.startswith("hard-")][::each]
+    for family in ("impact-oblique", "fence"):
+        chosen += [case.scene for case in golden.load(family)][::each]
     yield from chosen
     plain = [scene for scene in chosen if scene.reading == Reading()][::9]
     for reading, scene in itertools.product(readings(), plain):
@@ -67,35 +69,11 @@ def every_kind():
             yield type(scene)(**dict(scene) | {"reading": reading})
 
 
-@pytest.fixture(scope="module")
-def scenes():
-    return list(every_kind())
-
-
-@pytest.fixture(scope="module")
-def answers(scenes):
-    return [result.line() for result in alone(scenes)]
-
-
-def test_one_by_one_or_all_at_once(scenes, answers):
-    assert len(scenes) > 800
-    assert [result.line() for result in together(scenes)] == answers
-
-
-@pytest.mark.parametrize("size", [15, 16, 200, pytest.param(1000, marks=pytest.mark.nightly)])
-def test_in_groups(scenes, answers, size, nightly):
-    """Each scene as often as it takes: no group of it is smaller than `size`."""
-    for first in range(0, len(scenes), 61 if nightly else 121):
-        scene, answer = scenes[first], answers[first]
-        assert {r.line() for r in together([scene] * size)} == {answer}
-
-
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.nightly)])
-def test_shuffled(scenes, answers, seed):
-    order = list(range(len(scenes)))
-    random.Random(seed).shuffle(order)
-    shuffled = together([scenes[i] for i in order])
-    assert [result.line() for result in shuffled] == [answers[i] for i in order]
+def test_one_by_one_or_all_at_once(nightly):
+    scenes = list(every_kind(nightly))
+    assert len(scenes) > (800 if nightly else 150)
+    wanted = [result.line() for result in alone(scenes)]
+    assert [result.line() for result in together(scenes)] == wanted
 
 
 @settings(max_examples=20)

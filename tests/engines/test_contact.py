@@ -22,16 +22,16 @@ from longball.engines.ivp import Ivp
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_of, law_with
 from longball.model.numbers import DOUBLES
-from longball.model.scene import Air, AtBatScene, InvalidScene, Pitch, Swing, parse_scene
+from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
 from tests import precise
 
 ENGINE = Ivp()
 DIGITS = 20
 
-CHUNKS = 8  # for pytest-xdist to share, and two of them for `make test`
+CHUNKS = 8  # for pytest-xdist to share, and one of them for `make test`
 PITCHES, GRAZES = 1_200 // CHUNKS, 800 // CHUNKS
 chunks = pytest.mark.parametrize(
-    "chunk", [0, 1, *(pytest.param(i, marks=pytest.mark.nightly) for i in range(2, CHUNKS))]
+    "chunk", [0, *(pytest.param(i, marks=pytest.mark.nightly) for i in range(1, CHUNKS))]
 )
 
 
@@ -111,6 +111,7 @@ def test_grazing_pitches(chunk):
 
 @pytest.mark.parametrize("size", [5e-15, 1e-15, 1e-16, 1e-17])
 @pytest.mark.parametrize("sign", [-1, 1])
+@pytest.mark.sampled(every=3)
 def test_below_the_limit_it_cannot_be_decided(size, sign):
     rng = np.random.default_rng(17)
     for side in (-1, 1) * 5:
@@ -154,6 +155,7 @@ def steep_pitch(rng):
         ("BDF", 1e-7),
     ],
 )
+@pytest.mark.sampled(every=3)
 def test_steep_pitches_by_every_method(method, tolerance, nightly):
     """Both bounds hold where the pitch's own error is largest: on the state, on the margin."""
     engine = Ivp(method, tolerance, tolerance)
@@ -195,11 +197,6 @@ def test_the_plain_event_would_have_missed():
     ends = [piece.at(t) for piece in pieces for t in (0.0, piece.length)]
     assert all(bat.distance(state, DOUBLES) > bat.reach for state in ends)
     assert approach.touch.touched
-
-
-def test_a_ball_released_inside_the_bat_is_an_error():
-    with pytest.raises(InvalidScene, match="starts inside the bat"):
-        approach_of(scene_of(pitch={"release": [0.05, 0, 1.8]}), ENGINE)
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9])

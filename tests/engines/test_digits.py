@@ -90,6 +90,7 @@ def test_digits_that_are_missed_are_said_to_be():
     ids=["a bat far above", "a high fence"],
 )
 @pytest.mark.parametrize("digits", [6, 20])
+@pytest.mark.sampled(every=3)
 def test_differences_of_lengths_are_no_more_exact_than_themselves(line, name, digits):
     scene = parse_scene(line)
     found = solve(scene, Enclosure(digits))

@@ -17,9 +17,8 @@ from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from longball.engines.chain import solve, solve_with_restitutions
+from longball.engines.chain import solve
 from longball.engines.enclosure import Balls, Enclosure
-from longball.engines.ivp import Ivp
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
 from longball.model.scene import (
@@ -136,13 +135,6 @@ def test_engines_of_different_digits_do_not_meet():
     assert few.numbers.bits < many.numbers.bits
 
 
-def test_no_digits_are_refused():
-    with pytest.raises(ValueError, match="digits = 501 is not between 1 and 500"):
-        Enclosure(digits=501)
-    with pytest.raises(ValueError, match="digits = 0"):
-        Enclosure(0)
-
-
 # --- an independent method agrees -----------------------------------------------------------------
 
 
@@ -163,6 +155,7 @@ REGULAR = [
 
 
 @pytest.mark.parametrize("scene", REGULAR)
+@pytest.mark.sampled(every=2)
 def test_results_hold_what_high_precision_finds(scene):
     found = solve(scene, ENGINE)
     truth = dict(numbers_of(precise.solve(scene.model_dump() | {"reading": {}})))
@@ -175,14 +168,7 @@ def test_results_hold_what_high_precision_finds(scene):
 
 
 @pytest.mark.parametrize("scene", REGULAR)
-def test_regular_scenes_are_good_to_all_digits(scene):
-    for key, bounded in numbers_of(solve(scene, ENGINE)):
-        value, radius = Fraction(bounded.value), Fraction(bounded.radius)
-        # A component that is zero but for a cancellation has no relative error: take 1 micrometre.
-        assert radius <= Fraction(1, 10**30) * max(abs(value), Fraction(1, 10**6)), key
-
-
-@pytest.mark.parametrize("scene", REGULAR)
+@pytest.mark.sampled(every=4)
 def test_more_digits_lie_within_fewer(scene):
     results = [dict(numbers_of(solve(scene, Enclosure(digits)))) for digits in (10, 25, 60)]
     for wide, narrow in itertools.pairwise(results):
@@ -192,25 +178,6 @@ def test_more_digits_lie_within_fewer(scene):
 
 
 # --- what is hard ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("exponent", [3, 9, 15])
-@pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("sign", [-1, 1])
-def test_a_graze_is_decided(exponent, side, sign):
-    scene = at_bat()
-    with precise.in_digits(40):
-        throw = precise.Throw(scene.model_dump())
-        offset = throw.offset_for(sign * 10.0**-exponent, side)
-        margin = throw.margin(offset)
-        assert sign * margin > 0
-    found = solve(at_bat(swing=Swing(height_offset=offset)), ENGINE)
-    assert found.error is None
-    assert (found.outcome == "missed") == (sign < 0)
-    radius = Fraction(found.contact.margin.radius)
-    assert distance(found.contact.margin, fraction(margin)) <= radius + Fraction(1, 10**36)
-    if exponent == 15:
-        assert "cannot be decided" in solve(at_bat(swing=Swing(height_offset=offset)), Ivp()).error
 
 
 STRAIGHT = {"air": None, "gravity": 0.0, "ball": Ball(radius=0.0625), "bat": Bat(radius=0.03125)}
@@ -287,10 +254,3 @@ def test_a_landing_at_a_round_time():
         flight(height=0.0, velocity=(1.0, 0.0, 75.0), air=None, gravity=10.0), ENGINE
     ).landing
     assert distance(found.time, Fraction(15)) <= Fraction(found.time.radius)
-
-
-def test_restitutions_share_a_pitch():
-    scene = at_bat()
-    results = solve_with_restitutions(scene, [0.41, 0.42], ENGINE)
-    assert results[1] == solve(scene, ENGINE)
-    assert results[0].contact == results[1].contact

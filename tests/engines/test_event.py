@@ -300,9 +300,9 @@ def dips(surface, flights, depths):
 
 @pytest.mark.parametrize("surface", SURFACES)
 @pytest.mark.sampled(every=2)
-def test_no_dip_is_missed_and_none_invented(surface):
+def test_no_dip_is_missed_and_none_invented(surface, nightly):
     decided = total = 0
-    for case in dips(surface, flights=30, depths=10):
+    for case in dips(surface, flights=30 if nightly else 12, depths=10):
         total += 1
         try:
             flight = fly(case, IVP)
@@ -311,14 +311,14 @@ def test_no_dip_is_missed_and_none_invented(surface):
             continue
         decided += 1
         assert flight.stop == (surface if case.depth > 0 else "time"), case
-    assert total == 600
-    assert decided > 450
+    assert total == (600 if nightly else 240)
+    assert decided > 0.75 * total
 
 
 @pytest.mark.parametrize("surface", SURFACES)
 @pytest.mark.sampled(every=3)
 def test_the_enclosure_tells_them_all(surface, nightly):
-    for case in dips(surface, flights=5 if nightly else 2, depths=4):
+    for case in dips(surface, flights=5 if nightly else 1, depths=4):
         flight = fly(case, ENCLOSURE)
         assert flight.stop == (surface if case.depth > 0 else "time"), case
 
@@ -354,7 +354,7 @@ def grazes(flights, margins):
 
 def test_no_bat_is_missed_and_none_invented(nightly):
     decided = total = 0
-    for scene, margin in grazes(flights := 60 if nightly else 20, margins=10):
+    for scene, margin in grazes(flights := 60 if nightly else 10, margins=10):
         total += 1
         touched = approach_of(scene, IVP).touch.touched
         if touched is None:
@@ -366,8 +366,8 @@ def test_no_bat_is_missed_and_none_invented(nightly):
     assert decided > 0.9 * total
 
 
-def test_the_enclosure_tells_every_graze():
-    for scene, margin in grazes(flights=12, margins=3):
+def test_the_enclosure_tells_every_graze(nightly):
+    for scene, margin in grazes(flights=12 if nightly else 4, margins=3):
         assert approach_of(scene, ENCLOSURE).touch.touched is bool(margin > 0), scene.line()
 
 
@@ -530,15 +530,6 @@ TURNED = (
     '{"id":"t","kind":"%s","air":{"drag_coefficient":0.1,"lift_coefficient":%r},'
     '"pitch":{"speed":40,"release":[%r,0,30],"aim":[0,30]},"time_limit":%r}'
 )
-
-
-@ENGINES
-@pytest.mark.parametrize("limit", [3.0, 60.0])
-def test_a_pitch_that_lift_turns_round_just_beyond_the_plate(engine, limit):
-    """Between two steps it crosses the plate there and back."""
-    scene = parse_scene(TURNED % ("pitch", 1.5, 45.14168982597962, limit))
-    # It crosses at 0.16 m/s, and so an error of its place is 280 times as large in its time.
-    assert float(solve(scene, engine).plate.time) == pytest.approx(2.131360008, abs=1e-9)
 
 
 @ENGINES

@@ -87,7 +87,7 @@ BATTED = (0.0, 1.0, 35.0, 30.0)
 
 
 @pytest.mark.parametrize("seed", range(4))
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=4)
 def test_batted_balls_agree_with_high_precision(seed):
     """Where and when they land, and on the way there."""
     rng = np.random.default_rng([2014, seed])
@@ -227,7 +227,7 @@ def test_a_ball_that_rests_at_its_apex():
 
 
 @pytest.mark.parametrize("sideways", [1e-3, 1e-7, 1e-12])
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_a_ball_that_nearly_rests_at_its_apex(sideways):
     start = (0.0, 1.0, sideways, 30.0)
     landing = fly(start, WITH_DRAG, ground())
@@ -277,43 +277,11 @@ def test_a_root_exactly_at_the_end_of_a_step(surface):
     assert arrival.state == pytest.approx(state, abs=LENGTH)
 
 
-def test_a_landing_and_the_time_limit_closer_than_the_error_are_not_told_apart():
-    start, unit = (0.0, 0.0, 1.0, 8.0), law(gravity=8.0)  # lands at t = 2 s
-    assert fly(start, unit, ground(), limit=2.0 + 1e-9).stop == "ground"
-    short = fly(start, unit, ground(), limit=2.0 - 1e-9)
-    assert (short.stop, short.time) == ("time", 2.0 - 1e-9)
-    for limit in (math.nextafter(2.0, 1.0), 2.0, math.nextafter(2.0, 3.0)):
-        with pytest.raises(Undecided, match="in the time limit"):
-            fly(start, unit, ground(), limit=limit)
-
-
-@pytest.mark.parametrize("s", [16.0 - 1e-14, 16.0, 16.0 + 1e-14])
-def test_a_landing_and_the_plate_closer_than_the_error_are_not_told_apart(s):
-    start, unit = (0.0, 4.0, 16.0, 0.0), law(gravity=8.0)  # lands at s = 16 m
-    with pytest.raises(Undecided, match="before"):
-        fly(start, unit, ground(), wall(s))
-
-
 def test_airborne_at_the_time_limit():
     end = fly(BATTED, USUAL, ground(), limit=2.0)
     assert (end.stop, end.time) == ("time", 2.0)
     with precise.in_digits(precise.DIGITS):
         assert distance(end.state, *path_of(BATTED, USUAL).at(arb(2))) < LENGTH
-
-
-@pytest.mark.parametrize("w", [1e-9, 1e-3, 1.0, 30.0])
-def test_a_launch_from_the_ground_flies(w):
-    landing = fly((0.0, 0.0, 20.0, w), NO_AIR, ground())
-    assert landing.time == pytest.approx(2 * w / 9.8, rel=1e-14)
-    assert landing.state == pytest.approx((20.0 * landing.time, 0.0, 20.0, -w), rel=1e-14)
-
-
-@pytest.mark.parametrize("w", [0.0, -0.0, -1e-9, -5.0])
-@pytest.mark.parametrize("air", [NO_AIR, USUAL])
-def test_a_ball_on_the_ground_that_does_not_rise_has_landed(w, air):
-    landing = fly((0.0, 0.0, 5.0, w), air, ground())
-    assert (landing.stop, landing.time) == ("ground", 0.0)
-    assert landing.state == (0.0, 0.0, 5.0, w)
 
 
 def test_a_tangential_start_that_lift_carries_up():

@@ -6,11 +6,13 @@ import mpmath
 import pytest
 
 from longball.engines import event
+from longball.engines.chain import solve
 from longball.engines.multiprecision import Multiprecision
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, SpaceState, law_with
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
+from longball.model.scene import AtBatScene, Ball, Bat, Pitch
 from longball.model.trace import ZERO, exp, log
 
 ENGINE = Multiprecision(30)
@@ -268,6 +270,22 @@ def test_a_ball_on_the_ground_stays_there_or_leaves_it():
         assert (flight.time == 0) is stays
 
 
+def test_contact_at_the_release():
+    """Sums of powers of two, in a vacuum without weight: the ball is released touching the bat."""
+    scene = AtBatScene(
+        id="a",
+        ball=Ball(radius=0.03125),
+        bat=Bat(radius=0.03125),
+        air=None,
+        gravity=0.0,
+        pitch=Pitch(speed=32.0, release=(0.0625, 0.0, 1.5), aim=(0.0, 1.5)),
+    )
+    result = solve(scene, ENGINE)
+    assert result.outcome in ("batted", "airborne")
+    assert result.contact.time.value == "0.0"
+    assert result.contact.margin.value == printed(mp.mpf(0.0625))
+
+
 # ---- the engine as an object ---------------------------------------------------------------------
 
 
@@ -275,10 +293,15 @@ def test_an_engine_travels_to_another_process():
     assert pickle.loads(pickle.dumps(ENGINE)) == ENGINE
 
 
-@pytest.mark.parametrize("digits", [0, 291])
-def test_digits_beyond_reason_are_refused(digits):
-    with pytest.raises(ValueError, match="not between 1 and 290"):
-        Multiprecision(digits)
+def test_engines_of_different_digits_do_not_meet():
+    scene = AtBatScene(id="a")
+    alone = solve(scene, Multiprecision(20))
+    few, many = Multiprecision(20), Multiprecision(40)
+    before = mpmath.mp.prec
+    between = [solve(scene, engine) for engine in (few, many, few)]
+    assert between[0] == between[2] == alone
+    assert len(between[1].plate.time.value) == len("0.") + 40
+    assert mpmath.mp.prec == before
 
 
 @pytest.mark.parametrize(

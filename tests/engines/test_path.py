@@ -69,6 +69,7 @@ TIMES = [0.0, 1e-9, 0.1, 1.0, math.pi / 2, 3.999, LIMIT]
 
 @ENGINES
 @pytest.mark.parametrize("name", FLIGHTS)
+@pytest.mark.sampled(every=3)
 def test_a_path_has_the_states_of_flights_that_end_there(name, engine):
     path = flown(name, engine).path
     number = engine.numbers.exact
@@ -85,6 +86,7 @@ def test_a_path_has_the_states_of_flights_that_end_there(name, engine):
 
 @ENGINES
 @pytest.mark.parametrize("name", FLIGHTS)
+@pytest.mark.sampled(every=3)
 def test_pieces_join(name, engine):
     """One begins when the one before ends, in the state in which that ends."""
     pieces = list(flown(name, engine).path.pieces())

@@ -150,7 +150,7 @@ def test_every_kind_of_node_is_expanded():
 
 @pytest.mark.parametrize("velocity", [(30.0, 20.0), (0.0, 0.0)])
 @pytest.mark.parametrize("name", [pytest.param("all", marks=pytest.mark.nightly), "everything"])
-@pytest.mark.sampled(every=2)
+@pytest.mark.nightly
 def test_compiled_series_is_the_same(name, velocity):
     law = LAWS[name]
     with mpmath.workdps(40):

@@ -18,17 +18,16 @@ from longball.engines.batch import Batch
 from longball.engines.chain import approach_of, solve, solve_with_path, solve_with_restitutions
 from longball.engines.enclosure import Enclosure
 from longball.engines.enclosure.system import static_values, structure
-from longball.engines.event import Event, Piece
+from longball.engines.event import Event
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import Verlet
-from longball.model.law import PATH_SPEEDS, Law, PlaneState, State, law_with
+from longball.model.law import PATH_SPEEDS, Law, State
 from longball.model.numbers import DOUBLES
 from longball.model.readings import SamplingReading
 from longball.model.scene import (
-    Air,
     AtBatScene,
     FlightScene,
     Launch,
@@ -243,11 +242,3 @@ def test_linear_rates_that_nothing_depends_on_are_integrals() -> None:
     assert rest is k
     assert {node: float(c.args[0]) for c, node in terms} == {u: 2.0, w: -1.0}
     assert (float(no_rest.args[0]), [node for _, node in one]) == (0.0, [w])
-
-
-def test_pieces_of_this_file_are_flights() -> None:
-    law = law_with({"gravity": 9.8})
-    (piece,) = Cut().steps(law, PlaneState(0.0, 1.0, 3.0, 4.0), 0.0, 2.0, ())
-    found: Piece[float] = piece
-    assert found.at(2.0) == PlaneState(6.0, 9.0, 3.0, 4.0)
-    assert Air().density == 1.29

@@ -58,7 +58,7 @@ def case_of(identity: str) -> golden.Case:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=5)
 def test_derivatives_are_those_of_the_golden_cases(family, nightly):
     cases = [
         case
@@ -128,7 +128,7 @@ PROVEN = [
 
 
 @pytest.mark.parametrize(("identity", "every"), PROVEN)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=4)
 def test_derivatives_have_twelve_digits(identity, every, nightly):
     case = case_of(identity)
     names = [*inputs(case.scene)]

@@ -32,6 +32,7 @@ def apart(case: golden.Case) -> tuple[float | None, str]:
 
 
 @pytest.mark.parametrize("family", golden.header().families)
+@pytest.mark.sampled(every=2)
 def test_the_oracle_confirms(family: str, request):
     nightly = request.getfixturevalue("nightly")
     solved = [

@@ -214,7 +214,7 @@ SOUGHT = (
 
 
 @pytest.mark.parametrize(("ids", "quantity", "of", "inputs"), SOUGHT)
-@pytest.mark.sampled(every=3)
+@pytest.mark.sampled(every=7)
 def test_numbers_that_were_sought_are_the_nearest_doubles(
     ids: str, quantity: str, of: str, inputs: list[str], nightly: bool
 ):

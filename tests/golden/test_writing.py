@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from longball.engines.digits import shortened
 from longball.engines.enclosure import Enclosure
 from longball.golden import condition, home_runs, writer
 from longball.golden.case import FOUND, Drafts
@@ -21,7 +20,6 @@ from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
 from longball.model.inputs import inputs, with_input
 from longball.model.quantities import replaced
-from longball.model.result import Bounded
 from longball.model.scene import parse_scene
 
 FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
@@ -201,6 +199,7 @@ def test_a_changed_last_digit_is_found_by_the_proof_alone(small: Path):
         ("case.schema.json", "difficulty", "ease", "not the schema that this version"),
     ],
 )
+@pytest.mark.sampled(every=2)
 def test_what_is_wrong_is_said_in_a_sentence(small: Path, file, old, new, sentence):
     spoil(small / file, old, new)
     assert any(sentence in failure for failure in check(small, sample=0).failures)
@@ -395,15 +394,3 @@ def test_doubles_give_the_derivatives_that_they_resolve(monkeypatch):
     found = sensitivity(grazing, prove(grazing), Enclosure(30))
     assert "air.wind.above" in asked
     assert found.derivatives["landing.distance"]["air.wind.above"] == 0.0
-
-
-def test_ashortened_number_still_contains_the_truth():
-    long = Bounded(value="1.23456789012345678901234567890123456789", radius="1E-37")
-    short = shortened(long, 30)
-    assert short.value == "1.234567890123456789012345678901"
-    # 0.23456789e-30 is cut off; with the radius it had, rounded up.
-    assert short.radius == "2.35E-31"
-    assert shortened(Bounded(value="-1E-50", radius="3E-50"), 30).model_dump() == {
-        "value": "0",
-        "radius": "4E-50",
-    }

@@ -131,7 +131,7 @@ class TestQuadrature:
     @pytest.mark.parametrize(
         "case",
         [
-            pytest.param(case, id=name, marks=pytest.mark.nightly if i % 4 else ())
+            pytest.param(case, id=name, marks=pytest.mark.nightly if i % 8 else ())
             for i, (name, case) in enumerate(GOLDEN.items())
         ],
     )
@@ -186,6 +186,7 @@ class TestQuadrature:
         assert near < 0.02 * here.slope
 
     @pytest.mark.usefixtures("coarsest")
+    @pytest.mark.nightly
     def test_threads_change_no_bit(self, monkeypatch):
         monkeypatch.setattr("longball.home_run.quadrature._PAIRS", 1)  # so that both have some
         one, two = (integrals(BASE, PAPER, [0.42], tolerance=1e-2, workers=n) for n in (1, 2))

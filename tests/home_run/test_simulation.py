@@ -37,6 +37,7 @@ class TestMonteCarlo:
     @pytest.mark.parametrize(
         "reading", [SamplingReading(), SamplingReading(speed_table="as_printed")]
     )
+    @pytest.mark.sampled(every=2)
     def test_both_engines_strike_the_same_samples(self, reading: SamplingReading):
         base, at_bats = AtBatScene(id="base"), paper_at_bats(reading)
         batch, ivp = (

@@ -13,8 +13,8 @@ from longball.judge.quantities import values_of
 
 FAMILIES = [
     "flight-vertical", "flight-both", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
-    "flight-wind", "flight-weather", "flight-real", "pitch", "impact", "impact-oblique", "at-bat",
-    "at-bat-real", "fence",
+    "flight-wind", "flight-weather", "flight-side", "flight-real", "pitch", "impact",
+    "impact-oblique", "at-bat", "at-bat-real", "fence",
 ]  # fmt: skip
 
 # Whose balls touch kinks of the law, or go along them: the chain cannot fly a few of these.
@@ -33,7 +33,7 @@ def truth(family):
 
 
 @pytest.mark.parametrize("family", BENT)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_what_the_chain_cannot_fly_counts_for_nothing(family):
     data = truth(family)
     chain = specialised_to(data)
@@ -44,7 +44,7 @@ def test_what_the_chain_cannot_fly_counts_for_nothing(family):
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_every_stage_follows_from_the_true_values_before_it(family):
     data = truth(family)
     _, found = follow(specialised_to(data), data)

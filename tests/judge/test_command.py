@@ -72,6 +72,7 @@ def test_a_verdict_in_every_form(called, tmp_path: Path):
     assert html.read_text(encoding="utf-8").count("<img") == 2
 
 
+@pytest.mark.nightly
 def test_annotations_for_github_hold_no_command_of_the_program(called):
     hostile = "import sys; sys.stdin.read(); print('::add-mask::a\\n%', file=sys.stderr)"
     said = called("judge", "--golden", "pitch", "--format", "github", "--", sys.executable, "-c",
@@ -271,6 +272,7 @@ def test_the_first_command_says_what_is_left(called, tmp_path: Path):
     assert "are right (--profile exact); not tried: hard, impact-oblique, fence," in lines[-1]
 
 
+@pytest.mark.nightly
 def test_other_readings_and_rows_are_shown_if_asked_for(called, tmp_path: Path):
     default = [case for case in load("at-bat") if "reading" not in case.flags]
     answers = [json.loads(solve(case.scene, Ivp()).line()) for case in load("at-bat")]
@@ -294,6 +296,7 @@ def test_other_readings_and_rows_are_shown_if_asked_for(called, tmp_path: Path):
 EULER = [sys.executable, str(CANDIDATE.with_name("euler_csv.py"))]
 
 
+@pytest.mark.nightly
 def test_a_candidate_that_takes_csv_converges(called):
     command = ["--golden", "flight-both", "--as-csv", "--", *EULER, "{dt}", "17"]
     ran = called("converge", "--json", "--steps", "0.01:0.001:5", *command)

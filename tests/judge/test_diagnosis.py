@@ -95,6 +95,7 @@ def test_a_mistake_is_named_where_it_is_made(gold: list[Case], mistake: str, sta
     assert (first.stage, first.kind, first.edit) == (stage, "named", edit), first.sentence
 
 
+@pytest.mark.nightly
 def test_two_mistakes_at_different_stages_are_both_named(gold: list[Case]):
     found = diagnose(gold, answers(gold, "nathan", "distance-in-feet"))
     named = {f.stage: f.edit for f in found.findings if f.kind == "named"}
@@ -119,6 +120,7 @@ def test_noise_has_no_name():
     assert not isinstance(reasoned.steps[0].found, Named)
 
 
+@pytest.mark.nightly
 def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
     cases = [case for case in load("flight-spin-decay") if decidable(case)][::4]
     data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
@@ -129,6 +131,7 @@ def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
     assert not reasoned.steps[0].explained
 
 
+@pytest.mark.nightly
 def test_two_numbers_of_its_own_in_one_law_are_both_named():
     """Neither explains the errors alone, nor most of them."""
 
@@ -146,6 +149,20 @@ def test_two_numbers_of_its_own_in_one_law_are_both_named():
     }
 
 
+def test_a_wrong_default_is_named_with_the_scenes_that_leave_the_key_out():
+    def by_own_default(case: Case) -> Answer:
+        scene, ball = case.scene, case.scene.ball
+        if "mass" not in ball.model_fields_set:
+            scene = scene.model_copy(update={"ball": ball.model_copy(update={"mass": 0.1417})})
+        return Answer(case.id, case.expected.outcome, values_of(solve(scene, Ivp())))
+
+    every = [*load("defaults"), *load("impact")[::4]]
+    cases = [case for case in every if decidable(case) and case.scene.kind == "impact"]
+    found = diagnose(cases, {case.id: by_own_default(case) for case in cases}).findings
+    assert {f.edit for f in found} == {"takes 0.1417 for m where the scene leaves it out"}
+
+
+@pytest.mark.nightly
 def test_a_mistake_in_one_option_of_a_switch_is_named_with_it():
     """As of a program that writes each law on its own: the drag crisis has the same spin."""
 
@@ -251,7 +268,7 @@ READ = [
 
 
 @pytest.mark.parametrize(("family", "read", "stage", "edit"), READ)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_a_scene_that_is_read_otherwise_is_named(
     family: str, read: Callable[[dict[str, Any]], None], stage: str, edit: str
 ):
@@ -267,6 +284,7 @@ def test_a_scene_that_is_read_otherwise_is_named(
     assert [(f.stage, f.edit) for f in found.findings if f.stage != "outcome"] == [(stage, edit)]
 
 
+@pytest.mark.nightly
 def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
     cases = [case for case in load("at-bat") if decidable(case)]
     told = {c.id: dict(values_of(c.expected)) for c in cases}
@@ -279,6 +297,7 @@ def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
 
 
 @pytest.mark.parametrize("stage", ["bat velocity", "normal speed", "velocity after"])
+@pytest.mark.sampled(every=3)
 def test_an_edit_of_its_own_chain_is_found_again(stage: str):
     """Every eightieth edit of a stage, planted in the right answers: it or its like is named."""
     cases = [case for case in load("impact") if decidable(case)]

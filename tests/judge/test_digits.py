@@ -49,7 +49,7 @@ def test_full_digits_are_no_style():
 
 
 @pytest.mark.parametrize("words", WAYS)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_a_mistake_is_still_seen_behind_few_digits(words):
     def farther(quantity, x):
         return 1.01 * x if quantity == "landing.distance" else x

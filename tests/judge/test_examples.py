@@ -63,7 +63,7 @@ def test_they_know_nothing_of_longball(name: str):
 
 @pytest.mark.parametrize("dt", [0.05, pytest.param(0.004, marks=NIGHTLY)])
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=4)
 def test_the_printed_scheme_passes_as_such(name: str, dt: float, tmp_path: Path):
     drawn = [*at_bats(150 if dt == 0.05 else 40), *flights(), *impacts(), *pitches()]
     scenes = [*map(written_out, drawn)]  # they know no defaults
@@ -117,7 +117,7 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
          "restitution", "leaves out m/M_eff"),
     ],
 )  # fmt: skip
-@pytest.mark.sampled(every=3)
+@pytest.mark.sampled(every=5)
 def test_a_mistake_in_the_source_is_named_beside_the_scheme(
     name: str, right: str, wrong: str, stage: str, edit: str, tmp_path: Path
 ):
@@ -170,7 +170,7 @@ OLD, NEXT = (f"acceleration({v}, to or heading({v}))" for v in ("v", "add(half, 
          ["takes 9.81 for g", LAGGED, "leaves out r_b", WHOLE]),
     ],
 )  # fmt: skip
-@pytest.mark.sampled(every=3)
+@pytest.mark.nightly
 def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
     dt: float,
     edits: list[tuple[str, str]],
@@ -193,6 +193,7 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
         assert any(mistake in edit for edit in named), named
 
 
+@pytest.mark.nightly
 def test_a_contact_force_that_is_carried_on_is_no_longer_the_printed_scheme(tmp_path: Path):
     text = (FOLDER / "paper_verlet.py").read_text(encoding="utf-8")
     source = tmp_path / "candidate.py"
@@ -220,6 +221,7 @@ def test_a_heading_taken_anew_is_told_where_the_ball_turns(tmp_path: Path):
     assert told.kind == "located"
 
 
+@pytest.mark.nightly
 def test_single_precision_is_named(cases: list[Known], tmp_path: Path):
     dt = 0.05
     text = (FOLDER / "paper_verlet.c").read_text(encoding="utf-8")

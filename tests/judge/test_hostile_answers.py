@@ -196,6 +196,7 @@ def test_numbers_beyond_use_are_unreadable_to_the_diagnosis_alone() -> None:
     assert {*given_.values} == {"landing.time", "landing.velocity"}
 
 
+@pytest.mark.nightly
 def test_a_contact_at_the_end_that_the_bat_turns_about_is_no_reason_to_break_off(
     folder: Path,
 ) -> None:

@@ -90,6 +90,7 @@ def test_the_papers_at_bats_are_right(count: int, seed: int):
         (changed("swing", "angular_speed", lambda _: 30.0), {"swing.angular_speed": []}),
     ],
 )  # fmt: skip
+@pytest.mark.sampled(every=3)
 def test_a_mistake_is_named(drawn: list[Scene], mistakes: dict[str, list[str]]):
     assert named(judge_samples(drawn)) == mistakes
 

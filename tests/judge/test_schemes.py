@@ -108,7 +108,7 @@ def true(change):
         (euler, 0.0137, "explicit Euler", 1),  # a step that nobody chooses
     ],
 )
-@pytest.mark.sampled(every=3)
+@pytest.mark.sampled(every=4)
 def test_a_scheme_is_named_with_its_step(step, h, name, order):
     found = explain_scheme(*wrong(flown(h, step)))
     assert found is not None
@@ -141,6 +141,7 @@ def test_a_scheme_that_is_not_known_gets_its_order_and_no_name():
     assert found.order == 4
 
 
+@pytest.mark.nightly
 def test_a_wrong_law_is_no_scheme():
     assert explain_scheme(*wrong(flown(1e-3, gravity=1.001))) is None
 

@@ -236,6 +236,7 @@ def test_nothing_to_judge_is_no_success(few: list[Known]):
     assert (verdict.judged, verdict.right) == (0, 0)
 
 
+@pytest.mark.nightly
 def test_what_the_profile_grants_is_no_error(few: list[Known]):
     def change(answer: dict) -> dict:
         if "landing" in answer:

@@ -166,7 +166,7 @@ LAWS = {
         (no_collision, {"restitution"}),
     ],
 )
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_the_derived_rule_obeys_every_law_and_others_break_theirs(rule, broken):
     residuals = {name: sp.Matrix([law(rule)]) for name, law in LAWS.items()}
     assert {name for name, residual in residuals.items() if not residual.is_zero_matrix} == broken
@@ -210,6 +210,7 @@ def test_the_energy_balance_follows_from_the_energies_of_both_bodies():
     assert sp.expand(change - expected) == 0
 
 
+@pytest.mark.nightly
 def test_friction_would_show_in_the_energy_balance():
     """The balance is of the rule that is given, not a formula that any rule would return."""
     assert derivation.energy_change(no_collision) == 0

@@ -136,7 +136,7 @@ def test_the_fall_ends_on_the_floor(w, depth):
 
 @pytest.mark.parametrize("drag", [None, DRAG])
 @pytest.mark.parametrize("lift", [None, LIFT, -LIFT])
-@pytest.mark.sampled(every=3)
+@pytest.mark.sampled(every=2)
 def test_the_weightless_turn_solves_the_equations(drag, lift):
     start = PlaneState(S, Z, sp.Integer(3), sp.Integer(4))  # V = 5, so that no root is left
     path = exact.weightless(start, drag, lift, T, SYMBOLIC)

@@ -193,8 +193,8 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         (
             {"air": {"densty": 1}},
             "air.densty: unknown key, did you mean density? The keys here are "
-            "density, drag_coefficient, lift_coefficient, wind, spin_decay_length, "
-            "density_scale_height",
+            "density, drag_coefficient, lift_coefficient, side_coefficient, wind, "
+            "spin_decay_length, density_scale_height",
         ),
         ({"pitch": {"release": [1, 2]}}, "pitch.release[2]: is missing"),
         (
@@ -205,7 +205,7 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         (
             {"air": {"release": 1}},
             "air.release: unknown key; the keys here are density, drag_coefficient, "
-            "lift_coefficient, wind, spin_decay_length, density_scale_height; "
+            "lift_coefficient, side_coefficient, wind, spin_decay_length, density_scale_height; "
             "release is a key of pitch",
         ),
         ({"air": {"wind": 10}}, "air.wind: must be [x, y, z] in m/s (got 10)"),

@@ -10,6 +10,7 @@ import pytest
 
 from longball.pitches import EXAMPLE, Columns, PitchTypes, TableError, read_pitches
 from longball.pitches.chart import cell
+from longball.pitches.table import LENGTH_UNITS
 
 STATCAST = "pitch_type,release_speed,plate_x,plate_z,sz_top,sz_bot\n"
 
@@ -46,7 +47,8 @@ def test_units_of_speed(unit, speed, metres_per_second):
 )
 def test_to_the_right_of_the_catcher_is_to_the_left_of_the_pitcher(unit, metres):
     one_cell = 0.144 / metres
-    table = statcast(f"FF,90,{one_cell},2,3,1", f"SL,90,{-2 * one_cell},2,3,1")
+    zone = f"{0.6 / metres},{0.9 / metres},{0.3 / metres}"
+    table = statcast(f"FF,90,{one_cell},{zone}", f"SL,90,{-2 * one_cell},{zone}")
     pitches = read_pitches(table, Columns(place_unit=unit))
     assert pitches.across == pytest.approx([2.0, 5.0], rel=1e-15)
     # The scene's frame: P_y = (cell - 3) · width, and +y is to the catcher's left.
@@ -54,7 +56,7 @@ def test_to_the_right_of_the_catcher_is_to_the_left_of_the_pitcher(unit, metres)
 
 
 def test_the_pitcher_sees_it_the_other_way_round():
-    table = statcast("FF,90,0.144,2,3,1", "SL,90,-0.288,2,3,1")
+    table = statcast("FF,90,0.144,0.6,0.9,0.3", "SL,90,-0.288,0.6,0.9,0.3")
     pitches = read_pitches(table, Columns(place_unit="m", view="pitcher"))
     assert pitches.across == pytest.approx([4.0, 1.0], rel=1e-15)
 
@@ -246,3 +248,25 @@ def test_importing_it_loads_nothing_heavy():
     code = f"import sys, longball.pitches; print(sorted({heavy} & set(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [("m", "ft"), ("in", "ft"), ("cm", "ft"), ("ft", "m"), ("ft", "in"), ("cm", "in")],
+)
+def test_places_in_another_unit_are_asked_about(given, meant):
+    """The day that longball ships, in every unit that is declared as another."""
+    day = pd.read_csv(EXAMPLE)
+    places = ["plate_x", "plate_z", "sz_top", "sz_bot"]
+    day[places] *= 0.3048 / LENGTH_UNITS[given]
+    read_pitches(day, Columns(place_unit=given))
+    question = rf".* in {meant} it would lie between .*; is it in {given}\?"
+    with pytest.raises(TableError, match="plate_x:" + question):
+        read_pitches(day, Columns(place_unit=meant))
+    # As TrackMan has them, without a strike zone.
+    plain = day.rename(columns={"plate_x": "PlateLocSide", "plate_z": "PlateLocHeight"})
+    with pytest.raises(TableError, match="PlateLocSide:" + question):
+        read_pitches(plain, Columns(across="PlateLocSide", height=None, place_unit=meant))
+    day["release_speed"] *= 0.44704
+    with pytest.raises(TableError, match=r"release_speed: .* in mph it would .* is it in m/s"):
+        read_pitches(day, Columns(place_unit=given))

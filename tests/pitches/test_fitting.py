@@ -112,7 +112,7 @@ def test_so_does_the_histogram_if_its_bins_are_narrow():
 
 
 @pytest.mark.parametrize("columns", [METRES, CELLS], ids=["places", "cells"])
-@pytest.mark.sampled(every=2)
+@pytest.mark.nightly
 def test_a_million_pitches_give_them_back_to_three_digits(columns):
     fitted = fit_pitches(draw(1_000_000, 1, columns), columns, KINDS, replicates=2)
     for name, (value, error) in numbers(fitted, "maximum_likelihood").items():
@@ -256,6 +256,7 @@ def test_the_edge_between_one_and_two_peaks(half, side):
     assert maxima(1.0 - 1.02 * lesser) == (1 if half == 1.0 else 2)
 
 
+@pytest.mark.nightly
 def test_few_samples_with_one_peak_support_two():
     random = np.random.default_rng(2)
     edge = _OnePeak(2.0, 1.6, 0.6).aim(1)  # the worst case: a second peak is about to come

@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
@@ -16,7 +17,7 @@ from longball.engines.chain import solve
 from longball.model.scene import parse_scene
 from longball.pitches import EXAMPLE
 from longball.pitches.models import ACTIVE_SHARE, MODELS
-from longball.pitches.prediction import bands, predict, scenes, summaries
+from longball.pitches.prediction import bands, measured, predict, scenes, summaries
 from longball.pitches.statcast import read_measured
 
 FOOT, MPH = 0.3048, 0.44704
@@ -251,6 +252,8 @@ def test_other_units_are_asked_about():
     # A share of 0.3048 of what is predicted: a foot is no metre.
     fly = {"launch_speed": 103, "launch_angle": 28, "hit_distance_sc": 122}
     assert "is it in m instead of ft?" in longball("-", *COMMAND, stdin=table(fly)).stderr
+    with pytest.warns(UserWarning, match="is it in m instead of ft"):
+        measured(pd.DataFrame([fly]), "batted")
     fly["hit_distance_sc"] = 400
     assert not longball("-", *COMMAND, stdin=table(fly)).stderr
 

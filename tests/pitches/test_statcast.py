@@ -288,6 +288,24 @@ def test_a_table_in_other_units_is_asked_about():
         flies(launch_speed=160)
 
 
+@pytest.mark.parametrize(("unit", "factor"), [("m", 0.3048), ("in", 12.0), ("cm", 30.48)])
+def test_places_at_the_plate_in_another_unit_are_asked_about(unit, factor):
+    """One pitch tells by where its fit crosses the plate, and many by where pitches go."""
+    crossed = {"plate_x": -0.33, "plate_z": 3.14}  # ft, by hand
+    assert len(pitches(**crossed)) == 1
+    scaled = {name: value * factor for name, value in crossed.items()}
+    with pytest.raises(TableError, match=rf"plate_x, plate_z: .* are they in {unit}\?"):
+        pitches(**scaled)
+    day = pd.read_csv(EXAMPLE)
+    day["plate_x"] *= factor
+    with pytest.raises(TableError, match=rf"plate_x: the median of its sizes .* in {unit}\?"):
+        read_measured(day, "pitch")
+    day["plate_x"] /= factor
+    day["release_pos_z"] *= factor
+    with pytest.raises(TableError, match=rf"release_pos_z: the median .* in {unit}\?"):
+        read_measured(day, "pitch")
+
+
 def test_the_day_that_is_shipped():
     pitch, fly = read_measured(EXAMPLE, "pitch"), read_measured(EXAMPLE, "batted")
     assert (len(pitch), len(fly)) == (4339, 385)

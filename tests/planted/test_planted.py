@@ -50,7 +50,7 @@ def test_name_is_right_only_within_four_floors_everywhere():
 
 
 @pytest.mark.parametrize("family", ["flight-both", "pitch", "impact", "at-bat", "fence"])
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_chain_without_an_edit_answers_the_truth(family):
     cases = sources.golden((family,), 6)
     chain = specialised_to(data_of(cases, sources.truth(cases)), CHAIN)
@@ -129,7 +129,7 @@ def test_mutants_in_c():
 
 
 @pytest.mark.parametrize("family", ["flight-both", "flight-vertical", "pitch", "impact", "at-bat"])
-@pytest.mark.sampled(every=2)
+@pytest.mark.sampled(every=3)
 def test_right_program_is_right_to_its_accuracy(family):
     cases = [case for case in golden.load(family) if decidable(case)][:30]
     program = sources.Program([sys.executable, str(sources.HERE / "right.py"), "--step", "0.005"])

@@ -40,6 +40,16 @@ def test_constant_drag_without_lift_induces_no_break():
     assert lb.movement(scene, "air").up > 0.01  # drag lifts a ball that falls
 
 
+def test_a_side_force_is_a_part_of_the_movement():
+    """About k C_S U² t²/2, and all of it is gone without lift."""
+    side = {"side_coefficient": {"value": 0.1, "direction": [0, 1, 0]}, "lift_coefficient": 0.0}
+    pitch = lb.Pitch(pitch={"velocity": [-40, 0, 0]}, air=side)
+    k = 1.29 * np.pi * 0.0366**2 / (2 * 0.145)
+    for without in ("air", "lift"):
+        found = lb.movement(pitch, without=without)
+        assert found.across == pytest.approx(k * 0.1 * 18.44**2 / 2, rel=0.15)
+
+
 def test_a_mirrored_pitch_moves_to_the_other_side():
     x, y, z = BACKSPIN
     one = lb.Pitch(air=LIFT, pitch=THROWN | {"spin": BACKSPIN})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -20,10 +21,10 @@ def ball(speed: float, direction: float = 0.0) -> lb.Flight:
 
 
 def test_fences_stand_where_they_are_published():
-    fence = lb.park("Fenway Park").fence.polyline
-    assert fence[0] == pytest.approx((310 * ROOT2 * FOOT, 310 * ROOT2 * FOOT, 37 * FOOT))
-    assert fence[2] == pytest.approx((390 * FOOT, 0, 17 * FOOT))
-    assert fence[-1] == pytest.approx((302 * ROOT2 * FOOT, -302 * ROOT2 * FOOT, 5 * FOOT))
+    fence = lb.park("Rogers Centre").fence.polyline
+    assert fence[0] == pytest.approx((328 * ROOT2 * FOOT, 328 * ROOT2 * FOOT, 14.33 * FOOT))
+    assert fence[2] == pytest.approx((400 * FOOT, 0, 8 * FOOT))
+    assert fence[-1] == pytest.approx((328 * ROOT2 * FOOT, -328 * ROOT2 * FOOT, 12.58 * FOOT))
 
 
 def test_every_park_encloses_fair_ground_and_names_its_source():
@@ -31,18 +32,41 @@ def test_every_park_encloses_fair_ground_and_names_its_source():
         line = park.fence.polyline
         assert line[0][0] == line[0][1]
         assert line[-1][0] == -line[-1][1]
+        # Each direction meets the fence once, at one height or at a step.
+        assert all(a >= b for a, b in pairwise(park.bearings))
         # By the rules 250 ft at least, and no fence of today is beyond 440 ft or 40 ft high.
         assert all(250 < far / FOOT < 440 for far in park.distances)
-        assert all(3 <= top / FOOT < 40 for top in park.walls)
+        assert all(3 <= round(top / FOOT, 9) < 40 for top in park.walls)
         assert park.source
         assert "-" in park.seasons
+
+
+@pytest.mark.parametrize(
+    ("name", "left", "center", "right"),
+    # By other sources than the fences are from: the clubs, the league and newspapers.
+    [
+        ("Fenway Park", 310, 390, 302), ("Yankee Stadium", 318, 408, 314),
+        ("Coors Field", 347, 415, 350), ("Daikin Park", 315, 409, 326),
+        ("Petco Park", 336, 396, 322), ("PNC Park", 325, 399, 320),
+        ("Dodger Stadium", 330, 395, 330), ("Wrigley Field", 355, 400, 353),
+        ("Busch Stadium", 336, 400, 335), ("Tropicana Field", 315, 404, 322),
+        ("Oracle Park", 339, 391, 309), ("loanDepot park", 344, 400, 335),
+    ],
+)  # fmt: skip
+def test_fences_agree_with_the_numbers_on_the_wall(name, left, center, right):
+    """Measured from the air, to some feet: poles and centre field are where they are marked."""
+    park = lb.park(name)
+    aimed = ball(60.0).replace(fence=park.fence.model_dump())
+    middle = math.hypot(*lb.solve(aimed).fence.position[:2])
+    found = park.distances[0], middle, park.distances[-1]
+    assert [far / FOOT for far in found] == pytest.approx([left, center, right], abs=8.0)
 
 
 @pytest.mark.parametrize("engine", ["ivp", "batch"])
 def test_a_parabola_clears_a_park_by_what_galileo_says(engine):
     """Over flat ground z = x - g x²/V² at 45°."""
-    (found,) = lb.in_parks(ball(38.0), [lb.park("Yankee Stadium")], engine)
-    x = 408 * FOOT
+    (found,) = lb.in_parks(ball(38.0), [lb.park("Globe Life Field")], engine)
+    x = 407 * FOOT
     over = x - 9.8 * x**2 / 38.0**2 - 8 * FOOT
     assert found.is_out
     assert found.clearance == pytest.approx(over, abs=1e-11)
@@ -50,8 +74,8 @@ def test_a_parabola_clears_a_park_by_what_galileo_says(engine):
 
 def test_the_same_ball_is_out_here_and_not_there():
     found = {each.park.name: each for each in lb.in_parks(ball(32.0, math.radians(44.9)))}
-    assert found["Daikin Park"].is_out  # 315 ft and 19 ft high
-    assert found["Fenway Park"].result.outcome == "wall"  # 310 ft and 37 ft high
+    assert found["Daikin Park"].is_out  # 315 ft and 21 ft high
+    assert found["Fenway Park"].result.outcome == "wall"  # 306 ft and 37 ft high
     assert found["Fenway Park"].clearance < 0
 
 
@@ -75,7 +99,7 @@ def test_an_unknown_park_names_the_nearest(called):
         lb.in_parks(lb.Pitch())
 
 
-def test_parks_of_a_file(called):
+def test_parks_of_a_file(called, tmp_path):
     lines = [ball(45.0).line(), "{", ball(20.0).line()]
     told = called("parks", "-", "--json", "--park", "Petco Park", stdin="\n".join(lines).encode())
     answers = [json.loads(line) for line in told.stdout.splitlines()]
@@ -83,6 +107,10 @@ def test_parks_of_a_file(called):
     assert [answer["id"] for answer in answers] == ["1", "3"]
     assert "line 2: not JSON" in told.stderr
     assert told.returncode == 1
+    row = 'flight,9.8,null,"[0, 0, 0]","[32, 0, 32]"'
+    table = f"kind,gravity,air,launch.position,launch.velocity\n{row}\n".encode()
+    (tmp_path / "balls.csv").write_bytes(table)
+    assert called("parks", str(tmp_path / "balls.csv")).stdout.startswith("2: a home run in ")
     shown = called("parks", "-", stdin=ball(45.0).line().encode()).stdout
     assert shown.startswith(f"1: a home run in {len(lb.parks())} of {len(lb.parks())} parks")
 
@@ -106,9 +134,9 @@ def test_units_wind_and_park_of_a_flight(called):
     assert called(*asked).stdout == called(*same).stdout
     out, into = (called(*same, "--wind", f"10 mph {way}", "--json").stdout for way in ("out", "in"))
     assert json.loads(out)["landing"]["distance"] > json.loads(into)["landing"]["distance"] + 15
-    park = json.loads(called(*same, "--park", "Coors Field", "--json").stdout)
-    assert math.hypot(*park["fence"]["position"][:2]) == pytest.approx(415 * FOOT)
-    plain = json.loads(called(*same, "--park", "Coors Field", "--set", "fence.radius=100",
+    park = json.loads(called(*same, "--park", "Globe Life Field", "--json").stdout)
+    assert math.hypot(*park["fence"]["position"][:2]) == pytest.approx(407 * FOOT)
+    plain = json.loads(called(*same, "--park", "Globe Life Field", "--set", "fence.radius=100",
                            "--json").stdout)  # fmt: skip
     assert math.hypot(*plain["fence"]["position"][:2]) == pytest.approx(100.0)
 

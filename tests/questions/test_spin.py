@@ -43,7 +43,12 @@ def acceleration(pitch):
     return [frame.cos * u - frame.sin * v, frame.sin * u + frame.cos * v, w]
 
 
-@pytest.mark.parametrize("air", [{}, {"wind": [-3.0, 2.0, 0.5]}], ids=["calm", "windy"])
+SIDE = {"side_coefficient": {"value": 0.07, "direction": [1.0, -3.0, 2.0]}}  # no spin makes it
+
+
+@pytest.mark.parametrize(
+    "air", [{}, {"wind": [-3.0, 2.0, 0.5]}, SIDE], ids=["calm", "windy", "side force"]
+)
 @pytest.mark.parametrize("law", LAWS)
 def test_the_law_there_and_back_is_the_identity(law, air):
     through = np.array(VELOCITY) - air.get("wind", [0.0, 0.0, 0.0])

@@ -7,9 +7,10 @@ from typing import Annotated
 import typer
 
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import option_value, wrong_call
-from longball.cli.infer import Unknowns, answering, one_scene
-from longball.cli.solve import Source
+from longball.cli.common import wrong_call
+from longball.cli.infer import Unknowns, answering
+from longball.cli.scenes import Source, one_scene
+from longball.model.jsonl import json_or_number
 
 
 def aim(
@@ -33,7 +34,7 @@ def aim(
 
     if not target:
         wrong_call("--target: what is to be hit is needed, such as --target 110")
-    numbers = [option_value(part) for part in target.split(",")]
+    numbers = [json_or_number(part) for part in target.split(",")]
     scene = one_scene(source, chosen_changes(set_, None, reading))
     with answering("--target "):
         for hit in aimed(scene, numbers, unknowns=unknown):

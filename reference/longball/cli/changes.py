@@ -9,8 +9,9 @@ from typing import Annotated, Any
 
 import typer
 
-from longball.cli.common import option_value, refusing, split_assignment, wrong_call
+from longball.cli.common import refusing, split_assignment, wrong_call
 from longball.model.changes import Changes, changes_of, value_of
+from longball.model.jsonl import json_or_number
 from longball.model.names import one_of
 from longball.model.readings import LEDGER, SCHEME_OPTIONS, Belongs
 
@@ -65,7 +66,7 @@ def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
                 f"--reading {name}: of the paper's scheme, which is an option of its engine: "
                 f"longball solve --engine verlet --{SCHEME_OPTIONS[name].replace('_', '-')}"
             )
-        switches[ledger[name].belongs][name] = option_value(option)
+        switches[ledger[name].belongs][name] = json_or_number(option)
     return switches
 
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from longball import __version__
-from longball.cli.common import tell, wrong_call
+from longball.cli.common import fail, wrong_call
 
 CONNECTING = 5.0  # s, until a scheduler that does not answer is given up
 PROBING = 8.0  # s, until workers are
@@ -60,8 +60,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
             try:
                 yield
             except (distributed.KilledWorker, CancelledError) as error:
-                tell(f"{option}: the cluster gave up: {error}")
-                raise typer.Exit(1) from None
+                fail(f"{option}: the cluster gave up: {error}")
 
 
 def _check_workers(client: Any, option: str) -> None:

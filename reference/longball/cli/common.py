@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import stat
@@ -92,6 +91,8 @@ Quiet = Annotated[
     typer.Option("-q", "--quiet", callback=_hushed, help="No progress, no notes: errors only."),
 ]
 EngineName = Annotated[engines.Name, typer.Option(help="What solves the scenes.")]
+# Of commands that seldom need another: without the list of them in the help.
+AnyEngine = Annotated[str, typer.Option("--engine", metavar="NAME", help="What solves the scenes.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")]
 Workers = Annotated[
     int, typer.Option(callback=_checked, help="Parallel threads or processes; -1: one per core.")
@@ -141,6 +142,12 @@ def wrong_call(sentence: str) -> NoReturn:
     raise typer.Exit(2)
 
 
+def fail(sentence: str) -> NoReturn:
+    """Print what went wrong and exit with status 1."""
+    tell(sentence)
+    raise typer.Exit(1)
+
+
 @contextmanager
 def failing_unless(passed: bool) -> Iterator[None]:
     """Leave with status 1 after a verdict is printed, even to a reader that has left."""
@@ -187,8 +194,7 @@ def reading_table() -> Iterator[None]:
     except TableError as error:
         if isinstance(error.__cause__, OSError):
             wrong_call(str(error))
-        tell(str(error))
-        raise typer.Exit(1) from None
+        fail(str(error))
 
 
 def named(source: str) -> str:
@@ -228,12 +234,9 @@ def split_assignment(option: str, text: str) -> tuple[str, str]:
     return name, value
 
 
-def option_value(text: str) -> Any:
-    """Return a JSON value or a number, as .5, where the text is one; the text itself elsewhere."""
-    for read in (json.loads, float):
-        with suppress(ValueError):
-            return read(text)
-    return text
+def assignments(option: str, texts: Iterable[str] | None) -> dict[str, str]:
+    """Return the values of a repeated option by their names."""
+    return dict(split_assignment(option, text) for text in texts or ())
 
 
 def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

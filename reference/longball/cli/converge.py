@@ -17,7 +17,6 @@ from longball.cli.common import (
     Steps,
     Timeout,
     failing_unless,
-    named,
     progress_bar,
     refusing,
     tell,
@@ -25,8 +24,8 @@ from longball.cli.common import (
     to_picture,
     wrong_call,
 )
-from longball.cli.solve import scenes_from
-from longball.model.scene import Scene, parse_scene
+from longball.cli.scenes import read_scenes
+from longball.model.scene import Scene
 
 
 def converge(
@@ -84,23 +83,6 @@ def converge(
         save_convergence(figure, report)
     with failing_unless(report.passed):
         print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
-
-
-def read_scenes(source: str) -> list[Scene]:
-    """Return the scenes of a file; an invalid line is a wrong call.
-
-    A scene without an id bears the number of its line.
-    """
-    found = []
-    with scenes_from(source) as lines:
-        for number, line in enumerate(lines, 1):
-            if line.strip():
-                with refusing(f"{named(source)}, line {number}: "):
-                    scene = parse_scene(line)
-                found.append(scene.model_copy(update={"id": scene.id or str(number)}))
-    if not found:
-        wrong_call(f"no scenes in {named(source)}")
-    return found
 
 
 def golden_scenes(family: str | None) -> Sequence[Scene]:

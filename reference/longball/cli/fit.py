@@ -10,12 +10,12 @@ from longball.cli.common import (
     Json,
     Quiet,
     Seed,
+    assignments,
     chosen_table,
-    option_value,
     parsed,
     reading_table,
-    split_assignment,
 )
+from longball.model.jsonl import json_or_number
 from longball.pitches import Columns, PitchTypes, TableError, as_text, fit_pitches
 from longball.pitches.fitted import Method
 from longball.pitches.fitting import BIN_WIDTH
@@ -56,8 +56,8 @@ def fit(
 ) -> None:
     """Fit the paper's distributions of speeds and places to a table of pitches."""
     table = chosen_table(pitches, example)
-    pairs = (split_assignment("--column", text) for text in column or [])
-    columns = parsed(Columns, {name: option_value(value) for name, value in pairs})
+    pairs = assignments("--column", column)
+    columns = parsed(Columns, {name: json_or_number(value) for name, value in pairs.items()})
     classes: dict[str, Any] = {}
     if straight is not None:
         classes = {"straight": tuple(straight.split(",")), "breaking": None}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import Annotated, Any
 
 import numpy as np
@@ -11,14 +10,14 @@ import typer
 
 from longball import engines
 from longball.cli.changes import SetOption, chosen_changes
-from longball.cli.common import Json, note, refusing, show, tell, wrong_call
+from longball.cli.common import AnyEngine, Json, note, refusing, show, tell, wrong_call
 from longball.engines.chain import solve
 from longball.model.doubts import doubts
 from longball.model.names import one_of
 from longball.model.result import signed
 from longball.model.scene import InvalidScene
-from longball.model.units import UNITS, in_si
-from longball.pitches.models import MODELS
+from longball.model.units import UNITS, read_in_si
+from longball.pitches.models import MODELS, model_of
 from longball.pitches.prediction import scenes
 from longball.pitches.statcast import FOOT, SEA_LEVEL, USUAL_TEMPERATURE, MeasuredFlies
 from longball.questions.parks import park as park_of
@@ -54,7 +53,7 @@ def flight(
         str, typer.Option(metavar="NAME", help=f"Of flight: {', '.join(MODELS)}.")
     ] = "nathan",
     set_: SetOption = None,
-    engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scene.")] = "ivp",
+    engine: AnyEngine = "ivp",
     as_json: Json = False,
 ) -> None:
     """Compute the flight of a batted ball.
@@ -62,8 +61,8 @@ def flight(
     It has the spin that a published regression expects at that angle and in that direction, as
     measured flies have in `longball measured`; --set launch.spin=… gives it another.
     """
-    if model not in MODELS:
-        wrong_call(f"--model {model}: there is none{one_of('the models are', model, MODELS)}")
+    with refusing("--"):
+        law = model_of(model)
     if bats not in (None, "R", "L"):
         wrong_call(f"--bats {bats}: R or L")
     if park is not None:
@@ -86,7 +85,7 @@ def flight(
     )
     with refusing():
         solver: Any = engines.create(engine)
-    (scene,) = scenes(ball, MODELS[model], change=change)
+    (scene,) = scenes(ball, law, change=change)
     if isinstance(scene, InvalidScene):
         wrong_call(str(scene).partition("is no scene: ")[2])
     for key, question in doubts(scene):
@@ -103,12 +102,12 @@ def flight(
 
 def _in_si(option: str, text: str, si: str, usual: str = "") -> float:
     """Return a number of an option, with or without a unit, in an SI unit."""
-    parts = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", text)
-    if parts is None:
+    with refusing(f"{option} {text}: "):
+        number = read_in_si(text, si, usual)
+    if number is None:
         units = ", ".join(UNITS[si])
         wrong_call(f"{option} {text}: a number is needed, alone or with a unit: {units}")
-    with refusing(f"{option} {text}: "):
-        return in_si(float(parts[1]), parts[2] or usual or si, si)
+    return number
 
 
 def _wind(text: str) -> list[float]:

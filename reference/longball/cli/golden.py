@@ -129,7 +129,7 @@ def coverage(
     A mistake is an edit of the model: another symbol, a sign, a factor, a term that is left out.
     Those are counted that your scenes or the golden data show.
     """
-    from longball.cli.converge import read_scenes
+    from longball.cli.scenes import read_scenes
     from longball.judge.coverage import coverage as covered
     from longball.judge.diagnosis.findings import many
     from longball.judge.fresh import proven

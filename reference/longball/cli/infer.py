@@ -11,12 +11,12 @@ from typing import Annotated, Any
 import typer
 
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import Json, named, option_value, split_assignment, tell, wrong_call
-from longball.cli.solve import Source, scenes_from
+from longball.cli.common import Json, assignments, fail, wrong_call
+from longball.cli.scenes import Source, one_scene
 from longball.engines.engine import CannotSolve
-from longball.model.changes import Changes
+from longball.model.jsonl import json_or_number
 from longball.model.numbers import Undecided
-from longball.model.scene import InvalidScene, Scene, parse_scene
+from longball.model.scene import InvalidScene
 
 Unknowns = Annotated[
     list[str] | None,
@@ -72,8 +72,8 @@ def infer(
 
         data = pd.read_csv(points)
     else:
-        pairs = (split_assignment("--measured", text) for text in measured or [])
-        data = {name: option_value(value) for name, value in pairs}
+        pairs = assignments("--measured", measured)
+        data = {name: json_or_number(value) for name, value in pairs.items()}
     scene = one_scene(source, chosen_changes(set_, None, reading))
     with answering():
         found = fit(data, scene, unknowns=unknown, sigma=sigma)
@@ -94,26 +94,12 @@ def infer(
     )
 
 
-def one_scene(source: str, change: Changes) -> Scene:
-    """Return the scene of a file with one; several, or none, are a wrong call."""
-    with scenes_from(source) as lines:
-        written = [line for line in lines if line.strip()]
-    if len(written) != 1:
-        wrong_call(f"{named(source)} has {len(written)} scenes, and one is needed")
-    try:
-        return parse_scene(written[0], change)
-    except InvalidScene as error:
-        tell(str(error))
-        raise typer.Exit(1) from None
-
-
 @contextmanager
 def answering(option: str = "") -> Iterator[None]:
     """Say why there is no answer, with status 1; a misuse is a wrong call."""
     try:
         yield
     except (CannotSolve, Undecided, InvalidScene) as error:
-        tell(str(error))
-        raise typer.Exit(1) from None
+        fail(str(error))
     except (TypeError, ValueError) as error:
         wrong_call(f"{option}{error}")

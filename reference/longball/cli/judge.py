@@ -17,11 +17,11 @@ from longball.cli.common import (
     Quiet,
     Steps,
     Timeout,
+    assignments,
     failing_unless,
     note,
     progress_bar,
     refusing,
-    split_assignment,
     to_file,
     wrong_call,
 )
@@ -201,7 +201,7 @@ def judge(
             cases = [with_defaults(case) for case in cases]
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
-            columns = dict(split_assignment("--column", text) for text in column or ())
+            columns = assignments("--column", column)
             found = judge.evaluate_file(results, columns, drawn)
         elif command:
             if stepped:
@@ -274,7 +274,7 @@ def cases_of(
     readings: bool,
 ) -> tuple[list[Case], str]:
     """Return the cases to judge by, and where they are from."""
-    from longball.cli.converge import read_scenes
+    from longball.cli.scenes import read_scenes
     from longball.golden import load
     from longball.judge.cases import asked as asked_of
     from longball.judge.fresh import DRAWN, USUAL, proven, random_scenes, usual_constants

@@ -7,30 +7,28 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from longball import engines
 from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.common import (
+    AnyEngine,
     Json,
     Quiet,
+    assignments,
     chosen_table,
     note,
     reading_table,
     refusing,
-    split_assignment,
     tell,
     to_file,
     to_picture,
-    wrong_call,
 )
 from longball.model.csv_files import write_frame
-from longball.model.names import one_of
 from longball.model.scene import InvalidScene
-from longball.pitches.models import MODELS
-from longball.pitches.prediction import as_data, as_frame, as_text, predict, scenes
-from longball.pitches.statcast import FOOT, GAMES, Kind, MeasuredFlies, read_measured
+from longball.pitches.models import MODELS, model_of
+from longball.pitches.prediction import as_data, as_frame, as_text, predict, questions, scenes
+from longball.pitches.statcast import GAMES, Kind, read_measured
 from longball.pitches.table import NoSuchColumn, TableError
 
 
@@ -63,7 +61,7 @@ def measured(
     set_: SetOption = None,
     fence: FenceOption = None,
     reading: ReadingOption = None,
-    engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "batch",
+    engine: AnyEngine = "batch",
     scenes_file: Annotated[
         Path | None, to_file("Write the scenes here.", "--scenes", metavar="FILE")
     ] = None,
@@ -83,10 +81,9 @@ def measured(
     has the spin that a published regression expects of it, and is compared in its distance.
     """
     source = chosen_table(table, example)
-    if model not in MODELS:
-        wrong_call(f"--model {model}: there is none{one_of('the models are', model, MODELS)}")
-    law = MODELS[model]
-    names = dict(split_assignment("--column", text) for text in column or [])
+    with refusing("--"):
+        law = model_of(model)
+    names = assignments("--column", column)
     change = chosen_changes(set_, fence, reading)
     with refusing():
         solver = engines.create(engine)
@@ -112,10 +109,8 @@ def measured(
         print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
     else:
         print(as_text(prediction, model, law).rstrip())
-    if isinstance(rows, MeasuredFlies) and prediction.compared.any():
-        share = float(np.nanmedian(rows.measured / prediction.predicted))
-        if abs(share / FOOT - 1.0) < 0.2:  # between other units there are larger factors
-            note(f"hit_distance_sc: {share:.2f} times the prediction; is it in m instead of ft?")
+    for question in questions(prediction):
+        note(question)
     if prediction.failed:
         tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
     if nothing := not prediction.solved.any():
@@ -127,11 +122,13 @@ def measured(
 
 
 def _instead(missing: Sequence[str]) -> str:
-    """Return a hint for missing columns."""
-    if {"spin_axis", "release_spin_rate"} & {*missing}:
+    """Return hints for missing columns."""
+    of_spin = {*missing} & {"spin_axis", "release_spin_rate"}
+    said = "; --column NAME=COLUMN says what the table calls it" if {*missing} - of_spin else ""
+    if of_spin:
         without = ", ".join(name for name, law in MODELS.items() if not law.spin)
-        return (
+        said += (
             f"; Statcast's tables have spin_axis from 2020 on, and the models {without} "
             "(--model) do without a spin"
         )
-    return "; --column NAME=COLUMN says what the table calls it"
+    return said

@@ -9,9 +9,10 @@ import typer
 
 from longball import engines
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import Json, named, reading_from, refusing, show, tell
+from longball.cli.common import AnyEngine, Json, named, refusing, show, tell
+from longball.cli.scenes import each_scene
 from longball.model.jsonl import json_line
-from longball.model.scene import InvalidScene, parse_scene
+from longball.model.scene import InvalidScene
 from longball.pitches.statcast import FOOT
 from longball.questions.parks import InPark, Park, in_parks, park
 from longball.questions.parks import parks as every_park
@@ -20,7 +21,7 @@ from longball.questions.parks import parks as every_park
 def parks(
     source: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENES|-]", help="Batted balls as JSON Lines; - reads stdin."),
+        typer.Argument(metavar="[SCENES|-]", help="Batted balls; - reads stdin."),
     ] = None,
     only: Annotated[
         list[str] | None,
@@ -28,13 +29,13 @@ def parks(
     ] = None,
     set_: SetOption = None,
     reading: ReadingOption = None,
-    engine: Annotated[str, typer.Option(metavar="NAME", help="What solves the scenes.")] = "ivp",
+    engine: AnyEngine = "ivp",
     as_json: Json = False,
 ) -> None:
     """Tell in which parks batted balls are home runs, and by how much.
 
     Each scene is flown with the fence of each park, and at its elevation if the scene's density is
-    a weather. Without scenes the parks are listed, with their numbers in feet and their sources.
+    a weather. Without scenes the parks are listed, with some of their numbers, and their sources.
     """
     with refusing("--park: "):
         where = [park(name) for name in only] if only else [*every_park()]
@@ -45,20 +46,18 @@ def parks(
     with refusing():
         solver = engines.create(engine)
     failed = told = 0
-    with reading_from(source) as lines:
-        for number, line in enumerate(lines, 1):
-            if not line.strip():
-                continue
-            told += 1
-            try:
-                scene = parse_scene(line, change)
-                found = in_parks(scene, where, solver)
-            except InvalidScene as error:
-                failed += 1
-                tell(f"line {number}: {error}")
-                continue
-            _show(scene.id or str(number), found, as_json)
-            failed += all(each.result.error for each in found)
+    for number, scene in each_scene(source, change):
+        told += 1
+        try:
+            if isinstance(scene, InvalidScene):
+                raise scene
+            found = in_parks(scene, where, solver)
+        except InvalidScene as error:
+            failed += 1
+            tell(f"line {number}: {error}")
+            continue
+        _show(str(scene.id), found, as_json)
+        failed += all(each.result.error for each in found)
     if not told:
         tell(f"no scenes in {named(source)}")
     if failed or not told:
@@ -66,11 +65,13 @@ def parks(
 
 
 def _list(where: Sequence[Park]) -> None:
-    def feet(lengths: Sequence[float]) -> str:
-        return "/".join(f"{round(length / FOOT, 2):g}" for length in lengths)
-
-    rows = [[one.name, one.seasons, feet(one.distances), feet(one.walls)] for one in where]
-    show(["park", "seasons", "distances, ft", "walls, ft"], rows)
+    rows = []
+    for one in where:
+        left, *_, right = one.distances
+        far = f"{left / FOOT:.0f}/{max(one.distances) / FOOT:.0f}/{right / FOOT:.0f}"
+        walls = " to ".join(f"{top / FOOT:g}" for top in sorted({min(one.walls), max(one.walls)}))
+        rows.append([one.name, one.seasons, far, walls, str(len(one.walls)), one.source])
+    show(["park", "seasons", "left/farthest/right, ft", "walls, ft", "vertices", "source"], rows)
 
 
 def _show(name: str, found: list[InPark], as_json: bool) -> None:

@@ -10,10 +10,10 @@ import typer
 from longball import engines
 from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
 from longball.cli.common import EngineName, Quiet, named, note, tell, to_picture
-from longball.cli.solve import Source, scenes_from
+from longball.cli.scenes import Source, each_scene
 from longball.engines.chain import solve_with_path
 from longball.model.result import Result
-from longball.model.scene import InvalidScene, parse_scene
+from longball.model.scene import InvalidScene
 
 
 def plot(
@@ -37,24 +37,19 @@ def plot(
     solver = engines.create(engine)
     change = chosen_changes(set_, fence, reading)
     pictured, failed = [], 0
-    with scenes_from(source) as lines:
-        for number, line in enumerate(lines, 1):
-            if not line.strip():
-                continue
-            try:
-                scene = parse_scene(line, change)
-            except InvalidScene as error:
-                tell(f"line {number}: {error}")
-                failed += 1
-                continue
-            result, trajectory = solve_with_path(scene, solver)
-            if result.error is None and trajectory.legs:
-                label = _label(scene.id or str(number), result)
-                around = getattr(scene, "fence", None)
-                pictured.append(drawn(label, trajectory, fence=around, result=result))
-            else:
-                tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
-                failed += 1
+    for number, scene in each_scene(source, change):
+        if isinstance(scene, InvalidScene):
+            tell(f"line {number}: {scene}")
+            failed += 1
+            continue
+        result, trajectory = solve_with_path(scene, solver)
+        if result.error is None and trajectory.legs:
+            around = getattr(scene, "fence", None)
+            label = _label(str(scene.id), result)
+            pictured.append(drawn(label, trajectory, fence=around, result=result))
+        else:
+            tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
+            failed += 1
     if pictured:
         many = len(pictured) > FEW and any(scene.end for scene in pictured)
         (save_spray_chart if many else save_paths)(output, pictured)

@@ -13,11 +13,11 @@ from longball.cli.common import (
     Quiet,
     Seed,
     Workers,
-    option_value,
     progress_bar,
     show,
 )
 from longball.home_run import Estimate, estimates, paper_at_bats
+from longball.model.jsonl import json_or_number
 from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
 from longball.model.scene import AtBatScene
 
@@ -71,7 +71,7 @@ def readings_with(entry: Entry, option: str) -> Readings | None:
     """Return the default readings with one switch set; None for one that P(e) does not ask."""
     if not entry.is_switch or entry.belongs in ("scheme", "figure"):
         return None
-    return readings_of({entry.switch: option_value(option)})
+    return readings_of({entry.switch: json_or_number(option)})
 
 
 def ledger_as_data(

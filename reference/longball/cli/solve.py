@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import gc
-import json
 import os
 import re
-import shlex
 import stat
 import sys
-from codecs import BOM_UTF8
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
-from io import BufferedReader, BytesIO
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO
 
@@ -29,34 +25,16 @@ from longball.cli.common import (
     named,
     note,
     progress_bar,
-    reading_from,
-    refusing,
     say,
     tell,
     writable,
     writing_to,
     wrong_call,
 )
+from longball.cli.scenes import LINES, TABLES, Source, ending, scenes_from
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
 from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
-
-Source = Annotated[
-    str,
-    typer.Argument(
-        metavar="[SCENES|-]",
-        help="One scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
-    ),
-]
-
-
-TABLES = (".csv", ".parquet")
-LINES = (".jsonl", ".ndjson", ".json", "")
-
-
-def ending(file: str | Path) -> str:
-    """Return the suffix of a file's name, which decides its format."""
-    return Path(file).suffix.lower()
 
 
 def _results_file(output: Path | None) -> Path | None:
@@ -230,41 +208,6 @@ def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int]
 
 
 @contextmanager
-def scenes_from(source: str) -> Iterator[BinaryIO]:
-    """Open scenes as lines of JSON, whatever the file holds."""
-    if ending(source) not in TABLES:
-        with reading_from(source) as file:
-            if isinstance(file, BufferedReader) and not file.isatty():
-                _require_lines(file.peek(1), source)
-            yield file
-        return
-    with refusing(f"{source}: "):
-        from longball.tables import scene_lines
-
-        lines = scene_lines(Path(source))
-    yield BytesIO(lines)
-
-
-def _require_lines(beginning: bytes, source: str) -> None:
-    """Refuse JSON that stands in several lines, or in one array, before each line is an error."""
-    text = beginning.removeprefix(BOM_UTF8).lstrip().decode("utf-8", "replace")
-    first, _, more = text.partition("\n")
-    is_array = re.match(r"\[\s*(\{|$)", first.strip())
-    end = 0
-    if text.startswith("{"):
-        with suppress(ValueError, RecursionError):
-            _, end = json.JSONDecoder().raw_decode(text)
-    if is_array or (first.strip() == "{" and more) or "\n" in text[:end]:
-        what = "an array" if is_array else "one object over several lines"
-        each = "-c '.[]'" if is_array else "-c ."
-        file = "" if source == "-" else f" {shlex.quote(source)}"
-        wrong_call(
-            f"{named(source)} is JSON, but {what}; a scene stands in one line: jq {each}{file} "
-            "writes it so"
-        )
-
-
-@contextmanager
 def results_to(
     output: Path | None, source: str, lines: BinaryIO
 ) -> Iterator[Callable[[bytes], object]]:
@@ -287,6 +230,6 @@ def results_to(
         wrong_call(f"{output} is the file that the scenes are read from")
     results: list[bytes] = []
     yield results.append
-    from longball.tables import write_table
+    from longball.table_files import write_table
 
     write_table(output, results)

@@ -43,6 +43,8 @@ class Dual(Arithmetic):
     value: Any
     rate: Any
 
+    __array_ufunc__ = None  # an array is one number
+
     def __add__(self, other: Any) -> Dual:
         other = _dual(other)
         return Dual(self.value + other.value, self.rate + other.rate)

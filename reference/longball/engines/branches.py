@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, cast
 
 from longball.engines.arithmetic import Dual
+from longball.engines.engine import CannotSolve
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers
 
@@ -37,6 +38,25 @@ def arrived(law: Law[N], state: State[N], numbers: Numbers[N], error: N) -> Law[
         return law
     none: dict[int, int] = {}
     return law.on(_branches(law, state, numbers, none, law.bends_of_spin, -1, error))
+
+
+def require_law(law: Law[N], branches: Sequence[Any], time: Any) -> None:
+    """Require that a law goes on in its branches, which it has at a time, s since the launch.
+
+    Raises `CannotSolve` where a side force has no direction.
+    """
+    for bend, branch in zip(law.bends, branches, strict=True):
+        if bend.ends and branch == 0:
+            raise no_direction(time)
+
+
+def no_direction(time: Any) -> CannotSolve:
+    """Return the error of a side force that has no direction at a time, s since the launch."""
+    return CannotSolve(
+        "the side force has no direction where the airspeed is parallel to "
+        f"air.side_coefficient.direction, as it is {float(time):.6g} s after the ball is set free; "
+        "take another direction, or a time_limit before that"
+    )
 
 
 def _branches(

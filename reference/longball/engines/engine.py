@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol
 
 from longball.engines.contact import BatSection
@@ -45,6 +45,8 @@ class Touch(Generic[N]):
     time: N | None = None
     state: State[N] | None = None
     doubt: str = ""  # what cannot be told, and why, if `touched` is None
+    # Description of the engine that decided it, if not the one that was asked
+    decided_by: str = field(default="", kw_only=True)
 
     @property
     def detected(self) -> State[N] | None:

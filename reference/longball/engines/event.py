@@ -171,7 +171,19 @@ def first_fall(
     # Whether a value that stays on the surface from there on is an arrival
     stays: bool = True,
 ) -> N | None:
-    """Return when a value first falls through zero on a piece; None if it does not.
+    r"""Return when a value first falls through zero on a piece; None if it does not.
+
+    Between two turning points the value only falls or only rises, so that its sign at the right one
+    tells everything about the part before it:
+
+        \      2
+         \    / \      4
+          \__/   \    / \            1 is above the error: no fall before it
+           1      \  /   \
+        -----------\/-----\--- error
+                   3       \         3 is within it: a touch, undecided
+        --------------------\- -error
+                             \       the end is below: it falls after 4
 
     Raises `Undecided` if a turning point of the value lies within its error of zero; if a radius
     leaves open whether the piece begins above the surface, or whether the value rises from there.

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, Generic, NamedTuple, cast
 
 from longball.engines.arithmetic import Dual
-from longball.engines.branches import branches_at
+from longball.engines.branches import branches_at, require_law
 from longball.engines.contact import (
     STARTS_INSIDE,
     TOUCHES,
@@ -66,6 +66,7 @@ class PathEngine(Engine[N], ABC):
         passed: _Level[N] | None = None  # on which the form begins
         pieces = 0
         for _ in range(_MOST_BRANCHES):
+            require_law(law, branches, begin)
             form = law.on(branches)
             ends = self._ends_of(form, branches, events)
             met, first = None, True

@@ -13,15 +13,16 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 import warnings
 from collections.abc import Callable, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
 
+from longball.engines import reach
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.polynomial import advanced, values_at
 from longball.engines.series import recurrence, row_of
@@ -198,17 +199,17 @@ class Expander:
         The reach is nan if numbers are beyond the range of doubles.
         """
         code, order = self._printed.step, self._order
-        x, reach = self._expand(code, order, state)
-        if not reach > 0 and any(x[root][0] == 0 for root in self._printed.roots):
+        x, length = self._expand(code, order, state)
+        if not length > 0 and any(x[root][0] == 0 for root in self._printed.roots):
             code = self._printed.step_from_rest
-            x, reach = self._expand(code, order, state)
+            x, length = self._expand(code, order, state)
             if all(row[1] == 0 for row in x[: len(state)]):
                 return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
         # Close to rest coefficients grow like the powers of 1/V, and the last may be too large.
-        while not reach > 0 and order > 4:
+        while not length > 0 and order > 4:
             order //= 2
-            x, reach = self._expand(code, order, state)
-        return np.asarray(x[: len(state)]), reach
+            x, length = self._expand(code, order, state)
+        return np.asarray(x[: len(state)]), length
 
     def _expand(self, code: Code, order: int, state: Array) -> tuple[Rows, float]:
         run = code.count()
@@ -247,85 +248,47 @@ def _printed(program: Program) -> _Printed:
 
 # Names in printed code.
 _TAKEN = re.compile(
-    "[xijkmn]|[crsxy][0-9]+|abs|bend|exp|expand|inf|last|log|max|min|nan|order|own|power|range|reach|"
-    "rtol|size|sqrt"
+    "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|"
+    "reach_of_(terms|root)|bend_of_square|square_of_rates"
 )
 
 
 def _source(program: Program, at_rest: bool) -> str:
-    """Print ``step(x, order, rtol, *parameters)``, which expands and returns the reach.
-
-    The last two terms of what changes stay below `rtol` times its size, which is that of the first
-    term that is not zero; and in each component below `rtol` times the largest term, so that a
-    drift that is small beside the flight is as exact as the flight.
-
-    Along a circle, whose series converges at any time, that would be half a turn, with terms so
-    large that their roundings show: the term of second order stays below twice the size, and so a
-    step within a third of a turn.
-
-    A square root has to stay analytic, also where its singularity is too weak to show in the terms.
-    V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂ from a place where V is least; V of a
-    vector v + a t, at V₀/|a|. A step stays within half of the farther.
-    """
+    """Print ``step(x, order, rtol, *parameters)``, which expands and returns the reach."""
     for name in (*program.variables, *program.parameters):
         if _TAKEN.fullmatch(name):
             raise ValueError(f"a variable or parameter of a law cannot be called {name}")
     series = recurrence(program)
     changing = [i for i, rate in enumerate(program.outputs) if rate.kind != "variable"]
     changing = changing or list(range(len(program.outputs)))
-
-    def total(index: str) -> str:
-        return " + ".join(f"abs(x[{i}][{index}])" for i in changing)
-
-    roots = [(i, node) for i, node in enumerate(series.rows) if node.kind == "sqrt"]
-    moving = "if x[{i}][0] != 0.0 and bend != 0.0:" if at_rest else "if bend != 0.0:"
     lines = [
-        f"    expand(x, order{''.join(f', {name}' for name in program.parameters)})",
-        "    power = 0",
-        f"    size = {total('0')}",
-        "    if size == 0.0:",
-        "        power = 1",
-        f"        size = {total('1')}",
-        "    reach = inf",
-        f"    bend = {total('2')}",
-        "    if power == 0 and bend > 0.0:",
-        "        reach = sqrt(2.0 * size / bend)",
-        "    for n in (order - 1, order):",
-        f"        last = {total('n')}",
-        "        if not last < inf:",
-        "            return nan",
-        "        if last > 0.0:",
-        "            reach = min(reach, (rtol * size / last) ** (1.0 / (n - power)))",
+        f"def step({', '.join(('x', 'order', 'rtol', *program.parameters))}):",
+        f"    expand({', '.join(('x', 'order', *program.parameters))})",
+        f"    h = reach_of_terms(x, order, rtol, {_row(changing)})",
     ]
-    lines += [
-        f"    for i in ({', '.join(map(str, changing))},):",
-        "        for n in (order - 1, order):",
-        "            last, own = abs(x[i][n]), 0.0",
-        "            for k in range(n - 1, -1, -1) if last > 0.0 else range(0):",
-        "                own = max(own * reach, abs(x[i][k]))",
-        f"            if last > 0.0 and rtol * own > {sys.float_info.min}:",
-        "                reach = min(reach, (rtol * own / last) ** (1.0 / n))",
-    ]
-    for i, root in roots:
-        lines.append(f"    bend = abs(x[{i}][1] * x[{i}][1] + 2.0 * x[{i}][0] * x[{i}][2])")
+    for i, root in enumerate(series.rows):
+        if root.kind != "sqrt":
+            continue
+        bend = f"bend_of_square(x[{i}])"
         parts = [series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static]
         if parts:
-            pushed = " + ".join(f"x[{k}][1] * x[{k}][1]" for k in parts)
-            lines.append(f"    bend = min(bend, {pushed})")
-        lines += [
-            "    " + moving.format(i=i),
-            f"        reach = min(reach, 0.5 * x[{i}][0] / sqrt(bend))",
-        ]
+            bend = f"min({bend}, square_of_rates(x, {_row(parts)}))"
+        moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
+        lines.append(f"    {moving}h = reach_of_root(h, x[{i}][0], {bend})")
     return "\n".join(
         [
-            "from math import exp, inf, log, nan, sqrt",
+            Path(reach.__file__).read_text("utf-8"),
+            "from math import exp, log",
             "",
             "",
             series.source(at_rest),
             "",
-            f"def step({', '.join(('x', 'order', 'rtol', *program.parameters))}):",
             *lines,
-            "    return reach",
+            "    return h",
             "",
         ]
     )
+
+
+def _row(numbers: Sequence[int]) -> str:
+    return f"({', '.join(map(str, numbers))},)"

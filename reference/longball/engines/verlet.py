@@ -44,7 +44,7 @@ from typing import Any, NamedTuple, TypeVar, get_args
 import numpy as np
 
 from longball.engines.arithmetic import ARRAYS, Dual
-from longball.engines.branches import branches_at
+from longball.engines.branches import branches_at, no_direction, require_law
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.contact import TURNS_VERTICAL, BatSection, inside_bat
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
@@ -357,6 +357,7 @@ class Verlet(Stepped[float]):
         treatment = TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
         branches = branches_at(law, start, DOUBLES)
+        require_law(law, branches, 0.0)
         form = law.on(branches) if law.bends else law
         force = _acceleration(form, start)
         steps = math.ceil(min(limit / self.dt, 2.0**53))
@@ -369,19 +370,24 @@ class Verlet(Stepped[float]):
             with suppress(*BEYOND):
                 begin = _halves(last.tolist())
                 force = march(states, *begin, force, self.dt, *treatment, _parameters(form))
-            passed = _left(law, branches, states[:, 1:])
+            turned = _turned(form, states)
+            passed = _left(law, branches, states[:, 1:]) | turned
             if np.any(passed):
                 # The next step begins in another form of the law.
                 states = states[:, : 2 + int(np.argmax(passed))]
-                branches = _branches(law, states[:, -1], DOUBLES)
-                form = law.on(branches)
-                force = _acceleration(form, states[:, -1].tolist())
             yield done, states
             last, done, length = (
                 states[:, -1],
                 done + states.shape[1] - 1,
                 min(4 * length, _MOST_STEPS),
             )
+            if np.any(passed):
+                if np.any(turned[: states.shape[1] - 1]):
+                    raise no_direction(done * self.dt)
+                branches = _branches(law, last, DOUBLES)
+                require_law(law, branches, done * self.dt)
+                form = law.on(branches)
+                force = _acceleration(form, last.tolist())
 
     def _too_long(self) -> TooLong:
         return TooLong(
@@ -425,13 +431,30 @@ def _left(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
     return np.any([there != now for there, now in others], axis=0)
 
 
+@_QUIET
+def _turned(form: Law[float], states: Array) -> Any:
+    """Tell of each step whether a side force has come to the other side of the airspeed in it."""
+    if "side" not in form.strengths:
+        return np.zeros(states.shape[1] - 1, bool)
+    aside = np.array(np.broadcast_arrays(*form.aside(form.state(*_aloft(form, states)), ARRAYS)))
+    return np.einsum("ij,ij->j", aside[:, :-1], aside[:, 1:]) < 0.0
+
+
 def _branches(law: Law[float], state: Any, numbers: Any) -> list[Any]:
-    """Return which forms a law has in a state, or in many; see `print_law` for those too low."""
-    if ROUGHNESS in law.strengths:
-        z = law.variables.index("z")
-        height = np.where(state[z] > -law.strengths[ROUGHNESS], state[z], 0.0)
-        state = [*state[:z], height, *state[z + 1 :]]
-    return law.branches(state, numbers)
+    """Return which forms a law has in a state, or in many."""
+    return law.branches(_aloft(law, state), numbers)
+
+
+def _aloft(law: Law[float], state: Any) -> Any:
+    """Return a state, or many, at a height where a profile of the wind has a value.
+
+    See `print_law` for those too low.
+    """
+    if ROUGHNESS not in law.strengths:
+        return state
+    z = law.variables.index("z")
+    height = np.where(state[z] > -law.strengths[ROUGHNESS], state[z], 0.0)
+    return [*state[:z], height, *state[z + 1 :]]
 
 
 # --- the rules between the steps ------------------------------------------------------------------

@@ -18,8 +18,8 @@ def header(folder: Path = DATA) -> Header:
 # Families of the extended model.
 EXTENDED = (
     "impact-oblique", "fence", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
-    "flight-wind", "flight-weather", "flight-kinks", "flight-real", "at-bat-real", "hard-real",
-    "combined", "defaults", "various-real",
+    "flight-wind", "flight-weather", "flight-side", "flight-kinks", "flight-real", "at-bat-real",
+    "hard-real", "combined", "defaults", "various-real",
 )  # fmt: skip
 
 

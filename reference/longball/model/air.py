@@ -16,7 +16,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, model_validator
 
 from longball.model import trace
-from longball.model.block import Block, NotNegative, Point, Positive, Quantity, refuse
+from longball.model.block import SMALLEST, Block, NotNegative, Point, Positive, Quantity, refuse
 from longball.model.trace import ZERO
 from longball.model.vectors import Vector
 
@@ -378,6 +378,25 @@ Density = Annotated[
 ]
 
 
+class Side(Block):
+    """A side force ``k C_S U² ê``: what a seam-shifted wake is measured as."""
+
+    value: Quantity = Field(description="C_S")
+    direction: Point = Field(
+        description="fixed in space, of any length; ê is along the part of it across the airspeed"
+    )
+
+    @field_validator("direction")
+    @classmethod
+    def _points_somewhere(cls, direction: Point) -> Point:
+        if max(map(abs, direction)) < SMALLEST:
+            refuse(
+                f"{list(direction)} has no direction; give a vector [x, y, z] with a component of "
+                f"at least {SMALLEST}"
+            )
+        return direction
+
+
 class Air(Block):
     """Air: density, coefficients (paper, Sec. III.B), and wind."""
 
@@ -385,6 +404,9 @@ class Air(Block):
     drag_coefficient: DragCoefficient = Field(default=0.4, description="C_D, or its law")
     lift_coefficient: LiftCoefficient = Field(
         default=0.2, description="C_L, negative for topspin; or its law"
+    )
+    side_coefficient: Side | None = Field(
+        default=None, description="C_S and the direction of a side force; left out: none acts"
     )
     wind: Wind | None = Field(
         default=None, description="m/s, where it blows to; or with a height, or a profile"

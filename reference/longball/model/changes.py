@@ -13,11 +13,11 @@ from longball.model.explain import keys_of, parts_of
 from longball.model.names import one_of
 from longball.model.quantities import at
 from longball.model.scene import KINDS, AtBatScene, InvalidScene, PitchScene
-from longball.model.units import in_si, unit_of
+from longball.model.units import in_si, read_in_si, unit_of
 
 _ELEMENT = re.compile(r"(.*)\[(\d+)\]")
 # Of kinds that need no block, to complete vectors from.
-_USUAL: dict[Any, Any] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
+USUAL_SCENES: dict[Any, Any] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Changes:
         for name, value in self.values:
             if element := _ELEMENT.fullmatch(name):
                 name, place = element[1], int(element[2])
-                vector = at(changed, name) or at(_USUAL.get(data.get("kind")), name)
+                vector = at(changed, name) or at(USUAL_SCENES.get(data.get("kind")), name)
                 if not isinstance(vector, list | tuple) or place >= len(vector):
                     raise InvalidScene(
                         f"{name}[{place}]: the scene does not give {name}; set all of it"
@@ -64,17 +64,14 @@ def value_of(name: str, text: str) -> Any:
     for read in (json.loads, float):
         with suppress(ValueError):
             return read(text)
-    number = re.fullmatch(r"(\[.*\]|[-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s\[\]]\S*)", text)
-    if number is None:
-        return text
+    vector, si = re.fullmatch(r"(\[.*\])\s*([^\d\s\[\]]\S*)", text), unit_of(described)
     try:
-        held = json.loads(number[1]) if number[1].startswith("[") else float(number[1])
-        si = unit_of(described)
-        if isinstance(held, list):
-            return [in_si(x, number[2], si) for x in held]
-        return in_si(held, number[2], si)
+        if vector:
+            return [in_si(x, vector[2], si) for x in json.loads(vector[1])]
+        number = read_in_si(text, si)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}={text}: {error}") from None
+    return text if number is None else number
 
 
 def _described(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any, Literal, Required, TypedDict
 
 from numpy.typing import NDArray
 
-from longball.model.air import Air, BilinearLift, ConstantDrag, ConstantLift, CrisisDrag, LinearLift, RationalLift, SpinDrag, Table, Weather, WindAbove, WindProfile
+from longball.model.air import Air, BilinearLift, ConstantDrag, ConstantLift, CrisisDrag, LinearLift, RationalLift, Side, SpinDrag, Table, Weather, WindAbove, WindProfile
 from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Earth, Fence, Ground, Incoming, Launch, Pitch, Rotation, Swing
 
@@ -116,6 +116,13 @@ class BilinearLiftDict(TypedDict, total=False):
     law: Required[Literal["bilinear"]]
 
 
+class SideDict(TypedDict, total=False):
+    value: Required[float]
+    """C_S"""
+    direction: Required[Vector]
+    """fixed in space, of any length; ê is along the part of it across the airspeed"""
+
+
 class WindAboveDict(TypedDict, total=False):
     velocity: Required[Vector]
     """m/s, where it blows to"""
@@ -139,6 +146,8 @@ class AirDict(TypedDict, total=False):
     """C_D, or its law"""
     lift_coefficient: float | ConstantLift | ConstantLiftDict | RationalLift | RationalLiftDict | LinearLift | LinearLiftDict | BilinearLift | BilinearLiftDict | Table | TableDict
     """C_L, negative for topspin; or its law"""
+    side_coefficient: Side | SideDict | None
+    """C_S and the direction of a side force; left out: none acts"""
     wind: Vector | WindAbove | WindAboveDict | WindProfile | WindProfileDict | None
     """m/s, where it blows to; or with a height, or a profile"""
     spin_decay_length: float | None

@@ -19,15 +19,23 @@ from longball.model.scene import FlightScene, Scene
 from longball.model.vectors import dot
 
 # A zero here is a force that the scene does not name, and not a small one.
-_ABSENT_AT_ZERO = ("air.density", "air.drag_coefficient", "air.lift_coefficient", "gravity")
+_ABSENT_AT_ZERO = (
+    "air.density", "air.drag_coefficient", "air.lift_coefficient", "air.side_coefficient.value",
+    "gravity",
+)  # fmt: skip
 
 # Of an input of zero, in its unit, and of others relative to them.
 STEP = 2.0**-50
 
 # m/s, rad, rad; rad/s: what is tracked of a velocity, and of a spin.
-_OF_VELOCITY = ("launch.speed", "launch.angle", "launch.direction")
-_OF_SPIN = ("launch.backspin", "launch.side_spin", "launch.gyrospin")
-TRACKED = (*_OF_VELOCITY, *_OF_SPIN)
+OF_VELOCITY = ("launch.speed", "launch.angle", "launch.direction")
+OF_SPIN = ("launch.backspin", "launch.side_spin", "launch.gyrospin")
+TRACKED = (*OF_VELOCITY, *OF_SPIN)
+
+
+# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
+# Trajectory Calculator begins there.
+CONTACT = (0.6096, 0.0, 0.9144)
 
 
 def inputs(scene: Scene) -> dict[str, float]:
@@ -82,22 +90,22 @@ def tracked(scene: Scene) -> dict[str, float]:
         return {}
     x, y, z = scene.launch.velocity
     angle, direction = math.atan2(z, math.hypot(x, y)), math.atan2(y, x)
-    found = dict(zip(_OF_VELOCITY, (math.hypot(x, y, z), angle, direction), strict=True))
+    found = dict(zip(OF_VELOCITY, (math.hypot(x, y, z), angle, direction), strict=True))
     if scene.launch.spin is not None:
         along, back, side = axes_of(angle, direction, DOUBLES)
         spin = scene.launch.spin
         parts = dot(spin, back), dot(spin, side), dot(spin, along)
-        found |= dict(zip(_OF_SPIN, parts, strict=True))
+        found |= dict(zip(OF_SPIN, parts, strict=True))
     return found
 
 
 def launched(values: Mapping[str, N], numbers: Numbers[N]) -> dict[str, Vector[N]]:
     """Return the velocity, and if there is one the spin, of a launch from what is tracked of it."""
-    speed, angle, direction = (values[name] for name in _OF_VELOCITY)
+    speed, angle, direction = (values[name] for name in OF_VELOCITY)
     along, back, side = axes_of(angle, direction, numbers)
     made = {"launch.velocity": _combined((speed,), (along,))}
-    if _OF_SPIN[0] in values:
-        parts = tuple(values[name] for name in _OF_SPIN)
+    if OF_SPIN[0] in values:
+        parts = tuple(values[name] for name in OF_SPIN)
         made["launch.spin"] = _combined(parts, (back, side, along))
     return made
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from pydantic_core import to_json
@@ -28,4 +29,12 @@ def json_bytes(data: Mapping[str, Any]) -> bytes:
     text = to_json(data)
     for point, escape in _IN_BYTES:
         text = text.replace(point, escape)
+    return text
+
+
+def json_or_number(text: str) -> Any:
+    """Parse a text: JSON (null for no air), a number such as .5, or else the text itself."""
+    for read in (json.loads, float):
+        with suppress(ValueError, RecursionError):
+            return read(text)
     return text

@@ -41,7 +41,7 @@ from longball.model.block import Block
 from longball.model.earth import earth_strengths
 from longball.model.numbers import N, Numbers, present
 from longball.model.trace import ZERO, Node, Program
-from longball.model.vectors import Vector, cross, minus, norm, plus, scaled
+from longball.model.vectors import Vector, cross, dot, minus, norm, plus, scaled
 
 
 class PlaneState(NamedTuple, Generic[N]):
@@ -118,10 +118,10 @@ class Motion(NamedTuple):
 
 
 def acceleration(p: Strengths, motion: Motion) -> Vector:
-    """Return ``ρ/ρ_0 (-k C_D U u + k R (C_L/S) ω × u) - g e_z - 2 Ω × v``, and what else acts.
+    """Return ``ρ/ρ_0 (-k C_D U u + k R (C_L/S) ω × u + k C_S U² ê) - g e_z - 2 Ω × v``, and more.
 
     u is the velocity through the air, ω the spin at launch, S the spin parameter of what is left of
-    it; ``k = ρ_0 A / (2 m)``.
+    it, ê the direction of the side force; ``k = ρ_0 A / (2 m)``. The rest is what `forces` add.
     """
     air, lift = motion.air, motion.lift
     drag = p.shape.drag.drag(_Keys(p, "drag"), air)  # k C_D U
@@ -129,11 +129,31 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
     earth = p.earth_s, p.earth_y, p.earth_z
     total = scaled(-(motion.density * drag), air.velocity)
     total = plus(total, scaled(motion.density * magnus, lift.across))
+    total = plus(total, scaled(motion.density, side_force(p, lift)))
     total = plus(total, (ZERO, ZERO, -p.gravity))
     total = plus(total, scaled(-2.0, cross(earth, motion.velocity)))
     for force in p.shape.forces:
         total = plus(total, force(motion, p.given))
     return total
+
+
+def side_force(p: Strengths, flow: Flow) -> Vector:
+    """Return ``k C_S U² ê``, with ê along the part of a fixed unit vector d that is across u.
+
+    That part is ``d - (d·u) u/U²``, of the size ``|d × u|/U``.
+    """
+    across = norm(_across(p, flow))
+    if p.side is ZERO or across is ZERO:
+        return ZERO, ZERO, ZERO
+    direction = p.side_s, p.side_y, p.side_z
+    square, along = flow.speed * flow.speed, dot(direction, flow.velocity)
+    whole = minus(scaled(square, direction), scaled(along, flow.velocity))
+    return scaled(p.side * (flow.speed / across), whole)
+
+
+def _across(p: Strengths, flow: Flow) -> Vector:
+    """Return ``d × u`` of the direction d of the side force, which is 0 where that has none."""
+    return cross((p.side_s, p.side_y, p.side_z), flow.velocity)
 
 
 def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Motion:
@@ -270,6 +290,7 @@ class _Traced:
     # What the variables are that stand for exponentials and logarithms, by name: each in terms of
     # the variables before it.
     made: Mapping[str, Node]
+    aside: Vector  # see `_across`
 
 
 @cache
@@ -295,6 +316,10 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
         if hasattr(law, "passed"):
             top, bottom = map(trace.as_node, law.passed(flow))
             passed[of] = top, bottom
+    aside = _across(p, motion.lift)
+    if p.side is not ZERO:
+        size, speed = norm(aside), motion.lift.speed
+        passed["side"] = size * size, speed * speed
     # Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
     # singularity that small errors of x come near to.
     for name, value in p.made.items():
@@ -304,7 +329,7 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
             for v, rate in rates.items()
         )
         rates[name] = (y if value.kind == "exp" else trace.exp(-y)) * grows
-    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.made)
+    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.made, aside)
 
 
 def _is_polynomial(node: Node) -> bool:
@@ -372,7 +397,7 @@ _SENSE = "sense"
 class Bend(NamedTuple, Generic[N]):
     """A part of a law, whose strengths change where a function of the state passes a level."""
 
-    of: str  # the wind, or the coefficient of drag or lift
+    of: str  # the wind, the coefficient of drag or lift, or the side force
     strengths: tuple[Mapping[str, N], ...] = ({},)  # below the first level, between levels, beyond
     levels: tuple[N, ...] = ()  # in rising order; without any it is no bend
     question: str = ""  # whether a level is passed, as a clause
@@ -381,6 +406,11 @@ class Bend(NamedTuple, Generic[N]):
     def names(self) -> KeysView[str]:
         """The strengths that change."""
         return dict.fromkeys(name for strengths in self.strengths for name in strengths).keys()
+
+    @property
+    def ends(self) -> bool:
+        """True if the law ends at its level, below which the side force has no direction."""
+        return self.of == "side"
 
     @property
     def blows(self) -> bool:
@@ -532,6 +562,14 @@ class Law(Generic[N]):
         """Return the size of the spin in a state, relative to that at launch."""
         return self._value(self._traced.spin_left, state, numbers)
 
+    def aside(self, state: State[N], numbers: Numbers[N]) -> Vector:
+        """Return ``d × u`` of the direction d of a side force, m/s.
+
+        It is zero where the force has no direction.
+        """
+        a, b, c = (self._value(node, state, numbers) for node in self._traced.aside)
+        return a, b, c
+
     def _value(self, node: Node, state: State[N], numbers: Numbers[N]) -> N:
         bound = _value(self.program, node).bind(self.strengths, numbers.functions)
         value: N = bound(*(getattr(state, name) for name in self.variables))[0]
@@ -667,6 +705,12 @@ def _in_air(
         shape = shape._replace(wind_acts_on=reading.wind_acts_on)
         question = "the ball passes the height above which the wind blows"
         parts.append(Bend("wind", *wind_strengths(scene, frame, numbers), question))
+    if air.side_coefficient is not None:
+        side = side_strengths(scene, frame, numbers)
+        found |= side
+        if side:
+            question = "the airspeed turns along air.side_coefficient.direction"
+            parts.append(Bend("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
     if frame.spin is not None:
         shape = shape._replace(
             spins=True,
@@ -677,7 +721,7 @@ def _in_air(
     if spins:
         x, y, z = frame.spin
         s, left, up = frame.turned(frame.spin)
-        found = present({"spin_s": s, "spin_y": left, "spin_z": up}, numbers)
+        found |= present({"spin_s": s, "spin_y": left, "spin_z": up}, numbers)
         found["spin"] = numbers.sqrt(x * x + y * y + z * z)
         found["radius"] = exact(scene.ball.radius)
     if frame.spin is not None and air.spin_decay_length is not None:
@@ -692,6 +736,23 @@ def _in_air(
 # m/s, of a path in which spin decays that is not the ball's. A decay in time is quoted as one along
 # a path that is flown at 100 mph.
 PATH_SPEEDS = {"time": 44.704, "nathan": 1.0}
+
+
+# The sine of the angle between the airspeed and the direction of a side force at which the force is
+# said to have no direction. A thousandth of it is lost to rounding in doubles.
+ALONG = 2.0**-20
+
+
+def side_strengths(scene: Any, frame: Any, numbers: Numbers[N]) -> dict[str, N]:
+    """Return ``k C_S`` of a side force, 1/m, and its direction as a unit vector."""
+    given = scene.air.side_coefficient
+    strength = per_metre(scene, given.value, numbers)
+    if strength is None:
+        return {}
+    s, y, z = frame.components(given.direction, numbers)
+    size = numbers.sqrt(s * s + y * y + z * z)
+    unit = {"side_s": s / size, "side_y": y / size, "side_z": z / size}
+    return {"side": strength} | present(unit, numbers)
 
 
 def per_metre(scene: Any, value: float, numbers: Numbers[N]) -> N | None:

@@ -377,9 +377,13 @@ class _FlyingScene(_Scene):
             return self
         if spin is None and (key := self.air.needs_spin):
             _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
-        beyond = (spin, self.air.wind, getattr(self.air.lift_coefficient, "of", None))
+        table = getattr(self.air.lift_coefficient, "of", None)
+        beyond = (spin, self.air.wind, table, self.air.side_coefficient)
         if self.reading.lift_direction == "always_up" and any(x is not None for x in beyond):
-            _refuse("reading.lift_direction = always_up takes neither spin nor wind nor a table")
+            _refuse(
+                "reading.lift_direction = always_up takes neither spin nor wind nor a table nor a "
+                "side_coefficient"
+            )
         return self
 
     @model_validator(mode="after")
@@ -410,6 +414,20 @@ class _FlyingScene(_Scene):
         return self
 
     @model_validator(mode="after")
+    def _side_force_has_a_direction(self) -> Self:
+        block = "launch" if isinstance(self, FlightScene) else "pitch"
+        side = None if self.air is None else self.air.side_coefficient
+        if self.air is None or side is None or side.value == 0.0:
+            return self
+        if not any(_across(side.direction, getattr(self, block), self.air, self.reading)):
+            _refuse(
+                f"air.side_coefficient.direction = {list(side.direction)} is parallel to the "
+                "velocity through the air at the start, across which the force must act; take "
+                "another direction, or the value 0"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _lift_has_a_direction(self) -> Self:
         block = "launch" if isinstance(self, FlightScene) else "pitch"
         start: Launch | Pitch = getattr(self, block)
@@ -418,18 +436,23 @@ class _FlyingScene(_Scene):
             return self
         if reading.spin_parameter == "total":  # the force is smooth where ω × u vanishes
             return self
-        wind = (0.0, 0.0, 0.0)
-        if reading.wind_acts_on == "both":
-            wind = air.wind_at(start.place[2], start.way[2])
-        # ω × u, with the product by the way first: as long as that is, where it is 0 it stays 0.
-        across = scaled(start.pace, cross(spin, start.way))
-        if not any(plus(across, scaled(-1.0, cross(spin, wind)))):
+        if not any(_across(spin, start, air, reading)):
             _refuse(
                 f"air.lift_coefficient: the lift of a constant has no direction where {block}.spin "
                 "is parallel to the velocity through the air; take the law rational or linear, the "
                 "number 0, or the reading spin_parameter = total"
             )
         return self
+
+
+def _across(direction: Point, start: Launch | Pitch, air: Air, reading: Reading) -> Point:
+    """Return the product of a vector and the velocity that lift depends on, at the start."""
+    wind = (0.0, 0.0, 0.0)
+    if reading.wind_acts_on == "both":
+        wind = air.wind_at(start.place[2], start.way[2])
+    # With the product by the way first: as long as that is, where it is 0 it stays 0.
+    across = scaled(start.pace, cross(direction, start.way))
+    return plus(across, scaled(-1.0, cross(direction, wind)))
 
 
 def landing_height(scene: Any) -> Any:
@@ -527,13 +550,15 @@ def may_be_mixed(scene: Scene) -> bool:
     """Check that scenes are valid whose numbers lie between those of valid ones, like this one.
 
     A condition on a scene mostly holds in a convex set of its numbers. Not so where the ball must
-    touch a bat, where a spin must not be parallel to the velocity, and where a fence must not cross
-    itself.
+    touch a bat, where a spin or a side force must not be parallel to the velocity, and where a
+    fence must not cross itself.
     """
     if isinstance(scene, ImpactScene):
         return False
     spin = scene.launch.spin if isinstance(scene, FlightScene) else scene.pitch.spin
     spun = spin is not None and scene.air is not None and scene.air.lift_is_constant
+    if scene.air is not None and scene.air.side_coefficient is not None:
+        return False
     fence = None if isinstance(scene, PitchScene) else scene.fence
     return not spun and (fence is None or fence.polyline is None)
 

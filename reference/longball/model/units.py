@@ -41,3 +41,33 @@ def in_si(number: float, unit: str, si: str) -> float:
         known = one_of("the units here are", unit, UNITS[si]) if si else "; it has no unit"
         raise ValueError(f"{unit!r} is no unit here{known}")
     return number * UNITS[si][unit] + _ZEROS.get(unit, 0.0)
+
+
+_NUMBER = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s\[\]]\S*)?\s*")
+
+
+def read_in_si(text: str, si: str, usual: str = "") -> float | None:
+    """Return the number in a text in an SI unit; None if it holds something else.
+
+    A number without a unit is in the `usual` one, or else in the SI unit. A ValueError says that it
+    is no number, or has a unit of something else.
+
+    >>> read_in_si("90 km/h", "m/s")
+    25.0
+    """
+    parts = _NUMBER.fullmatch(text)
+    return parts and in_si(float(parts[1]), parts[2] or usual or si, si)
+
+
+def from_si(number: float, unit: str, si: str) -> float:
+    """Return a number in a unit of which `in_si` makes the given one."""
+    return (number - _ZEROS.get(unit, 0.0)) / UNITS[si][unit]
+
+
+def si_of(unit: str) -> str:
+    """Return the SI unit of the quantity that has a unit.
+
+    >>> si_of("mph")
+    'm/s'
+    """
+    return next(si for si, units in UNITS.items() if unit in units)

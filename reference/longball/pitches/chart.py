@@ -32,6 +32,7 @@ from longball.pitches.table import (
     numbers,
     read_table,
     refuse_rows,
+    require_usual,
     select_rows,
     texts,
 )
@@ -152,13 +153,15 @@ def read_pitches(
     rows = np.flatnonzero(keep) + 1
     straight = _straight(names, rows, types, columns.pitch_type)
     kept = {name: column[keep] for name, column in values.items()}
+    speed = _speed(kept[columns.speed], rows, columns)
+    _require_usual(kept, columns)
     return Pitches(
         source=source,
         rows_read=len(frame),
         left_out=left_out,
         types=names,
         straight=straight,
-        speed=_speed(kept[columns.speed], rows, columns),
+        speed=speed,
         across=_across(kept[columns.across], rows, columns),
         height=_height(kept, rows, columns),
         columns=columns,
@@ -201,6 +204,15 @@ def _speed(speed: Array, rows: Integers, columns: Columns) -> Array:
     refuse_rows(speed <= 0.0, speed, rows, columns.speed, "a speed is positive")
     refuse_rows(metres_per_second > IMPOSSIBLE_SPEED, speed, rows, columns.speed, too_fast)
     return metres_per_second
+
+
+def _require_usual(kept: dict[str, Array], columns: Columns) -> None:
+    require_usual(kept[columns.speed], "release_speed", columns.speed, columns.speed_unit)
+    places = {columns.across: "plate_x", columns.height: "plate_z"}
+    places |= {columns.top: "sz_top", columns.bottom: "sz_bot"}
+    for column, name in places.items():
+        if column in kept and columns.place_unit != "cell":
+            require_usual(kept[column], name, column, columns.place_unit)
 
 
 def _across(across: Array, rows: Integers, columns: Columns) -> Array:

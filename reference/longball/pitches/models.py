@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from longball.model.arrays import Array
+from longball.model.names import one_of
 from longball.model.scene import Ball
 from longball.pitches.statcast import RPM, MeasuredFlies, MeasuredPitches
 
@@ -31,6 +32,7 @@ class FlightModel:
     # Mass and radius, where they are not the paper's.
     ball: Mapping[str, float] = field(default_factory=dict)
     gravity: float = STANDARD_GRAVITY  # m/s²
+    side: Mapping[str, Any] | None = None  # as ``side_coefficient`` of a scene
 
     def blocks(self, temperature: float, elevation: float) -> dict[str, Any]:
         """Return the blocks of a scene in the weather of a game, K and m."""
@@ -45,6 +47,8 @@ class FlightModel:
                     "elevation": elevation,
                 }
             air = {"density": density, "drag_coefficient": self.drag, "lift_coefficient": self.lift}
+            if self.side is not None:
+                air["side_coefficient"] = self.side
         return {"air": air, "gravity": self.gravity, "ball": dict(self.ball)}
 
 
@@ -98,6 +102,13 @@ MODELS = {
         _NATHAN_LIFT,
     ),
 }  # fmt: skip
+
+
+def model_of(name: str) -> FlightModel:
+    """Return a model of flight by its name; a ValueError names the nearest."""
+    if name not in MODELS:
+        raise ValueError(f"model {name}: there is none{one_of('the models are', name, MODELS)}")
+    return MODELS[name]
 
 
 def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -18,10 +19,9 @@ from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags
 from longball.model.changes import Changes
-from longball.model.names import one_of
 from longball.model.result import Result
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
-from longball.pitches.models import MODELS, FlightModel, expected_spin
+from longball.pitches.models import FlightModel, expected_spin, model_of
 from longball.pitches.statcast import (
     GAMES,
     MPH,
@@ -30,6 +30,7 @@ from longball.pitches.statcast import (
     MeasuredPitches,
     read_measured,
 )
+from longball.pitches.table import unit_that_explains
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -177,7 +178,13 @@ def measured(
     Raises
     ------
     ValueError
-        If the table has no such columns, none of its rows is usable, or there is no such model.
+        If the table has no such columns or they are in another unit, none of its rows is usable,
+        or there is no such model.
+
+    Warns
+    -----
+    UserWarning
+        If measured distances look like another unit.
 
     Examples
     --------
@@ -187,15 +194,24 @@ def measured(
     >>> lb.measured(flies, "batted").predicted_distance.round(2).tolist()
     [128.33]
     """
-    if model not in MODELS:
-        raise ValueError(
-            f"model = {model!r}: there is none{one_of('the models are', model, MODELS)}"
-        )
-    law = MODELS[model]
+    law = model_of(model)
     given = GAMES if games is None else games
     rows = read_measured(table, kind, given, spin=law.spin, names=names)
     solver = engines.create(engine) if isinstance(engine, str) else engine
-    return as_frame(predict(rows, law, engine=solver))
+    prediction = predict(rows, law, engine=solver)
+    for question in questions(prediction):
+        warnings.warn(question, stacklevel=2)
+    return as_frame(prediction)
+
+
+def questions(prediction: Prediction) -> Iterator[str]:
+    """Yield what a comparison asks of the table: whether a measured distance is in another unit."""
+    if isinstance(prediction.measured, MeasuredFlies) and prediction.compared.any():
+        share = float(np.nanmedian(prediction.measured.measured / prediction.predicted))
+        if unit := unit_that_explains(share, "ft"):
+            yield (
+                f"hit_distance_sc: {share:.2g} times the prediction; is it in {unit} instead of ft?"
+            )
 
 
 def _place(result: Result) -> tuple[float, ...] | None:

@@ -28,11 +28,13 @@ import numpy as np
 
 from longball.home_run.at_bats import Arrays
 from longball.model.arrays import Array, Flags, Integers
+from longball.model.inputs import CONTACT
 from longball.model.names import one_of
 from longball.pitches.table import (
     DATA,
     LENGTH_UNITS,
     SPEED_UNITS,
+    USUAL,
     NoSuchColumn,
     Omission,
     TableError,
@@ -42,6 +44,7 @@ from longball.pitches.table import (
     require_usual,
     select_rows,
     texts,
+    unit_that_explains,
 )
 
 if TYPE_CHECKING:
@@ -64,10 +67,6 @@ PLATE_FRONT = 17.0 / 12.0 * FOOT
 # The plate on the drawing that hc_x and hc_y are taken from.
 DRAWN_PLATE = (125.42, 198.27)
 
-# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
-# Trajectory Calculator begins there.
-CONTACT = (2.0 * FOOT, 0.0, 3.0 * FOOT)
-
 # K and m, where nothing is known of a game: a mild day by the sea.
 USUAL_TEMPERATURE, SEA_LEVEL = 293.15, 0.0
 
@@ -79,14 +78,6 @@ LOWEST, HIGHEST, SLOWEST = np.radians(10.0), np.radians(60.0), 60.0 * MPH
 # launch. The spin's regression is one of fair balls.
 WIDEST = np.radians(60.0)
 
-# Between which numbers medians lie in Statcast's units, and in no other unit that is in use.
-USUAL = {
-    "vy0": (-200.0, -60.0, "ft/s"),
-    "release_pos_y": (25.0, 62.0, "ft"),
-    "release_spin_rate": (400.0, 5000.0, "rpm"),
-    "launch_speed": (60.0, 125.0, "mph"),
-    "temperature": (25.0, 130.0, "°F"),
-}
 RUBBER = 60.5  # ft, from the plate's tip to the pitcher's rubber, where an extension begins
 
 
@@ -268,6 +259,8 @@ def _pitches(
     release = vector("release_pos_x", "release_pos_y", "release_pos_z")
     since = time_of_plane(velocity[:, 1], acceleration[:, 1], release[:, 1] - FIT_PLANE)
     at_release = _in_our_frame(velocity + acceleration * since[:, None])
+    measured = np.stack([-kept["plate_x"], kept["plate_z"]], axis=1) * FOOT
+    _require_same_places(measured, _in_our_frame(release), at_release, _in_our_frame(acceleration))
     angle = np.radians(kept["spin_axis"])
     axis = _in_our_frame(np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
     return MeasuredPitches(
@@ -279,7 +272,7 @@ def _pitches(
         spin_rate=kept["release_spin_rate"] * RPM,
         axis=_across(axis, at_release),
         hand=hand[keep],
-        measured=np.stack([-kept["plate_x"], kept["plate_z"]], axis=1) * FOOT,
+        measured=measured,
     )
 
 
@@ -372,9 +365,9 @@ def _side(column: pd.Series) -> Array:
 
 
 def _require_usual(values: Mapping[str, Array]) -> None:
-    for name, usual in USUAL.items():
+    for name in USUAL:
         if name in values:
-            require_usual(values[name], name, *usual)
+            require_usual(values[name], name)
 
 
 def _require_agreement(velocity: Array, speed: Array) -> None:
@@ -388,6 +381,22 @@ def _require_agreement(velocity: Array, speed: Array) -> None:
         raise TableError(
             f"vx0, vy0, vz0: their length is {ratio:.3g} times release_speed, and in ft/s and mph "
             f"it would be {MPH / FOOT:.3f} times; is one of them in another unit?"
+        )
+
+
+def _require_same_places(
+    places: Array, release: Array, velocity: Array, acceleration: Array
+) -> None:
+    """Require that places at the plate are in the unit of the fit that crosses it there."""
+    time = time_of_plane(velocity[:, 0], acceleration[:, 0], PLATE_FRONT - release[:, 0])[:, None]
+    crossed = (release + velocity * time + acceleration * time**2 / 2.0)[:, 1:]
+    ratios = np.linalg.norm(places, axis=1) / np.linalg.norm(crossed, axis=1)
+    ratio = float(np.median(ratios))
+    if unit := unit_that_explains(ratio, "ft"):
+        raise TableError(
+            f"plate_x, plate_z: they are {ratio:.3g} times as far from the middle of the plate as "
+            f"the recorded velocity and acceleration say; are they in {unit}? The table must be in "
+            "ft here"
         )
 
 
@@ -430,7 +439,7 @@ def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
             f"{source}: game_pk: row {again[0] + 1} below the header has {game[again[0]]:.0f}, "
             "which another row has already; a game must be there once"
         )
-    require_usual(fahrenheit, "temperature", *USUAL["temperature"])
+    require_usual(fahrenheit, "temperature")
     celsius = (fahrenheit - 32.0) * FAHRENHEIT
     height = _elevations(source, frame)
     return (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+import math
 import zlib
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,7 +12,7 @@ from contextlib import suppress
 from io import BytesIO, StringIO
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 import numpy as np
 from pydantic import Field
@@ -21,7 +22,7 @@ from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
 from longball.model.csv_files import decoded, other_separators
 from longball.model.names import did_you_mean, nearest_file, one_of
-from longball.model.units import UNITS
+from longball.model.units import UNITS, from_si, in_si, si_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,6 +32,36 @@ EXAMPLE = DATA / "statcast_2023-06-11.csv"
 
 # m/s of one unit, m of one unit.
 SPEED_UNITS, LENGTH_UNITS = UNITS["m/s"], UNITS["m"]
+
+
+class Usual(NamedTuple):
+    """Numbers of a column that are met in baseball; sizes, where both signs are."""
+
+    unit: str  # that Statcast has
+    single: tuple[float, float]  # of one number
+    # Of the median of many, where that is narrower: a height of 0.7 at the plate may be in ft or m.
+    many: tuple[float, float] | None = None
+
+    def range_of(self, count: int) -> tuple[float, float]:
+        """Return between which numbers the median of so many numbers lies."""
+        return self.many if self.many and count >= MANY else self.single
+
+
+# Medians of forty places at the plate scatter by 0.1 ft across it, and by 0.2 ft in height.
+MANY = 40
+USUAL = {
+    "release_speed": Usual("mph", (25.0, 120.0), (45.0, 110.0)),
+    "vy0": Usual("ft/s", (-200.0, -60.0)),
+    "release_pos_y": Usual("ft", (25.0, 62.0)),
+    "release_pos_z": Usual("ft", (0.5, 9.0), (2.5, 8.0)),
+    "release_spin_rate": Usual("rpm", (400.0, 5000.0)),
+    "plate_x": Usual("ft", (0.0, math.inf), (0.25, 1.2)),
+    "plate_z": Usual("ft", (0.0, math.inf), (1.2, 4.0)),
+    "sz_top": Usual("ft", (1.8, 5.0)),
+    "sz_bot": Usual("ft", (0.7, 2.5)),
+    "launch_speed": Usual("mph", (60.0, 125.0)),
+    "temperature": Usual("°F", (25.0, 130.0)),
+}
 
 # How many of the rows that are left out for one reason are named by their number.
 ROWS_NAMED = 10
@@ -230,14 +261,43 @@ def refuse_rows(wrong: Flags, values: Array, rows: Integers, column: str, why: s
         )
 
 
-def require_usual(values: Array, column: str, low: float, high: float, unit: str) -> None:
-    """Raise a `TableError` where the median lies beyond all that is measured: in another unit."""
-    median = float(np.median(values)) if values.size else low
-    if not low <= median <= high:
-        raise TableError(
-            f"{column}: the median is {median:.4g}, and in {unit} it would lie between {low:g} and "
-            f"{high:g}; is it in another unit? The table must be in {unit} here"
-        )
+def require_usual(values: Array, name: str, column: str = "", unit: str = "") -> None:
+    """Raise a `TableError` where a column's median is beyond all that is measured: another unit.
+
+    `name` is its name in `USUAL`; the table may have another, and another unit.
+    """
+    usual = USUAL[name]
+    unit, si = unit or usual.unit, si_of(usual.unit)
+    lowest, highest = (in_si(x, usual.unit, si) for x in usual.range_of(values.size))
+    sized = lowest >= 0.0 and bool((values < 0.0).any())
+    median = float(np.median(np.abs(values) if sized else values)) if values.size else np.nan
+    sizes = {other: in_si(median, other, si) for other in UNITS[si]}
+    if np.isnan(median) or lowest <= sizes[unit] <= highest:
+        return
+    # Of two names for one unit the later is the usual one.
+    fitting = {size: other for other, size in sizes.items() if lowest <= size <= highest}
+    low, high = (from_si(x, unit, si) for x in (lowest, highest))
+    whose = "the median of its sizes" if sized else "the median"
+    raise TableError(
+        f"{column or name}: {whose} is {median:.4g}, and in {unit} it would lie between {low:.3g} "
+        f"and {high:.3g}; is it in {' or '.join(fitting.values()) or 'another unit'}? The table "
+        f"must be in {unit} here"
+    )
+
+
+def unit_that_explains(ratio: float, unit: str) -> str | None:
+    """Return the unit of numbers that are a ratio of what they would be in another unit.
+
+    A fifth more or less is allowed to what they are compared with; units differ by larger factors.
+
+    >>> unit_that_explains(0.31, "ft")
+    'm'
+    """
+    factors = UNITS[si_of(unit)]
+    for other, factor in factors.items():
+        if other != unit and abs(ratio * factor / factors[unit] - 1.0) < 0.2:
+            return other
+    return None
 
 
 def and_more(count: int) -> str:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 from scipy.optimize import least_squares
 
-from longball.api import as_engine, as_scene, differentiable, error_of
+from longball.api import as_engine, as_scene, differentiable
 from longball.engines import chain
 from longball.engines.engine import CannotSolve
 from longball.engines.path import Trajectory
@@ -36,6 +36,7 @@ from longball.model.numbers import Undecided
 from longball.model.plain import column_of
 from longball.model.quantities import numbers, unknown
 from longball.model.scene import InvalidScene, Scene
+from longball.solution import error_of
 
 # Of the largest singular value: derivatives have twelve digits, and what they tell less of than
 # this is not determined by them.

@@ -15,11 +15,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from longball.api import Path, Solution, as_scene, solve
+from longball.api import as_scene, solve
 from longball.model.arrays import Array
 from longball.model.scene import InvalidScene, PitchScene
 from longball.model.scene import Pitch as PitchBlock
 from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT
+from longball.solution import Path, Solution
 
 Vector = tuple[float, float, float]
 
@@ -273,12 +274,16 @@ def movement(
 
 
 def _without_lift(scene: PitchScene, place: Sequence[float], velocity: Sequence[float]) -> Any:
-    """Return the same pitch from a place on, its spin still there, which drag may depend on."""
+    """Return the same pitch from a place on, without lift and side force.
+
+    Its spin is still there, which drag may depend on.
+    """
     data = scene.model_dump(mode="json", exclude_defaults=True) | {"kind": "pitch"}
     thrown = {"release": place, "velocity": velocity, "spin": scene.pitch.spin}
     data["pitch"] = {key: value for key, value in thrown.items() if value is not None}
     if scene.air is not None:
-        data["air"] = data.get("air", {}) | {"lift_coefficient": 0.0}
+        across = {"lift_coefficient": 0.0, "side_coefficient": None}
+        data["air"] = data.get("air", {}) | across
     return as_scene(data)
 
 

@@ -1,10 +1,11 @@
 """Parks: fences by published distances and heights, and whether a ball is out in each.
 
-A fence here is four straight chords between five published distances: those of the foul poles,
-45° from centre field, of the alleys, which are put at 22.5°, and of centre field. Its top is at the
-published height at each of these places, and linear between them. A real fence has more corners and
-steps, and its alleys are marked where that suits: the module claims no more than these ten numbers.
-Parks of which no source was found that gives them are not here.
+A fence is a line of straight chords. Each vertex has a bearing from centre field, a distance from
+the plate and the height of the wall there, which is linear along a chord; two vertices at one place
+are a step. Most shapes were measured from the air by A. Fox, to a few feet; chords depart from his
+curves by a foot or two. Parks of which no such measurement was found have five vertices: the
+published distances of the foul poles, of centre field and of the alleys, which are put at 22.5°.
+Parks of which no source was found that gives distances and heights are not here.
 """
 
 from __future__ import annotations
@@ -26,11 +27,8 @@ from longball.pitches.table import DATA
 
 FENCES = DATA / "fences.csv"
 
-_DISTANCES = ("left", "left_center", "center", "right_center", "right")
-_WALLS = tuple(f"{place}_wall" for place in _DISTANCES)
-# Of the alleys; of the poles it is √½ both ways, so that they stand on the foul lines themselves.
-_COS, _SIN, _POLE = math.cos(math.pi / 8), math.sin(math.pi / 8), math.sqrt(0.5)
-_AHEAD = ((_POLE, _POLE), (_COS, _SIN), (1.0, 0.0), (_COS, -_SIN), (_POLE, -_POLE))
+# Of a pole, both ways: so it stands on the foul line itself.
+_POLE = math.sqrt(0.5)
 
 
 @dataclass(frozen=True)
@@ -43,10 +41,12 @@ class Park:
         As Statcast and the league call it today.
     formerly
         What it was called before, with the same fence; empty if nothing else.
+    bearings
+        rad, of each vertex from centre field, positive to the left; the left pole is the first.
     distances
-        m, from the plate: left pole, left centre, centre, right centre, right pole.
+        m, from the plate to each vertex.
     walls
-        m, heights of the fence at these places.
+        m, heights of the fence at each vertex.
     elevation
         m, above sea level.
     seasons
@@ -57,6 +57,7 @@ class Park:
 
     name: str
     formerly: str
+    bearings: tuple[float, ...]
     distances: tuple[float, ...]
     walls: tuple[float, ...]
     elevation: float
@@ -66,8 +67,15 @@ class Park:
     @property
     def fence(self) -> Fence:
         """The fence as a block of a scene."""
-        places = zip(self.distances, _AHEAD, self.walls, strict=True)
+        places = zip(self.distances, map(_ahead, self.bearings), self.walls, strict=True)
         return Fence(polyline=tuple((x * far, y * far, top) for far, (x, y), top in places))
+
+
+def _ahead(bearing: float) -> tuple[float, float]:
+    """Return the unit vector to a bearing."""
+    if abs(bearing) == math.pi / 4:
+        return _POLE, math.copysign(_POLE, bearing)
+    return math.cos(bearing), math.sin(bearing)
 
 
 @cache
@@ -78,17 +86,18 @@ def parks() -> tuple[Park, ...]:
     --------
     >>> import longball as lb
     >>> len(lb.parks())
-    20
-    >>> [round(metres, 1) for metres in lb.park("Fenway Park").walls]
-    [11.3, 11.3, 5.2, 1.5, 1.5]
+    29
+    >>> round(max(lb.park("Fenway Park").walls), 1)
+    11.3
     """
     elevations = {row["park"]: float(row["elevation"]) * FOOT for row in _rows(PARKS)}
     return tuple(
         Park(
             row["park"],
             row["formerly"],
-            tuple(float(row[key]) * FOOT for key in _DISTANCES),
-            tuple(float(row[key]) * FOOT for key in _WALLS),
+            tuple(math.radians(float(text)) for text in row["bearing"].split()),
+            tuple(float(text) * FOOT for text in row["distance"].split()),
+            tuple(float(text) * FOOT for text in row["wall"].split()),
             elevations[row["park"]],
             row["seasons"],
             row["source"],
@@ -114,8 +123,8 @@ def park(name: str) -> Park:
     --------
     >>> import longball as lb
     >>> coors = lb.park("Coors Field")
-    >>> f"{coors.distances[2]:.1f} m to centre, {coors.elevation:.0f} m above the sea"
-    '126.5 m to centre, 1582 m above the sea'
+    >>> f"{coors.distances[0]:.1f} m to the left pole, {coors.elevation:.0f} m above the sea"
+    '105.2 m to the left pole, 1582 m above the sea'
     """
     known = {each.name: each for each in parks()}
     known |= {each.formerly: each for each in parks() if each.formerly}
@@ -169,7 +178,7 @@ def in_parks(
     >>> ball = lb.Flight(launch=lb.launch(speed=46.0, angle=0.49, direction=0.35))
     >>> found = lb.in_parks(ball)
     >>> sum(each.is_out for each in found), len(found)
-    (5, 20)
+    (11, 29)
     """
     asked = as_scene(scene)
     if not isinstance(asked, FlightScene | AtBatScene):

@@ -80,9 +80,9 @@ def spin_from_movement(
     Parameters
     ----------
     scene
-        A pitch or an at-bat, as `solve` takes it: its ball, air, gravity and law of lift count; a
-        mapping need not have a spin. A law of the spin parameter is needed: rational, linear,
-        bilinear, or a table.
+        A pitch or an at-bat, as `solve` takes it: its ball, air, gravity and law of lift count, and
+        its side force is taken off; a mapping need not have a spin. A law of the spin parameter is
+        needed: rational, linear, bilinear, or a table.
     velocity, acceleration
         m/s and m/s², shape (…, 3), at one point of the pitch; of nine parameters best in the middle
         of the way, where the acceleration is nearest to its mean.
@@ -134,9 +134,9 @@ def spin_from_movement(
     ahead = u / speed[..., None]
     free = a + np.array([0.0, 0.0, asked.gravity])
     slowing = -np.sum(free * ahead, axis=-1)
-    moving = free + slowing[..., None] * ahead
-    force = np.linalg.norm(moving, axis=-1)
     pressure = per_unit * speed**2
+    moving = free + slowing[..., None] * ahead - pressure[..., None] * _side(air, ahead)
+    force = np.linalg.norm(moving, axis=-1)
     drag, lift = slowing / pressure, force / pressure
 
     # the spin
@@ -161,6 +161,17 @@ def spin_from_movement(
     along = np.sqrt(np.where(above, np.nan, np.maximum(whole**2 - size**2, 0.0)))
     spin = transverse + (np.sign(gyro) * along)[..., None] * ahead
     return SpinFromMovement(transverse, drag[()], lift[()], share[()], spin, above[()], reasons)
+
+
+def _side(air: Air, ahead: Array) -> Array:
+    """Return ``C_S ê`` of the side force, which no spin makes, for unit vectors of velocities."""
+    if air.side_coefficient is None:
+        return np.zeros_like(ahead)
+    direction = np.array(air.side_coefficient.direction)
+    direction = direction / np.linalg.norm(direction)
+    across = direction - np.sum(direction * ahead, axis=-1, keepdims=True) * ahead
+    unit: Array = across / np.linalg.norm(across, axis=-1, keepdims=True)
+    return air.side_coefficient.value * unit
 
 
 def _air_of(scene: PitchScene | AtBatScene) -> Air:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from longball.api import as_engine, as_scene, differentiable, error_of
+from longball.api import as_engine, as_scene, differentiable
 from longball.engines import chain
 from longball.engines.engine import CannotSolve
 from longball.engines.tangent import derivatives_of
@@ -21,6 +21,7 @@ from longball.model.inputs import require_inputs, value_of, with_values
 from longball.model.quantities import numbers, unknown
 from longball.model.result import Result
 from longball.model.scene import Scene
+from longball.solution import error_of
 
 # Of a standard deviation: from there on the second-order terms are said. A term of second order
 # that is a tenth of it makes it half a percent larger.

@@ -66,6 +66,7 @@ def test_balls_beyond_a_distance():
 
 
 @pytest.mark.parametrize("contact_force", ["carried", "early"])
+@pytest.mark.sampled(every=2)
 def test_another_contact_force_is_its_limit_without_steps(contact_force):
     """The impulse is multiplied; the same balls are batted, as by the scheme in short steps."""
     base = BASE._replace(contact_force=contact_force)

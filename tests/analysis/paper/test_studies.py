@@ -32,7 +32,7 @@ BASE = Base(AtBatScene(id="base"))
 
 def test_indices_of_a_sum_and_of_a_product():
     generator = np.random.default_rng(1)
-    n = 50_000
+    n = 10_000
     one, other = generator.standard_normal((2, 2, n))
     mixed = [np.array([other[0], one[1]]), np.array([one[0], other[1]])]
 
@@ -49,7 +49,7 @@ def test_indices_of_a_sum_and_of_a_product():
         (product.total, product.total_error, [1.0, 1.0]),
     ):
         assert (np.abs(found - true) < 4 * error).all()
-        assert (error < 0.02).all()
+        assert (error < 0.05).all()
 
 
 # ---- the argument --------------------------------------------------------------------------------

@@ -85,6 +85,7 @@ def test_straight_up_and_down(up):
 
 
 @pytest.mark.parametrize("u", [1e-9, 1e-40, 1e-70])
+@pytest.mark.sampled(every=2)
 def test_nearly_straight_up_and_down(u):
     # A heading so small that the apex is told from rest, or is not.
     drag, gravity, start = arb(0.0075), arb(9.8), state(0, 1, u, 25)
@@ -249,6 +250,7 @@ def test_the_core_is_what_rates_depend_on():
     assert structure(spun.program).core.variables == ("u", "v", "w")
 
 
+@pytest.mark.nightly
 def test_forces_that_depend_on_height():
     k, inverse = 2.0**-7, -(2.0**-13)
     field = law_with(
@@ -283,6 +285,7 @@ def test_a_law_with_all_kinds_of_nodes(velocity):
     agrees(arrival.state, (0, 1, *velocity), rate, 2, digits=35)
 
 
+@pytest.mark.nightly
 def test_such_a_law_from_rest():
     # Every node that is no polynomial, but the speed, is one whose argument does not vanish.
     strengths = {"crisis": 0.03125, "scale": 16.0, "rate": 0.0625, "gravity": 9.8}
@@ -363,6 +366,7 @@ def bound_and_separations(field, velocity, error, h, directions=32):
     ],
     ids=["lift", "lift-and-drag", "weak", "shear"],
 )
+@pytest.mark.sampled(every=3)
 def test_growth_is_nearly_attained(field, share):
     # In so short a time that the directions of growth hardly turn: the logarithms are as the rates.
     field = law_with({n: arb(k) for n, k in field.items()}, (shear,) if "shear" in field else ())
@@ -371,6 +375,7 @@ def test_growth_is_nearly_attained(field, share):
 
 
 @pytest.mark.parametrize("error", [1.0, 10.0, 20.0])
+@pytest.mark.sampled(every=2)
 def test_growth_is_that_of_the_fastest_flight_in_the_tube(error):
     field = law(None, 0.1, None)
     bound, separation = bound_and_separations(field, (20.0, 0.0), error, 2.0**-7)
@@ -403,6 +408,7 @@ def test_growth_is_summed_over_the_parts_of_a_step(bits):
         ((0.02, None), (0.001, 0.0)),  # not told from a ball at rest
     ],
 )
+@pytest.mark.sampled(every=3)
 def test_a_launch_that_is_a_ball_holds_the_flights_of_its_points(field, launch):
     (u, w), off = launch, 0.002
     field = law(*field)
@@ -515,6 +521,7 @@ def allow(monkeypatch, fraction_of_speed):
 
 
 @pytest.mark.parametrize("order_per_bit", [0.03, 0.06, 0.12])
+@pytest.mark.sampled(every=2)
 def test_the_rest_of_the_series_is_not_forgotten(monkeypatch, order_per_bit):
     truth = landing(60)
     allow(monkeypatch, 1e-9)

@@ -17,7 +17,7 @@ from typing import Any, Protocol, cast, get_args
 import numpy as np
 
 from longball.engines.batch import flights, records
-from longball.engines.batch.flights import Records
+from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
 from longball.engines.chain import Run, land
 from longball.engines.contact import BatSection, margin_error
@@ -287,13 +287,14 @@ class Columns(Run):
         """See `Run`. What the compiled code does not fly is left to be solved alone."""
         launch = Start(0.0, start)
         if records.flies_in_lanes(law):
-            alone = rows & records.starts_at_corner(law, start)
+            alone = rows & False
             for event in events:
                 # The plate has no size for a pitch along its plane, which alone is an error.
                 alone = alone | (rows & ~np.isfinite(event.size))
             ends = self._flown(law, launch, events, limit, rows & ~alone)
             stops, arrived = records.stops(ends, events), records.placed(ends, law, events)
             mark = records.noted(ends, law, "mark_")
+            alone = alone | (rows & (stops == Stop.FALLBACK))
         else:
             alone, stops, arrived, mark = rows, NOT_FLOWN, launch, launch
         self.table.alone[self.table.rows] |= alone
@@ -331,12 +332,11 @@ class Columns(Run):
         error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
         ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
-        touched = ends["stop"] == flights.TOUCH
-        missed = np.isin(
-            records.stops(ends, over), [records.STOPS[name] for name in ("past", "ground", "time")]
-        )
-        told = touched | missed | (ends["stop"] == flights.GRAZES_BAT)
-        margin = np.where(told, ends["margin"], np.nan)[()]
+        stops = records.stops(ends, over)
+        self.table.alone[self.table.rows] |= rows & (stops == Stop.FALLBACK)
+        touched = stops == Stop.TOUCH
+        missed = np.isin(stops, [records.STOPS[name] for name in ("past", "ground", "time")])
+        margin = np.where(touched | missed, ends["margin"], np.nan)[()]
         code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
         return Touch(margin, code, *records.noted(ends, law))
 

@@ -11,31 +11,24 @@ import numpy as np
 
 from longball.engines.batch import flights, records
 from longball.engines.batch.expansion import kernel
-from longball.engines.batch.flights import Records
+from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.many import solve_as_data
 from longball.engines.batch.records import Start
-from longball.engines.contact import (
-    STARTS_INSIDE,
-    TOUCHES,
-    TURNS_VERTICAL,
-    BatSection,
-    inside_bat,
-    margin_error,
-)
-from longball.engines.engine import CannotSolve, ManyAtOnce, OutOfRange, TooLong, Touch
-from longball.engines.event import Event, Events, Piece, past
+from longball.engines.contact import TURNS_VERTICAL, BatSection, margin_error
+from longball.engines.engine import CannotSolve, ManyAtOnce, Touch
+from longball.engines.event import Events, Piece, past
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander
 from longball.model.law import Law, State
-from longball.model.numbers import DOUBLES, Numbers, Undecided, doubt
+from longball.model.numbers import DOUBLES, Numbers
 from longball.model.scene import Scene
 from longball.model.trace import Program
 
 LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
 
-# Who flies where the compiled code does not, one flight at a time.
+# The fallback for laws and flights that the compiled code does not support.
 SCALAR = Ivp()
 
 
@@ -128,19 +121,20 @@ class Batch(ManyAtOnce):
         self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
-        if not records.flies_in_lanes(law) or records.starts_at_corner(law, start):
-            return replace(SCALAR.fly(law, start, events, limit), flown_by=SCALAR.description)
-        launch = Start(0.0, start)
-        flight, end = records.flown(self, law, launch, events, limit)
-        _require_answer(end, flight, events)
-        names = {number: name for name, number in records.STOPS.items()}
-        return OneFlight(
-            Path(self._pieces(flight, records.general(law))),
-            names[records.stops(end, events).item()],
-            *_plain(records.placed(end, law, events)),
-            launch,
-            _plain(records.noted(end, law, "mark_")),
-        )
+        if records.flies_in_lanes(law):
+            launch = Start(0.0, start)
+            flight, end = records.flown(self, law, launch, events, limit)
+            stop = records.stops(end, events).item()
+            if stop != Stop.FALLBACK:
+                names = {number: name for name, number in records.STOPS.items()}
+                return OneFlight(
+                    Path(self._pieces(flight, records.general(law))),
+                    names[stop],
+                    *_plain(records.placed(end, law, events)),
+                    launch,
+                    _plain(records.noted(end, law, "mark_")),
+                )
+        return replace(SCALAR.fly(law, start, events, limit), flown_by=SCALAR.description)
 
     def touch(
         self,
@@ -151,22 +145,21 @@ class Batch(ManyAtOnce):
         limit: float,
     ) -> Touch[float]:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
-        if not isinstance(pitch, OneFlight):
-            return SCALAR.touch(pitch, law, bat, events, limit)
-        start = pitch.mark if records.approach_is_clear(bat, pitch.state.z) else pitch.launch
-        error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
-        ends = [past(bat.frame, bat.reach, DOUBLES), *events]
-        flight, end = records.flown(self, law, start, ends, limit, records.Bat(bat, error))
-        margin = end["margin"].item()
-        match end["stop"].item():
-            case flights.TOUCH:
+        if isinstance(pitch, OneFlight):
+            clear = records.approach_is_clear(bat, pitch.state.z)
+            start = pitch.mark if clear else pitch.launch
+            error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
+            ends = [past(bat.frame, bat.reach, DOUBLES), *events]
+            _, end = records.flown(self, law, start, ends, limit, records.Bat(bat, error))
+            stop, margin = records.stops(end, ends).item(), end["margin"].item()
+            if stop == Stop.TOUCH:
                 return Touch(margin, True, *_plain(records.noted(end, law)))
-            case flights.GRAZES_BAT:
-                return Touch(margin, None, doubt=doubt(margin, error, TOUCHES, DOUBLES))
-        _require_answer(end, flight, ends)
-        if records.stops(end, ends).item() == records.STOPS["vertical"]:
-            raise CannotSolve(TURNS_VERTICAL)
-        return Touch(margin, False)
+            if stop == records.STOPS["vertical"]:
+                raise CannotSolve(TURNS_VERTICAL)
+            if stop != Stop.FALLBACK:
+                return Touch(margin, False)
+        touch = SCALAR.touch(pitch, law, bat, events, limit)
+        return replace(touch, decided_by=SCALAR.description)
 
     def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
         """Solve scenes of any kinds; see `longball.engines.batch.solve_as_data`."""
@@ -197,37 +190,3 @@ class Batch(ManyAtOnce):
 def _plain(start: Start) -> Start:
     """Return numbers of Python."""
     return Start(start.time.item(), type(start.state)(*(x.item() for x in start.state)))
-
-
-def _require_answer(end: Records, flight: Records, events: Events[Any]) -> None:
-    """Raise why a flight has no answer, if it has none."""
-    stop, value = end["stop"].item(), end["doubt"].item()
-    if stop < len(events) or stop == flights.TIME_LIMIT:
-        return
-    first, second = (
-        events[i] if 0 <= i < len(events) else None
-        for i in (end["event"].item(), end["rival"].item())
-    )
-    relative = flight["error"].item()
-    match stop, first, second:
-        case flights.UNDECIDED, Event(), _:
-            question, error = f"whether {first.question}", relative * first.size
-        case flights.UNDECIDED_FIRST, Event(), Event():
-            question = f"whether {first.question} before {second.question}"
-            error = relative * second.size
-        case flights.UNDECIDED_IN_TIME, Event(), _:
-            question = f"whether {first.question} in the time limit"
-            error = max(abs(value), relative * first.size)
-        case flights.UNDECIDED_RELEASE, _, _:
-            question, error = STARTS_INSIDE, flight["margin_error"].item()
-        case flights.INSIDE_BAT, _, _:
-            reach = flight["reach"].item()
-            raise inside_bat(reach + value, reach)
-        case flights.TOO_LONG, _, _:
-            raise TooLong(
-                f"the flight takes more than {flights.MOST_STEPS} steps, or an event of it has "
-                "three roots in one"
-            )
-        case _:
-            raise OutOfRange("a quantity of the flight leaves the range of double precision")
-    raise Undecided(doubt(value, error, question, DOUBLES))

@@ -34,12 +34,12 @@ Values = dict[Node, Value]
 # elsewhere sixteen are spread over more registers, at no loss against eight.
 WIDTH = 16
 
-# Rows of the block `step`, after those of the state at the end of the step: how long it is, s; when
-# it begins, s; how much later, s, by steps too short to be seen in that time; 1 where nothing can
-# happen on the way, else -1; the largest coordinate that the flight has had at a step; how far each
-# position can get from where it was. Then what rounding takes from each position: at the beginning
-# of the step, and at its end.
-LENGTH, TIME, WAITED, CLEARANCE, FARTHEST, RANGES = range(6)
+# Rows of the block `step`, after those of the state at the end of the step: how long it is, s, NaN
+# where no ordinary step is possible; when it begins, s; what rounding has taken from that time, s;
+# 1 where nothing can happen on the way, else -1; the largest coordinate that the flight has had at
+# a step; how far each position can get from where it was. Then what rounding takes from each
+# position: at the beginning of the step, and at its end.
+LENGTH, TIME, TIME_LOST, CLEARANCE, FARTHEST, RANGES = range(6)
 
 # Sums that one loop carries: two of 32 registers each; others hold what is multiplied. With more,
 # registers are spilled: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
@@ -70,11 +70,11 @@ class Layout:
         """Block whose row k is 1/k."""
         return self.parameters + 2
 
-    def allocate(self, order: int, lanes: int) -> Array:
+    def allocate(self, order: int) -> Array:
         """Return an expansion of the velocity to the power `order`, of the position to the next."""
         parts = 3 * len(self.program.variables) + RANGES, len(self.program.parameters)
         rows = max(order + 2, *parts)
-        x = aligned(self.inverse + 1, rows, lanes)
+        x = aligned(self.inverse + 1, rows, WIDTH)
         x[self.inverse, 1 : order + 2] = 1.0 / np.arange(1, order + 2)[:, np.newaxis]
         return x
 
@@ -95,14 +95,13 @@ _DOUBLE = ir.DoubleType()
 
 
 class _Writer:
-    """Writes a function whose values are a double in each of some lanes.
+    """Writes a function whose values are a double in each lane.
 
     Its arguments are two pointers to arrays of lanes, three integers and a double.
     """
 
-    def __init__(self, module: Any, name: str, lanes: int) -> None:
-        self.lanes = lanes
-        self.type = ir.VectorType(_DOUBLE, lanes)
+    def __init__(self, module: Any, name: str) -> None:
+        self.type = ir.VectorType(_DOUBLE, WIDTH)
         arguments = [self.type.as_pointer()] * 2 + [_INDEX] * 3 + [_DOUBLE]
         self.function = ir.Function(module, ir.FunctionType(_INDEX, arguments), name)
         self.arguments = self.function.args
@@ -112,7 +111,7 @@ class _Writer:
 
     def number(self, value: float) -> Value:
         """Return a number, the same in every lane."""
-        return ir.Constant(self.type, [ir.Constant(_DOUBLE, value)] * self.lanes)
+        return ir.Constant(self.type, [ir.Constant(_DOUBLE, value)] * WIDTH)
 
     def spread(self, scalar: Value) -> Value:
         """Return a double or an integer in every lane."""
@@ -120,7 +119,7 @@ class _Writer:
             scalar = self.builder.sitofp(scalar, _DOUBLE)
         nothing = ir.Constant(self.type, ir.Undefined)
         first = self.builder.insert_element(nothing, scalar, ir.Constant(ir.IntType(32), 0))
-        every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
+        every = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
         return self.builder.shuffle_vector(first, nothing, every)
 
     def index(self, value: int) -> Value:
@@ -138,7 +137,7 @@ class _Writer:
     def call(self, name: str, *arguments: Value) -> Value:
         """Call a function of LLVM: fma, sqrt, exp, log, fabs."""
         shape = ir.FunctionType(self.type, [self.type] * len(arguments))
-        full = f"llvm.{name}.v{self.lanes}f64"
+        full = f"llvm.{name}.v{WIDTH}f64"
         known = self.function.module.globals
         function = known[full] if full in known else ir.Function(self.function.module, shape, full)
         return self.builder.call(function, arguments)
@@ -191,12 +190,11 @@ class _Expansion(_Writer):
     number of rows of a block.
     """
 
-    def __init__(self, module: Any, name: str, program: Program, lanes: int, at_rest: bool) -> None:
-        super().__init__(module, name, lanes)
+    def __init__(self, module: Any, name: str, program: Program) -> None:
+        super().__init__(module, name)
         self.program = program
         self.recurrence = recurrence(program)
         self.layout = Layout(program)
-        self.from_rest = self.recurrence.roots if at_rest else ()
         self.array, _, self.order, self.stride, *_ = self.arguments
         self.dynamic = [n for n in program.nodes if not n.static and n.kind != "variable"]
         self.blocks = {
@@ -250,7 +248,7 @@ class _Expansion(_Writer):
         self.inverses = {
             node: self.divide(self.number(1.0), self.zeroth[divisor])
             for node in self.dynamic
-            if node not in self.from_rest and (divisor := _divisor(node)) is not None
+            if (divisor := _divisor(node)) is not None
         }
 
     def value(self, node: Node, place: dict[str, int]) -> Value:
@@ -266,18 +264,15 @@ class _Expansion(_Writer):
                 value = self.combination(node, self.zeroth)
                 rest = node.args[0]
                 zero = rest.kind == "constant" and rest.args[0] == 0.0
-                value = value if zero else self.add(value, self.zeroth[rest])
+                return value if zero else self.add(value, self.zeroth[rest])
             case "plus":
-                value = self.add(*(self.zeroth[x] for x in node.args))
+                return self.add(*(self.zeroth[x] for x in node.args))
             case "product":
-                value = self.multiply(*(self.zeroth[x] for x in node.args))
+                return self.multiply(*(self.zeroth[x] for x in node.args))
             case "quotient":
-                value = self.divide(*(self.zeroth[x] for x in node.args))
+                return self.divide(*(self.zeroth[x] for x in node.args))
             case _:
-                value = self.call(node.kind, self.zeroth[node.args[0]])
-        if node in self.from_rest:
-            value = self.number(0.0)
-        return value
+                return self.call(node.kind, self.zeroth[node.args[0]])
 
     def combination(self, node: Node, values: Values) -> Value:
         """Return a sum without its constant."""
@@ -325,7 +320,7 @@ class _Expansion(_Writer):
         rows = {
             node: factors
             for node in self.dynamic
-            if node not in self.from_rest and (factors := self.recurrence.factors(node)) is not None
+            if (factors := self.recurrence.factors(node)) is not None
         }
         return {
             node: total
@@ -396,9 +391,6 @@ class _Expansion(_Writer):
         def of(x: Node) -> Value:
             return self.number(0.0) if x.static else self.whole(x, current, halves)
 
-        if node in self.from_rest:
-            current[node] = self.root_from_rest(node, n, of)
-            return
         match node.kind:
             case "sum":
                 ones = all(c.kind == "constant" and c.args[0] == 1.0 for c, _ in node.args[1:])
@@ -433,31 +425,6 @@ class _Expansion(_Writer):
                 (a,) = node.args
                 inner = self.multiply(sums[node], self.extra(self.layout.inverse, n))
                 current[node] = self.multiply(self.subtract(of(a), inner), self.inverses[node])
-
-    def root_from_rest(self, node: Node, n: Value, of: Callable[[Node], Value]) -> Value:
-        """Return the coefficient n of a speed that is zero at the start: V_1 V_n from order n+1."""
-        build, one = self.builder, self.index(1)
-        parts = squares(node.args[0])
-        first = self.number(0.0)
-        for p in parts:
-            first = self.fma(of(p), of(p), first)
-        first = self.call("sqrt", first)
-        beyond = self.after(n)
-
-        def add(j: Value, totals: list[Value]) -> list[Value]:
-            (total,) = totals
-            for p in parts:
-                total = self.fma(self.at(p, j), self.at(p, build.sub(beyond, j)), total)
-            return [total]
-
-        def subtract(j: Value, totals: list[Value]) -> list[Value]:
-            product = self.multiply(self.at(node, j), self.at(node, build.sub(beyond, j)))
-            return [self.subtract(totals[0], product)]
-
-        total = self.repeat(one, beyond, [self.number(0.0)], add)
-        (total,) = self.repeat(self.index(2), n, total, subtract)
-        twice = self.multiply(self.number(2.0), self.at(node, one))
-        return build.select(build.icmp_signed("==", n, one), first, self.divide(total, twice))
 
 
 def _chains(factors: tuple[Node, Node]) -> int:
@@ -497,14 +464,14 @@ class _Step(_Expansion):
     """
 
     def __init__(self, module: Any, program: Program) -> None:
-        super().__init__(module, "step", program, WIDTH, at_rest=False)
+        super().__init__(module, "step", program)
         self.expand()
         self.variables = [name for name, _ in self.outputs]
         self.positions = [name for name, rate in self.outputs if rate.kind == "variable"]
         velocities = [name for name in self.variables if name not in self.positions]
-        straight, size = self.choose_length(velocities)
-        ranges = self.take(size)
-        self.tell_clearance(ranges, straight)
+        length = self.choose_length(velocities)
+        ranges = self.take(length)
+        self.tell_clearance(ranges)
         self.builder.ret(self.index(0))
 
     def step_row(self, row: int) -> Value:
@@ -524,15 +491,17 @@ class _Step(_Expansion):
             largest = self.choose(size, ">", largest, size, largest)
         return largest
 
-    def choose_length(self, velocities: list[Node]) -> tuple[Value, Value]:
+    def choose_length(self, velocities: list[Node]) -> Value:
         """Choose the length: the last two terms of the velocity stay below `truncation` times V.
 
         A second bound keeps the roots of sums of squares analytic. Such a sum q_0 + q_1 t + q_2 t²
         has its complex zeros near √(q_0/q_2) from a minimum, and a step stays within half of that.
-        It is not needed where all but one of the squares vanish, as on a vertical flight, for then
-        the root is ± an analytic function; nor where the series ends.
+        It is not needed where the series ends.
 
-        Returns the lanes where only one square does not vanish, and the length.
+        The length is NaN where no ordinary step is possible: where all but one of the squares
+        vanish, as on a vertical flight, so that the root may fall to zero and has a corner there;
+        and from rest, or close to it, where coefficients leave the range of doubles, or those of
+        second derivatives would, which are up to order² as large, and their sums.
         """
         start = [self.zeroth[name] for name in velocities]
         square = self.number(0.0)
@@ -541,40 +510,42 @@ class _Step(_Expansion):
         allowed = self.multiply(self.spread(self.arguments[-1]), self.call("sqrt", square))
         before = self.builder.sub(self.order, self.index(1))
         lengths = []
+        total = self.number(0.0)
         for power in (self.order, before):
-            last = self.larger([self.at(name, power) for name in velocities])
-            lengths.append(self.root(self.divide(allowed, last), power))
+            last = [self.at(name, power) for name in velocities]
+            lengths.append(self.root(self.divide(allowed, self.larger(last)), power))
+            for x in last:
+                total = self.add(total, self.call("fabs", x))
         length = self.choose(lengths[0], "<", lengths[1], *lengths)
-        none = ir.Constant(ir.VectorType(ir.IntType(1), self.lanes), [0] * self.lanes)
-        straight = none
+        order = self.spread(self.order)
+        for _ in range(3):
+            total = self.multiply(total, order)
+        ordinary = self.builder.fcmp_ordered("<", total, self.number(math.inf))
         ends = self.builder.fcmp_ordered(">=", length, self.number(NO_LIMIT))
         for node in self.recurrence.roots:
-            along, limit = self.distance_to_zero(node)
+            apart, limit = self.distance_to_zero(node)
+            ordinary = self.builder.and_(ordinary, self.builder.or_(apart, ends))
             shorter = self.choose(limit, "<", length, limit, length)
-            length = self.builder.select(self.builder.or_(along, ends), length, shorter)
-            straight = self.builder.or_(straight, along)
+            length = self.builder.select(ends, length, shorter)
+        length = self.builder.select(ordinary, length, self.number(math.nan))
         self.put_step(len(self.variables) + LENGTH, length)
-        return straight, length
+        return length
 
     def distance_to_zero(self, node: Node) -> tuple[Value, Value]:
-        """Return where all squares but one vanish, and half the distance to the complex zeros."""
+        """Return where two squares or more do not vanish, and half the distance to the zeros."""
         one, two = self.index(1), self.index(2)
         bend, zero = self.number(0.0), self.number(0.0)
-        moving: list[Value] = []
+        none = ir.Constant(ir.VectorType(ir.IntType(1), WIDTH), [0] * WIDTH)
+        some, several = none, none
         for p in squares(node.args[0]):
             p0, p1 = self.zeroth[p], self.at(p, one)
             bend = self.fma(p1, p1, bend)
             bend = self.fma(self.add(p0, p0), self.at(p, two), bend)
-            moving.append(self.builder.fcmp_unordered("!=", self.larger([p0, p1]), zero))
-        both, any_one = None, moving[0]
-        for moves in moving[1:]:
-            again = self.builder.and_(any_one, moves)
-            both = again if both is None else self.builder.or_(both, again)
-            any_one = self.builder.or_(any_one, moves)
-        every = ir.Constant(any_one.type, [1] * self.lanes)
-        along = every if both is None else self.builder.not_(both)
+            moves = self.builder.fcmp_unordered("!=", self.larger([p0, p1]), zero)
+            several = self.builder.or_(several, self.builder.and_(some, moves))
+            some = self.builder.or_(some, moves)
         half = self.multiply(self.number(0.5), self.zeroth[node])
-        return along, self.divide(half, self.call("sqrt", self.call("fabs", bend)))
+        return several, self.divide(half, self.call("sqrt", self.call("fabs", bend)))
 
     def root(self, x: Value, n: Value) -> Value:
         """Return a lower estimate of the n-th root, good to a tenth: all that a step needs.
@@ -584,8 +555,8 @@ class _Step(_Expansion):
         Reading the root back from its bits makes it at most 1 / 0.94 times too long.
         """
         build = self.builder
-        integers = ir.VectorType(_INDEX, self.lanes)
-        one = ir.Constant(integers, [1023 << 52] * self.lanes)
+        integers = ir.VectorType(_INDEX, WIDTH)
+        one = ir.Constant(integers, [1023 << 52] * WIDTH)
         logarithm = build.sitofp(build.sub(build.bitcast(x, integers), one), self.type)
         part = self.add(self.divide(logarithm, self.spread(n)), build.sitofp(one, self.type))
         root = build.bitcast(build.fptosi(part, integers), self.type)
@@ -644,11 +615,8 @@ class _Step(_Expansion):
         self.put_step(lost + len(self.positions), left)
         return end
 
-    def tell_clearance(self, ranges: dict[Node, Value], straight: Value) -> None:
-        """Write 1 where every linear function certainly stays above its error, -1 elsewhere.
-
-        Also -1 where the ball may come to rest on the way.
-        """
+    def tell_clearance(self, ranges: dict[Node, Value]) -> None:
+        """Write 1 where every linear function certainly stays above its error, -1 elsewhere."""
         functions, count = self.arguments[1], self.arguments[4]
         size = self.index(len(self.variables) + 2)
         clear, touched, zero = (self.number(value) for value in (1.0, -1.0, 0.0))
@@ -672,31 +640,16 @@ class _Step(_Expansion):
             return [self.choose(least, ">", zero, total, touched)]
 
         (result,) = self.repeat(self.index(0), count, [clear], nearest)
-        result = self.builder.select(straight, touched, result)
         self.put_step(len(self.variables) + CLEARANCE, result)
-
-
-def _write_rest(module: Any, program: Program) -> None:
-    """Write the expansion of one flight from rest; it returns 0 if the flight is not at rest."""
-    writer = _Expansion(module, "expand_from_rest", program, 1, at_rest=True)
-    build = writer.builder
-    writer.expand()
-    rests = ir.Constant(ir.VectorType(ir.IntType(1), 1), [1])
-    for root in writer.recurrence.roots:
-        for part in squares(root.args[0]):
-            still = build.fcmp_ordered("==", writer.zeroth[part], writer.number(0.0))
-            rests = build.and_(rests, still)
-    build.ret(build.zext(build.extract_element(rests, writer.index(0)), _INDEX))
 
 
 # --- machine code ---------------------------------------------------------------------------------
 
 
 def written(program: Program) -> Any:
-    """Return the module of LLVM with the functions `step` and `expand_from_rest`."""
+    """Return the module of LLVM with the function `step`."""
     module = ir.Module("law")
     _Step(module, program)
-    _write_rest(module, program)
     return module
 
 
@@ -705,10 +658,9 @@ class Kernel:
     """The compiled steps of a program."""
 
     layout: Layout
-    # step, rest: addresses of functions of (x, functions, order, stride, count, truncation), of
-    # which the stride is the number of rows of a block
+    # Address of the function of (x, functions, order, stride, count, truncation), of which the
+    # stride is the number of rows of a block
     step: int
-    rest: int
     engine: Any  # owns the code
 
 
@@ -740,8 +692,7 @@ def _kernel(program: Program) -> Kernel:
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    step, rest = map(engine.get_function_address, ("step", "expand_from_rest"))
-    return Kernel(Layout(program), step, rest, engine)
+    return Kernel(Layout(program), engine.get_function_address("step"), engine)
 
 
 def kernel(program: Program) -> Kernel:

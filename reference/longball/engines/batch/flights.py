@@ -4,13 +4,18 @@ The steps are taken for sixteen flights at once (`longball.engines.batch.expansi
 flight decides, it decides alone: the first of its events within the step, found on the step's
 polynomials (`longball.engines.batch.roots`); a lane whose flight has ended takes the next one.
 
-This code is the same for all laws. A state is an array of as many positions as velocities, and an
-event is a linear function of the state that falls through zero.
+This code is the same for all laws. It flies ordinary flights: one that comes to rest, overflows,
+takes too many steps, or has events that its error does not decide stops as `Stop.FALLBACK`: the
+scalar engine flies it, or says why nobody can.
+
+A state is an array of as many positions as velocities, and an event is a linear function of the
+state that falls through zero.
 """
 
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +27,7 @@ from longball.engines.batch.expansion import (
     LENGTH,
     RANGES,
     TIME,
-    WAITED,
+    TIME_LOST,
     WIDTH,
     Kernel,
     aligned,
@@ -47,17 +52,15 @@ Records = NDArray[Any]
 
 # --- records --------------------------------------------------------------------------------------
 
-# How a flight ends: at an event, which is then the number of the event; at its time limit; touching
-# the bat; or without an answer. Undecided are whether it meets an event, or which of two is first,
-# or whether within the time limit.
-(
-    TIME_LIMIT, TOUCH,
-    UNDECIDED, UNDECIDED_FIRST, UNDECIDED_IN_TIME, GRAZES_BAT,
-    INSIDE_BAT, UNDECIDED_RELEASE, OUT_OF_RANGE, TOO_LONG,
-) = range(100, 110)  # fmt: skip
-# While it flies: on its way, at its waypoint, or at rest for a moment, at the apex of a flight
-# straight up.
-_FLYING, _AT_WAYPOINT, _AT_REST = -1, -2, -3
+
+class Stop(IntEnum):
+    """Status of a flight; one that an event has ended has the number of that event."""
+
+    FLYING = -2
+    WAYPOINT = -1  # the last step ended there
+    TIME_LIMIT = 100
+    TOUCH = 101  # of the bat
+    FALLBACK = 102  # left to the scalar engine
 
 
 def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
@@ -97,11 +100,9 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
     names = ("time", *program.variables)
     return np.dtype(
         [
-            # The number of the event, `TIME_LIMIT`, `TOUCH`, or why there is no answer; how many
-            # steps were taken; the one or two events about which something is undecided.
-            *((name, np.int64) for name in ("stop", "steps", "event", "rival")),
-            # Of the bat, m; the value that lies within its error.
-            *((name, np.float64) for name in ("margin", "doubt")),
+            ("stop", np.int64),  # the number of the event, or a `Stop`
+            ("steps", np.int64),  # how many were taken
+            ("margin", np.float64),  # of the bat, m
             # When, s, and in what state it ends; and a mark of the way. That is where it passed the
             # waypoint; or, near a bat, where it first touched it; or, with neither, where between
             # the ends of a step it ceased to rise, the highest such point. Its time is NaN if it
@@ -112,7 +113,7 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
 
 
 # Columns of arrivals.
-_STOP, _STEPS, _EVENT, _RIVAL, _MARGIN, _DOUBT, _END = range(7)
+_STOP, _STEPS, _MARGIN, _END = range(4)
 
 
 def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Records:
@@ -141,20 +142,18 @@ def fly_all(
     variables, parameters = len(program.variables), len(program.parameters)
     starts = np.ascontiguousarray(flights).reshape(-1)
     arrivals = np.empty(len(starts), arrival_dtype(program))
-    lanes, rest = layout.allocate(order, WIDTH), layout.allocate(order, 1)
+    lanes = layout.allocate(order)
     rows, width = lanes.shape[1], 2 * order + 4
     steps = np.array([]) if steps is None else steps
     _fly_all(
-        (kernel.step, kernel.rest, layout.parameters * rows, layout.step * rows),
+        (kernel.step, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
         truncation,
         (starts.view(np.float64), arrivals.view(np.float64), arrivals.view(np.int64)),
         (starts.itemsize // 8, arrivals.itemsize // 8, len(starts)),
         (
             lanes.ravel(),
-            rest.ravel(),
             aligned(functions * (variables + 2) * WIDTH),
-            aligned(rows * WIDTH),
             np.zeros((variables + _SCRATCH) * width),
         ),
         np.zeros(WIDTH, np.int64),
@@ -175,9 +174,9 @@ def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tu
 
 # A flight of 60 s with the paper's ball takes some 100 steps; a ball that all but rests at its
 # apex takes three steps for each factor e of its speed there.
-MOST_STEPS = 20_000
+_MOST_STEPS = 20_000
 
-_NONE = -1  # flies in a lane
+_NONE = -1  # number of the flight in a lane that has none
 
 
 class _Setup(NamedTuple):
@@ -195,21 +194,14 @@ class _Setup(NamedTuple):
     # block, width: doubles between two components of the state in `x`, and in `work`
     block: int
     width: int
-    expand_from_rest: int  # address of code
-    truncation: float  # of the series, relative to the speed
     # x, strengths, step: the expansion of all lanes, its block of parameters, and that of the step
     x: Any
     strengths: Any
     step: Any
     # What rounding has taken from each position, a part of `step`; behind it what it takes next
     lost: Any
-    # rest, rest_strengths, rest_block: the same for one flight at rest
-    rest: Any
-    rest_strengths: Any
-    rest_block: int
     # Linear functions of the flights in the lanes: waypoint and events, with absolute errors
     linear: Any
-    kept: Any  # the block of the step, while a lane of it is made anew
     # Polynomials of the state of one flight in its step, and of the bat's distance after them
     work: Any
     # p, slope, bend: of an event
@@ -235,54 +227,23 @@ class _Slot(NamedTuple):
 
 @compiled
 def _fly_all(
-    code: tuple[int, int, int, int],
+    code: tuple[int, int, int],
     sizes: tuple[int, int, int, int, int, int],
     truncation: float,
     records: tuple[Array, Array, Integers],
     record_sizes: tuple[int, int, int],
-    memory: tuple[Array, Array, Array, Array, Array],
+    memory: tuple[Array, Array, Array],
     numbers: Integers,
     steps: Array,
     recorded: int,
 ) -> None:
-    variables, parameters, functions, order, rows, width = sizes
-    count = record_sizes[2]
-    x, rest = unowned_view(memory[0]), unowned_view(memory[1])
-    step = shifted(x, code[3] * WIDTH)
-    work = unowned_view(memory[4])
-    scratch = shifted(work, variables * width)
-    s = _Setup(
-        variables // 2,
-        variables,
-        parameters,
-        functions,
-        order,
-        order + 1,
-        rows * WIDTH,
-        width,
-        code[1],
-        truncation,
-        x,
-        shifted(x, code[2] * WIDTH),
-        step,
-        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
-        rest,
-        shifted(rest, code[2]),
-        rows,
-        unowned_view(memory[2]),
-        unowned_view(memory[3]),
-        work,
-        scratch,
-        shifted(scratch, width),
-        shifted(scratch, 2 * width),
-        shifted(scratch, 3 * width),
-        shifted(scratch, 4 * width),
-        shifted(scratch, 5 * width),
-    )
+    variables, _, functions, order, rows, _ = sizes
+    s = _setup(code, sizes, memory)
     pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
     active, way = unowned_view(numbers), unowned_view(steps)
+    x, step = s.x, s.step
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
-    waited_row, farthest_row = (variables + WAITED) * WIDTH, (variables + FARTHEST) * WIDTH
+    lost_row, farthest_row = (variables + TIME_LOST) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
     for lane in range(WIDTH):
         active[lane] = _NONE
@@ -290,7 +251,7 @@ def _fly_all(
     while True:
         busy = 0
         for lane in range(WIDTH):
-            if active[lane] == _NONE and next_one < count:
+            if active[lane] == _NONE and next_one < record_sizes[2]:
                 _launch(s, _slot(pointers, record_sizes, next_one, lane))
                 active[lane] = next_one
                 next_one += 1
@@ -299,60 +260,88 @@ def _fly_all(
             return
         call(code[0], (x, s.linear, order, rows, functions, truncation))
         for lane in range(WIDTH):
-            if active[lane] != _NONE and _overflows(s, lane, order):
-                _expand_shorter(s, code[0], rows, lane)
-        for lane in range(WIDTH):
             i = active[lane]
             if i == _NONE:
                 continue
             slot = _slot(pointers, record_sizes, i, lane)
-            if _overflows(s, lane, order):
-                slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
-                continue
-            time, length = s.step[time_row + lane], s.step[length_row + lane]
+            time, length = step[time_row + lane], step[length_row + lane]
             if slot.mark[_STEPS] < recorded:
                 row = shifted(way, slot.mark[_STEPS] * (variables + 1))
                 row[0] = time
                 for k in range(variables):
                     row[1 + k] = x[k * s.block + lane]
             slot.mark[_STEPS] += 1
+            if not length > 0.0 or slot.mark[_STEPS] >= _MOST_STEPS:
+                slot.mark[_STOP], active[lane] = Stop.FALLBACK, _NONE
+                continue
             rises = x[(variables - 1) * s.block + lane] > 0.0
             rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_AHEAD])
             for k in range(s.half):
                 coordinate = abs(x[k * s.block + lane])
-                if coordinate > s.step[farthest_row + lane]:
-                    s.step[farthest_row + lane] = coordinate
+                if coordinate > step[farthest_row + lane]:
+                    step[farthest_row + lane] = coordinate
+
+            # Nothing can happen on most steps; on others the first event is searched for.
             if (
-                s.step[clearance_row + lane] > 0.0
+                step[clearance_row + lane] > 0.0
                 and time + length < slot.flight[_LIMIT]
                 and slot.flight[_REACH] == 0.0
             ):
-                if rises and s.step[(variables - 1) * WIDTH + lane] <= 0.0:
-                    _note_apex(s, slot, time, _take_out(s, slot, length))
-                for k in range(variables):
-                    x[k * s.block + lane] = s.step[k * WIDTH + lane]
-            else:
-                length = _settle(s, slot, time, _take_out(s, slot, length))
-                if rises and s.state[variables - 1] <= 0.0:
+                if rises and step[(variables - 1) * WIDTH + lane] <= 0.0:
+                    _take_out(s, lane)
                     _note_apex(s, slot, time, length)
-                if slot.mark[_STOP] < 0:
-                    for k in range(variables):
-                        x[k * s.block + lane] = s.state[k]
+                for k in range(variables):
+                    x[k * s.block + lane] = step[k * WIDTH + lane]
+            else:
+                _take_out(s, lane)
+                length = _settle(s, slot, time, length)
+                if slot.mark[_STOP] != Stop.FALLBACK and rises and s.state[variables - 1] <= 0.0:
+                    _note_apex(s, slot, time, length)
+                if slot.mark[_STOP] >= 0:
+                    active[lane] = _NONE
+                    continue
+                for k in range(variables):
+                    x[k * s.block + lane] = s.state[k]
+
+            # What rounding takes from positions and time is made up for at the next step (Kahan).
             for k in range(s.half):
                 s.lost[k * WIDTH + lane] = s.lost[(s.half + k) * WIDTH + lane]
-            # Where a ball all but rests its steps are shorter than the spacing of times.
-            waited = s.step[waited_row + lane] + length
-            s.step[time_row + lane] = time + waited
-            s.step[waited_row + lane] = waited - (time + waited - time)
-            total = 0.0
-            for k in range(variables):
-                total += x[k * s.block + lane]
-            if slot.mark[_STOP] >= 0:
-                active[lane] = _NONE
-            elif not math.isfinite(total):
-                slot.mark[_STOP], active[lane] = OUT_OF_RANGE, _NONE
-            elif length == 0.0 or slot.mark[_STEPS] >= MOST_STEPS:
-                slot.mark[_STOP], active[lane] = TOO_LONG, _NONE
+            passed = step[lost_row + lane] + length
+            step[time_row + lane] = time + passed
+            step[lost_row + lane] = passed - (time + passed - time)
+
+
+@inner
+def _setup(
+    code: tuple[int, int, int],
+    sizes: tuple[int, int, int, int, int, int],
+    memory: tuple[Array, Array, Array],
+) -> _Setup:
+    variables, parameters, functions, order, rows, width = sizes
+    x, work = unowned_view(memory[0]), unowned_view(memory[2])
+    step, scratch = shifted(x, code[2] * WIDTH), shifted(work, variables * width)
+    return _Setup(
+        variables // 2,
+        variables,
+        parameters,
+        functions,
+        order,
+        order + 1,
+        rows * WIDTH,
+        width,
+        x,
+        shifted(x, code[1] * WIDTH),
+        step,
+        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
+        unowned_view(memory[1]),
+        work,
+        scratch,
+        shifted(scratch, width),
+        shifted(scratch, 2 * width),
+        shifted(scratch, 3 * width),
+        shifted(scratch, 4 * width),
+        shifted(scratch, 5 * width),
+    )
 
 
 @inner
@@ -367,13 +356,11 @@ def _launch(s: _Setup, slot: _Slot) -> None:
     """Put a flight into its lane."""
     flight, arrival, mark, lane = slot
     marked = shifted(arrival, _END + 1 + s.variables)
-    mark[_STOP] = mark[_EVENT] = mark[_RIVAL] = _NONE
-    mark[_STEPS] = 0
+    mark[_STOP], mark[_STEPS] = Stop.FLYING, 0
     arrival[_MARGIN] = -math.inf
-    arrival[_DOUBT] = 0.0
     arrival[_END] = marked[0] = flight[_TIME]
     s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
-    s.step[(s.variables + WAITED) * WIDTH + lane] = 0.0
+    s.step[(s.variables + TIME_LOST) * WIDTH + lane] = 0.0
     s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     for k in range(s.half):
         s.lost[k * WIDTH + lane] = 0.0
@@ -398,42 +385,6 @@ def _launch(s: _Setup, slot: _Slot) -> None:
 
 
 @inner
-def _overflows(s: _Setup, lane: int, order: Integer) -> bool:
-    """True if the expansion of a moving ball to an order leaves the range of doubles.
-
-    So must not second derivatives, whose coefficients are up to order² as large, and their sums.
-    """
-    total, moves = 0.0, False
-    for i in range(s.half, s.variables):
-        row = shifted(s.x, i * s.block + lane)
-        total += abs(row[order * WIDTH]) + abs(row[(order - 1) * WIDTH])
-        moves = moves or row[0] != 0.0
-    return moves and not math.isfinite(total * order**3)
-
-
-@inner
-def _expand_shorter(s: _Setup, step: int, rows: int, lane: int) -> None:
-    """Make the step of a lane anew, of an order at which its coefficients do not overflow.
-
-    Close to rest they grow like the powers of 1/V. Of the other lanes the same coefficients come
-    out, as many as are computed, but the block of the step is of the lower order.
-    """
-    for k in range(rows * WIDTH):
-        s.kept[k] = s.step[k]
-    order = s.order
-    while order > 4 and _overflows(s, lane, order):
-        order //= 2
-        call(step, (s.x, s.linear, order, rows, s.functions, s.truncation))
-    for k in range(rows * WIDTH):
-        if k % WIDTH != lane:
-            s.step[k] = s.kept[k]
-    if not _overflows(s, lane, order):
-        for i in range(s.variables):
-            for k in range(order + 1 + (i < s.half), s.degree + 1):
-                s.x[i * s.block + k * WIDTH + lane] = 0.0
-
-
-@inner
 def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
     """Return the value of a linear function."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
@@ -444,48 +395,14 @@ def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
 
 
 @inner
-def _take_out(s: _Setup, slot: _Slot, length: float) -> float:
-    """Put the polynomials of a flight's step on the workspace; return the length of the step."""
-    moves = False
+def _take_out(s: _Setup, lane: int) -> None:
+    """Put the polynomials of the step of a lane on the workspace."""
     for i in range(s.variables):
-        source, target = shifted(s.x, i * s.block + slot.lane), shifted(s.work, i * s.width)
+        source, target = shifted(s.x, i * s.block + lane), shifted(s.work, i * s.width)
         for k in range(s.degree + 1):
             target[k] = source[k * WIDTH]
         if i >= s.half:
             target[s.degree] = 0.0
-            moves = moves or target[0] != 0.0
-    if moves:
-        return length
-    for i in range(s.variables):
-        s.rest[i * s.rest_block] = s.x[i * s.block + slot.lane]
-    for k in range(s.parameters):
-        s.rest_strengths[k] = s.strengths[k * WIDTH + slot.lane]
-    if (
-        call(
-            s.expand_from_rest, (s.rest, s.linear, s.order, s.rest_block, s.functions, s.truncation)
-        )
-        == 0
-    ):
-        return length  # the air moves
-    # There V = a t + …, with the acceleration a.
-    square = 0.0
-    for i in range(s.half, s.variables):
-        square += s.rest[i * s.rest_block + 1] ** 2
-    for i in range(s.variables):
-        source, target = shifted(s.rest, i * s.rest_block), shifted(s.work, i * s.width)
-        for k in range(1, s.degree + 1):
-            target[k] = source[k] if square > 0.0 and (i < s.half or k < s.degree) else 0.0
-        if i < s.half:
-            s.step[(s.variables + RANGES + i) * WIDTH + slot.lane] = math.inf
-    # Every second coefficient of the velocity is zero, so that the last two terms are among four.
-    length = slot.flight[_LIMIT]
-    for k in range(s.order - 3, s.order + 1):
-        last = 0.0
-        for i in range(s.half, s.variables):
-            last = max(last, abs(s.work[i * s.width + k]))
-        if last > 0.0:
-            length = min(length, (s.truncation * math.sqrt(square) / last) ** (1.0 / (k - 1)))
-    return length
 
 
 # --- the end of a step ----------------------------------------------------------------------------
@@ -496,93 +413,88 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
     """Note what ends a flight within a step, if anything does; return how far the step goes.
 
     The polynomials of the step are on the workspace, and at last the state where the flight is.
+    The first fall of each function ends the search for those of the others.
     """
     flight, arrival, mark, lane = slot
-    stop, end = _FLYING, length
+    stop: int = Stop.FLYING
+    end = length
     if not time + length < flight[_LIMIT]:
-        stop, end = TIME_LIMIT, flight[_LIMIT] - time
-    near_bat = flight[_REACH] > 0.0
+        stop, end = Stop.TIME_LIMIT, flight[_LIMIT] - time
+    near_bat, launched = flight[_REACH] > 0.0, mark[_STEPS] <= 1
     if near_bat:
         searched = _search_length(s, flight, end)
         if searched < end:
-            stop, end = _FLYING, searched
-    doubt, doubtful = 0.0, _NONE
+            stop, end = Stop.FLYING, searched
+
+    # the first fall: of the waypoint's function, then of the events'
     ahead = flight[_AHEAD] if math.isnan(arrival[_END + 1 + s.variables]) else math.nan
-    # First what shortens the step, then the events.
-    for number in range(-2, s.functions - 1):
-        error = 0.0
-        if number == -2:
-            if not _put_speed(s):
-                continue
-        elif number == ahead:
+    for number in range(s.functions):
+        event = number - 1
+        if event == ahead:
             continue
-        else:
-            function = shifted(s.linear, (number + 1) * (s.variables + 2) * WIDTH + lane)
-            error = function[(s.variables + 1) * WIDTH]
-            if not _put_function(s, function, np.int64(WIDTH), s.p, lane, end / length):
-                continue
+        function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
+        error = function[(s.variables + 1) * WIDTH]
+        if not _put_function(s, function, np.int64(WIDTH), s.p, lane, end / length):
+            continue
         differentiate(s.p, s.degree, s.slope)
-        if number >= 0 and s.p[0] <= error and (mark[_STEPS] > 1 or s.p[0] <= 0.0):
+        if number > 0 and s.p[0] <= error and (not launched or s.p[0] <= 0.0):
             if not _rises(s.p, s.degree):
-                if mark[_STEPS] <= 1:  # a launch from where it arrives
-                    stop, end, doubtful = number, 0.0, _NONE
+                if launched:  # from where it arrives
+                    stop, end = event, 0.0
                     break
-            elif mark[_STEPS] > 1 and not near_bat:  # from a turning point
-                stop, end, doubtful, doubt = UNDECIDED, 0.0, number, s.p[0]
+            elif not launched and not near_bat:  # from a turning point
+                stop, end = Stop.FALLBACK, 0.0
                 break
-        root, least = first_fall(s.p, s.slope, s.bend, s.degree, end, error)
-        if math.isnan(root):
-            mark[_STOP] = TOO_LONG
-            return 0.0
-        if root == NEVER:
-            continue
-        end, doubtful, doubt = root, _NONE, 0.0
-        if not math.isnan(least):
-            stop, doubtful, doubt = UNDECIDED, number, least
-        elif number == -2:
-            stop = _AT_REST
-        else:
-            stop = number if number >= 0 else _AT_WAYPOINT
+        fall = first_fall(s.p, s.slope, s.degree, end, error)
+        if math.isnan(fall):
+            stop, end = Stop.FALLBACK, 0.0
+            break
+        if fall != NEVER:
+            end = fall
+            stop = event if number > 0 else Stop.WAYPOINT
+
     mark[_STOP] = stop
-    if near_bat and doubtful == _NONE and _meets_bat(s, slot, time, end, stop >= 0):
+    if stop == Stop.FALLBACK or (near_bat and _meets_bat(s, slot, time, end, stop >= 0)):
         return end
     _evaluate(s, lane, end)
-    total = 0.0
-    for k in range(s.variables):
-        total += s.state[k]
-    if stop >= 0 and not math.isfinite(total):
-        mark[_STOP] = OUT_OF_RANGE
-    elif stop >= 0:
-        _note(s, shifted(arrival, _END), flight[_LIMIT] if stop == TIME_LIMIT else time + end)
-        mark[_EVENT], arrival[_DOUBT] = doubtful, doubt
-        if not near_bat and doubtful == _NONE and end > 0.0:
-            _decide(s, slot, stop)
-    elif stop == _AT_WAYPOINT:
+    if stop == Stop.WAYPOINT:
         s.linear[s.variables * WIDTH + lane] = math.inf
         _note(s, shifted(arrival, _END + 1 + s.variables), time + end)
-    elif stop == _AT_REST:
-        for k in range(s.half, s.variables):
-            s.state[k] = 0.0
+    elif stop >= 0:
+        _note(s, shifted(arrival, _END), flight[_LIMIT] if stop == Stop.TIME_LIMIT else time + end)
+        total = 0.0
+        for k in range(s.variables):
+            total += s.state[k]
+        close_call = not near_bat and end > 0.0 and _is_close_call(s, slot, stop)
+        if close_call or not math.isfinite(total):
+            mark[_STOP] = Stop.FALLBACK
     return end
 
 
 @inner
 def _evaluate(s: _Setup, lane: int, t: float) -> None:
-    """Find the state at t on the step, and what rounding takes from the positions.
+    """Find the state at t on the step, and what rounding takes from the positions."""
+    for i in range(s.half):
+        place, rate, lost = _moved(s, lane, i, t)
+        s.state[i], s.state[s.half + i] = place, rate
+        s.lost[(s.half + i) * WIDTH + lane] = lost
+
+
+@inner
+def _moved(s: _Setup, lane: int, i: int, t: float) -> tuple[float, float, float]:
+    """Return a position at t on the step, its rate, and what rounding takes from the position.
 
     What it took before is made up for, as in `longball.engines.batch.expansion`.
     """
-    for i in range(s.half):
-        p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
-        start = p[0]
-        p[0] = 0.0
-        change, s.state[s.half + i] = two_values(p, q, s.degree, t)
-        p[0] = start
-        change += s.lost[i * WIDTH + lane]
-        end = start + change
-        taken = end - start
-        s.state[i] = end
-        s.lost[(s.half + i) * WIDTH + lane] = (start - (end - taken)) + (change - taken)
+    p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
+    start = p[0]
+    p[0] = 0.0
+    change, rate = two_values(p, q, s.degree, t)
+    p[0] = start
+    change += s.lost[i * WIDTH + lane]
+    end = start + change
+    taken = end - start
+    return end, rate, (start - (end - taken)) + (change - taken)
 
 
 @inner
@@ -609,39 +521,7 @@ def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
         return
     top[0] = time + t
     for i in range(s.half):
-        p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
-        start = p[0]
-        p[0] = 0.0
-        change, top[1 + s.half + i] = two_values(p, q, s.degree, t)
-        p[0] = start
-        top[1 + i] = start + (change + s.lost[i * WIDTH + slot.lane])
-
-
-@inner
-def _put_speed(s: _Setup) -> bool:
-    """Put the speed on the workspace if it may fall through zero, where the drag of V² has a kink.
-
-    It may on a straight flight, on which a single component of the velocity does not vanish; not
-    under a constant acceleration, which depends on no speed.
-    """
-    moving = _NONE
-    for i in range(s.half, s.variables):
-        row = shifted(s.work, i * s.width)
-        for k in range(s.degree):
-            if row[k] != 0.0:
-                if moving != _NONE:
-                    return False
-                moving = i
-                break
-    if moving == _NONE or s.work[moving * s.width] == 0.0:
-        return False
-    row = shifted(s.work, moving * s.width)
-    sign = 1.0 if row[0] > 0.0 else -1.0
-    accelerates = False
-    for k in range(s.degree + 1):
-        s.p[k] = sign * row[k]
-        accelerates = accelerates or (k > 1 and row[k] != 0.0)
-    return accelerates
+        top[1 + i], top[1 + s.half + i], _ = _moved(s, slot.lane, i, t)
 
 
 @inner
@@ -714,26 +594,19 @@ def _rate(s: _Setup, number: Integer, lane: int) -> float:
 
 
 @inner
-def _decide(s: _Setup, slot: _Slot, stop: int) -> None:
-    """Mark an end as undecided if another event, or the time limit, may be as early."""
-    flight, arrival, mark, lane = slot
-    for number in range(s.functions - 1):
-        error = s.linear[((number + 2) * (s.variables + 2) - 1) * WIDTH + lane]
-        error = max(error, _rounding(s, number + 1, lane))
-        height = _height(s, number + 1, lane, s.state)
-        if number != stop and abs(height) <= error:
-            arrival[_DOUBT] = height
-            if stop == TIME_LIMIT:
-                mark[_STOP], mark[_EVENT] = UNDECIDED_IN_TIME, number
-            else:
-                mark[_STOP], mark[_EVENT], mark[_RIVAL] = UNDECIDED_FIRST, stop, number
-            return
-    if stop == TIME_LIMIT:
-        return
+def _is_close_call(s: _Setup, slot: _Slot, stop: int) -> bool:
+    """True if another event, or the time limit, may be as early as what stopped the flight."""
+    flight, arrival, _, lane = slot
+    for number in range(1, s.functions):
+        error = s.linear[((number + 1) * (s.variables + 2) - 1) * WIDTH + lane]
+        error = max(error, _rounding(s, number, lane))
+        if number - 1 != stop and abs(_height(s, number, lane, s.state)) <= error:
+            return True
+    if stop == Stop.TIME_LIMIT:
+        return False
     left, late = flight[_LIMIT] - arrival[_END], flight[_ERROR] * flight[_LIMIT]
     rate, rounding = _rate(s, stop + 1, lane), _rounding(s, stop + 1, lane)
-    if left <= late or (left <= _SOON * flight[_LIMIT] and left * rate < rounding):
-        mark[_STOP], mark[_EVENT], arrival[_DOUBT] = UNDECIDED_IN_TIME, stop, left
+    return bool(left <= late or (left <= _SOON * flight[_LIMIT] and left * rate < rounding))
 
 
 # --- the bat --------------------------------------------------------------------------------------
@@ -775,11 +648,21 @@ def _distance(s: _Setup, t: float) -> float:
 
 @inner
 def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> bool:
-    """Follow the distance to the bat through a step; tell whether that settles how they meet.
+    r"""Follow the distance to the bat through a step; tell whether that settles how they meet.
 
     The distance falls to a minimum, rises to a maximum, and so on; a touching is settled at the
     first minimum that is certainly nearer than `reach`. Where the ball first touches is noted on
-    the way there.
+    the way there:
+
+        \                       _
+         \                     /
+        --\-------------------/---- reach
+           \                 /
+            ^ noted         /
+             \_____________/
+                    ^ settled
+
+    A margin within its error is left to the scalar engine.
     """
     flight, arrival, mark, lane = slot
     reach, error = flight[_REACH], flight[_MARGIN_ERROR]
@@ -790,43 +673,38 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
     bend_of_slope = curvature(s.bend, degree - 2, end)
     bend_of_depth = downward(s.slope, degree - 1, end)
     if not math.isfinite(bend_of_slope + bend_of_depth):
-        mark[_STOP] = OUT_OF_RANGE
+        mark[_STOP] = Stop.FALLBACK
         return True
     approaching = s.slope[0] < 0.0
     if mark[_STEPS] <= 1:
         gap = _distance(s, 0.0) - reach
         arrival[_MARGIN] = -gap
-        if gap < -error:
-            mark[_STOP], arrival[_DOUBT] = INSIDE_BAT, gap
-            return True
-        if gap != 0.0 and gap <= error:
-            mark[_STOP], arrival[_DOUBT] = UNDECIDED_RELEASE, gap
-            return True
-        if gap <= error and approaching:
-            _evaluate(s, lane, 0.0)
-            _note(s, noted, time)
+        if gap <= error:
+            if gap != 0.0:
+                mark[_STOP] = Stop.FALLBACK
+                return True
+            if approaching:
+                _evaluate(s, lane, 0.0)
+                _note(s, noted, time)
     begin = 0.0
     while True:
         sign = -1.0 if approaching else 1.0
         turn = first_zero(s.slope, s.bend, degree - 1, sign, 0.0, begin, end, bend_of_slope)
-        if math.isnan(turn):
-            mark[_STOP] = TOO_LONG
-            return True
         until = min(turn, end)
         margin = reach - _distance(s, until)
         settled = last or turn != NEVER
+        if math.isnan(turn) or (settled and abs(margin) <= error):
+            mark[_STOP] = Stop.FALLBACK
+            return True
         if settled:
             arrival[_MARGIN] = max(arrival[_MARGIN], margin)
-        if settled and abs(margin) <= error:
-            mark[_STOP], arrival[_MARGIN], arrival[_DOUBT] = GRAZES_BAT, margin, margin
-            return True
         if margin > 0.0 and math.isnan(noted[0]):
             touch = first_zero(s.p, s.slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
             _evaluate(s, lane, touch)
             _note(s, noted, time + touch)
         if settled and margin > 0.0:
-            mark[_STOP], arrival[_MARGIN] = TOUCH, margin
+            mark[_STOP], arrival[_MARGIN] = Stop.TOUCH, margin
             for k in range(s.variables + 1):
                 arrival[_END + k] = noted[k]
             return True

@@ -5,19 +5,16 @@ A law, a state, an event hold a number of each flight, or one number for all.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from longball.engines.arithmetic import Arithmetic
-from longball.engines.batch import flights
-from longball.engines.batch.flights import Records, new_flights
+from longball.engines.arithmetic import Dual
+from longball.engines.batch.flights import Records, Stop, new_flights
 from longball.engines.contact import BatSection
 from longball.engines.event import Events
 from longball.model.law import PAPER, Law, State, law_with
-from longball.model.vectors import cross
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
 # pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
@@ -33,7 +30,7 @@ STOPS: Mapping[str, int] = {
     "fence": 4,
     "fence_behind": 5,
     "level": 6,
-    "time": flights.TIME_LIMIT,
+    "time": Stop.TIME_LIMIT,
 }
 NOT_FLOWN = -1  # stands for what stopped it where there is no flight
 
@@ -56,26 +53,6 @@ def flies_in_lanes(law: Law[Any]) -> bool:
     return law.is_paper or law.gravity is not None
 
 
-def starts_at_corner(law: Law[Any], start: State[Any]) -> Any:
-    """Tell which flights of the extended model start where lift or drag has a corner.
-
-    Straight up or down through the air, or along their spin.
-    """
-    if law.is_paper:
-        return np.False_
-    wind = [law.strengths.get(f"wind_{name}", 0.0) for name in "syz"]
-    u, v, w = (
-        velocity - drift
-        for velocity, drift in zip((start.u, getattr(start, "v", 0.0), start.w), wind, strict=True)
-    )
-    corner = (u == 0.0) & (v == 0.0)
-    if "spin" in law.strengths:
-        spin = [law.strengths.get(f"spin_{name}", 0.0) for name in "syz"]
-        across = cross((spin[0], spin[1], spin[2]), (u, v, w))
-        corner = corner | ((across[0] == 0.0) & (across[1] == 0.0) & (across[2] == 0.0))
-    return corner
-
-
 def general(law: Law[Any]) -> Law[Any]:
     """Return a law with all of the paper's forces, those that do not act with strength 0.
 
@@ -83,31 +60,6 @@ def general(law: Law[Any]) -> Law[Any]:
     as it is.
     """
     return law_with({**dict.fromkeys(PAPER, 0.0), **law.strengths}) if law.is_paper else law
-
-
-@dataclass(frozen=True)
-class _Linear(Arithmetic):
-    """A linear function of the variables: their coefficients, by name, and a constant."""
-
-    coefficients: Mapping[str, Any]
-    constant: Any = 0.0
-
-    __array_ufunc__ = None  # an array is one factor or constant
-
-    def __add__(self, other: Any) -> _Linear:
-        if not isinstance(other, _Linear):
-            return _Linear(self.coefficients, self.constant + other)
-        names = {**self.coefficients, **other.coefficients}
-        both = (self.coefficients, other.coefficients)
-        added = {name: sum(part[name] for part in both if name in part) for name in names}
-        return _Linear(added, self.constant + other.constant)
-
-    def __mul__(self, factor: Any) -> _Linear:
-        scaled = {name: x * factor for name, x in self.coefficients.items()}
-        return _Linear(scaled, self.constant * factor)
-
-    def __neg__(self) -> _Linear:
-        return self * -1.0
 
 
 class Bat(NamedTuple):
@@ -141,17 +93,18 @@ def records_of(
         **{(name,): getattr(start.state, name) for name in names},
     }
 
-    def put(way: tuple[Any, ...], value: _Linear, size: Any) -> None:
-        numbers = [value.coefficients.get(name, 0.0) for name in names]
-        for i, number in enumerate([*numbers, value.constant, size]):
+    def put(way: tuple[Any, ...], line: Sequence[Any], size: Any) -> None:
+        for i, number in enumerate([*line, size]):
             columns[(*way, i)] = number
 
     for i, event in enumerate(events):
-        value = _linear(law, event.value)
-        put(("events", i), value, event.size)
+        line = _linear(law, event.value)
+        put(("events", i), line, event.size)
         if event.name == "plate":
             columns["ahead",] = float(i)
-            put(("waypoint",), value - APPROACH * abs(value.coefficients["s"]), 0.0)
+            *along, constant = line
+            before = APPROACH * abs(along[names.index("s")])
+            put(("waypoint",), [*along, constant - before], 0.0)
     if bat is not None:
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
         put(("across",), _linear(law, bat.section.frame.towards_x), 0.0)
@@ -178,10 +131,11 @@ def flown(
     return starts, flyer.fly_all(starts, general(law).program)
 
 
-def _linear(law: Law[Any], value: Any) -> _Linear:
-    state = law.state(*(_Linear({name: 1.0}) for name in law.program.variables))
-    found: _Linear = value(state)
-    return found
+def _linear(law: Law[Any], value: Callable[[Any], Any]) -> list[Any]:
+    """Return the coefficients of a linear function of the state, and its constant."""
+    names = law.program.variables
+    along = [value(law.state(*(Dual(0.0, float(name == one)) for name in names))) for one in names]
+    return [*(part.rate for part in along), along[0].value]
 
 
 def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
@@ -210,7 +164,7 @@ def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
 
 
 def stops(end: Records, events: Events[Any]) -> Any:
-    """Return the reason each flight stopped: one of `STOPS`, or why there is no answer."""
+    """Return the reason each flight stopped: one of `STOPS`, TOUCH or FALLBACK."""
     numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
     by_event = (end["stop"] >= 0) & (end["stop"] < len(events))
     return np.where(by_event, numbers[np.where(by_event, end["stop"], 0)], end["stop"])[()]

@@ -87,7 +87,16 @@ def first_zero(
     end: float,
     bend: float,  # an upper bound on ``-sign p''`` up to the end
 ) -> float:
-    """Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
+    r"""Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
+
+    Each parabola lies below the polynomial, so that its zero comes before the polynomial's:
+
+        *__
+         . \__    p
+          .   \__
+        ---x-----\---- 0
+        t  |     root
+           next t
 
     NaN if the walk takes too long, as it does to a triple root.
     """
@@ -122,55 +131,33 @@ def first_zero(
 
 # A fall is steep if its rate squared exceeds that many times the strongest bend times the error.
 _STEEP = 1e12
+# A fall certainly goes on to below -error if it exceeds that many times: 6 would do.
+_CERTAIN = 8.0
 
 
 @inner
-def first_fall(
-    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float
-) -> tuple[float, float]:
-    """Return where p first falls through zero in [0, end], or NEVER, and NaN.
+def first_fall(p: Array, slope: Array, degree: int, end: float, error: float) -> float:
+    r"""Return where p first falls through zero in [0, end], or NEVER; NaN if that is in doubt.
 
-    Where p has a minimum within `error` of zero, whether it falls through cannot be told: the
-    second number is that minimum then, and the first is where it lies. The first number is NaN if
-    the walk takes too long.
+    It is in doubt where p falls to its error, but not certainly on to below it on the other side:
+
+        \_____/             NEVER
+        --------- error
+        \_____/             NaN, as for a walk that takes too long
+        --------- -error
+          \___/             the time at which it falls through zero
     """
     sag = downward(slope, degree - 1, end)
     near = first_zero(p, slope, degree, 1.0, error, 0.0, end, sag)
     if error == 0.0 or near == NEVER or math.isnan(near):
-        return near, math.nan
+        return near
     height, rate = two_values(p, slope, degree, near)
     bend = sag + slope[1] + abs(slope[1])  # as `curvature`
-    if rate < 0.0 and height <= 2.0 * error and rate * rate > _STEEP * bend * error:
-        # Even the strongest bend turns p only far below -error; a step of Newton's method from here
-        # is good to 1/_STEEP of the way.
-        zero = near - height / rate
-        return (zero if zero <= end else NEVER), math.nan
-    return _fall_by_pieces(p, slope, scratch, degree, end, error, sag)
-
-
-@inner
-def _fall_by_pieces(
-    p: Array, slope: Array, scratch: Array, degree: int, end: float, error: float, sag: float
-) -> tuple[float, float]:
-    """Do what `first_fall` does, from one turning point of p to the next."""
-    differentiate(slope, degree - 1, scratch)
-    bend_of_slope = curvature(scratch, degree - 2, end) if degree > 2 else 0.0
-    rising = slope[0] > 0.0 or (slope[0] == 0.0 and scratch[0] > 0.0)
-    begin = 0.0
-    for _ in range(_LONGEST_WALK):
-        sign = 1.0 if rising else -1.0
-        turn = first_zero(slope, scratch, degree - 1, sign, 0.0, begin, end, bend_of_slope)
-        if math.isnan(turn):
-            return turn, math.nan
-        if not rising:
-            least = value(p, degree, min(turn, end))
-            if turn != NEVER and abs(least) <= error:
-                return turn, least
-            if least <= 0.0:
-                zero = first_zero(p, slope, degree, 1.0, 0.0, begin, end, sag)
-                return (zero if zero < end else end), math.nan
-        if turn == NEVER:
-            return NEVER, math.nan
-        begin = turn
-        rising = not rising
-    return math.nan, math.nan
+    if rate >= 0.0 or height > 2.0 * error or rate * rate <= _CERTAIN * bend * error:
+        return math.nan
+    if rate * rate <= _STEEP * bend * error:
+        return first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, sag)
+    # Even the strongest bend turns p only far below -error; a step of Newton's method from here
+    # is good to 1/_STEEP of the way.
+    zero = near - height / rate
+    return zero if zero <= end else NEVER

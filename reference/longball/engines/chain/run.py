@@ -101,6 +101,8 @@ class Run:
     ) -> Touch[Any]:
         """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
         touch: Touch[Any] = self.engine.touch(pitch, law, bat, events, self.time_limit)
+        if touch.decided_by:
+            self.engines.append(touch.decided_by)
         return touch
 
     def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Mask) -> bool:

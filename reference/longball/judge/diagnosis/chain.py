@@ -102,6 +102,8 @@ INPUTS = (
     _input("lift.numerator", "air.lift_coefficient.numerator"),
     _input("lift.constant", "air.lift_coefficient.constant"),
     _input("lift.slope", "air.lift_coefficient.slope"),
+    _input("C_S", "air.side_coefficient.value"),
+    _input("d", "air.side_coefficient.direction", vector=True),
     _input("W_0", "air.wind", SPEED, True),
     _input("wind.velocity", "air.wind.velocity", SPEED, True),
     _input("above", "air.wind.above", M),
@@ -162,6 +164,12 @@ k = named(
 
 rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
+)
+# Of textbooks: 0 below the roughness.
+_unshifted = named(
+    "ln(z/z_0)/ln(h/z_0)",
+    function("log", 1.0 + function("positive", component(r, 2) / I["z_0"] - 1.0))
+    / function("log", I["wind.height"] / I["z_0"]),
 )
 W = named(
     "W",
@@ -269,6 +277,10 @@ _per_spin = I["R"] * (
 )  # of a total S, C_L/S is smooth where spin and motion are parallel
 
 
+# Of a direction fixed in space, the part across the airspeed.
+_sideways = named("d - (d·û)û", I["d"] - dot(I["d"], unit(u_lift)) * unit(u_lift))
+
+
 def _law(paper_lift: Node) -> Node:
     spinning = switch(
         "reading.spin_parameter",
@@ -282,8 +294,16 @@ def _law(paper_lift: Node) -> Node:
         "earth",
         {"none": constant(0.0, ACCELERATION, True), "given": -(2.0 * cross(rotation, v))},
     )
+    aside = switch(
+        "air.side_coefficient",
+        {
+            "none": constant(0.0, ACCELERATION, True),
+            "given": k * I["C_S"] * (U_lift * U_lift) * unit(_sideways),
+        },
+    )
     drag = named("drag", -(k * C_D * U * u))
-    return drag + named("lift", lift) + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
+    total = drag + named("lift", lift) + named("side force", aside)
+    return total + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
 
 
 _cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])
@@ -497,6 +517,8 @@ _origin = switch(
 # What people define otherwise: formulas that no small edit of the right one makes.
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
+_ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
+_in_flight = named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])), _unshifted
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
 OTHERWISE = {
     "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)), e_x, e_z),
@@ -531,6 +553,9 @@ OTHERWISE = {
     "time": (plate_time,),
     "landing": (I["R"],),
     "plate": (reach,),
+    "margin": (named("|σ_b|", function("abs", I["σ_b"], dimension=M)),),
+    "fence margin": (named("the chord's length", norm(_chord)),),
+    **dict.fromkeys(("pitch", "touching", "flight", "fence"), _in_flight),
 }  # fmt: skip
 
 # --- the stages -----------------------------------------------------------------------------------
@@ -583,20 +608,25 @@ class Stage:
         return "spin" if "pitch" in self.scenes or self.name == "touching" else "spin after"
 
 
+_towards = vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - I["release"]
 _thrown = switch(
     "pitch",
     {
-        "aimed": I["V_0"] * unit(vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - I["release"]),
+        "aimed": I["V_0"] * unit(_towards),
         "velocity": I["pitch.velocity"],
     },
 )
 _no_spin = constant(0.0, RATE, True)
 
 
+# A program may report another spin than it flies with.
+_spin_reported = named("the share of the spin that is left", spin_left)
+
+
 def _flight(duration: Node, place: Node, velocity: Node, spinning: Node) -> dict[str, Node]:
     return {
         "place": place, "velocity": velocity, "spin": spinning, "duration": duration, "law": LAW,
-        "spin_left": spin_left, "through": U,
+        "spin_left": _spin_reported, "through": U,
     }  # fmt: skip
 
 
@@ -628,10 +658,17 @@ def _formula(
 
 _STRUCK = ("impact", "at-bat")
 _forms = {"law": LAW_BY_DIRECTION}
+# By components of a speed.
+_by_parts = switch(
+    "pitch",
+    {"aimed": I["V_0"] / norm(_towards) * _towards, "velocity": I["pitch.velocity"]},
+)
+_thrown_forms = _forms | {"velocity": _by_parts}
 _begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
 CHAIN = (
     Stage(
-        "pitch", ("plate.position", "plate.velocity"), "flight", _pitched(plate_time), _forms,
+        "pitch", ("plate.position", "plate.velocity"), "flight", _pitched(plate_time),
+        _thrown_forms,
         ("pitch", "at-bat"),
     ),
     Stage(
@@ -641,14 +678,17 @@ CHAIN = (
     _formula("margin", "contact.margin", reach - closest, ("at-bat",)),
     Stage(
         "touching", ("contact.position", "contact.velocity", "contact.spin"), "flight",
-        _pitched(contact_time), _forms, ("at-bat",),
+        _pitched(contact_time), _thrown_forms, ("at-bat",),
     ),
     _formula("touching", "contact.position", I["incoming.position"], ("impact",)),
     Stage(
         "touching", ("contact.position",), "event", {"zero": norm(offset) - reach},
         scenes=("at-bat",),
     ),
-    _formula("normal", "contact.normal", unit(offset), _STRUCK),
+    Stage(
+        "normal", ("contact.normal",), "formula", {"value": unit(offset)},
+        {"value": offset / reach}, _STRUCK,
+    ),
     _formula(
         "bat velocity", "contact.bat_velocity",
         I["ω_bat"] * lever * vector(_cosine_of_tilt, constant(0.0), _sine_of_tilt),
@@ -696,7 +736,10 @@ CHAIN = (
     _formula("clearance", "fence.clearance", component(at_fence, 2) - fence_top - _clear),
     _formula(
         "fence margin", "fence.margin",
-        function("least", _passed, norm(_chord) - _passed, dimension=M),
+        named(
+            "the distance to the nearer corner",
+            function("least", _passed, norm(_chord) - _passed, dimension=M),
+        ),
     ),
     Stage(
         "landing", ("landing.position",), "event",

@@ -42,9 +42,9 @@ def fitted(
 ) -> tuple[Array, Array, Array]:
     """Free numbers with the smallest residual, that residual and its derivatives.
 
-    Gauss-Newton steps run from all starts at once. `residual` takes an array of shape
-    (starts, numbers), as `starts` is; the first axis of its result is that of the starts. The first axis of the
-    derivatives is that of the numbers.
+    Gauss-Newton steps run from all starts at once. `residual` takes an array like `starts`, of
+    shape (starts, numbers); the first axis of its result is that of the starts. The first axis of
+    the derivatives is that of the numbers.
     """
     c = np.array(starts, dtype=float)
     r, slope = _with_slope(residual, c)

@@ -49,6 +49,7 @@ from longball.judge.diagnosis.expression import (
     rebuilt,
     specialised,
     substitute,
+    switch,
     symbol,
     table,
     unit,
@@ -261,6 +262,8 @@ class Site:
         The scenes' defaults by symbol.
     flies
         Whether the formula holds during a flight.
+    left_out
+        Symbols of the numbers that some scenes leave to their defaults.
     """
 
     node: Node
@@ -268,10 +271,19 @@ class Site:
     pool: tuple[Node, ...]
     defaults: Mapping[str, float | tuple[float, ...]]
     flies: bool
+    left_out: frozenset[str] = frozenset()
 
     def under(self, *ops: str) -> bool:
         """True if a node of one of some operations uses it."""
         return any(parent.op in ops for parent in self.parents)
+
+
+LEFT_OUT = "left out"  # the option of a number that the scene leaves to its default
+
+
+def key_of(number: Node) -> str:
+    """The column that tells where scenes leave a number to its default."""
+    return f"key of {number.data}"
 
 
 INPUT_NAMES = frozenset(each.symbol.data for each in INPUTS)
@@ -317,6 +329,10 @@ def _numbers(site: Site) -> Iterator[Option]:
         assert isinstance(usual, float)
         text = f"ignores {said}: takes {usual:.9g}, its default"
         yield constant(usual, a.dimension), BITS["default"], text, ()
+    if a.op == "symbol" and a.data in site.left_out:
+        chosen = switch(key_of(a), {"given": a, LEFT_OUT: free(a.dimension)})
+        text = f"takes {{c}} for {said} where the scene leaves it out"
+        yield chosen, BITS["free value"] + 1, text, (0.9 * a,)
     if a.op in ("symbol", "named") and not a.vector:
         text = f"takes {{c}} for {said}, whatever the scene says"
         yield free(a.dimension), BITS["free value"], text, (a,)
@@ -345,10 +361,26 @@ def _factors(site: Site) -> Iterator[Option]:
 
 def _terms(site: Site) -> Iterator[Option]:
     """A number of the candidate's own that is added."""
-    a = site.node
+    a, said = site.node, words(site.node)
+    if a.op == "sum" and a.args[1].op == "negative":
+        text = f"takes {words(a.args[1].args[0])} for {said}"
+        yield a.args[1].args[0], BITS["zero"] + 2, text, ()
     if not a.vector and (a.op in ("symbol", "named", "norm") or not site.parents):
-        text = f"adds {{c}} to {words(a)}"
+        text = f"adds {{c}} to {said}"
         yield a + free(a.dimension), BITS["free term"], text, (0.01,)
+
+
+def _scales(site: Site) -> Iterator[Option]:
+    """A whole formula, divided or multiplied by a number at hand."""
+    a = site.node
+    if site.parents or site.flies or a.vector:
+        return
+    same = [b for b in site.pool if not b.vector and b is not a]
+    cost = BITS["inverse"] + math.log2(1 + len(same))
+    for b in same:
+        number = b / constant(1.0, b.dimension)
+        yield a / number, cost, f"divides {words(a)} by {words(b)}", ()
+        yield a * number, cost, f"multiplies {words(a)} by {words(b)}", ()
 
 
 def _shapes(site: Site) -> Iterator[Option]:
@@ -409,6 +441,9 @@ def _siblings(site: Site) -> Iterator[Option]:
                     f"takes the length of {name} of {words(a.args[0])} for {words(a)}",
                     (),
                 )
+        case "where":
+            for b in a.args[1:]:
+                yield b, cost, f"takes {words(b)} for {words(a)}, on both sides of its limit", ()
         case "abs":
             for b in (a.args[0], -a.args[0]):
                 yield b, cost, f"takes {words(b)} for {words(a)}", ()
@@ -514,7 +549,8 @@ def _options(site: Site) -> Iterator[Option]:
 
 
 OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
-    _others, _numbers, _factors, _terms, _shapes, _siblings, _directions, _states, _options,
+    _others, _numbers, _factors, _terms, _scales, _shapes, _siblings, _directions, _states,
+    _options,
 )  # fmt: skip
 
 
@@ -566,14 +602,19 @@ def edits(
     """
     arguments = Values(columns).arguments if columns else attrgetter("args")
     pool = (*pool_of(chain, stage, columns), *more)
+    left_out = frozenset(
+        str(each.symbol.data) for each in INPUTS
+        if LEFT_OUT in columns.get(key_of(each.symbol), ())
+    )  # fmt: skip
     for name, root in stage.roots.items():
         if name == "through":
             continue
         flies = name in ("law", "spin_left")
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         nodes = ordered([root], (), arguments)
-        yield from _of_formula(root, root, nodes, nodes, here, defaults, flies)
-        yield from _of_options(root, nodes, here, defaults, flies)
+        site = Site(root, (), here, defaults, flies, left_out)
+        yield from _of_formula(root, root, nodes, nodes, site)
+        yield from _of_options(root, nodes, site)
         if name in stage.forms:
             form, known = stage.forms[name], frozenset(nodes)
             others = ordered([form], (), arguments)
@@ -581,21 +622,18 @@ def edits(
             first = [x for x in others if x not in known and known.issuperset(arguments(x))]
             leading = frozenset(ordered(first, (), arguments))
             sites = [x for x in others if x not in known or x in leading]
-            yield from _of_formula(root, form, others, sites, here, defaults, flies)
+            yield from _of_formula(root, form, others, sites, site)
 
 
-def _of_options(
-    root: Node, nodes: Sequence[Node], pool: tuple[Node, ...],
-    defaults: Mapping[str, float | tuple[float, ...]], flies: bool,
-) -> Iterator[Edit]:  # fmt: skip
+def _of_options(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit]:
     """Edits in one option of a switch, of nodes that stand elsewhere as well.
 
     Programs write each option on its own, so that a mistake in one leaves the others right.
     """
     here = frozenset(nodes)
-    for switch in (node for node in nodes if node.op == "switch"):
-        key, options = switch.data
-        for option, form in zip(options, switch.args, strict=True):
+    for chosen in (node for node in nodes if node.op == "switch"):
+        key, options = chosen.data
+        for option, form in zip(options, chosen.args, strict=True):
             if form not in here:
                 continue
             elsewhere = here.intersection(ordered([root], {form}))
@@ -604,7 +642,7 @@ def _of_options(
             said, places, at = f" where {key} is {option}", math.log2(1 + len(nodes)), (key, option)
             for node in shared:
                 above = tuple(x for x in inside if node in x.args)
-                site = Site(node, above, pool, defaults, flies)
+                site = replace(whole, node=node, parents=above)
                 for operator in OF_ITSELF:
                     for by, bits, text, starts in operator(site):
                         cost = bits + places + UNNAMED.get(node.op, 1.5) + 2
@@ -616,9 +654,8 @@ UNNAMED = {"named": 0.0, "symbol": 0.5}
 
 
 def _of_formula(
-    root: Node, form: Node, nodes: Sequence[Node], sites: Sequence[Node], pool: tuple[Node, ...],
-    defaults: Mapping[str, float | tuple[float, ...]], flies: bool,
-) -> Iterator[Edit]:  # fmt: skip
+    root: Node, form: Node, nodes: Sequence[Node], sites: Sequence[Node], whole: Site
+) -> Iterator[Edit]:
     """Edits at some of the nodes of a form of a formula."""
     leaves = [node for node in sites if node.op == "symbol"]
     for a, b in itertools.combinations(leaves, 2):
@@ -639,7 +676,7 @@ def _of_formula(
     for node in sites:
         using = parents[id(node)]
         above = [q for p in using for q in ([p] if p.op != "named" else parents[id(p)])]
-        site = Site(node, tuple(above or using), pool, defaults, flies)
+        site = replace(whole, node=node, parents=tuple(above or using))
         for operator in OPERATORS:
             for by, bits, said, starts in operator(site):
                 # People err in what has a name.

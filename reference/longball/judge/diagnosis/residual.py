@@ -35,6 +35,7 @@ from longball.judge.diagnosis.expression import (
     specialised,
     symbol,
 )
+from longball.judge.diagnosis.operators import LEFT_OUT, key_of
 from longball.judge.quantities import values_of
 from longball.model.air import Air
 from longball.model.arrays import Array
@@ -152,7 +153,7 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     # The margin of another pitch is another one, of which the truth tells nothing.
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
-    columns = {**inputs(scenes), **switches(scenes), **chords_at}
+    columns = {**inputs(scenes), **switches(scenes), **left_out(scenes), **chords_at}
     columns[str(closest.data)] = columns["R"] + columns["r_b"] - expected["contact.margin"]
     return Data(cases, columns, given, expected, errors, granted=granted)
 
@@ -186,6 +187,29 @@ def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
             filled = [(*row, *[row[-1]] * (longest - len(row))) for row in rows]
             found[f"{key}.{part}"] = np.array(filled, dtype=float).T
     return found
+
+
+def left_out(scenes: Sequence[Any]) -> dict[str, Array]:
+    """For each number of scenes, "left out" where it has its default, else "given"."""
+    options = {True: LEFT_OUT, False: "given"}
+    return {
+        key_of(node): np.array([options[_leaves_out(scene, path)] for scene in scenes])
+        for node, path, _ in INPUTS
+        if not node.vector
+    }
+
+
+def _leaves_out(scene: Any, path: str) -> bool:
+    """True if a key of a path is not written, and its block has a default for it."""
+    block = scene
+    for key in path.partition("[")[0].split("."):
+        fields = getattr(type(block), "model_fields", {})
+        if key not in fields:
+            return False
+        if key not in block.model_fields_set:
+            return True
+        block = getattr(block, key)
+    return False
 
 
 def _has(scene: Any, key: str) -> bool:
@@ -232,7 +256,7 @@ def _options(scene: Any) -> dict[str, str]:
     forms = {"above": "above", "roughness": "profile"}
     form = next((forms[key] for key in forms if hasattr(wind, key)), "uniform")
     found["air.wind"] = "none" if wind is None else form
-    for key in ("air.spin_decay_length", "air.density_scale_height"):
+    for key in ("air.spin_decay_length", "air.density_scale_height", "air.side_coefficient"):
         held = getattr(air, key.partition(".")[2], None)
         found[key] = "none" if held is None else "given"
     found["earth"] = "given" if _has(scene, "earth") else "none"

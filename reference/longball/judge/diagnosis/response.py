@@ -181,7 +181,7 @@ Trial = tuple[Edit, float | None]
 
 
 class Effects:
-    """How well the first-order effects of edits fit the errors, alone and in pairs.
+    """Fit of the first-order effects of edits to the errors, alone and in pairs.
 
     A fit scales an effect freely; two values of a free number span its effects. Each scene has the
     same weight: an error is divided by its size in that scene, or by the median size where the

@@ -135,7 +135,9 @@ def _forms(scene: Any) -> Features:
             found[f"air.{name}.law"] = getattr(law, "law", "constant")
             if hasattr(law, "of"):
                 found[f"air.{name}.of"] = law.of
-        for name in ("wind", "density", "spin_decay_length", "density_scale_height"):
+        for name in (
+            "wind", "density", "spin_decay_length", "density_scale_height", "side_coefficient",
+        ):  # fmt: skip
             found[f"air.{name}"] = _form(getattr(air, name))
     for block in ("launch", "pitch", "incoming"):
         if (held := getattr(scene, block, None)) is not None:
@@ -230,8 +232,8 @@ def _law(name: str) -> bool:
 
 
 FORMS = (
-    "air.wind", "air.density", "air.spin_decay_length", "air.density_scale_height", "launch.spin",
-    "pitch.spin", "incoming.spin", "fence", "earth",
+    "air.wind", "air.density", "air.spin_decay_length", "air.density_scale_height",
+    "air.side_coefficient", "launch.spin", "pitch.spin", "incoming.spin", "fence", "earth",
 )  # fmt: skip
 
 

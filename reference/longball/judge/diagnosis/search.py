@@ -340,8 +340,7 @@ class Explanation:
             c, *_ = fitted(self._residual(stage, self.few, MIDDLE), [(start,)], 2)
             every = self._residual(stage, np.arange(len(self.all)), FINE)
             (c,), r, (slope,) = fitted(every, c[None], 1)
-            usual = FACTORS if edit.factor else ()
-            near = [(cost(r + slope * (x - c)) + bits, bits, x) for x, bits in rounded(c, usual)]
+            near = [(cost(r + slope * (x - c)) + bits, bits, x) for x, bits in rounded(c, FACTORS)]
             _, bits, x = min(near)
         edit = edit.settled(x, bits)
         return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
@@ -428,7 +427,7 @@ class Explanation:
             r, slopes = np.where(known, r, 0.0), np.where(known, slopes, 0.0)
             other = slopes[1 - at] if len(c) == 2 else np.zeros_like(r)
             size, near = max(float((other * other).sum()), TINY), []
-            for number, bits in rounded(c[at], FACTORS if chosen.factor else ()):
+            for number, bits in rounded(c[at], FACTORS):
                 off = r + slopes[at] * (number - c[at])
                 off = off - (off * other).sum() / size * other
                 near.append((cost(off) + bits, bits, number))

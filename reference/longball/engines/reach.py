@@ -1,0 +1,78 @@
+"""Length of the steps of Taylor's method: the reach of a series.
+
+This source runs in a namespace of its own (`longball.engines.compiled.Code`), with the recurrence
+that is printed for a law: on lists of numbers as it is, on arrays of doubles when it is compiled.
+"""
+
+from __future__ import annotations
+
+from math import inf, nan, sqrt
+from typing import Any
+
+_SMALLEST = 2.0**-1022  # of the doubles that have all their digits
+
+
+def reach_of_terms(x: Any, order: int, rtol: float, changing: tuple[int, ...]) -> float:
+    """Return the time, s, in which the last terms of the series stay small; NaN beyond doubles.
+
+    The last two terms of what changes, in the rows `changing`, stay below `rtol` times its size,
+    which is that of the first term that is not zero; and in each component below `rtol` times the
+    largest term, so that a drift that is small beside the flight is as exact as the flight.
+
+    Along a circle, whose series converges at any time, that would be half a turn, with terms so
+    large that their roundings show: the term of second order stays below twice the size, and so a
+    step within a third of a turn.
+    """
+    reach, power = inf, 0
+    size, bend = total(x, 0, changing), total(x, 2, changing)
+    if size == 0.0:
+        size, power = total(x, 1, changing), 1
+    elif bend > 0.0:
+        reach = sqrt(2.0 * size / bend)
+    for n in (order - 1, order):
+        last = total(x, n, changing)
+        if not last < inf:
+            return nan
+        if last > 0.0:
+            reach = min(reach, (rtol * size / last) ** (1.0 / (n - power)))
+    for i in changing:
+        for n in (order - 1, order):
+            last, own = abs(x[i][n]), 0.0
+            if last == 0.0:
+                continue
+            for k in range(n - 1, -1, -1):
+                own = max(own * reach, abs(x[i][k]))
+            if rtol * own > _SMALLEST:
+                reach = min(reach, (rtol * own / last) ** (1.0 / n))
+    return reach
+
+
+def total(x: Any, n: int, rows: tuple[int, ...]) -> float:
+    """Return the sum of the sizes of the coefficients n of some rows."""
+    found = 0.0
+    for i in rows:
+        found += abs(x[i][n])
+    return found
+
+
+# A square root has to stay analytic, also where its singularity is too weak to show in the terms.
+# V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂ from a place where V is least; V of a
+# vector v + a t, at V₀/|a|. A step stays within half of the farther.
+
+
+def bend_of_square(root: Any) -> float:
+    """Return S₂ from the coefficients of V."""
+    return abs(root[1] * root[1] + 2.0 * root[0] * root[2])  # type: ignore[no-any-return]
+
+
+def square_of_rates(x: Any, parts: tuple[int, ...]) -> float:
+    """Return a² from the rows of the components of a vector."""
+    found = 0.0
+    for i in parts:
+        found += x[i][1] * x[i][1]
+    return found
+
+
+def reach_of_root(reach: float, size: float, bend: float) -> float:
+    """Return a reach, s, shortened to half the distance to the zeros of a root of that size."""
+    return min(reach, 0.5 * size / sqrt(bend)) if bend != 0.0 else reach

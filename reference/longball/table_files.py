@@ -1,0 +1,91 @@
+"""Files of scenes and results as tables: CSV and Parquet."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic_core import to_json
+
+from longball.model.csv_files import decoded, other_separators, unguarded, write_frame
+from longball.model.jsonl import json_or_number
+from longball.model.plain import plain
+from longball.tables import results_table, scene_of
+
+
+def scene_lines(path: Path) -> bytes:
+    """Return the scenes of a .csv or .parquet as lines of JSON, numbered as those of the file."""
+    rows: Iterable[tuple[int, Mapping[Any, Any]]] = _csv_rows(path)
+    if path.suffix.lower() == ".parquet":
+        import pandas as pd
+
+        rows = enumerate(pd.read_parquet(path).to_dict("records"), 1)
+    lines: list[bytes] = []
+    for number, row in rows:
+        lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
+        cells = {name: _written(x) for name, x in row.items()}
+        scene = scene_of(cells, json_or_number)
+        lines.append(to_json(scene, inf_nan_mode="constants"))  # null would be no air
+    return b"\n".join(lines)
+
+
+def _written(cell: object) -> Any:
+    """Return a cell of a file as JSON has it; what is neither number nor block, as a text."""
+    try:
+        return plain(cell)
+    except TypeError:
+        return str(cell)
+
+
+def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+    """Yield the rows of a .csv that are not blank, each with the number of its first line."""
+    text = decoded(path.read_bytes())
+    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+    begin, head = 1, None
+    try:
+        for cells in reader:
+            number, begin = begin, reader.line_num + 1
+            if not any(map(str.strip, cells)):
+                continue
+            if head is None:
+                head = _head(cells)
+                continue
+            if any(cells[len(head) :]):
+                told = f"{len(cells)} cells, and the head has {len(head)}"
+                raise ValueError(f"line {number}: {told}")
+            pairs = [(name, x) for name, x in zip(head, cells, strict=False) if x]
+            # pandas writes an index of row numbers into a first column without a name.
+            if pairs and cells[0].isdecimal() and head[0] in _INDEX:
+                del pairs[0]
+            if unnamed := [x for name, x in pairs if not name]:
+                raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
+            yield number, {name: unguarded(x) for name, x in pairs}
+    except csv.Error as error:
+        raise ValueError(f"line {begin}: {error}") from None
+
+
+_INDEX = ("", "Unnamed: 0")  # names of a column that holds an index: in a file, and once read
+
+
+def _head(cells: Sequence[str]) -> list[str]:
+    """Return the names of columns as the first row has them."""
+    head = [name.strip() for name in cells]
+    for name in filter(None, head):
+        if head.count(name) > 1:
+            raise ValueError(f"the column {name} is there twice")
+    if hint := other_separators(head):
+        raise ValueError(f"not a table of scenes{hint}")
+    return head
+
+
+def write_table(path: Path, results: Iterable[bytes]) -> None:
+    """Write results, as lines of JSON, as a table."""
+    frame = results_table(map(json.loads, results))
+    if path.suffix.lower() == ".parquet":
+        frame.to_parquet(path)
+    else:
+        write_frame(frame, path)
