@@ -28,14 +28,15 @@ from longball.judge.diagnosis.expression import (
     Node,
     Values,
     component,
+    constant,
     depends,
     norm,
     ordered,
     substitute,
-    symbol,
+    switch,
     where,
 )
-from longball.judge.diagnosis.operators import IN_FLIGHT, Edit, edits
+from longball.judge.diagnosis.operators import IN_FLIGHT, LEFT_OUT, Edit, edits, key_of
 from longball.judge.diagnosis.residual import (
     COARSE,
     ROUNDING,
@@ -52,7 +53,7 @@ from longball.judge.diagnosis.search import defaults
 from longball.judge.quantities import values_of
 from longball.model.arrays import Array
 from longball.model.quantities import replaced
-from longball.model.scene import AtBatScene, Scene
+from longball.model.scene import AtBatScene
 
 Bools = NDArray[np.bool_]
 
@@ -155,8 +156,6 @@ LIMITS = (
     Replaced("takes twice the time limit", "time_limit", lambda limit: limit * 2),
 )
 
-LEFT_OUT = "left out: "  # before the symbol of a number: 1 where the scene does not write it
-
 
 def _other_defaults() -> Iterator[Edit]:
     """Another default for each number that has one: a tenth more, or 0.1 for 0."""
@@ -167,11 +166,9 @@ def _other_defaults() -> Iterator[Edit]:
             continue
         vector = isinstance(getattr(usual.pitch, path.rpartition(".")[2], None), tuple)
         zero = defaults().get(name) == 0.0 and not vector
-        more = symbol(LEFT_OUT + name) * (symbol(DEVIATION, node.dimension) if zero else 0.1 * node)
-        yield Edit(node, node + more, 0.0, f"takes another default for {path}")
-
-
-DEVIATION = "0.1 in its unit"
+        more = constant(0.1, node.dimension) if zero else 0.1 * node
+        other = switch(key_of(node), {"given": node, LEFT_OUT: node + more})
+        yield Edit(node, other, 0.0, f"takes another default for {path}")
 
 
 def _beside() -> Iterator[Edit]:
@@ -182,25 +179,6 @@ def _beside() -> Iterator[Edit]:
     (lift,) = (n for n in ordered([LAW]) if n.op == "switch" and n.data[0] == "spin")
     paper, _ = lift.args
     yield Edit(lift, where(norm(spin0), lift, paper), 0.0, "lifts a ball of spin 0 as one without")
-
-
-def _left_out(scenes: Sequence[Scene]) -> dict[str, Array]:
-    """1 for each scene that leaves a number out, by the number's symbol."""
-    found = {}
-    for node, path, _ in INPUTS:
-        left = [_leaves_out(scene, path.partition("[")[0]) for scene in scenes]
-        found[LEFT_OUT + str(node.data)] = np.array(left, dtype=float)
-    return found | {DEVIATION: np.full(len(scenes), 0.1)}
-
-
-def _leaves_out(scene: Any, path: str) -> bool:
-    block = scene
-    for key in path.split("."):
-        fields = getattr(type(block), "model_fields", {})
-        if key in fields and key not in block.model_fields_set:
-            return True
-        block = getattr(block, key, None)
-    return False
 
 
 # --- what they do ---------------------------------------------------------------------------------
@@ -401,7 +379,7 @@ def coverage(
     cases = [case for case in cases if decidable(case)]
     true = [Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases]
     data = data_of(cases, {answer.id: answer for answer in true})
-    columns = begun(data) | _left_out([case.scene for case in cases])
+    columns = begun(data)
     stages: dict[int, _Effects] = {}  # by place in the chain
     for place, stage in enumerate(CHAIN):
         if stage.name == "touching" and stage.kind == "flight":

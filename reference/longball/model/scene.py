@@ -317,7 +317,7 @@ Id = Annotated[
     str,
     Field(min_length=1),
     BeforeValidator(_text_of_whole),
-    WithJsonSchema({"type": ["string", "integer"], "minLength": 1}),
+    WithJsonSchema({"anyOf": [{"type": "string", "minLength": 1}, {"type": "integer"}]}),
 ]
 
 

@@ -195,7 +195,6 @@ def left_out(scenes: Sequence[Any]) -> dict[str, Array]:
     return {
         key_of(node): np.array([options[_leaves_out(scene, path)] for scene in scenes])
         for node, path, _ in INPUTS
-        if not node.vector
     }
 
 
