@@ -28,8 +28,9 @@ docs: $(VENV)/.documented  ## write the documentation to docs/_build/html; no ne
 test: $(INSTALLED)  ## run the tests on all cores
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-nightly: $(INSTALLED)  ## compare all engines with the tests' oracle on 5,000 random scenes, and run all tests whole
+nightly: $(INSTALLED)  ## compare all engines and the golden data with the tests' oracle, and run all tests whole
 	$(BIN)/python -m tests.nightly --scenes 5000
+	$(BIN)/python -m tests.oracle_check --sample 5 --seed $$(date +%j)
 	$(BIN)/python -m pytest -n auto --dist worksteal --nightly
 
 coverage: $(INSTALLED)  ## run the tests, and print what they do not reach

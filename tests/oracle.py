@@ -3,7 +3,11 @@
 The sections follow the page, with its equations beside the lines that compute them. Nothing of
 longball is imported, and no method is shared with it. Flights are flown in space by SciPy's
 DOP853, in steps that end wherever the law has a kink or a jump. Events are found by sampling the
-flight densely and by Brent's method. Formulas are in plain floats, term by term.
+flight densely and by Brent's method. Formulas are written out, term by term.
+
+The same formulas take floats or numbers of many digits (mpmath). In many digits the flight of
+doubles tells only where to look: at a time in mpmath a state is integrated by `extrapolation.py`,
+from the nearest one known, and signs that doubles cannot tell, kinks and events are found with it.
 
 A scene is the JSON object of the contract; what it leaves out is filled in here. `solve` returns an
 `Answer`: a result with the contract's keys, and the scene's distance from another outcome.
@@ -14,12 +18,35 @@ from bisect import bisect_left, bisect_right
 from itertools import pairwise
 from typing import NamedTuple
 
+import mpmath
 import numpy as np
+from mpmath import mpf
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
+from tests import extrapolation
+
 STEP = 0.04  # s, the longest step: the dense output is then as precise as the steps
 SAMPLES = 8  # of a step: two events within one of them are taken for none, or found as a dip
+FINE = mpf("1e-15")  # below what doubles tell, above the roundings of many digits
+NEAR = 1e-8  # a value so near to zero is asked for again in many digits, if there are any
+
+# ---- numbers -------------------------------------------------------------------------------------
+
+
+def of(number):
+    """Functions of a number: those of floats, or of mpmath."""
+    return mpmath if isinstance(number, mpf) else math
+
+
+def mapped(number, data):
+    """Data with `number` of each of its numbers."""
+    if isinstance(data, dict):
+        return {key: mapped(number, value) for key, value in data.items()}
+    if isinstance(data, list | tuple | np.ndarray):
+        return [mapped(number, value) for value in data]
+    return number(data) if isinstance(data, int | float | mpf) else data
+
 
 # ---- vectors -------------------------------------------------------------------------------------
 
@@ -37,7 +64,8 @@ def cross(a, b):
 
 
 def length(a):
-    return math.sqrt(dot(a, a))
+    square = dot(a, a)
+    return of(square).sqrt(square)
 
 
 def times(factor, a):
@@ -91,6 +119,12 @@ def filled(scene):
             full["air"] = {"density": 0.0, "drag_coefficient": 0.0, "lift_coefficient": 0.0}
         else:
             full[block] = values | scene.get(block, {})
+    air = full["air"] = dict(full["air"])
+    if isinstance(air["density"], dict):
+        air["density"] = WEATHER | air["density"]
+    for key in ("drag_coefficient", "lift_coefficient"):
+        if isinstance(air[key], dict):
+            air[key] = LAWS.get(air[key]["law"], {}) | air[key]
     full["reading"] = READINGS | scene.get("reading", {})
     return full
 
@@ -102,34 +136,35 @@ def density(air, reading):
     """ρ at height 0."""
     if not isinstance(air["density"], dict):
         return air["density"]
-    weather = WEATHER | air["density"]
+    weather = air["density"]
     kelvin, celsius = weather["temperature"], weather["temperature"] - 273.15
     pressure = weather["pressure"]
+    exp = of(kelvin).exp
     if reading["pressure"] == "sea_level":
-        pressure *= math.exp(-1.217e-4 * weather["elevation"])
-    saturated = 611.16 * math.exp((18.687 - celsius / 234.5) * celsius / (257.14 + celsius))
+        pressure = pressure * exp(-1.217e-4 * weather["elevation"])
+    saturated = 611.16 * exp((18.687 - celsius / 234.5) * celsius / (257.14 + celsius))
     dry = pressure - 0.3783 * weather["humidity"] * saturated
-    return 1.2929 * 273.15 / kelvin * dry / 101325
+    return 1.2929 * (273.15 / kelvin) * dry / 101325  # never a constant times a constant: it rounds
 
 
 def speed_of_sound(air):
     """331.3 √(T/273.15), where there is a temperature."""
     if not isinstance(air["density"], dict):
         return math.nan
-    return 331.3 * math.sqrt((WEATHER | air["density"])["temperature"] / 273.15)
+    warmth = air["density"]["temperature"] / 273.15
+    return 331.3 * of(warmth).sqrt(warmth)
 
 
-def wind(of, z, above):
+def wind(blowing, z, above):
     """W at a height; `above` tells on which side of the jump the ball is."""
-    if of is None:
-        return (0.0, 0.0, 0.0)
-    if not isinstance(of, dict):
-        return tuple(of)
-    if "above" in of:
-        return tuple(of["velocity"]) if above else (0.0, 0.0, 0.0)
-    rough = of.get("roughness", 0.03)
-    share = math.log((z + rough) / rough) / math.log((of["height"] + rough) / rough)
-    return times(share, of["velocity"])
+    if not isinstance(blowing, dict):
+        return blowing
+    if "above" in blowing:
+        return blowing["velocity"] if above else (0.0, 0.0, 0.0)
+    rough = blowing.get("roughness", 0.03)
+    log = of(z).log
+    share = log((z + rough) / rough) / log((blowing["height"] + rough) / rough)
+    return times(share, blowing["velocity"])
 
 
 class Coefficient:
@@ -140,8 +175,7 @@ class Coefficient:
 
     def __init__(self, given):
         law = given if isinstance(given, dict) else {"law": "constant", "value": given}
-        self.keys = LAWS.get(law["law"], {}) | law
-        self.name, self.of, self.nodes = law["law"], None, []
+        self.keys, self.name, self.of, self.nodes = law, law["law"], None, []
         if self.name == "table":
             self.of, self.nodes, values = law["of"], law["at"], law["values"]
             self.lines = [(values[0], 0.0)]
@@ -164,7 +198,7 @@ class Coefficient:
         if self.name == "spin":
             return c["constant"] + c["per_spin"] * spin
         if self.name == "crisis":
-            fall = 1 / (1 + math.exp((U - c["speed"]) / c["width"]))
+            fall = 1 / (1 + of(U).exp((U - c["speed"]) / c["width"]))
             at_speed = c["high_speed"] + (c["low_speed"] - c["high_speed"]) * fall
             return at_speed + c["per_spin"] * spin
         if self.name == "rational":
@@ -200,9 +234,14 @@ class Law:
 
     def __init__(self, scene, velocity, spin):
         ball, air, reading = scene["ball"], scene["air"], scene["reading"]
+        m = of(ball["mass"])
+        self.many_digits = m is mpmath
+        self.in_floats = self
+        if self.many_digits:
+            self.in_floats = Law(*(mapped(float, given) for given in (scene, velocity, spin)))
         self.radius, self.gravity, self.reading = ball["radius"], scene["gravity"], reading
         # k = ρ A/(2m) at height 0, which falls as e^{-z/H}.
-        area = math.pi * ball["radius"] ** 2
+        area = m.pi * ball["radius"] ** 2
         self.k = density(air, reading) * area / (2 * ball["mass"])
         self.scale_height = air.get("density_scale_height")
         self.wind = air.get("wind")
@@ -212,21 +251,23 @@ class Law:
         self.sound = speed_of_sound(air)
         self.spin, self.decay_length = spin, air.get("spin_decay_length")
         # ê = (sin φ, -cos φ, 0), with the first velocity along (cos φ, sin φ).
-        level = math.hypot(velocity[0], velocity[1])
+        level = m.hypot(velocity[0], velocity[1])
         self.heading = (velocity[0] / level, velocity[1] / level) if level else (1.0, 0.0)
         self.axis = (self.heading[1], -self.heading[0], 0.0)
-        self.rotation = (0.0, 0.0, 0.0)
+        self.rotation = None
         if scene["earth"] is not None:
             latitude, azimuth = scene["earth"]["latitude"], scene["earth"].get("azimuth", 0.0)
-            level = 7.292115e-5 * math.cos(latitude)
+            level = 7.292115e-5 * m.cos(latitude)
             self.rotation = (
-                level * math.cos(azimuth),
-                level * math.sin(azimuth),
-                7.292115e-5 * math.sin(latitude),
+                level * m.cos(azimuth),
+                level * m.sin(azimuth),
+                7.292115e-5 * m.sin(latitude),
             )
 
     def through_air(self, y, branch):
         """u = v - W."""
+        if self.wind is None:
+            return tuple(y[3:6])
         return minus(y[3:6], wind(self.wind, y[2], branch.above))
 
     def spin_at(self, t, y, branch):
@@ -238,7 +279,7 @@ class Law:
             "time": lambda: t * 44.704,
             "nathan": lambda: t * length(self.through_air(y, branch)),
         }[self.reading["spin_decay"]]()
-        return times(math.exp(-way / self.decay_length), self.spin)
+        return times(of(way).exp(-way / self.decay_length), self.spin)
 
     def parameters(self, spin, u):
         """U, S and c = ω × u of a ball that moves with u."""
@@ -259,9 +300,15 @@ class Law:
             found.append(law.argument(U, S, self.sound) if law.nodes else 0.0)
         return found
 
-    def branch_at(self, t, y, before=None):
-        """The branch of a state that is on no switch."""
-        above = isinstance(self.wind, dict) and "above" in self.wind and y[2] > self.wind["above"]
+    def slopes(self, t, y, branch):
+        """Rates of r, v and the path."""
+        return [*y[3:6], *self.acceleration(t, y, branch), length(self.through_air(y, branch))]
+
+    def branch_at(self, t, y, before=None, above=None):
+        """The branch of a state that is on no switch, unless `above` tells the side of the wind."""
+        if above is None:
+            height = self.wind.get("above") if isinstance(self.wind, dict) else None
+            above = height is not None and y[2] > height
         vertical = before.vertical if before else not (y[3] or y[4])
         branch = Branch(above, 0, 0, vertical)
         drag, lift = self.arguments(t, y, branch)
@@ -289,9 +336,12 @@ class Law:
         """-k C_D U u + lift + k C_S U² ê - g ẑ - 2 Ω × v."""
         v = tuple(y[3:6])
         total = [0.0, 0.0, -self.gravity]
-        for i, turned in enumerate(cross(self.rotation, v)):
-            total[i] -= 2 * turned
-        k = self.k * (math.exp(-y[2] / self.scale_height) if self.scale_height else 1.0)
+        if self.rotation is not None:
+            for i, turned in enumerate(cross(self.rotation, v)):
+                total[i] -= 2 * turned
+        k = self.k
+        if self.scale_height:
+            k = k * of(k).exp(-y[2] / self.scale_height)
         if k == 0:
             return total
         spin, u = self.spin_at(t, y, branch), self.through_air(y, branch)
@@ -303,8 +353,10 @@ class Law:
             for i in range(3):
                 total[i] -= k * drag * U * u[i]
         # All of the lift is that of u, or of v.
-        moving = u if self.reading["wind_acts_on"] == "both" else v
-        U, S, c = self.parameters(spin, moving)
+        moving = u
+        if self.reading["wind_acts_on"] == "drag":
+            moving = v
+            U, S, c = self.parameters(spin, moving)
         if U == 0:
             return total
         lift = self.lift.value(U, S, 0.0, self.sound, branch.lift)
@@ -318,13 +370,10 @@ class Law:
         return total
 
     def lift_direction(self, spin, moving, U, c, branch):
-        if spin is None and self.reading["lift_direction"] == "always_up":
-            level = math.hypot(moving[0], moving[1])
-            if branch.vertical or level == 0:
-                return (0.0, 0.0, 0.0)
-            forward = self.heading[0] * moving[0] + self.heading[1] * moving[1]
-            return times(math.copysign(1 / U, forward), cross(self.axis, moving))  # ±ê × v/U
         if spin is None:
+            # `always_up`: the ball moves forward until it is vertical, so that + points upwards.
+            if self.reading["lift_direction"] == "always_up" and branch.vertical:
+                return (0.0, 0.0, 0.0)
             return times(1 / U, cross(self.axis, moving))  # ê × u/U
         if length(c) == 0:
             return (0.0, 0.0, 0.0)
@@ -338,16 +387,24 @@ class Unclear(Exception):
 
 
 class Flight:
-    """A ball's states at times since its start, until it is under the floor or `beyond` is true."""
+    """A ball's states at times since its start, until it is under the floor or `beyond` is true.
+
+    At a time in mpmath a state has many digits; at one in doubles it is that of DOP853.
+    """
 
     def __init__(self, law, start, floor, limit, beyond=lambda y: False, longest=STEP):
         self.law, self.floor, self.limit = law, floor, limit
         self.beyond, self.longest = beyond, longest
-        t, y = 0.0, np.array([*start, 0.0])
-        branch = law.branch_at(t, y)
-        self.times, self.pieces, self.states = [t], [(lambda t, y=y: y, branch)], {t: y}
+        self.legs = []  # in many digits: where a smooth form of the law begins, and its states
+        t, y = self.sharp(0.0), np.array([*start, self.sharp(0.0)])
+        branch, seen = law.branch_at(t, y), y.astype(float)
+        self.times, self.pieces, self.states = [0.0], [(lambda t: seen, branch)], {0.0: seen}
         while t < limit and not self.over(y):
             t, y, branch = self._fly(t, y, branch)
+
+    def sharp(self, t):
+        """A time with the digits that the law has."""
+        return mpf(t) if self.law.many_digits else t
 
     def over(self, y):
         # A hair under the floor, so that a landing at the very height of a switch is passed, too.
@@ -355,63 +412,108 @@ class Flight:
 
     def _fly(self, t, y, branch):
         """Fly on one branch to its end: time, state and branch to go on with."""
-        law = self.law
+        law, leg = self.law.in_floats, None
+        if self.law.many_digits:
+            leg = extrapolation.Leg(lambda t, y: self.law.slopes(t, y, branch), t, y)
+            self.legs.append((t, leg, branch))
 
         def slopes(t, y):
-            return [*y[3:6], *law.acceleration(t, y, branch), length(law.through_air(y, branch))]
+            return law.slopes(t, y.tolist(), branch)
 
-        solver = DOP853(slopes, t, y, self.limit, rtol=1e-13, atol=1e-14, max_step=self.longest)
+        start, limit = float(t), float(self.limit)
+        y = np.array(y, dtype=float)
+        solver = DOP853(slopes, start, y, limit, rtol=1e-13, atol=1e-14, max_step=self.longest)
         while solver.status == "running" and not self.over(solver.y):
             if isinstance(law.wind, dict) and "height" in law.wind:
                 # Below the roughness there is no profile: step to the ground by halves.
-                fall = (solver.y[2] - self.floor) / (2 * length(solver.y[3:6]) + 1e-9)
+                fall = float(solver.y[2] - self.floor) / (2 * length(solver.y[3:6]) + 1e-9)
                 solver.max_step = min(self.longest, max(fall, 2e-5))
             solver.step()
             assert solver.status != "failed", "DOP853 finds no step"
             dense = solver.dense_output()
+
+            def at(t, dense=dense):
+                return np.array(leg.at(t)) if isinstance(t, mpf) else dense(t)
+
             grid = np.linspace(solver.t_old, solver.t, SAMPLES + 1)
             for before, now, y in zip(grid, grid[1:], dense(grid[1:]).T, strict=False):
-                switch = self._switch(dense, before, now, y, branch)
-                self.times.append(now if switch is None else switch[0])
+                switch = self._switch(at, t if before == start else before, now, y, branch)
+                self.times.append(now if switch is None else float(switch[0]))
                 self.pieces.append((dense, branch))
                 if switch is not None:
                     return switch
                 self.states[now] = y
         return solver.t, solver.y, branch
 
-    def _switch(self, dense, before, now, y, branch):
+    def _switch(self, at, before, now, y, branch):
         """Time, state and next branch at the first switch of the law between two times, if any."""
         law, first = self.law, None
-        for index, (name, value, low, high) in enumerate(law.switches(now, y, branch)):
-            if low <= value <= high:
-                continue
-            bound, step = (low, -1) if value < low else (high, 1)
-
-            def outside(t, index=index, bound=bound, step=step):
-                value = list(law.switches(t, dense(t), branch))[index][1]
-                return step * (value - bound)
-
-            # After a restart on the bound itself, the ball may seem to be a rounding outside.
-            time = brentq(outside, before, now, xtol=1e-15) if outside(before) < 0 else before
-            if first is None or time < first[0]:
-                first = (time, name, step)
+        for index, (name, value, *bounds) in enumerate(law.in_floats.switches(now, y, branch)):
+            for step, bound in zip((-1, 1), bounds, strict=True):
+                if math.isinf(bound) or not (law.many_digits or step * (bound - value) < 0):
+                    continue
+                time = self._leaving(at, before, now, branch, index, step)
+                if time is not None and (first is None or time < first[0]):
+                    first = (time, name, step)
         if first is None:
             return None
         time, name, step = first
-        y = dense(time)
+        y = at(time)
         if name == "vertical":
-            if length(law.rotation):
+            if law.rotation is not None:
                 raise Unclear("always_up: a ball that turns vertical while the Earth turns")
-            y[3] = y[4] = 0.0
+            y[3] = y[4] = self.sharp(0.0)
             return time, y, branch._replace(vertical=True)
         if name == "above":
             # The airspeed jumps: the tables are read anew on the other side.
-            y[2] = math.nextafter(law.wind["above"], step * math.inf)
-            return time, y, law.branch_at(time, y, branch)
+            y[2] = law.wind["above"]
+            return time, y, law.branch_at(time, y, branch, above=step > 0)
         return time, y, branch._replace(**{name: getattr(branch, name) + step})
+
+    def _leaving(self, at, before, now, branch, index, step):
+        """Time at which what has to stay within bounds leaves them on one side, if it does."""
+
+        def room(t, y=None):
+            law = self.law if isinstance(t, mpf) else self.law.in_floats
+            _, value, *bounds = list(law.switches(t, at(t) if y is None else y, branch))[index]
+            return step * (bounds[step > 0] - value)
+
+        def rate(t):
+            law, h = (self.law, FINE) if isinstance(t, mpf) else (self.law.in_floats, 1e-6)
+            y = at(t)
+            way = np.array(law.slopes(t, y.tolist(), branch)) * h
+            return (room(t + h, y + way) - room(t - h, y - way)) / (2 * h)
+
+        if not self.law.many_digits:
+            # After a restart on the bound itself, the ball may seem to be a rounding outside.
+            return self.root(room, before, now) if room(before) > 0 else before
+        on_bound = isinstance(before, mpf) and abs(room(before)) < 100 * extrapolation.tolerance()
+        if on_bound and rate(before) < 0:
+            return before  # where the leg starts
+        return first_fall(self, room, rate, Doubt(), "", [before, now])
+
+    def root(self, function, low, high):
+        """Zero of a function of time between two times at which its signs differ."""
+        if not self.law.many_digits:
+            return brentq(function, low, high, xtol=1e-15)
+        try:
+            guess = brentq(lambda t: float(function(t)), float(low), float(high), xtol=1e-15)
+        except ValueError:  # in doubles they do not
+            return extrapolation.zero(function, mpf(low), mpf(high))
+        near = max(mpf(low), guess - mpf(NEAR)), min(mpf(high), guess + mpf(NEAR))
+        if function(near[0]) * function(near[1]) > 0:
+            near = mpf(low), mpf(high)
+        return extrapolation.zero(function, *near)
+
+    def leg(self, t):
+        """Where a time in mpmath lies: the leg that comes there, and its branch."""
+        place = bisect_left(self.legs, t, key=lambda leg: leg[0])
+        return self.legs[max(place - 1, 0)][1:]
 
     def at(self, t):
         """State at a time."""
+        if isinstance(t, mpf):
+            return np.array(self.leg(t)[0].at(t))
         if t not in self.states:
             self.states[t] = self.pieces[bisect_left(self.times, t)][0](t)
         return self.states[t]
@@ -421,7 +523,9 @@ class Flight:
         y, law = self.at(t), self.law
         if law.reading["spin_decay"] == "nathan" and isinstance(law.wind, dict):
             doubt.weigh("the wind in which a spin is told", y[2] - law.wind.get("above", math.inf))
-        return law.spin_at(t, y, self.pieces[bisect_left(self.times, t)][1])
+        many = isinstance(t, mpf)
+        branch = self.leg(t)[1] if many else self.pieces[bisect_left(self.times, t)][1]
+        return law.spin_at(t, y, branch)
 
 
 # ---- events --------------------------------------------------------------------------------------
@@ -438,40 +542,50 @@ class Doubt:
             self.least, self.question = abs(distance), question
 
 
-def falls(value, rate, times, doubt, question):
+def seen(flight, function, t):
+    """Value of a function at a time in doubles, in many digits if it may be zero."""
+    value = function(t)
+    return value if abs(value) > NEAR else function(flight.sharp(t))
+
+
+def falls(flight, value, rate, doubt, question, times=None):
     """Yield the times at which a function of time falls through zero; dips between samples, too.
 
     Of the rate only the sign matters.
     """
-    before, height, slope = times[0], value(times[0]), rate(times[0])
+    times = flight.times if times is None else times
+    before, height, slope = times[0], seen(flight, value, times[0]), rate(times[0])
     for now in times[1:]:
-        height_now, slope_now = value(now), rate(now)
-        if height > 0 >= height_now:
-            yield brentq(value, before, now, xtol=1e-15)
+        height_now, slope_now = seen(flight, value, now), rate(now)
+        rises = abs(height) < FINE and slope > 0  # from zero, perhaps for less than a sample
+        if (height > 0 or rises) and height_now <= 0:
+            yield flight.root(value, flight.root(rate, before, now) if rises else before, now)
         elif height > 0 and slope < 0 < slope_now:
-            bottom = brentq(rate, before, now, xtol=1e-15)
+            bottom = flight.root(rate, before, now)
             doubt.weigh(question, value(bottom))
             if value(bottom) < 0:
-                yield brentq(value, before, bottom, xtol=1e-15)
+                yield flight.root(value, before, bottom)
         before, height, slope = now, height_now, slope_now
 
 
-def first_fall(value, rate, times, doubt, question):
-    return next(falls(value, rate, times, doubt, question), None)
+def first_fall(flight, value, rate, doubt, question, times=None):
+    return next(falls(flight, value, rate, doubt, question, times), None)
 
 
 def landing_time(flight, doubt):
     """Time at which the centre falls through the floor: 0, if it starts there and does not rise."""
-    start = flight.at(0.0)
+    zero = flight.sharp(0.0)
+    start = flight.at(zero)
     if start[2] == flight.floor:
-        rise = start[5] or flight.law.acceleration(0.0, start, flight.law.branch_at(0.0, start))[2]
+        branch = flight.law.branch_at(zero, start)
+        rise = start[5] or flight.law.acceleration(zero, start, branch)[2]
         doubt.weigh("a start on the ground", rise)
         if rise <= 0:
-            return 0.0
+            return zero
     time = first_fall(
+        flight,
         lambda t: flight.at(t)[2] - flight.floor,
         lambda t: flight.at(t)[5],
-        flight.times,
         doubt,
         "a dip to the ground",
     )
@@ -501,7 +615,7 @@ def floor_of(scene):
 def plate_of(flight, doubt):
     """The first crossing of x = 0, unless the pitch lands before; and the outcome of a pitch."""
     time = first_fall(
-        lambda t: flight.at(t)[0], lambda t: flight.at(t)[3], flight.times, doubt, "the plate"
+        flight, lambda t: flight.at(t)[0], lambda t: flight.at(t)[3], doubt, "the plate"
     )
     landing = landing_time(flight, doubt)
     if time is not None and landing is not None:
@@ -512,9 +626,10 @@ def plate_of(flight, doubt):
         return None, "airborne"
     doubt.weigh("plate at the time limit", time - flight.limit)
     y = flight.at(time)
+    m = of(time)
     approach = {
-        "vertical": math.atan2(y[5], math.hypot(y[3], y[4])),
-        "horizontal": math.atan2(y[4], -y[3]),
+        "vertical": m.atan2(y[5], m.hypot(y[3], y[4])),
+        "horizontal": m.atan2(y[4], -y[3]),
     }
     plate = {"time": time, "position": y[:3], "velocity": y[3:6], "approach": approach}
     return plate, "crossed"
@@ -525,29 +640,33 @@ def touching(flight, height, reach, doubt):
 
     def gap(t):
         y = flight.at(t)
-        return math.hypot(y[0], y[2] - height) - reach
+        return of(y[0]).hypot(y[0], y[2] - height) - reach
 
     def opening(t):
         y = flight.at(t)
         return y[0] * y[3] + (y[2] - height) * y[5]
 
     passed = first_fall(
-        lambda t: flight.at(t)[0] + reach, lambda t: flight.at(t)[3], flight.times, doubt, "the bat"
+        flight, lambda t: flight.at(t)[0] + reach, lambda t: flight.at(t)[3], doubt, "the bat"
     )
     ends = [t for t in (passed, landing_time(flight, doubt), flight.times[-1]) if t is not None]
-    end = min(ends)
+    end = min(ends)  # in many digits, if it is an event
     # Past the bat the ball flies some centimetres: finer samples than those of the flight.
     coarse = [t for t in flight.times if t < end]
-    fine = np.linspace(next((t for t in coarse if flight.at(t)[0] < 4), end), end, 400)
+    last = float(end)
+    fine = np.linspace(next((t for t in coarse if flight.at(t)[0] < 4), last), last, 400)
     samples = sorted({*coarse, *fine})
     closest = min(samples, key=gap)
     around = samples.index(closest)
     low, high = samples[max(around - 1, 0)], samples[min(around + 1, len(samples) - 1)]
     if opening(low) < 0 < opening(high):
-        closest = brentq(opening, low, high, xtol=1e-15)
-    margin = -gap(closest)
+        closest = flight.root(opening, low, high)
+    margin = -gap(end if closest == last else flight.sharp(closest))
     doubt.weigh("a graze", margin)
-    return first_fall(gap, opening, samples, Doubt(), ""), margin
+    start = flight.sharp(0.0)
+    if gap(start) == 0 and opening(start) < 0:
+        return start, margin  # released where they touch
+    return first_fall(flight, gap, opening, Doubt(), "", samples), margin
 
 
 # ---- contact and impact --------------------------------------------------------------------------
@@ -569,7 +688,8 @@ def contact_of(scene, normal, position, velocity):
     swing = scene["swing"]
     theta, arm = swing["tilt"], scene["bat"]["length"] / 2 - position[1]
     speed = swing["angular_speed"] * arm
-    bat_velocity = (speed * math.cos(theta), 0.0, speed * math.sin(theta))
+    m = of(theta)
+    bat_velocity = (speed * m.cos(theta), 0.0, speed * m.sin(theta))
     return {
         "position": position,
         "normal": normal,
@@ -622,6 +742,13 @@ def collide(scene, contact, velocity, spin, doubt):
     return impact
 
 
+def solved(K, g):
+    """P of K P = g."""
+    if K.dtype == float:
+        return np.linalg.solve(K, g)
+    return np.array(list(mpmath.lu_solve(mpmath.matrix(K.tolist()), mpmath.matrix(g.tolist()))))
+
+
 def rub(scene, contact, velocity, spin, e, mu, doubt):
     """The oblique impact: the impulse P, the spin after it, and what else the result tells."""
     ball, bat, swing = scene["ball"], scene["bat"], scene["swing"]
@@ -629,7 +756,8 @@ def rub(scene, contact, velocity, spin, e, mu, doubt):
     inertia, theta, friction = ball["inertia_factor"] * m * R**2, swing["tilt"], bat["friction"]
     n, V, Vb = (np.array(v) for v in (contact["normal"], velocity, contact["bat_velocity"]))
     before = np.zeros(3) if spin is None else np.array(spin)
-    turning = swing["angular_speed"] * np.array([-math.sin(theta), 0.0, math.cos(theta)])
+    sin, cos = of(theta).sin(theta), of(theta).cos(theta)
+    turning = swing["angular_speed"] * np.array([-sin, 0.0, cos])
     g = V + np.cross(before, -R * n) - Vb - np.cross(turning, rb * n)
     # K = 1/m + R²/I (1 - n nᵀ) + K_bat, with 1/μ in place of n·K n.
     about_pivot, about_middle = bat_inertia(scene)
@@ -645,16 +773,16 @@ def rub(scene, contact, velocity, spin, e, mu, doubt):
     K += (1 / mu - n @ K @ n) * np.outer(n, n)
     # Grip: K P = -[(1 + ẽ)(g·n) n + (1 + e_T) g_t].
     slip = g - (g @ n) * n
-    grip = -np.linalg.solve(K, (1 + e) * (g @ n) * n + (1 + bat["tangential_restitution"]) * slip)
+    grip = -solved(K, (1 + e) * (g @ n) * n + (1 + bat["tangential_restitution"]) * slip)
     across_n = grip - (grip @ n) * n
-    margin = 1 - np.linalg.norm(across_n) / (friction * (grip @ n))
+    margin = 1 - length(across_n) / (friction * (grip @ n))
     doubt.weigh("grip or slide", margin)
     doubt.weigh("no normal impulse of a grip", grip @ n)
     mode, P = "grip", grip
-    if not np.linalg.norm(across_n) <= friction * (grip @ n):
+    if not length(across_n) <= friction * (grip @ n):
         final = scene["reading"]["slide_direction"] == "final"
         along = -across_n if final else slip
-        size = np.linalg.norm(along)
+        size = length(along)
         along = along / size if size else along
         pushing = n @ K @ (n - friction * along)
         doubt.weigh("jamming", pushing * mu)
@@ -687,9 +815,9 @@ def fence_crossings(scene, flight, doubt):
     fence = scene["fence"]
     if "radius" in fence:
         time = first_fall(
-            lambda t: fence["radius"] - math.hypot(*flight.at(t)[:2]),
+            flight,
+            lambda t: fence["radius"] - of(flight.at(t)[0]).hypot(*flight.at(t)[:2]),
             lambda t: -(flight.at(t)[:2] @ flight.at(t)[3:5]),
-            flight.times,
             doubt,
             "a touch of the circle",
         )
@@ -698,7 +826,7 @@ def fence_crossings(scene, flight, doubt):
         return
     for segment, (a, b) in enumerate(pairwise(fence["polyline"])):
         along = np.array(b[:2]) - a[:2]
-        chord = np.hypot(*along)
+        chord = of(along[0]).hypot(*along)
         if chord == 0:
             continue  # the height steps
 
@@ -710,7 +838,7 @@ def fence_crossings(scene, flight, doubt):
             v = flight.at(t)[3:5]
             return -(along[0] * v[1] - along[1] * v[0]) / chord
 
-        for time in falls(inside, inward, flight.times, Doubt(), ""):
+        for time in falls(flight, inside, inward, Doubt(), ""):
             part = (flight.at(time)[:2] - a[:2]) @ along / chord**2
             doubt.weigh("a vertex of the fence", min(abs(part), abs(1 - part)) * chord)
             if 0 <= part < 1:
@@ -746,11 +874,16 @@ class Answer(NamedTuple):
     doubt: Doubt
 
 
-def solve(scene, longest=STEP):
-    """Result of a scene, and its distance from another outcome."""
+def solve(scene, longest=STEP, digits=None):
+    """Result of a scene, and its distance from another outcome; in doubles, or so many digits."""
     scene, doubt = filled(scene), Doubt()
     kinds = {"flight": of_flight, "pitch": of_pitch, "impact": of_impact, "at-bat": of_at_bat}
-    return Answer(kinds[scene["kind"]](scene, doubt, longest), doubt)
+    solve_kind = kinds[scene["kind"]]
+    if digits is None:
+        return Answer(solve_kind(scene, doubt, longest), doubt)
+    with mpmath.workdps(digits + extrapolation.SPARE):
+        scene = mapped(lambda number: mpf(float(number)), scene)
+        return Answer(solve_kind(scene, doubt, longest), doubt)
 
 
 def of_flight(scene, doubt, longest):
@@ -831,10 +964,10 @@ def highest(flight, end, start):
     tops = [] if climb(seen[0]) > 0 else [seen[0]]
     for before, now in pairwise(seen):
         if climb(before) > 0 >= climb(now):
-            tops.append(brentq(climb, before, now, xtol=1e-15))
+            tops.append(flight.root(climb, before, now))
     if not tops:
         return {}
-    top = max(tops, key=lambda t: flight.at(t)[2])
+    top = flight.sharp(max(tops, key=lambda t: flight.at(t)[2]))
     return {"apex": {"time": start + top, "position": flight.at(top)[:3]}}
 
 
@@ -856,13 +989,14 @@ def fly_out(scene, landed, ball, start, doubt, longest):
         y = flight.at(time)
         found |= highest(flight, time, start)
         origin = (0.0, 0.0) if scene["reading"]["distance_origin"] == "plate" else position
+        m = of(time)
         found["landing"] = {
             "time": start + time,
             "hang_time": time,
             "position": y[:3],
             "velocity": y[3:6],
-            "distance": math.hypot(y[0] - origin[0], y[1] - origin[1]),
-            "angle": math.atan2(-y[5], math.hypot(y[3], y[4])),
+            "distance": m.hypot(y[0] - origin[0], y[1] - origin[1]),
+            "angle": m.atan2(-y[5], m.hypot(y[3], y[4])),
         }
         if spin is not None:
             found["landing"]["spin"] = flight.spin(time, doubt)

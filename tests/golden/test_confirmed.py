@@ -8,6 +8,7 @@ import pytest
 
 from longball import golden
 from tests import nightly as by_oracle
+from tests.oracle_check import LATER
 
 EACH = 40  # cases, of which one is solved in every run; `make nightly` solves all
 # In comments of kinks: a law changes its form for less than the 5 ms between the oracle's samples.
@@ -15,8 +16,6 @@ NEXT_TO = "next to"
 DIP = "dip"  # the flag of a ball that grazes the ground, which the oracle's tolerance leaves out
 # Of a family: cases nearer to another outcome than the oracle can tell are left out.
 IN_DOUBT = 0.5
-LATER = ("apex.time", "apex.position", "landing.angle", "plate.approach.vertical",
-         "plate.approach.horizontal")  # fmt: skip
 
 
 def apart(case: golden.Case) -> tuple[float | None, str]:
@@ -25,7 +24,6 @@ def apart(case: golden.Case) -> tuple[float | None, str]:
     if true is None:
         return None, ""
     answer = json.loads(case.expected.line())
-    # Golden results of version 0.1 have not the quantities that came later.
     told = dict(by_oracle.quantities(answer))
     later = [name for name in true if name not in told and name in LATER]
     true = {name: value for name, value in true.items() if name not in later}

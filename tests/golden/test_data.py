@@ -82,6 +82,7 @@ def test_the_schemas_have_no_words_but_json_schemas():
     for name, content in (schemas() | contract_schemas()).items():
         data = json.loads(content) if isinstance(content, str) else content
         assert '"discriminator":' not in json.dumps(data), name  # OpenAPI's; strict ajv refuses it
+        assert '"type": [' not in json.dumps(data), name  # and so it does a list of types
         jsonschema.Draft202012Validator.check_schema(data)
         assert data["$id"].startswith("urn:longball:schema:")
     case_schema = jsonschema.Draft202012Validator(json.loads(schemas()["case.schema.json"]))

@@ -40,9 +40,12 @@ ROOT = HERE.parent.parent
 FLIGHTS = ("flight-vacuum", "flight-drag", "flight-lift", "flight-both")
 PAPER = (*FLIGHTS, "flight-vertical", "flight-weightless", "pitch", "impact", "at-bat")
 REAL = ("flight-spin-lift", "flight-weather", "impact-oblique", "fence")
-# What doubles cannot decide tells nothing of a mistake; at_bat_lab.py knows no defaults.
+# What doubles cannot decide tells nothing of a mistake; at_bat_lab.py knows no defaults and no side
+# force.
 EVERYTHING = tuple(
-    name for name in header().families if not name.startswith("hard") and name != "defaults"
+    name
+    for name in header().families
+    if not name.startswith("hard") and name not in ("defaults", "flight-side")
 )
 LIMITS = Limits(scene_seconds=20.0, total_seconds=120.0)
 

@@ -43,12 +43,16 @@ M = TypeVar("M", Header, Probabilities)
 
 @dataclass(frozen=True)
 class Report:
-    """Numbers of cases read and solved again, a sentence for each failure, what was left out."""
+    """Numbers of cases read and solved again, sentences on failures and on what was left out.
+
+    And one on the confirmations that the cases name.
+    """
 
     cases: int
     solved_again: int
     failures: tuple[str, ...]
     left_out: str = ""
+    confirmed: str = ""
 
 
 def check(
@@ -104,7 +108,7 @@ def check(
     for done, found_wrong in enumerate(in_parallel(_made_again, calls, workers), 1):
         failures += found_wrong
         progress(done, len(chosen))
-    return Report(len(every), len(chosen), tuple(failures), left_out)
+    return Report(len(every), len(chosen), tuple(failures), left_out, _confirmations(cases))
 
 
 # --- files ----------------------------------------------------------------------------------------
@@ -202,6 +206,20 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
             yield f"{case.id}, {name}: {quantity.hex} is not {quantity.double!r}"
         if number.radius is None:
             yield f"{case.id}, {name}: there is no proven radius"
+
+
+def _confirmations(cases: list[Case]) -> str:
+    """Return which second methods agree with the cases that have an outcome, and how well."""
+    solved = [case for case in cases if case.expected.outcome]
+    agreeing = [case.confirmation for case in solved if "unconfirmed" not in case.flags]
+    methods = sorted({said.engine.partition(" digits=")[0] for said in agreeing})
+    if not agreeing:
+        return ""
+    largest = max(said.agreement or 0.0 for said in agreeing)
+    return (
+        f"{len(agreeing)} of {len(solved)} cases with an outcome are confirmed by "
+        f"{' and '.join(methods)}, to {largest:.2g} · 1e-30 of each number's size"
+    )
 
 
 # --- every number once more -----------------------------------------------------------------------

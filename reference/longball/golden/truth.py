@@ -84,6 +84,8 @@ def _compared(
     agrees, largest = True, Decimal(0)
     with localcontext(prec=_PREC):
         for name, size in sizes(scene, proven).items():
+            if name not in there:  # such as an apex that so few digits do not find
+                return False, None
             difference = abs(Decimal(here[name].value) - Decimal(there[name].value))
             radius = Decimal(here[name].radius or "Infinity")
             # Two digits for what the method's error may grow to on the way.

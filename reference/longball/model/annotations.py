@@ -23,7 +23,8 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
         # What JSON may hold in place of the type is converted to it.
         schemas = [part.json_schema for part in parts if isinstance(part, WithJsonSchema)]
         if schemas and schemas[0]:
-            return " | ".join(_OF_JSON[name] for name in schemas[0]["type"])
+            options = schemas[0].get("anyOf", schemas)
+            return " | ".join(_OF_JSON[option["type"]] for option in options)
         return spelled(parts[0], block)
     if origin in (Union, types.UnionType):
         return " | ".join(dict.fromkeys(spelled(part, block) for part in parts))

@@ -317,7 +317,7 @@ Id = Annotated[
     str,
     Field(min_length=1),
     BeforeValidator(_text_of_whole),
-    WithJsonSchema({"type": ["string", "integer"], "minLength": 1}),
+    WithJsonSchema({"anyOf": [{"type": "string", "minLength": 1}, {"type": "integer"}]}),
 ]
 
 
@@ -455,10 +455,11 @@ def _across(direction: Point, start: Launch | Pitch, air: Air, reading: Reading)
     return plus(across, scaled(-1.0, cross(direction, wind)))
 
 
-def landing_height(scene: Any) -> Any:
-    """Return the height of the ball's centre at landing, m; of columns of scenes, a column."""
-    height = scene.ground.height
-    return height + scene.ball.radius if scene.reading.ground_contact == "surface" else height
+def landing_height(scene: Any, exact: Callable[[Any], Any] = float) -> Any:
+    """Return the height of the ball's centre at landing, m, as a sum of an engine's numbers."""
+    height = exact(scene.ground.height)
+    surface = scene.reading.ground_contact == "surface"
+    return height + exact(scene.ball.radius) if surface else height
 
 
 class FlightScene(_FlyingScene):

@@ -72,7 +72,7 @@ def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Ma
     One that is hit to an upper deck is such a ball. A landing is a fall through the ground's
     height: first it rises through that.
     """
-    height, limit = run.numbers.exact(landing_height(run.scene)), run.time_limit
+    height, limit = landing_height(run.scene, run.numbers.exact), run.time_limit
     rise = height - ball.start.z
     under, others = run.decide(rise, rise * 0, "whether the ball starts below the ground", rows)
     if run.some(under):
@@ -154,7 +154,7 @@ def _in_time(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> Mask:
     if error is None:
         return rows
     left = (run.time_limit - flight.time) * abs(state.w)
-    above = state.z - run.numbers.exact(landing_height(run.scene))
+    above = state.z - landing_height(run.scene, run.numbers.exact)
     margin = run.numbers.where(flight.stopped("time"), above, left)
     question = "whether the ball touches the ground in the time limit"
     certain, never = run.decide(margin, error * flight.time, question, rows)
@@ -269,7 +269,7 @@ def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
         _come_down(run, ball, flight, outcome, rows)
         return
     x, y, z = frame.position(met.state)
-    above = z - numbers.exact(landing_height(run.scene))
+    above = z - landing_height(run.scene, numbers.exact)
     off = error * (1 + abs(x) + abs(y) + abs(z))
     run.decide(above, off, "whether the ball reaches the fence before it touches the ground", rows)
     if met.doubtful:

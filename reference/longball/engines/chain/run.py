@@ -157,4 +157,4 @@ class Run:
 
     def ground(self, start: State[Any]) -> Event[Any]:
         """Return the landing of a flight from a state."""
-        return ground(self.numbers.exact(landing_height(self.scene)), start, self.numbers)
+        return ground(landing_height(self.scene, self.numbers.exact), start, self.numbers)

@@ -220,7 +220,8 @@ class Effects:
         beside = every[len(changes) :]
         along = np.einsum("ij,ij->i", one[self._free], beside)
         across = beside - along[:, None] * one[self._free]
-        across[np.abs(across).max(axis=1) < PARALLEL * np.abs(beside).max(axis=1)] = 0.0
+        small = PARALLEL * np.abs(beside).max(axis=1, initial=0.0)
+        across[np.abs(across).max(axis=1, initial=0.0) < small] = 0.0
         other[self._free] = across
         self._axes = np.stack([one, _unit(other)[1]])
 
