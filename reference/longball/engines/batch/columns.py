@@ -300,10 +300,7 @@ class Columns(Run):
         """See `Run`. What the compiled code does not fly is left to be solved alone."""
         launch = Start(0.0, start)
         if records.flies_in_lanes(law):
-            alone = rows & False
-            for event in events:
-                # The plate has no size for a pitch along its plane, which alone is an error.
-                alone = alone | (rows & ~np.isfinite(event.size))
+            alone = without_size(events, rows)
             ends = self._flown(law, launch, events, limit, rows & ~alone)
             stops, arrived = records.stops(ends, events), records.placed(ends, law, events)
             mark = records.noted(ends, law, "mark_")
@@ -336,13 +333,17 @@ class Columns(Run):
         self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Flags
     ) -> Touch[Any]:
         """See `Run`."""
-        clear = records.approach_is_clear(bat, pitch.state.z)
-        start = _where(self.numbers, clear, pitch.mark, pitch.launch)
+        start = self._near(bat, pitch)
         error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
         over = [past(bat.frame, bat.reach, NUMBERS), *events]
         ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
         code, margin = self._how_they_meet(ends, over, rows)
         return Touch(margin, code, *records.noted(ends, law))
+
+    def _near(self, bat: BatSection[Any], pitch: Any) -> Start:
+        """Start of the search for the bat: the waypoint, where nothing can happen before it."""
+        clear = records.approach_is_clear(bat, pitch.state.z)
+        return _where(self.numbers, clear, pitch.mark, pitch.launch)
 
     def _how_they_meet(self, ends: Records, over: Events[Any], rows: Flags) -> tuple[Any, Any]:
         """Return 1 where ball and bat touch, 0 where they miss, else -1; and the margin, m."""
@@ -379,6 +380,15 @@ class Columns(Run):
 
     def follow(self, frame: Any, flight: Flight[Any], begin: Any, rows: Flags) -> None:
         """See `Run`."""
+
+
+def without_size(events: Events[Any], rows: Flags) -> Flags:
+    """Flags of the rows of a mask in which an event has no size.
+
+    Such is the plate for a pitch along its plane, which the scalar engine refuses.
+    """
+    flags: Flags = rows & ~np.isfinite(sum(event.size for event in events))
+    return flags
 
 
 def not_flown(law: Law[Any], start: Start, rows: int) -> Records:

@@ -22,6 +22,7 @@ from longball.engines.batch.columns import (
     Flights,
     Table,
     not_flown,
+    without_size,
 )
 from longball.engines.batch.expansion import TIMES
 from longball.engines.batch.flights import Records, Stop
@@ -181,15 +182,17 @@ class SlopeTable(Table):
 
     def put_slopes(self, name: str, rows: Flags, rates: Any) -> None:
         """Write derivatives of a quantity into rows."""
-        if name not in self.slopes:
-            empty = np.full((self.inputs, len(self.whole)), np.nan)
-            self.slopes.setdefault(name, empty)
-        np.copyto(self.slopes[name][:, self.rows], rates, where=rows)
+        np.copyto(self._slopes_of(name)[:, self.rows], rates, where=rows)
 
     def put_slopes_of_row(self, name: str, row: int, rates: Sequence[float]) -> None:
         """Write the derivatives of a quantity in one row of the whole table."""
-        self.put_slopes(name, np.zeros(len(self), bool), 0.0)  # makes the columns
-        self.slopes[name][:, row] = rates
+        self._slopes_of(name)[:, row] = rates
+
+    def _slopes_of(self, name: str) -> Array:
+        if name not in self.slopes:
+            empty = np.full((self.inputs, len(self.whole)), np.nan)
+            self.slopes.setdefault(name, empty)  # another thread may have made it
+        return self.slopes[name]
 
     def conclude_doubt(self, doubtful: Flags) -> None:
         """Mark the rows that are left to be solved alone; also those without a derivative."""
@@ -277,7 +280,11 @@ def _moved(
     Its value has there the derivative `change`, and a rate in time that follows from the state's.
     """
     speeds = law.rates(NUMBERS)(*map(plain_of, state))
-    late = -_quotient(change, falls(speeds))
+    return _later(time, state, speeds, -_quotient(change, falls(speeds)))
+
+
+def _later(time: Any, state: Any, speeds: Sequence[Any], late: Any) -> Start:
+    """Return a time and a state whose time changes by `late` more."""
     moved = (ColumnJet(x.value, x.rate + v * late) for x, v in zip(state, speeds, strict=True))
     return Start(ColumnJet(plain_of(time), rate_of(time) + late), type(state)(*moved))
 
@@ -333,9 +340,7 @@ class SlopeColumns(Columns):
             return JetFlights(
                 Path(()), stops, *launch, launch, launch, numbers=self.jets, law=plain
             )
-        alone = rows & False
-        for event in known:
-            alone = alone | (rows & ~np.isfinite(event.size))
+        alone = without_size(known, rows)
         ends, found = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
         stops = records.stops(ends, known)
         self.table.alone[self.table.rows] |= alone | (rows & (stops == Stop.FALLBACK))
@@ -408,10 +413,7 @@ class SlopeColumns(Columns):
             falls = _along(slopes, speeds)
             self._require_steep(slopes, speeds, falls, change, here)
             late = np.where(here, -_quotient(change, falls), late)
-        time = ColumnJet(end.time, late)
-        moved = type(state)(
-            *(ColumnJet(x.value, x.rate + v * late) for x, v in zip(state, speeds, strict=True))
-        )
+        time, moved = _later(end.time, state, speeds, late)
         for i, event in enumerate(events):
             there = event.place(moved)
             moved = type(state)(
@@ -439,16 +441,7 @@ class SlopeColumns(Columns):
     ) -> Touch[Any]:
         """See `Run`."""
         numbers, plain = self.jets, _plain_law(law)
-        clear = records.approach_is_clear(bat, pitch.state.z)
-        start = Start(
-            NUMBERS.where(clear, pitch.mark.time, pitch.launch.time),
-            type(pitch.launch.state)(
-                *(
-                    numbers.where(clear, x, y)
-                    for x, y in zip(pitch.mark.state, pitch.launch.state, strict=True)
-                )
-            ),
-        )
+        start = self._near(bat, pitch)
         error = plain_of(margin_error(bat, pitch.state.z, self.engine.flight_error, numbers))
         over = [_plain_event(x) for x in (past(bat.frame, bat.reach, numbers), *events)]
         section = BatSection(_plain_parts(bat.frame), plain_of(bat.height), plain_of(bat.reach))
