@@ -362,9 +362,6 @@ def _factors(site: Site) -> Iterator[Option]:
 def _terms(site: Site) -> Iterator[Option]:
     """A number of the candidate's own that is added."""
     a, said = site.node, words(site.node)
-    if a.op == "sum" and a.args[1].op == "negative":
-        text = f"takes {words(a.args[1].args[0])} for {said}"
-        yield a.args[1].args[0], BITS["zero"] + 2, text, ()
     if not a.vector and (a.op in ("symbol", "named", "norm") or not site.parents):
         text = f"adds {{c}} to {said}"
         yield a + free(a.dimension), BITS["free term"], text, (0.01,)
@@ -441,6 +438,9 @@ def _siblings(site: Site) -> Iterator[Option]:
                     f"takes the length of {name} of {words(a.args[0])} for {words(a)}",
                     (),
                 )
+        case "sum" if a.args[1].op == "negative":  # such as 1 - x
+            (b,) = a.args[1].args
+            yield b, cost, f"takes {words(b)} for {words(a)}", ()
         case "where":
             for b in a.args[1:]:
                 yield b, cost, f"takes {words(b)} for {words(a)}, on both sides of its limit", ()

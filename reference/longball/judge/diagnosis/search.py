@@ -138,6 +138,26 @@ ALONE, BESIDE_ANOTHER = Effort(5000, 150, 16), Effort(1000, 50, 16)
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
 
+class _Pair(NamedTuple):
+    """Two edits of a stage.
+
+    Attributes
+    ----------
+    bits
+        The cost of the edits and of what they leave in the first scenes.
+    stage
+        The stage with both.
+    c
+        Their free numbers.
+    """
+
+    bits: float
+    one: Edit
+    two: Edit
+    stage: Stage
+    c: Array
+
+
 @dataclass
 class Explanation:
     """One stage whose errors are to be explained."""
@@ -339,9 +359,8 @@ class Explanation:
         with np.errstate(all="ignore"):
             c, *_ = fitted(self._residual(stage, self.few, MIDDLE), [(start,)], 2)
             every = self._residual(stage, np.arange(len(self.all)), FINE)
-            (c,), r, (slope,) = fitted(every, c[None], 1)
-            near = [(cost(r + slope * (x - c)) + bits, bits, x) for x, bits in rounded(c, FACTORS)]
-            _, bits, x = min(near)
+            c, r, slopes = fitted(every, c[None], 1)
+            x, bits = _roundest(c, r, slopes, 0)
         edit = edit.settled(x, bits)
         return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
 
@@ -385,11 +404,12 @@ class Explanation:
 
     @np.errstate(all="ignore")
     def _in_pairs(self, best: float) -> list[Edit]:
-        """Edits that explain the first scenes beside another, the best first; see `Effects`.
+        """First edits of the pairs that explain the first scenes, the best pair first.
 
-        Of each pair it is the one that explains more alone. `best` is what the best edit leaves.
+        The first edit of a pair is the one that explains more alone; `best` is the cost that the
+        best single edit leaves. See `Effects.pairs`.
         """
-        found = []
+        found: list[_Pair] = []
         for (one, a), (two, b) in self.fits.pairs(TOGETHER):
             # What contains the other is edited before it.
             if contains(one.place, two.place):
@@ -401,45 +421,37 @@ class Explanation:
             starts = [x for x in (a, b) if x is not None]
             c, r, _ = fitted(self.screened(stage), [starts], 4)
             if (left := cost(r)) <= BETTER * best:
-                found.append((left + one.bits + two.bits, one, two, stage, c))
-        least = min((pair[0] for pair in found), default=0.0)
-        found = [pair for pair in found if pair[0] < least + RIVALS][:ELSEWHERE]
+                found.append(_Pair(left + one.bits + two.bits, one, two, stage, c))
+        least = min((pair.bits for pair in found), default=0.0)
+        found = [pair for pair in found if pair.bits < least + RIVALS][:ELSEWHERE]
         if len(found) > 1:
-            found.sort(key=lambda pair: pair[0] + self._elsewhere(pair[1], pair[2], pair[4]))
-        return [self._settled_beside(*pair[1:]) for pair in found[: self.pairs]]
+            found.sort(key=lambda pair: pair.bits + self._elsewhere(pair))
+        return [self._settled_beside(pair) for pair in found[: self.pairs]]
 
-    def _settled_beside(self, one: Edit, two: Edit, stage: Stage, c: Array) -> Edit:
+    def _settled_beside(self, pair: _Pair) -> Edit:
         """The edit of a pair that explains more, with the roundest number that fits."""
-        numbers = np.split(c, [len(one.starts) and 1])
+        both, numbers = (pair.one, pair.two), np.split(pair.c, [len(pair.one.starts) and 1])
         left = [
             cost(self.screened(self.edited(edit))(number[None]))
-            for edit, number in zip((one, two), numbers, strict=True)
+            for edit, number in zip(both, numbers, strict=True)
         ]
         which = int(left[1] < left[0])
-        chosen = (one, two)[which]
-        if not chosen.starts:
-            return chosen
+        if not both[which].starts:
+            return both[which]
         with np.errstate(all="ignore"):
-            every = self._residual(stage, np.arange(len(self.all)), FINE)
-            c, r, slopes = fitted(every, c[None], 2)
-            at = which if len(c) == 2 else 0
-            known = np.isfinite(r) & np.isfinite(slopes).all(axis=0)
-            r, slopes = np.where(known, r, 0.0), np.where(known, slopes, 0.0)
-            other = slopes[1 - at] if len(c) == 2 else np.zeros_like(r)
-            size, near = max(float((other * other).sum()), TINY), []
-            for number, bits in rounded(c[at], FACTORS):
-                off = r + slopes[at] * (number - c[at])
-                off = off - (off * other).sum() / size * other
-                near.append((cost(off) + bits, bits, number))
-        _, bits, number = min(near)
-        return chosen.settled(number, bits)
+            every = self._residual(pair.stage, np.arange(len(self.all)), FINE)
+            c, r, slopes = fitted(every, pair.c[None], 2)
+            number, bits = _roundest(c, r, slopes, which if len(c) > 1 else 0)
+        return both[which].settled(number, bits)
 
-    def _elsewhere(self, one: Edit, two: Edit, c: Array) -> float:
-        """Bits that the errors of other stages cost if two edits are made there."""
-        numbers = [float(x) for x in c]
-        first = one.settled(numbers.pop(0), 0.0) if one.starts else one
-        second = two.settled(numbers.pop(0), 0.0) if two.starts else two
-        made, total = first.apply(second.apply(self.chain)), 0.0
+    def _elsewhere(self, pair: _Pair) -> float:
+        """Bits that the errors of other stages cost with a pair of edits."""
+        numbers = iter(pair.c.tolist())
+        one, two = (
+            edit.settled(next(numbers), 0.0) if edit.starts else edit
+            for edit in (pair.one, pair.two)
+        )
+        made, total = one.apply(two.apply(self.chain)), 0.0
         for stage, was in zip(made, self.chain, strict=True):
             if stage is not was and was is not self.stage:
                 some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
@@ -529,7 +541,6 @@ def asking(
 # Of the cost of the errors, what an adequate edit may leave in the first scenes.
 RIVAL = 0.2
 BETTER = 0.8  # of what the best edit leaves there, what a pair may leave
-TINY = 1e-300  # in place of 0 in a division
 ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chosen
 TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
 NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
@@ -562,6 +573,25 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
         FREE: draw.uniform(0.2, 0.9, count), "spin": columns[stage.spins],
     }  # fmt: skip
     return moved
+
+
+def _roundest(c: Array, r: Array, slopes: Array, which: int) -> tuple[float, float]:
+    """The roundest value of one of the fitted free numbers, and its bits.
+
+    The residual `r` is linear in the numbers, with the derivatives `slopes`; the others are fitted
+    again.
+    """
+    known = np.isfinite(r) & np.isfinite(slopes).all(axis=0)
+    others = np.delete(slopes, which, axis=0)[:, known].T
+    near = []
+    for x, bits in rounded(float(c[which]), FACTORS):
+        off = r + slopes[which] * (x - c[which])
+        if others.size:
+            off = off[known]
+            off = off - others @ np.linalg.lstsq(others, off, rcond=None)[0]
+        near.append((cost(off) + bits, bits, x))
+    _, bits, x = min(near)
+    return x, bits
 
 
 def _renamed(stage: Stage, old: str, new: str) -> Stage:
