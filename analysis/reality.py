@@ -258,16 +258,16 @@ class Sides:
         return without, within
 
     def coefficients(self, kind: str) -> Array:
-        """Return C_S to the arm side and up as the two halves have it, shape (2, 2)."""
+        """Return C_S to the arm side and upwards, fitted to each half, shape (2, 2)."""
         return np.unique(self.fitted[self.pitches.labels == kind], axis=0)
 
     def gain(self, which: Any = slice(None)) -> float:
-        """Return by how much the force brings some pitches nearer, in."""
+        """Return the reduction of the error of some pitches by the force, in."""
         without, within = self.rms(which)
         return (without - within) / statcast.INCH
 
     def by_game(self) -> Array:
-        """Return by how much the force brings the pitches of each game nearer, in."""
+        """Return the reduction of the error by the force for each game, in."""
         games = self.pitches.games
         return np.array([self.gain(games == game) for game in np.unique(games)])
 

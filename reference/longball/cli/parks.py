@@ -72,7 +72,7 @@ def parks(
 def _answer(
     number: int, scene: Any, where: Sequence[Park], engine: Any
 ) -> tuple[str, list[InPark] | str]:
-    """Return the id of a scene and what it is in each park; or its line, and why it is none."""
+    """Return a scene's id and its outcome in each park, or its line and why it is invalid."""
     if isinstance(scene, str):
         return f"line {number}", scene
     try:

@@ -1,7 +1,8 @@
 """Length of the steps of Taylor's method: the reach of a series.
 
-This source runs in a namespace of its own (`longball.engines.compiled.Code`), with the recurrence
-that is printed for a law: on lists of numbers as it is, on arrays of doubles when it is compiled.
+`longball.engines.taylor` prints this source before the recurrence of a law, so that both compile
+together (`longball.engines.compiled.Code`). Its arguments are lists of numbers or, compiled, arrays
+of doubles.
 """
 
 from __future__ import annotations

@@ -433,7 +433,7 @@ def _left(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
 
 @_QUIET
 def _turned(form: Law[float], states: Array) -> Any:
-    """Tell of each step whether a side force has come to the other side of the airspeed in it."""
+    """Flags of the steps in which the airspeed passes the direction of the side force."""
     if "side" not in form.strengths:
         return np.zeros(states.shape[1] - 1, bool)
     aside = np.array(np.broadcast_arrays(*form.aside(form.state(*_aloft(form, states)), ARRAYS)))

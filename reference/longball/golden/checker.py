@@ -43,10 +43,7 @@ M = TypeVar("M", Header, Probabilities)
 
 @dataclass(frozen=True)
 class Report:
-    """Numbers of cases read and solved again, sentences on failures and on what was left out.
-
-    And one on the confirmations that the cases name.
-    """
+    """Result of a check: counts, failures, omitted cases, and a sentence on confirmations."""
 
     cases: int
     solved_again: int
@@ -209,7 +206,7 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
 
 
 def _confirmations(cases: list[Case]) -> str:
-    """Return which second methods agree with the cases that have an outcome, and how well."""
+    """Return a sentence on the cases that a second method confirms, with the accuracy."""
     solved = [case for case in cases if case.expected.outcome]
     agreeing = [case.confirmation for case in solved if "unconfirmed" not in case.flags]
     methods = sorted({said.engine.partition(" digits=")[0] for said in agreeing})

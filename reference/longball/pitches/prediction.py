@@ -205,7 +205,7 @@ def measured(
 
 
 def questions(prediction: Prediction) -> Iterator[str]:
-    """Yield what a comparison asks of the table: whether a measured distance is in another unit."""
+    """Yield a question if the measured distances look like another unit."""
     if isinstance(prediction.measured, MeasuredFlies) and prediction.compared.any():
         share = float(np.nanmedian(prediction.measured.measured / prediction.predicted))
         if unit := unit_that_explains(share, "ft"):

@@ -35,7 +35,7 @@ SPEED_UNITS, LENGTH_UNITS = UNITS["m/s"], UNITS["m"]
 
 
 class Usual(NamedTuple):
-    """Numbers of a column that are met in baseball; sizes, where both signs are."""
+    """Range of a column's values in baseball; of absolute values if both signs occur."""
 
     unit: str  # that Statcast has
     single: tuple[float, float]  # of one number
@@ -43,7 +43,7 @@ class Usual(NamedTuple):
     many: tuple[float, float] | None = None
 
     def range_of(self, count: int) -> tuple[float, float]:
-        """Return between which numbers the median of so many numbers lies."""
+        """Return the bounds of the median of so many values."""
         return self.many if self.many and count >= MANY else self.single
 
 
@@ -262,7 +262,7 @@ def refuse_rows(wrong: Flags, values: Array, rows: Integers, column: str, why: s
 
 
 def require_usual(values: Array, name: str, column: str = "", unit: str = "") -> None:
-    """Raise a `TableError` where a column's median is beyond all that is measured: another unit.
+    """Raise a `TableError` if the median of a column is out of range, as in another unit.
 
     `name` is its name in `USUAL`; the table may have another, and another unit.
     """
@@ -286,7 +286,7 @@ def require_usual(values: Array, name: str, column: str = "", unit: str = "") ->
 
 
 def unit_that_explains(ratio: float, unit: str) -> str | None:
-    """Return the unit of numbers that are a ratio of what they would be in another unit.
+    """Return the unit that explains a ratio of given to expected numbers; None if none does.
 
     A fifth more or less is allowed to what they are compared with; units differ by larger factors.
 

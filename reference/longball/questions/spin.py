@@ -164,7 +164,7 @@ def spin_from_movement(
 
 
 def _side(air: Air, ahead: Array) -> Array:
-    """Return ``C_S ê`` of the side force, which no spin makes, for unit vectors of velocities."""
+    """Return ``C_S ê`` of the side force (`longball.model.law.side_force`) for unit velocities."""
     if air.side_coefficient is None:
         return np.zeros_like(ahead)
     direction = np.array(air.side_coefficient.direction)

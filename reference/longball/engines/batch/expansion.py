@@ -517,10 +517,9 @@ class _Step(_Expansion):
         has its complex zeros near √(q_0/q_2) from a minimum, and a step stays within half of that.
         It is not needed where the series ends.
 
-        The length is NaN where no ordinary step is possible: where all but one of the squares
-        vanish, as on a vertical flight, so that the root may fall to zero and has a corner there;
-        and from rest, or close to it, where coefficients leave the range of doubles, or those of
-        second derivatives would, which are up to order² as large, and their sums.
+        The length is NaN where no ordinary step is possible. On a vertical flight only one of the
+        squares does not vanish, and the root has a corner where that falls to zero. Near rest the
+        coefficients overflow, or those of second derivatives, up to order² times as large.
         """
         start = [self.zeroth[name] for name in velocities]
         square = self.number(0.0)
@@ -667,7 +666,7 @@ class _Step(_Expansion):
 
 @dataclass(frozen=True)
 class Tangents:
-    """Rows of an array that tangents of the flights in the lanes are in.
+    """Layout of an array with the tangents of the flights in the lanes.
 
     A tangent is the derivative ξ of the state by a number x, which the strengths p of the law may
     depend on: ``ξ' = (∂f/∂state) ξ + (∂f/∂p) dp/dx``.
@@ -700,7 +699,7 @@ TIMES = 3
 
 
 class _Tangents(_Writer):
-    """Writes a function that takes tangents through a step, from the partial derivatives along it.
+    """Writer of a function that integrates tangents over a step, with its partial derivatives.
 
     The first argument is the array of the expansion, the second that of `Tangents`. The integers
     are the order, the rows of a block and the number of tangents; the double is the number of times
@@ -756,7 +755,7 @@ class _Tangents(_Writer):
         return self.place(self.builder.add(self.builder.add(first, begin), row))
 
     def carry(self, first: Value, size: int) -> list[Value]:
-        """Take some neighbouring tangents through the step."""
+        """Integrate one tangent, or two neighbours, over the step."""
         build = self.builder
         tangents = [build.add(first, self.index(i)) for i in range(size)]
         parameters = self.rows.sources - self.count

@@ -460,7 +460,7 @@ def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
 
 @inner
 def _wanted(s: _Setup) -> float:
-    """Return the number of the times up to the last one that a tangent is wanted at."""
+    """Return the number of `TIMES` of this step, up to the last one that is needed."""
     wanted = 1.0
     for k in range(1, TIMES):
         for lane in range(WIDTH):

@@ -282,7 +282,7 @@ LEFT_OUT = "left out"  # the option of a number that the scene leaves to its def
 
 
 def key_of(number: Node) -> str:
-    """The column that tells where scenes leave a number to its default."""
+    """Name of the column of scenes that omit a number: "given" or `LEFT_OUT`."""
     return f"key of {number.data}"
 
 

@@ -190,7 +190,7 @@ def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
 
 
 def left_out(scenes: Sequence[Any]) -> dict[str, Array]:
-    """For each number of scenes, "left out" where it has its default, else "given"."""
+    """Columns by `key_of`: `LEFT_OUT` in scenes that omit the number, else "given"."""
     options = {True: LEFT_OUT, False: "given"}
     return {
         key_of(node): np.array([options[_leaves_out(scene, path)] for scene in scenes])
@@ -199,7 +199,7 @@ def left_out(scenes: Sequence[Any]) -> dict[str, Array]:
 
 
 def _leaves_out(scene: Any, path: str) -> bool:
-    """True if a key of a path is not written, and its block has a default for it."""
+    """True if a scene omits a key of a path."""
     block = scene
     for key in path.partition("[")[0].split("."):
         fields = getattr(type(block), "model_fields", {})
