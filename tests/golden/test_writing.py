@@ -241,7 +241,7 @@ def nothing_twice(monkeypatch, computed: dict[str, object]) -> None:
 
     The quadrature's rules are coarse: right to 2e-4.
     """
-    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(0.6, 1), Nodes(0.8, 2)))
+    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(2, 1), Nodes(4, 2)))
 
     def once(method):
         def found(*args, workers=1, **kwargs):

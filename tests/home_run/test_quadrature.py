@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import special, stats
 
 from longball import golden
 from longball.engines.batch import Batch, solve_columns
@@ -21,7 +21,7 @@ from longball.home_run import (
     scrambled,
 )
 from longball.home_run.clearance import Clearance
-from longball.home_run.quadrature import Nodes, Share, share_over_offsets
+from longball.home_run.quadrature import Nodes, Share, rule_of, share_over_offsets
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene
 
@@ -33,13 +33,13 @@ PAPER = paper_at_bats(SamplingReading())
 @pytest.fixture
 def coarse(monkeypatch) -> None:
     """Two rules that take seconds."""
-    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(0.6, 1), Nodes(0.8, 2)))
+    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(2, 1), Nodes(4, 2)))
 
 
 @pytest.fixture
 def coarsest(monkeypatch) -> None:
     """Two rules for what does not hang on how many nodes there are."""
-    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(0.05, 1), Nodes(0.1, 1)))
+    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(1, 1), Nodes(2, 1)))
 
 
 class TestMixture:
@@ -58,6 +58,24 @@ class TestMixture:
         shares = np.array([1e-9, 0.2, 0.5, 1 - 1e-9])
         found = self.mixture.distribution
         np.testing.assert_allclose(found.cdf(found.icdf(shares)), shares, rtol=1e-12)
+
+
+class TestRuleOfADensity:
+    def test_of_a_normal_density_is_gauss_and_hermites(self):
+        x, w = special.roots_hermitenorm(8)
+        places, weights = rule_of(stats.norm(40.0, 0.9).pdf, 30.0, 50.0, 100, 8)
+        np.testing.assert_allclose(places, 40.0 + 0.9 * x, rtol=1e-13)
+        np.testing.assert_allclose(weights, w / w.sum(), rtol=1e-10, atol=1e-16)
+
+    def test_is_exact_for_the_moments_of_two_peaks(self):
+        places, weights = rule_of(TestMixture.mixture.distribution.pdf, -20.0, 25.0, 400, 3)
+        # E(x⁴) of N(μ, σ): μ⁴ + 6 μ²σ² + 3 σ⁴
+        fourth = 0.3 * (1 + 6 * 0.25 + 3 * 0.0625) + 0.7 * (256 + 6 * 16 * 4 + 3 * 16)
+        assert weights @ places**4 == pytest.approx(fourth, rel=1e-12)
+
+    def test_of_no_density_weighs_nothing(self):
+        _, weights = rule_of(np.zeros_like, 0.0, 1.0, 20, 3)
+        np.testing.assert_array_equal(weights, np.zeros(3))
 
 
 class TestClearance:

@@ -76,8 +76,8 @@ def homerun(
     """Compute the probability of a home run.
 
     Quadrature integrates over the distributions that samples are drawn from, and also gives dP/de.
-    It takes seconds for each e, up to a minute under the few readings where P(e) has many kinks;
-    the error then shows how far it has converged.
+    It takes a second or two for each e, and minutes under the few readings where P(e) has many
+    kinks; the error then shows how far it has converged.
     """
     if method == "quadrature":
         for wrong, sentence in (

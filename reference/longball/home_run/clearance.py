@@ -43,20 +43,27 @@ class Clearance:
             raise ValueError("quadrature finds roots of D = 150 m, and knows no fence")
 
     def __call__(self, inputs: Samples) -> Array:
-        """Return clearances, an array of shape (n,)."""
-        return self.with_unsolved(inputs)[0]
+        """Return clearances, an array of shape (n,), for a search of their roots.
+
+        What grazes ground or bat, within the engine's error, counts as not batted.
+        """
+        from longball.engines.batch import solve_decided_columns
+
+        return self._from_edge(solve_decided_columns(*self._problem(inputs)))
 
     def with_unsolved(self, inputs: Samples) -> tuple[Array, Flags]:
-        """Return clearances, and which at-bats the engine could not decide: as if not batted."""
+        """Return clearances, and which at-bats no engine could decide: as if not batted."""
         table = self._solve(inputs)
+        return self._from_edge(table), table["outcome"] == ""
+
+    def _from_edge(self, table: Mapping[str, NDArray[Any]]) -> Array:
         x, y = _column(table, "landing.position[0]"), _column(table, "landing.position[1]")
         inside = np.full_like(x, HOME_RUN_DISTANCE)
         if self.counted == "home runs":
             inside = np.hypot(x, y) - HOME_RUN_DISTANCE
         if self.sample_space == "fair":
             inside = np.minimum(inside, x - abs(y))
-        clearances = np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
-        return clearances, table["outcome"] == ""
+        return np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
 
     def window(self, speed: Array) -> Array:
         """Return, m, how far from a pitch at x = 0 the bat's axis can be and still touch the ball.
@@ -94,9 +101,11 @@ class Clearance:
     def _solve(self, inputs: Samples) -> Mapping[str, NDArray[Any]]:
         from longball.engines.batch import solve_columns
 
+        return solve_columns(*self._problem(inputs))
+
+    def _problem(self, inputs: Samples) -> tuple[AtBatScene, Mapping[str, Array], Batch]:
         restitution = np.full_like(inputs.speed, self.restitution)
-        columns = inputs.columns | {"ball.restitution": restitution}
-        return solve_columns(self.base, columns, self.engine)
+        return self.base, inputs.columns | {"ball.restitution": restitution}, self.engine
 
 
 def _column(table: Mapping[str, NDArray[Any]], name: str) -> Array:

@@ -8,8 +8,9 @@ between a ball that just clears the ground and one that just does not. The range
 there; kinks that are not seen are dealt with by halving ranges. Where an interval opens between the
 ends of the bat, its length is a square root of the offset, and smooth in the angle of which the
 offset is the sine. Where the pattern of those ranges changes, the integral over them has a kink as
-a function of the speed, whose range is cut there, too. Over speed and tilt Gauss-Legendre rules
-then converge exponentially.
+a function of the speed, whose range is cut there, too, where that matters. The density of the
+speeds is two narrow peaks: over them the Gauss rule of that density takes a few nodes. Over the
+tilts a Gauss-Legendre rule does.
 
 Integrating the offset between its roots first, as `longball.home_run.randomised` does, leaves an
 integrand with square-root endpoint singularities.
@@ -55,22 +56,24 @@ _OF_OFFSETS, _OF_SPEEDS = 8, 4
 _STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
 # How much more than the tolerance two rules without cuts at kinks may differ: others follow them.
 _KINKED = 100.0
-_PAIRS = 240  # of speed and tilt, that a thread takes at a time: a second or two
+# Nodes of a Gauss-Legendre rule on which a density is known to rounding, per standard deviation.
+_FINE = 4.0
+_PAIRS = 16  # of speed and tilt, that a thread takes at a time: a third of a second
 
 
 class Nodes(NamedTuple):
-    """Nodes of the Gauss-Legendre rules, for the speed per standard deviation, and for the tilt.
+    """Nodes of two Gauss rules: of a range of speeds, whose density is the weight; of the tilts.
 
-    `least` is how many a range of speeds has at least; None if it is not cut at kinks.
+    `cut` tells whether the range of speeds is cut at kinks.
     """
 
-    speed: float
+    speed: int
     tilt: int
-    least: int | None = None
+    cut: bool = False
 
 
 # Kinks cost time, and most readings have none that matters.
-LEVELS = (Nodes(1.4, 2), Nodes(2.0, 3), Nodes(2.8, 4), Nodes(1.4, 2, 6), Nodes(2.0, 3, 8))
+LEVELS = (Nodes(4, 2), Nodes(6, 3), Nodes(8, 4), Nodes(6, 2, cut=True), Nodes(8, 3, cut=True))
 
 
 @dataclass(frozen=True)
@@ -163,7 +166,7 @@ def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int
     before = _over_speeds(clearance, at_bats, LEVELS[0], tolerance, workers)
     off = np.zeros(())
     for nodes in LEVELS[1:]:
-        if nodes.least is None and off > _KINKED * tolerance:
+        if not nodes.cut and off > _KINKED * tolerance:
             continue
         now = _over_speeds(clearance, at_bats, nodes, tolerance, workers)
         off, slope_off = abs(now.p - before.p), abs(now.slope - before.slope)
@@ -252,16 +255,16 @@ def _over_speeds(
     tilt, tilt_weight = _rule(0.0, at_bats.largest_tilt, nodes.tilt)
     tilt_weight = tilt_weight / at_bats.largest_tilt
     density = at_bats.speed.distribution.pdf
-    deviation = min(deviation for *_, deviation in at_bats.speed.parts)
+    narrowest = min(deviation for *_, deviation in at_bats.speed.parts)
 
     def rule(ranges: _Ranges) -> tuple[Array, Array, Integers]:
         """Return speeds, their weights and the ranges they are in."""
-        counts = np.ceil(nodes.speed * (ranges.high - ranges.low) / deviation).astype(int)
-        counts = np.maximum(counts, nodes.least or 1)
-        rules = map(_rule, ranges.low, ranges.high, counts)
-        speed, width = np.concatenate([np.zeros((2, 0)), *rules], axis=1)
-        number = np.repeat(np.arange(len(counts)), counts)
-        return speed, width * density(speed) * tilt_weight[ranges.line[number]], number
+        fine = np.ceil(_FINE * (ranges.high - ranges.low) / narrowest).astype(int)
+        each = zip(ranges.low, ranges.high, fine, strict=True)
+        rules = [rule_of(density, *one, nodes.speed) for one in each]
+        speed, weight = np.concatenate([np.zeros((2, 0)), *rules], axis=1)
+        number = np.repeat(np.arange(len(rules)), nodes.speed)
+        return speed, weight * tilt_weight[ranges.line[number]], number
 
     def in_blocks(function: Any, speed: Array, line: Integers, *others: Array) -> list[Any]:
         each = speed, tilt[line], *others
@@ -278,7 +281,7 @@ def _over_speeds(
     lines = np.repeat(np.arange(nodes.tilt), len(low))
     ranges = _Ranges(lines, np.tile(low, nodes.tilt), np.tile(high, nodes.tilt))
     speed, weight, number = rule(ranges)
-    if nodes.least is not None:
+    if nodes.cut:
         # A kink between speeds that hardly matter does not either.
         found = np.where(weight > tolerance, pattern(speed, ranges.line[number]), 0)
         smooth, pieces = _without_kinks(ranges, _Nodes(number, speed, found), pattern, _OF_SPEEDS)
@@ -309,6 +312,30 @@ def _rule(low: float, high: float, nodes: int) -> tuple[Array, Array]:
     """Return nodes and weights of the Gauss-Legendre rule over an interval."""
     x, w = np.polynomial.legendre.leggauss(nodes)
     return 0.5 * (low + high) + 0.5 * (high - low) * x, 0.5 * (high - low) * w
+
+
+def rule_of(
+    density: Callable[[Array], Array], low: float, high: float, fine: int, nodes: int
+) -> tuple[Array, Array]:
+    """Return nodes and weights of the Gauss rule of a density over an interval.
+
+    Its orthogonal polynomials are found on a Gauss-Legendre rule with `fine` nodes (Stieltjes's
+    procedure); the nodes are the eigenvalues of their Jacobi matrix (Golub and Welsch, Math. Comp.
+    23, 1969).
+    """
+    x, width = _rule(low, high, max(fine, 4 * nodes))
+    w = width * density(x)
+    if not w.sum() > 0.0:
+        return _rule(low, high, nodes)[0], np.zeros(nodes)
+    before, p, off = np.zeros_like(x), np.ones_like(x), 0.0
+    diagonal, beside = np.empty(nodes), np.empty(nodes)
+    for k in range(nodes):
+        p /= math.sqrt(w @ p**2)
+        diagonal[k] = w @ (x * p**2)
+        before, p = p, (x - diagonal[k]) * p - off * before
+        beside[k] = off = math.sqrt(w @ p**2)
+    places, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(beside[:-1], -1))
+    return places, w.sum() * vectors[0] ** 2
 
 
 # --- the offset -----------------------------------------------------------------------------------

@@ -12,6 +12,13 @@ from longball.engines.batch.many import (
     solve_columns,
     solve_columns_with_restitutions,
     solve_columns_with_slopes,
+    solve_decided_columns,
 )
 
-__all__ = ["Batch", "solve_columns", "solve_columns_with_restitutions", "solve_columns_with_slopes"]
+__all__ = [
+    "Batch",
+    "solve_columns",
+    "solve_columns_with_restitutions",
+    "solve_columns_with_slopes",
+    "solve_decided_columns",
+]

@@ -80,6 +80,21 @@ def solve_columns(
     return _named(table, scene, known, flyer, model)
 
 
+def solve_decided_columns(
+    scene: Scene, columns: Mapping[str, ArrayLike], engine: BatchFlyer | None = None
+) -> dict[str, NDArray[Any]]:
+    """Solve columns as `solve_columns` does, but for rows that the engine's error does not decide.
+
+    These have no outcome. The scalar engine, which takes a thousand times as long, decides some of
+    them; a search for the place where a ball begins to graze something ends among them.
+    """
+    flyer, known = engine or _batch(), _checked(scene, columns)
+    table = _solve(scene, known, flyer, 1)
+    if not _flies_in_lanes(scene, MODEL):
+        return _named(table, scene, known, flyer)
+    return _by_name(table, np.full(len(table), flyer.description, object))
+
+
 @dataclass(frozen=True)
 class Slopes:
     """Derivatives in columns.
@@ -250,6 +265,10 @@ def _named(
         engines[i] = result.engine
         found = {name: x for name, x in quantities.flat(result.data()) if "." in name}  # of blocks
         table.write(i, found | ({"outcome": result.outcome} if result.outcome else {}))
+    return _by_name(table, engines)
+
+
+def _by_name(table: Table, engines: NDArray[Any]) -> dict[str, NDArray[Any]]:
     names = np.array([*OUTCOMES, ""])
     return {"outcome": names[table.whole]} | table.columns | {"engine": engines}
 
