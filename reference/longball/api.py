@@ -6,7 +6,6 @@ lines of results have as keys. `longball.tables` solves many scenes at once.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import (
@@ -38,7 +37,7 @@ from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
     Result,
 )
-from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene
+from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene, scene_of
 from longball.solution import Solution, error_of, real_numbers
 
 if TYPE_CHECKING:
@@ -153,7 +152,7 @@ def as_scene(written: object) -> Scene:
         return parse_scene(written)
     if isinstance(written, Mapping):
         try:
-            return parse_scene(json.dumps(plain(written)))
+            return scene_of(plain(written))
         except RecursionError:
             raise InvalidScene("not a scene: its blocks are nested too deeply") from None
     raise TypeError(

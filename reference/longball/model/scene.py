@@ -586,8 +586,16 @@ def parse_scene(
     if not isinstance(data, dict):
         raise InvalidScene(f"not a scene: a JSON object is needed, this is {short(data)}")
     if change:
-        data = change(data)
-        text = json.dumps(data)
+        return scene_of(change(data))
+    return _validated(data, text)
+
+
+def scene_of(data: dict[str, Any]) -> Scene:
+    """Return the scene of a block as JSON has it; see `parse_scene`."""
+    return _validated(data, _text(json.dumps(data)))
+
+
+def _validated(data: dict[str, Any], text: str) -> Scene:
     scene_id = _text_of_whole(data.get("id"))
     scene_id = scene_id if _is_text(scene_id) else None
     kind = data.get("kind")
@@ -634,7 +642,13 @@ _JSON_FAULTS = {
 
 def _is_text(value: Any) -> bool:
     """True if a value is a string that can be written: no half of a surrogate pair."""
-    return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
+    if not isinstance(value, str):
+        return False
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
