@@ -99,7 +99,7 @@ def main() -> None:
 
 
 def _tell(sentence: str) -> None:
-    from longball.cli.common import tell  # brings the model, which --version does without
+    from longball.cli.messages import tell  # brings the model, which --version does without
 
     tell(sentence)
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from longball.cli.common import wrong_call
+from longball.cli.messages import wrong_call
 from longball.model.names import one_of
 
 FILES = ("longball.toml", "pyproject.toml")  # the first one that has settings is taken

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
+
+from pydantic import BaseModel
 
 from longball.model.explain import keys_of, parts_of
 from longball.model.names import one_of
@@ -52,15 +54,17 @@ def _with(block: Mapping[str, Any], keys: list[str], value: Any, name: str) -> d
     return {**block, key: value}
 
 
-def value_of(name: str, text: str) -> Any:
+def value_of(name: str, text: str, models: Iterable[type[BaseModel]] = KINDS.values()) -> Any:
     """Return the value that a text gives a key: JSON, a number with or without a unit, or a word.
+
+    The unit's quantity is that of the key in the `models`, kinds of scenes by default.
 
     >>> value_of("pitch.speed", "90 km/h")
     25.0
 
-    A ValueError says that no scene has the key, or that the unit is none of its quantity.
+    A ValueError says that there is no such key, or that the unit is none of its quantity.
     """
-    described = _described(name)
+    described = _described(name, [*models])
     for read in (json.loads, float):
         with suppress(ValueError):
             return read(text)
@@ -74,17 +78,24 @@ def value_of(name: str, text: str) -> Any:
     return text if number is None else number
 
 
-def _described(name: str) -> str:
-    """Return the description of a key of some kind of scene."""
+def _described(name: str, models: Sequence[type[BaseModel]]) -> str:
+    """Return the description of a key of some model."""
     keys = _ELEMENT.sub(r"\1", name).split(".")
-    known: list[str] = []
     for depth in range(1, len(keys) + 1):
-        fields = [field for kind in KINDS.values() for field in parts_of(kind, keys[:depth])]
+        fields = [field for model in models for field in parts_of(model, keys[:depth])]
         if not fields:
-            before = "".join(f"{key}." for key in keys[: depth - 1])
-            known = [f"{before}{x}" for k in KINDS.values() for x in keys_of(k, keys[: depth - 1])]
+            outer, before = keys[: depth - 1], "".join(f"{key}." for key in keys[: depth - 1])
+            known = [f"{before}{key}" for model in models for key in keys_of(model, outer)]
+            # A key without its block: density for air.density.
+            blocks = ((model, [*outer, key]) for model in models for key in keys_of(model, outer))
+            known += [
+                ".".join([*block, keys[depth - 1]])
+                for model, block in blocks
+                if keys[depth - 1] in keys_of(model, block)
+            ]
             near = one_of("the keys here are", ".".join(keys[:depth]), dict.fromkeys(known))
-            raise ValueError(f"{name}: no scene has this key{near}")
+            of = "scene" if "kind" in models[0].model_fields else "result"
+            raise ValueError(f"{name}: no {of} has this key{near}")
     return next((field.description for field in fields if field.description), "")
 
 
