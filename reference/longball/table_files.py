@@ -30,12 +30,14 @@ def scene_lines(path: Path) -> bytes:
         rows = enumerate(pd.read_parquet(io.BytesIO(content)).to_dict("records"), 1)
     lines: list[bytes] = []
     for number, row in rows:
+        # Somebody else's table: one sentence instead of an error in each row.
         if not lines and not any(re.split(r"[.\[]", str(name))[0] in _KEYS for name in row):
             raise ValueError(
                 f"no column is a key of a scene, such as kind or launch.velocity[0]; they are "
                 f"{', '.join(map(str, row))}; longball measured reads tables of measurements"
             )
         lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
+        # Cells of lists and NumPy numbers become what JSON can write.
         cells = {name: _written(x) for name, x in row.items()}
         scene = scene_of(cells, json_or_number)
         lines.append(to_json(scene, inf_nan_mode="constants"))  # null would be no air
@@ -96,6 +98,7 @@ def _head(cells: Sequence[str]) -> list[str]:
 
 def write_table(path: Path, results: Iterable[bytes]) -> None:
     """Write results, as lines of JSON, as a table."""
+    # A table needs all results at once: their blocks decide the columns.
     frame = results_table(map(json.loads, results))
     if path.suffix.lower() == ".parquet":
         frame.to_parquet(path)

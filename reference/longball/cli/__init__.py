@@ -1,6 +1,6 @@
 """The command line: data on standard output, messages on standard error.
 
-Exit status: 0 success, 1 a line or a verdict failed, 2 the call itself was wrong.
+Exit status: 0 success, 1 a line or a verdict failed, 2 usage error.
 """
 
 from __future__ import annotations
@@ -47,8 +47,10 @@ def module_of(command: str) -> Any:
 
 def summary_of(command: str, group: str = "") -> str:
     """Return the first line of a command's docstring, without importing its module."""
+    # Help lists all commands: to import them would take five times as long as to parse them.
     tree: Any = ast.parse(Path(__file__).with_name(f"{group or command}.py").read_bytes())
     if command not in GROUPS:
+        # The function has the command's name, with _ if Python has a word like it.
         functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
         tree = next(node for node in functions if node.name.rstrip("_") == command)
     return (ast.get_docstring(tree) or "").partition("\n")[0]
@@ -72,6 +74,7 @@ class Commands(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command, None if there is none of that name."""
         if cmd_name not in self.examples:
+            # Completion of a shell asks for words that are not finished.
             if not (ctx.resilient_parsing or cmd_name.startswith("-")):
                 known = one_of("the commands are", cmd_name, self.examples)
                 ctx.fail(f"no such command {cmd_name!r}{known}")
@@ -89,6 +92,7 @@ class Commands(TyperGroup):
             return group
         from longball.cli.options import command_of
 
+        # The rows of the table: "golden check.seed".
         name = f"{self.group} {cmd_name}".strip()
         function = getattr(module, cmd_name, None) or getattr(module, f"{cmd_name}_")
         return command_of(name, function, example)
@@ -97,6 +101,8 @@ class Commands(TyperGroup):
         """Return the command that is asked for, and give it what a file of settings has for it."""
         found: Any = super().resolve_command(ctx, args)
         name, command, rest = found
+        # A wrong file of settings must not keep anybody from the help; what follows -- is the
+        # COMMAND's.
         asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
         has_settings = not self.group and name not in GROUPS
         if has_settings and not (asks_help or ctx.resilient_parsing):
@@ -117,6 +123,7 @@ class Commands(TyperGroup):
             if hasattr(error, "param_type"):  # it is missing, and has no message yet
                 error.message = str(getattr(error.param, "help", ""))
             error.message = in_our_words(error.message)
+            # The value may be that of the file, which the reader of the message does not see.
             said_by = getattr(error.ctx, "default_map", None) or {}
             if error.param and error.param.name in said_by:
                 command: Any = error.ctx and error.ctx.command

@@ -25,6 +25,7 @@ def chosen_changes(
 
     `blocks` come first, so that the options change them.
     """
+    # Only those of the scene can change scenes; the others belong to homerun and verlet.
     switches = chosen_switches(readings or [])
     for belongs, named in switches.items():
         if belongs != "scene" and named:
@@ -67,6 +68,7 @@ def in_si(option: str, text: str, si: str, usual: str = "") -> float:
 
 def fence_block(text: str) -> Any:
     """Return the fence that an option names: a radius, or a file that holds the block."""
+    # A file may be called 120, and is meant then.
     if not Path(text).is_file():
         try:
             radius = value_of("fence.radius", text)

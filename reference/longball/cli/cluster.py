@@ -29,6 +29,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
         distributed: Any = import_module("distributed")
     except ImportError:
         wrong_call('--scheduler: Dask is not installed; pip install ".[dask]"')
+    # The engines ask joblib for workers: its backend decides where these are.
     from joblib import parallel_config
 
     option = f"--scheduler {address}"

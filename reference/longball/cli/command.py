@@ -27,6 +27,7 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Parse the arguments; what they give stands for what a file gives in its place."""
+        # Typer gives its parameters the values of the file and of the defaults here.
         rest = super().parse_args(ctx, args)
         for names in INSTEAD:
             if any(given_by(ctx, name) == "COMMANDLINE" for name in names):
@@ -44,6 +45,7 @@ class Command(TyperCommand):
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the arguments of the usage line."""
+        # Typer writes [SCENES] for an argument that our metavar has as [SCENES|-].
         arguments = (p for p in self.params if p.param_type_name == "argument")
         return ["[OPTIONS]", *(str(p.metavar) for p in arguments)]
 

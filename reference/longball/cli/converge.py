@@ -55,6 +55,7 @@ def converge(
     ]
     if not asked:
         wrong_call(f"--kind {', '.join(kinds)}: none of the scenes is of this kind")
+    # Without truth the steps are compared with each other, which hides errors that all share.
     proofs = [case.expected for case in proven(asked)] if truth else None
     with progress_bar("runs", 1) as advance, refusing():
         sweep = sweep_of(command, steps, knob, expected, progress=advance)

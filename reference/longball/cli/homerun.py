@@ -159,6 +159,7 @@ def parse_restitutions(text: str) -> list[float]:
             values = [float(part) for part in text.split(",")]
         else:
             first, last, step = (float(part) for part in text.split(":"))
+            # It would never come to the last value.
             if step <= 0:
                 raise ValueError
             # Values that a reader would write: 0.41 + 3 × 0.01 is 0.44, not 0.43999999999999995.

@@ -97,6 +97,7 @@ def judge(
         sweep = sweep_of(command or [], steps, knob, expected)
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
         stepped = sweep if sweep and not knob else None
+        # The verdict is about the finest step, at which a right program has the best chance.
         if stepped and dt is None:
             dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps or [STEP])
         cases, truth = (
@@ -104,6 +105,7 @@ def judge(
             if command or results
             else ([], "")
         )
+        # For programs that do not know the defaults; the others are sent what is written.
         if write_defaults:
             cases = [with_defaults(case) for case in cases]
         judge = Judge(cases, rule, truth, partial, dt=dt)

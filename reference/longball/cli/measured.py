@@ -55,6 +55,7 @@ def measured(
         if scenes:
             asked = scenes_of(rows, law, change=change)
             lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]
+            # Rows that are no scenes are counted below, with their reasons.
             scenes.write_text("".join(lines), encoding="utf-8")
         prediction = predict(rows, law, engine=solver, change=change)
     if csv_:

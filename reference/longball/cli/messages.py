@@ -63,7 +63,7 @@ def exit_unless(passed: object) -> None:
 
 @contextmanager
 def failing_unless(passed: bool) -> Iterator[None]:
-    """Leave with status 1 after a verdict is printed, even to a reader that has left."""
+    """Exit with status 1 after a failed verdict is printed, even if standard output is closed."""
     try:
         yield
     finally:

@@ -43,6 +43,7 @@ def parks(
     solver = engines.create(engine)
     failed = told = 0
     with on_cluster(scheduler):
+        # Scenes that are invalid go through as texts, so that answers keep the order of the lines.
         tasks = (
             (number, str(scene) if isinstance(scene, InvalidScene) else scene, where, solver)
             for number, scene in each_scene(source, change)

@@ -41,6 +41,7 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
     """Open scenes as lines of JSON, whatever the file holds."""
     if ending(source) not in TABLES:
         with reading_from(source) as file:
+            # A terminal has nothing to look at before somebody types.
             if isinstance(file, BufferedReader) and not file.isatty():
                 _require_lines(file.peek(1), source)
             yield file
@@ -57,7 +58,9 @@ def _require_lines(beginning: bytes, source: str) -> None:
     if kind := binary(beginning):
         wrong_call(f"{named(source)}: {kind}")
     text = beginning.removeprefix(BOM_UTF8).lstrip().decode("utf-8", "replace")
+    # The first 8 KiB at most: enough to tell lines of JSON from one JSON text.
     first, _, more = text.partition("\n")
+    # Of scenes; a line such as [1, 2] is an error of its own.
     is_array = re.match(r"\[\s*(\{|$)", first.strip())
     end = 0
     if text.startswith("{"):

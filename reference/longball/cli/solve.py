@@ -62,6 +62,7 @@ def solve(
         wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
     if asked and certify:
         wrong_call("--path: its points cannot be certified; take --engine enclosure")
+    # A library that is missing is named before hours of work.
     if ".parquet" in {ending(name) for name in (source, output or "")}:
         import_module("pyarrow")
     if output and ending(output) in TABLES:
@@ -78,6 +79,7 @@ def solve(
         solver = Certifying(solver)
     # What has been imported stays: looking at it again and again took a fourth of the time.
     gc.freeze()
+    # Results are written one by one and not kept: counts and ids are all that is needed.
     solved = failed = 0
     ids: set[str | None] = set()
     repeated: set[str] = set()
@@ -104,6 +106,7 @@ def solve(
         tell(f"no scenes in {named(source)}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
+    # No failure: files of different scenes may share ids, but joins by id would go wrong.
     if repeated:
         tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
     exit_unless(solved and not failed)

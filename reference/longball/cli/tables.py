@@ -28,6 +28,7 @@ def reading_table() -> Iterator[None]:
     try:
         yield
     except TableError as error:
+        # A file that cannot be opened is a wrong call, one that cannot be understood a failure.
         if isinstance(error.__cause__, OSError):
             wrong_call(str(error))
         fail(str(error))

@@ -32,6 +32,7 @@ class Changes:
         """Return a scene, as plain data, with the changes; `InvalidScene` if they do not fit it."""
         changed = dict(data)
         for name, value in self.values:
+            # A component: the rest of the vector stays, or is the default of the kind.
             if element := _ELEMENT.fullmatch(name):
                 name, place = element[1], int(element[2])
                 vector = at(changed, name) or at(USUAL_SCENES.get(data.get("kind")), name)
@@ -65,6 +66,7 @@ def value_of(name: str, text: str, models: Iterable[type[BaseModel]] = KINDS.val
     A ValueError says that there is no such key, or that the unit is none of its quantity.
     """
     described = _described(name, [*models])
+    # JSON first: null, lists and blocks. Then .5 and 1_000, which JSON does not allow.
     for read in (json.loads, float):
         with suppress(ValueError):
             return read(text)

@@ -33,6 +33,7 @@ def decoded(data: bytes) -> str:
     """
     if kind := binary(data):
         raise ValueError(kind)
+    # Spreadsheets save "Unicode text" as UTF-16, and mark UTF-8 with EF BB BF.
     utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if utf16 else "utf-8-sig")

@@ -40,6 +40,7 @@ CONTACT = (0.6096, 0.0, 0.9144)
 
 def inputs(scene: Scene) -> dict[str, float]:
     """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
+    # By the names of quantities, each component of a vector for itself.
     found = dict(numbers(scene))
     found.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
     if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
@@ -115,6 +116,7 @@ def launched(values: Mapping[str, N], numbers: Numbers[N]) -> dict[str, Vector[N
     along, back, side = axes_of(angle, direction, numbers)
     made = {"launch.velocity": _combined((speed,), (along,))}
     if OF_SPIN[0] in values:
+        # All three, as backspin alone would not fix the axis.
         parts = tuple(values[name] for name in OF_SPIN)
         made["launch.spin"] = _combined(parts, (back, side, along))
     return made
@@ -138,6 +140,7 @@ def value_of(scene: Scene, name: str) -> float:
     if name in of_launch:
         return of_launch[name]
     if name in TRACKED:
+        # A tracked quantity of a scene that has no such vector: the message names the vector.
         lacks = "launch.spin" if isinstance(scene, FlightScene) else "launch"
         raise ValueError(f"{name}: the scene has no {lacks}")
     try:
@@ -159,6 +162,7 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     of_launch = {name: x for name, x in values.items() if name in TRACKED}
     if not of_launch:
         return changed
+    # The others of these stay fixed: a new angle leaves speed, direction and backspin.
     made = launched({**tracked(changed), **of_launch}, DOUBLES)
     return replaced(
         changed,

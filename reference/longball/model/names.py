@@ -34,11 +34,13 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
     """
     if not isinstance(given, str) or not (asked := letters(given)):
         return ""
+    # Reversed twice, so that the first of two names with the same letters counts.
     by_letters = {letters(name): name for name in reversed([*known])}
     near = difflib.get_close_matches(asked, by_letters, n=1)
     with_word = [
         name for name in reversed(by_letters.values()) if asked in re.split(r"\W+", name.lower())
     ]
+    # The surest first: the same letters, then a whole word, then likeness.
     meant = [*filter(None, [by_letters.get(asked)]), *with_word, *(by_letters[x] for x in near)]
     return f", did you mean {meant[0]}?" if meant else ""
 

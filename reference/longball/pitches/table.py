@@ -291,6 +291,7 @@ def require_degrees(angles: Array, name: str, largest: float) -> None:
     Whole numbers are degrees, however small they are.
     """
     known = angles[~np.isnan(angles)]
+    # A whole number of degrees as small as this is possible, a whole number of radians is not.
     if known.size and np.abs(known).max() <= largest and (known % 1.0).any():
         raise TableError(
             f"{name}: none is above {largest:.3g}; is it in rad? The table must be in degrees here"
