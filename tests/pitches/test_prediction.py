@@ -171,6 +171,7 @@ def test_the_command_draws(tmp_path):
         (("-", *COMMAND), "a,b\n1,2\n", 1, "the table has no such columns; its columns are a, b"),
         (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", 1, "is it in rad?"),
         (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 1, "the table of games: temperature"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 1, "is it in m/s?"),
         (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
         (("--model", "best"), "", 2, "'best' is not one of 'vacuum', 'paper',"),
         (("--engine", "best"), "", 2, "'best' is not one of 'ivp',"),

@@ -316,6 +316,8 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     require_degrees(values["launch_angle"], "launch_angle", np.pi / 2.0)
     side = _side(frame["stand"]) if "stand" in frame else np.zeros(len(frame))
     speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
+    if not (speed > SLOWEST).any():  # no row would be left: in m/s, flies are below 60
+        require_usual(values["launch_speed"][~np.isnan(speed)], "launch_speed")
     x, y = (values.get(name, nothing) for name in _PLACE)
     bearing = np.arctan2(x - DRAWN_PLATE[0], DRAWN_PLATE[1] - y) if "hc_x" in here else 0.0 * speed
     lacks = [
