@@ -128,7 +128,8 @@ OPTIONS: dict[str, str | dict[str, Any]] = {
     # scenes, and what changes them
     "reading": _option("A switch of the ledger", "NAME=OPTION"),
     "set": _option(
-        "A value of the scene, as pitch.speed=40 or pitch.speed=95mph", "BLOCK.KEY=VALUE"
+        "A value of the scene, as pitch.speed=40, pitch.speed=95mph or launch.angle=30deg",
+        "BLOCK.KEY=VALUE",
     ),
     "fence": _option(
         "What home runs fly over: a file with a scene's fence block, or a radius, as 120 or 400ft.",

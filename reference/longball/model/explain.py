@@ -116,6 +116,7 @@ def is_vector(parts: tuple[Any, ...]) -> bool:
 def in_our_words(message: str) -> str:
     """Reword pydantic's message on a value as the end of a sentence about it."""
     message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
+    message = message.replace("a valid integer", "a whole number")
     return message.replace("should", "must").replace("a valid number", "a number")
 
 

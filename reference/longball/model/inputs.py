@@ -31,6 +31,7 @@ STEP = 2.0**-50
 OF_VELOCITY = ("launch.speed", "launch.angle", "launch.direction")
 OF_SPIN = ("launch.backspin", "launch.side_spin", "launch.gyrospin")
 TRACKED = (*OF_VELOCITY, *OF_SPIN)
+UNITS_OF_TRACKED = dict(zip(TRACKED, ("m/s", "rad", "rad", *["rad/s"] * 3), strict=True))
 
 
 # m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
