@@ -58,9 +58,12 @@ def escape_bars(
         lines[:] = [x.replace("|", r"\|") if x.startswith("    ") else x for x in lines]
 
 
-def link_to_copied_report(_app: Any, _page: str, source: list[str]) -> None:
-    """Let links to the report, which are those of the repository, lead to its copy."""
-    source[0] = source[0].replace("](../report/", "](report/")
+def link_to_copied_report(_app: Any, page: str, source: list[str]) -> None:
+    """Rewrite links between docs and report for the copy of the report inside docs."""
+    if page.startswith("report/"):
+        source[0] = source[0].replace("](../docs/", "](../")
+    else:
+        source[0] = source[0].replace("](../report/", "](report/")
 
 
 def setup(app: Any) -> None:

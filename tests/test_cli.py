@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import subprocess
 import sys
 from functools import partial
@@ -16,7 +17,7 @@ import typer.testing
 
 import longball as lb
 from longball import cli, table_files
-from longball.cli.converge import read_scenes
+from longball.cli.scenes import read_scenes
 from longball.golden import probabilities
 from longball.home_run.quadrature import Nodes
 from longball.pitches import EXAMPLE
@@ -214,6 +215,30 @@ class TestSolve:
         )
         assert called("solve", "--quiet", stdin=lines).stderr == ""
 
+    @pytest.mark.parametrize(
+        ("name", "content", "said"),
+        [
+            (
+                "a.jsonl",
+                b"PK\x03\x04",
+                "not text but a spreadsheet or a zip archive; save the sheet",
+            ),
+            ("a.jsonl", b"\x1f\x8b\x08", "not text but gzip; gunzip unpacks it"),
+            ("a.parquet", b"kind\npitch\n", "not Parquet: its first four bytes must be PAR1"),
+            ("a.csv", b"player,mph\nA,103\n", "no column is a key of a scene, such as kind or"),
+        ],
+    )
+    def test_a_file_of_something_else_is_one_sentence(self, called, tmp_path, name, content, said):
+        file = tmp_path / name
+        file.write_bytes(content)
+        run = called("solve", str(file))
+        assert (run.returncode, run.stdout) == (2, "")
+        assert f"{file}: {said}" in run.stderr
+
+    def test_utf16_lines_are_named(self, called):
+        (line,) = results(called("solve", stdin='{"kind":"pitch"}'.encode("utf-16")))
+        assert line["error"].endswith("iconv -f utf-16 -t utf-8 converts UTF-16")
+
     def test_an_empty_file_is_no_success(self, called):
         run = called("solve", stdin=b"\n")
         assert run.returncode == 1
@@ -252,7 +277,7 @@ class TestSolve:
             (["judge", "--golden", "flight-vacum", "--", "true"], "did you mean flight-vacuum?"),
             (["judge", "--profile", "converge", "--", "true"], "did you mean converged?"),
             (["judge", "--random", "3", "--kind", "fligth", "--", "true"], "did you mean flight?"),
-            (["measured", "--example", "--model", "natan"], "did you mean nathan? The models are"),
+            (["measured", "--example", "--model", "natan"], "did you mean nathan?"),
             (
                 ["golden", "write", "x", "--family", "ptch"],
                 "--family ptch: there is none, did you mean",
@@ -286,6 +311,8 @@ class TestSolve:
             (["homerun", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
             (["solve", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
             (["solve", "--set", "pitch.speed=95mhp"], "did you mean mph?"),
+            (["solve", "--set", "density=1"], "no scene has this key, did you mean air.density?"),
+            (["converge", "--kind", "impact", "--", "{dt}"], "none of the scenes is of this kind"),
             (["solve", "--reading", "inertial=thin_rod"], "did you mean inertia?"),
             (
                 ["solve", "--reading", "sample_space=fair"],
@@ -603,6 +630,17 @@ class TestReadings:
             assert ("p" in row) == asked
 
 
+def test_help_imports_no_command():
+    code = (
+        "import sys; sys.argv = ['longball', '--help']; from longball.__main__ import main\n"
+        "try: main()\nfinally: print({'numpy', 'pydantic', 'rich'} & set(sys.modules))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    assert run.stdout.endswith("set()\n")
+    for name in cli.COMMANDS:
+        assert re.search(rf"^  {name} +[A-Z]", run.stdout, re.MULTILINE)
+
+
 @pytest.mark.parametrize(
     ("what", "more"),
     [
@@ -636,6 +674,18 @@ def test_aim_prints_scenes_that_hit(called):
     assert angles == pytest.approx([low, math.pi / 2 - low], rel=1e-12)
 
 
+def test_aim_and_infer_take_units(called):
+    hits = [called("aim", "--target", target, stdin=VACUUM).stdout for target in ("100m", "100")]
+    assert hits[0] == hits[1]
+    found = [
+        called("infer", "--measured", f"landing.distance={far}", "--unknown", "launch.speed",
+               "--json", stdin=VACUUM)
+        for far in ("100", "10000 cm")
+    ]  # fmt: skip
+    speeds = [json.loads(run.stdout)["value"]["launch.speed"] for run in found]
+    assert speeds[0] == speeds[1]
+
+
 def test_infer_finds_what_was_launched(called, tmp_path):
     points = tmp_path / "points.csv"
     points.write_text("t,x,y,z\n0.5,12.5,0,8\n1.0,25,0,\n", encoding="utf-8")
@@ -653,7 +703,7 @@ def test_infer_finds_what_was_launched(called, tmp_path):
     ("arguments", "status", "sentence"),
     [
         (["aim"], 2, "--target"),
-        (["aim", "--target", "1,x"], 2, "a distance is needed"),
+        (["aim", "--target", "1,x"], 2, "--target x: a number is needed, alone or with a unit: m"),
         (["aim", "--target", "900"], 1, "out of reach: the ball gets 165.816 m of 900 m"),
         (["infer", "--unknown", "gravity"], 2, "either --points FILE or --measured"),
         (["infer", "--measured", "landing.time=1"], 2, "--unknown"),
@@ -662,6 +712,18 @@ def test_infer_finds_what_was_launched(called, tmp_path):
             2,
             "did you mean gravity",
         ),
+        (
+            ["infer", "--measured", "distance=1", "--unknown", "gravity"],
+            2,
+            "--measured distance: no result has this key, did you mean landing.distance?",
+        ),
+        (
+            ["infer", "--measured", "landing.distance=1 s", "--unknown", "gravity"],
+            2,
+            "'s' is no unit here; the units here are m,",
+        ),
+        (["infer", "--points", str(EXAMPLE), "--unknown", "gravity"], 1, "t, x, y, z: the table"),
+        (["infer", "--points", "no.csv", "--unknown", "gravity"], 2, "no.csv: cannot be read"),
         (["infer", "--measured", "plate.time=1", "--unknown", "gravity"], 1, "plate.time"),
     ],
 )

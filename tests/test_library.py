@@ -522,7 +522,7 @@ def test_probability_of_a_home_run():
         with pytest.raises(
             ValueError,
             match=r"e = 1\.5|guess|an at-bat is|pitch\.speed: it varies"
-            r"|'foo' is not a switch|inertia: must be .* \(got 'rod'\)$",
+            r"|'foo' is not a switch|inertia: must be .* \(got 'rod'\), did you mean thin_rod\?$",
         ):
             lb.home_run_probability(**wrong)
 

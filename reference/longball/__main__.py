@@ -99,7 +99,7 @@ def main() -> None:
 
 
 def _tell(sentence: str) -> None:
-    from longball.cli.common import tell  # brings the model, which --version does without
+    from longball.cli.messages import tell  # brings the model, which --version does without
 
     tell(sentence)
 
@@ -111,6 +111,8 @@ def _sentence(error: Exception) -> str:
         from longball.model.names import nearest_file
 
         return f"{error.filename}: {error.strerror}{nearest_file(error.filename)}"
+    if isinstance(error, IsADirectoryError):
+        return f"{error.filename}: a file is needed, and this is a folder"
     if isinstance(error, OSError):
         return f"{error.filename or 'output'}: {error.strerror}"
     # A bug of longball. For its traceback call `longball.cli.app` from Python.

@@ -126,8 +126,10 @@ def launch(
     >>> round(lb.solve(scene).landing.distance, 3)
     116.06
     """
+    # Also of NaN.
     if not speed > 0.0:
         raise InvalidScene(f"speed: must be positive (got {speed!r})")
+    # The same formulas as those of derivatives by launch.speed, in longball.model.inputs.
     tracked: dict[str, float] = dict(zip(OF_VELOCITY, (speed, angle, direction), strict=True))
     if backspin is not None or side_spin is not None:
         tracked |= zip(OF_SPIN, (backspin or 0.0, side_spin or 0.0, 0.0), strict=True)
@@ -249,6 +251,7 @@ def solve(
     >>> result.path.at(1.0).position.round(3)
     array([25.243,  0.   , 20.103])
     """
+    # A wrong scene is said before a wrong engine.
     asked, solver = as_scene(scene), as_engine(engine, options)
     certify = engines.of_type(bool, "certify", certify)
     if certify and derivatives:
@@ -273,6 +276,7 @@ def derivatives_in(
     from longball.engines.tangent import derivatives_of
 
     chosen = chosen_inputs(scene, names)
+    # A discrete quantity, such as the segment of the fence, has no derivative.
     quantities = [name for name, _ in numbers(result) if name not in chain.DISCRETE]
     return derivatives_of(scene, quantities, chosen, differentiable(engine))
 
@@ -281,6 +285,7 @@ def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
     """Return the names of some inputs of a scene, checked, or of all."""
     if isinstance(names, bool):
         return [*inputs(scene)]
+    # A text is a sequence of letters, and would name inputs l, a, u, …
     if isinstance(names, str):
         raise TypeError(f"derivatives = {names!r}: a list of names is needed, such as [{names!r}]")
     return require_inputs(scene, names)
@@ -302,6 +307,7 @@ def as_engine(engine: str | Engine[Any], options: Mapping[str, Any]) -> Engine[A
     """Return an engine by name with options, or the one that is given."""
     if isinstance(engine, str):
         return engines.create(engine, **options)
+    # Any object with the method of the protocol is an engine.
     if not hasattr(engine, "fly"):
         raise TypeError(
             f"engine must be a name ({', '.join(engines.ENGINES)}) or an engine; "
@@ -375,6 +381,7 @@ def home_run_probability(
 
     from longball import home_run
 
+    # What is wrong with the call is said before anything is computed.
     restitutions = _restitutions(e)
     drawn = {"samples": samples, "seed": seed}
     if method == "quadrature" and (given := [name for name, x in drawn.items() if x is not None]):

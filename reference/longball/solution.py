@@ -104,6 +104,7 @@ class Path:
                 f"t = {outside[0]} s is outside the path, from {self.start} s to {self.end} s"
             )
         with self._numbers.arithmetic():
+            # One by one: engines of many digits have no arrays.
             states = [self._state(t) for t in times.ravel().tolist()]
         found = np.array(states).reshape(*times.shape, 6)
         return State(times[()], found[..., :3], found[..., 3:])
@@ -173,6 +174,7 @@ class Path:
         # The end may lie between two doubles, and so may the beginning of a flight.
         if time == self.end and exact > end:
             exact = end
+        # At the contact two legs meet. The later one counts, with the velocity after the impulse.
         for leg in self._trajectory.legs:
             if time == self._double(leg.begin):
                 exact = leg.begin
@@ -227,6 +229,7 @@ class Solution:
         self._derivatives = derivatives
 
     def __getattr__(self, name: str) -> Any:
+        # Blocks and top-level keys; the declarations above are for type checkers.
         if name in Result.model_fields:
             return getattr(self.result, name)
         raise AttributeError(f"a solution has no attribute {name!r}")
@@ -236,6 +239,8 @@ class Solution:
 
         A ValueError says that no result has it, and names the nearest.
         """
+        # The keys alone tell whether a result can have the quantity: at() gives None for one that
+        # this outcome lacks.
         keys = re.sub(r"\[\d+\]", "", name).split(".")
         if not parts_of(Result, keys):
             blocks = chain.PARTS.items()
@@ -251,7 +256,7 @@ class Solution:
         return [*super().__dir__(), *Result.model_fields]
 
     def __getstate__(self) -> dict[str, Any]:
-        # A trajectory is made piece by piece, which no copy can go on with: `path` solves again.
+        # A trajectory holds a generator, which cannot be pickled; `path` of a copy solves again.
         state = {name: value for name, value in vars(self).items() if name != "path"}
         return state | {"_trajectory": None}
 
@@ -275,6 +280,7 @@ class Solution:
         """
         if self.scene is None or self.result.error is not None:
             raise error_of(self.result)
+        # Results of solve_many come without trajectories, which would fill the memory.
         way = self._trajectory
         if way is None:
             _, way = chain.solve_with_path(self.scene, self._solver)
@@ -302,6 +308,7 @@ class Solution:
 
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield name, value and unit of every quantity."""
+        # In the order of the model, with inner blocks (plate.approach) after their own.
         blocks = [*chain.BLOCKS]
         for name in sorted(chain.PARTS, key=lambda part: blocks.index(part.split(".")[0])):
             block = at(self.result, name)
@@ -357,6 +364,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(map(_shown, value))})"
     if isinstance(value, Bounded | Certified):
+        # Decimal digits of any number, which a float could not show.
         return value.value if value.radius is None else f"{value.value} ± {value.radius}"
     return f"{value:.7g}" if isinstance(value, float) else str(value)
 

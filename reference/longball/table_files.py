@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from pydantic_core import to_json
 from longball.model.csv_files import decoded, other_separators, unguarded, write_frame
 from longball.model.jsonl import json_or_number
 from longball.model.plain import plain
+from longball.model.scene import KINDS
 from longball.tables import results_table, scene_of
 
 
@@ -23,14 +25,26 @@ def scene_lines(path: Path) -> bytes:
     if path.suffix.lower() == ".parquet":
         import pandas as pd
 
-        rows = enumerate(pd.read_parquet(path).to_dict("records"), 1)
+        if not (content := path.read_bytes()).startswith(b"PAR1"):
+            raise ValueError("not Parquet: its first four bytes must be PAR1")
+        rows = enumerate(pd.read_parquet(io.BytesIO(content)).to_dict("records"), 1)
     lines: list[bytes] = []
     for number, row in rows:
+        # Somebody else's table: one sentence instead of an error in each row.
+        if not lines and not any(re.split(r"[.\[]", str(name))[0] in _KEYS for name in row):
+            raise ValueError(
+                f"no column is a key of a scene, such as kind or launch.velocity[0]; they are "
+                f"{', '.join(map(str, row))}; longball measured reads tables of measurements"
+            )
         lines += [b""] * (number - 1 - len(lines))  # the head, blank lines, the rest of a cell
+        # Cells of lists and NumPy numbers become what JSON can write.
         cells = {name: _written(x) for name, x in row.items()}
         scene = scene_of(cells, json_or_number)
         lines.append(to_json(scene, inf_nan_mode="constants"))  # null would be no air
     return b"\n".join(lines)
+
+
+_KEYS = {key for kind in KINDS.values() for key in kind.model_fields}
 
 
 def _written(cell: object) -> Any:
@@ -84,6 +98,7 @@ def _head(cells: Sequence[str]) -> list[str]:
 
 def write_table(path: Path, results: Iterable[bytes]) -> None:
     """Write results, as lines of JSON, as a table."""
+    # A table needs all results at once: their blocks decide the columns.
     frame = results_table(map(json.loads, results))
     if path.suffix.lower() == ".parquet":
         frame.to_parquet(path)

@@ -167,6 +167,7 @@ def solve_many(
         if certify:
             raise ValueError("paths: their points cannot be certified; take the engine enclosure")
     workers = checked(workers)
+    # Engines take a number of threads or processes.
     if workers == -1:
         workers = os.cpu_count() or 1
     if isinstance(scenes, Mapping) or hasattr(scenes, "columns"):
@@ -175,6 +176,7 @@ def solve_many(
         table = _solve_table(columns, solver, workers, paths, derivatives)
         _warn_of_repeated(table.get("id", ()))
         return table.set_axis(scenes.index) if hasattr(scenes, "columns") else table
+    # Iterable, but one scene.
     if isinstance(scenes, str | bytes | BaseModel):
         raise TypeError("solve_many takes a list of scenes or columns; lb.solve takes one scene")
     if hasattr(scenes, "to_frame") or not isinstance(scenes, Iterable):
@@ -182,6 +184,7 @@ def solve_many(
             "solve_many takes a list of scenes, or columns as a mapping or a DataFrame; "
             f"not an object of type {type(scenes).__name__}"
         )
+    # Trajectories are not kept: a million of them would fill the memory.
     with _no_collection():
         solutions = [
             Solution(
@@ -267,6 +270,7 @@ def _solve_table(
     # An id may be a number here, and is no part of the scene that it is a name of.
     ids = varied.pop("id", fixed.pop("id", None))
     frame = None
+    # The compiled code takes columns as they are. Paths need a trajectory for each ball.
     if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all") and paths is None:
         frame = _solve_as_columns(fixed, varied, solver, workers, derivatives)
     if frame is None:
@@ -274,12 +278,14 @@ def _solve_table(
         scenes = (scene_of(row, _json_alone) for row in rows)
         solved = [*_asked_and_results(scenes, solver, workers, paths)]
         errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
+        # The same fault in all rows is one of the columns, as a column that is missing.
         if errors and len(errors) == count:
             raise InvalidScene(
                 f"no row is a scene: {errors[0]} (row 0 of {count}); "
                 f"the columns are {', '.join(map(str, columns))}"
             )
         data = [result.data() for _, result in solved]
+        # Arrays of shape (paths, 7) would become one column for each number.
         flown = [one.pop("path", None) for one in data]
         frame = _with_engines_signed(results_table(data)).drop(columns="id", errors="ignore")
         if paths is not None:
@@ -304,6 +310,7 @@ def _solve_as_columns(
     """Solve columns by the batch engine, without a scene for each; None if some row is no scene."""
     from longball.engines.batch import solve_columns, solve_columns_with_slopes
 
+    # To build a scene for each row would take far longer than its flight.
     base = _all_valid(fixed, varied)
     if base is None:
         return None
@@ -313,6 +320,7 @@ def _solve_as_columns(
         table, slopes = solve_columns_with_slopes(base, varied, names, solver, workers)
     else:
         table = solve_columns(base, varied, solver, workers)
+    # Rows that the compiled code leaves: the chain solves them, or says why it does not.
     unsolved = np.flatnonzero(table["outcome"] == "").tolist()
     rows = ({n: column.item(i) for n, column in varied.items()} for i in unsolved)
     scenes = (scene_of({**fixed, **row}, _json_alone) for row in rows)
@@ -325,6 +333,7 @@ def _solve_as_columns(
         for quantity in sorted(slopes.columns, key=_place)
         for name, column in zip(names, slopes.columns[quantity], strict=True)
     }
+    # Engine of the derivatives: compiled for most rows, `ivp` for those at a corner.
     by = np.full(len(frame), None, object)
     by[table["outcome"] != ""] = signed(solver.description)
     by[slopes.alone] = signed(_alone(solver).description)
@@ -356,6 +365,7 @@ def _slopes_alone(
 ) -> tuple[dict[str, Any], Any, Any]:
     """Return derivatives of rows as columns, the engine's name, and what is refused."""
     there = [one for one in found if one is not None]
+    # Rows have different quantities, as a miss has no landing: columns are the union.
     pairs = dict.fromkeys((q, name) for one in there for q, by in one.items() for name in by)
     columns = {
         f"{quantity} by {name}": np.array(
@@ -402,13 +412,16 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
             fixed[name] = _NO_AIR if name == "air" and value is None else value
         else:
             varied[name] = column_of(value) if name != "id" else _labels(value)
+    # All columns at once, so that the message shows which of them differ.
     shapes = {name: np.shape(column) for name, column in varied.items()}
     if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
         raise ValueError(f"columns must be one-dimensional and equally long; these are {told}")
+    # Without columns there is one scene, or none if nothing is given.
     (count, *_), *_ = [*shapes.values(), (min(len(fixed), 1),)]
     for name in [name for name in varied if name != "id"]:
         cells = varied[name]
+        # The same word in all rows, as "flight" in `kind`, is a constant of the table.
         if all(isinstance(x, str) and x == cells[0] for x in cells) and count:
             fixed[name] = cells[0]
         elif not all(map(is_missing, cells)):
@@ -427,6 +440,7 @@ def _put_vector(
         return
     rows = [*cells] if cells.ndim == 2 else [column_of(cell) for cell in cells]
     vectors = np.array(rows) if rows and all(row.shape == (length,) for row in rows) else None
+    # Cells of several lengths, or texts.
     if vectors is None or vectors.dtype != float:  # each row says what is wrong with its cell
         varied[name] = cells
         return
@@ -454,6 +468,7 @@ def _all_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> 
     numeric = all(c.dtype == float and c.size and np.isfinite(c).all() for c in varied.values())
     if not varied or not numeric or len(varied) > _MOST_COLUMNS:
         return None
+    # The smallest and the largest value of each column; one corner where they are equal.
     ends = [{*column[[column.argmin(), column.argmax()]].tolist()} for column in varied.values()]
     corners = [dict(zip(varied, corner, strict=True)) for corner in product(*ends)]
     try:
@@ -481,6 +496,7 @@ def scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, An
         if not is_missing(x)
     }
     # A part of what is given whole: no scene has such a key, and so the row's error names it.
+    # `air` as JSON and `air.density` in the same row.
     parts = [n for n in given if any(n[: m.start()] in given for m in _PART.finditer(n))]
     odd = {n: given.pop(n) for n in parts}
     return nested(given, USUAL_SCENES.get(given.get("kind"))) | odd
@@ -493,6 +509,7 @@ def _json_alone(text: str) -> Any:
     """Parse a string among Python's values: JSON, but no number."""
     with suppress(ValueError, RecursionError):
         held = json.loads(text)
+        # "40" stays a text, which the scene refuses: numbers have columns of numbers.
         return text if isinstance(held, int | float) else held
     return text
 
@@ -506,6 +523,7 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
     import pandas as pd
 
     frame = pd.DataFrame({name: table[name] for name in sorted(table, key=_place)})
+    # Texts in most rows are None: an object column takes both.
     frame["error"] = frame["code"] = pd.Series(None, frame.index, object)
     for i, result in reasons.items():
         told = result.outcome, result.engine, result.error, result.code
@@ -515,6 +533,7 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
 
 def _with_engines_signed(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a table of results whose engines bear longball's version, as in a `Solution`."""
+    # A few names in a million rows: each is signed once.
     if "engine" in frame:
         names = frame["engine"].dropna().unique()
         frame["engine"] = frame["engine"].map({name: signed(name) for name in names})

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 
 
 def aligned(table: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[str]:
-    """Return the rows of a table as lines; some columns end, and the others begin, together."""
+    """Return the rows of a table as lines; the columns `right` are right-aligned."""
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = []
     for row in table:

@@ -7,6 +7,7 @@ import math
 
 import pytest
 
+from longball.api import Flight, launch
 from longball.model.changes import Changes, value_of
 from longball.model.scene import InvalidScene, parse_scene
 
@@ -62,6 +63,47 @@ def test_a_key_or_a_unit_that_is_none_is_named(name: str, text: str, said: str):
     with pytest.raises(ValueError, match=r"^pitch|^ptch|^ball") as caught:
         value_of(name, text)
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "as_launched"),
+    [
+        ("launch.speed", "100mph", {"speed": 44.704}),
+        ("launch.angle", "30deg", {"angle": math.pi / 6}),
+        ("launch.direction", "-0.2", {"direction": -0.2}),
+        ("launch.backspin", "300", {"backspin": 300.0}),
+    ],
+)
+def test_what_trackers_give_of_a_launch_changes_alone(name: str, text: str, as_launched: dict):
+    """As `launch` makes it from the same numbers, to the rounding of an angle there and back."""
+    given = {"speed": 40.0, "angle": 0.4, "direction": 0.1}
+    scene = Flight(launch=launch(**given))
+    found = changed(json.loads(scene.line()), (name, value_of(name, text)))
+    expected = launch(**given | as_launched)
+    assert found.launch.velocity == pytest.approx(expected.velocity, rel=1e-14)
+    assert found.launch.spin == (expected.spin and pytest.approx(expected.spin, rel=1e-14))
+    assert found.launch.position == expected.position
+
+
+def test_the_spins_of_a_launch_stay_where_one_changes():
+    scene = Flight(launch=launch(40.0, 0.4, backspin=200.0, side_spin=50.0))
+    found = scene.replace(**{"launch.backspin": 100.0}).launch
+    assert found.spin == pytest.approx(launch(40.0, 0.4, backspin=100.0, side_spin=50.0).spin)
+
+
+@pytest.mark.parametrize(
+    ("scene", "name", "value", "said"),
+    [
+        ({"kind": "pitch"}, "launch.speed", 40.0, "launch: unknown key"),
+        ({"kind": "flight", "launch": LAUNCH}, "launch.speed", -4, "speed: must be positive"),
+        ({"kind": "flight", "launch": LAUNCH}, "launch.angle", "up", "must be a number in rad"),
+        ({"kind": "flight", "launch": {"velocity": 3}}, "launch.angle", 0.1, "must give launch.v"),
+        ({"kind": "flight", "launch": 3}, "launch.angle", 0.1, "launch.angle: launch is set to 3"),
+    ],
+)
+def test_a_launch_that_cannot_change_is_named(scene: dict, name: str, value: object, said: str):
+    with pytest.raises(InvalidScene, match=said):
+        changed(scene, (name, value))
 
 
 def changed(scene: dict, *values: tuple[str, object]):

@@ -9,7 +9,13 @@ KINDS = ["flight", "pitch", "impact", "at-bat"]
 
 @pytest.mark.parametrize(
     ("given", "meant"),
-    [("fligth", "flight"), ("PITCH", "pitch"), ("at_bat", "at-bat"), ("AtBat", "at-bat")],
+    [
+        ("fligth", "flight"),
+        ("PITCH", "pitch"),
+        ("at_bat", "at-bat"),
+        ("AtBat", "at-bat"),
+        ("bat", "at-bat"),
+    ],
 )
 def test_a_name_that_is_near_is_asked_for(given: str, meant: str):
     said = f", did you mean {meant}? The kinds are flight, pitch, impact, at-bat"

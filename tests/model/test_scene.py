@@ -238,7 +238,8 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         ),
         (
             {"reading": {"inertia": "rod"}},
-            "reading.inertia: must be 'solid_cylinder', 'thin_rod' or 'about_centre' (got 'rod')",
+            "reading.inertia: must be 'solid_cylinder', 'thin_rod' or 'about_centre' "
+            "(got 'rod'), did you mean thin_rod?",
         ),
         (
             {"reading": {"inertia": "thin rod"}},

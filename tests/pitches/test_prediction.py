@@ -169,9 +169,12 @@ def test_the_command_draws(tmp_path):
     ("arguments", "stdin", "status", "sentence"),
     [
         (("-", *COMMAND), "a,b\n1,2\n", 1, "the table has no such columns; its columns are a, b"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", 1, "is it in rad?"),
+        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 1, "the table of games: temperature"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 1, "is it in m/s?"),
         (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
-        (("--model", "best"), "", 2, "--model best: there is none; the models are vacuum, paper,"),
-        (("--engine", "best"), "", 2, "there is no engine 'best'"),
+        (("--model", "best"), "", 2, "'best' is not one of 'vacuum', 'paper',"),
+        (("--engine", "best"), "", 2, "'best' is not one of 'ivp',"),
         (("-", "--games", "nowhere.csv", *COMMAND), FLIES, 2, "nowhere.csv: cannot be read"),
     ],
 )
@@ -243,7 +246,7 @@ def test_other_units_are_asked_about():
     assert longball("-", stdin=table(row)).exit_code == 0
     for key, value, said in (
         ("release_speed", 148, "their length is 0.914 times release_speed"),
-        ("spin_axis", 3.49, "spin_axis: none is above 2π"),
+        ("spin_axis", 3.49, "spin_axis: none is above 6.28; is it in rad?"),
         ("release_spin_rate", 240, "in rpm it would lie between"),
     ):
         run = longball("-", stdin=table(row | {key: value}))

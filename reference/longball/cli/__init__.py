@@ -1,13 +1,16 @@
 """The command line: data on standard output, messages on standard error.
 
-Exit status: 0 success, 1 a line or a verdict failed, 2 the call itself was wrong.
+Exit status: 0 success, 1 a line or a verdict failed, 2 usage error.
 """
 
 from __future__ import annotations
 
+import ast
 import re
+from collections.abc import Mapping
 from importlib import import_module
 from itertools import takewhile
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -16,8 +19,9 @@ from typer.core import TyperGroup
 from longball import __version__
 from longball.model.names import did_you_mean, one_of
 
-# Each command is a module of its own, which is imported when the command is asked for.
-EXAMPLES = {
+# The commands, each with an example. A command is a function in a module of its own, which is
+# imported when the command is asked for.
+COMMANDS = {
     "solve": "longball solve at-bats.jsonl -o results.jsonl",
     "judge": "longball judge -- longball solve --engine verlet --dt 1e-3",
     "converge": "longball converge --golden flight-both --expected 2 -- "
@@ -31,8 +35,9 @@ EXAMPLES = {
     "infer": "longball infer flight.json --points path.csv --unknown launch.speed",
     "plot": "longball plot at-bats.jsonl -o paths.svg",
     "readings": "longball readings --samples 1000",
+    "golden": "longball golden list",
 }
-COMMANDS = (*EXAMPLES, "golden")
+GROUPS = ("golden",)  # commands that have commands of their own
 
 
 def module_of(command: str) -> Any:
@@ -40,39 +45,70 @@ def module_of(command: str) -> Any:
     return import_module(f"longball.cli.{command}")
 
 
+def summary_of(command: str, group: str = "") -> str:
+    """Return the first line of a command's docstring, without importing its module."""
+    # Help lists all commands: to import them would take five times as long as to parse them.
+    tree: Any = ast.parse(Path(__file__).with_name(f"{group or command}.py").read_bytes())
+    if command not in GROUPS:
+        # The function has the command's name, with _ if Python has a word like it.
+        functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+        tree = next(node for node in functions if node.name.rstrip("_") == command)
+    return (ast.get_docstring(tree) or "").partition("\n")[0]
+
+
 class Commands(TyperGroup):
     """Commands that are imported when they are asked for, and refuse values in plain words."""
 
+    group = ""  # whose commands they are; empty for longball's own
+    examples: Mapping[str, str] = COMMANDS
+
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands."""
-        return list(COMMANDS)
+        return [*self.examples]
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the section of the commands."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, summary_of(name, self.group)) for name in self.examples])
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command, None if there is none of that name."""
-        if cmd_name not in COMMANDS:
+        if cmd_name not in self.examples:
+            # Completion of a shell asks for words that are not finished.
             if not (ctx.resilient_parsing or cmd_name.startswith("-")):
-                known = one_of("the commands are", cmd_name, COMMANDS)
+                known = one_of("the commands are", cmd_name, self.examples)
                 ctx.fail(f"no such command {cmd_name!r}{known}")
             return None
-        module = module_of(cmd_name)
-        if cmd_name == "golden":  # which has commands of its own
-            return typer.main.get_command(module.app)
-        from longball.cli.command import Command
+        module, example = module_of(self.group or cmd_name), f"Example: {self.examples[cmd_name]}"
+        if cmd_name in GROUPS:
+            group = Commands(
+                name=cmd_name,
+                help=summary_of(cmd_name),
+                epilog=example,
+                no_args_is_help=True,
+                rich_markup_mode=None,
+            )
+            group.group, group.examples = cmd_name, module.COMMANDS
+            return group
+        from longball.cli.options import command_of
 
-        alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-        command = alone.command(cmd_name, cls=Command, epilog=f"Example: {EXAMPLES[cmd_name]}")
-        command(getattr(module, cmd_name))
-        return typer.main.get_command(alone)
+        # The rows of the table: "golden check.seed".
+        name = f"{self.group} {cmd_name}".strip()
+        function = getattr(module, cmd_name, None) or getattr(module, f"{cmd_name}_")
+        return command_of(name, function, example)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is asked for, and give it what a file of settings has for it."""
-        name, found, rest = super().resolve_command(ctx, args)
-        command: Any = found
+        found: Any = super().resolve_command(ctx, args)
+        name, command, rest = found
+        # A wrong file of settings must not keep anybody from the help; what follows -- is the
+        # COMMAND's.
         asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
-        if name in EXAMPLES and not (asks_help or ctx.resilient_parsing):
+        has_settings = not self.group and name not in GROUPS
+        if has_settings and not (asks_help or ctx.resilient_parsing):
             from longball.cli.settings import defaults_of, settings_of
 
-            command.settings, given = settings_of(name, tuple(EXAMPLES))
+            command.settings, given = settings_of(name, [x for x in COMMANDS if x not in GROUPS])
             options = command.named_options()
             ctx.default_map = {name: defaults_of(command.settings, given, options, name)}
         return name, command, rest
@@ -84,7 +120,10 @@ class Commands(TyperGroup):
         except typer.BadParameter as error:
             from longball.model.explain import in_our_words
 
+            if hasattr(error, "param_type"):  # it is missing, and has no message yet
+                error.message = str(getattr(error.param, "help", ""))
             error.message = in_our_words(error.message)
+            # The value may be that of the file, which the reader of the message does not see.
             said_by = getattr(error.ctx, "default_map", None) or {}
             if error.param and error.param.name in said_by:
                 command: Any = error.ctx and error.ctx.command

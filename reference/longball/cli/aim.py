@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
-from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import wrong_call
-from longball.cli.infer import Unknowns, answering
-from longball.cli.scenes import Source, one_scene
-from longball.model.jsonl import json_or_number
+from longball.cli.changes import chosen_changes, in_si
+from longball.cli.infer import answering
+from longball.cli.messages import wrong_call
+from longball.cli.scenes import one_scene
 
 
 def aim(
-    source: Source = "-",
-    target: Annotated[
-        str,
-        typer.Option(
-            metavar="D|X,Y|X,Y,Z",
-            help="What to hit, m: a distance of the landing, its place, or a point on the way.",
-        ),
-    ] = "",
-    unknown: Unknowns = None,
-    set_: SetOption = None,
-    reading: ReadingOption = None,
+    source: str = "-",
+    target: str = "",
+    unknown: list[str] | None = None,
+    set_: list[str] | None = None,
+    reading: list[str] | None = None,
 ) -> None:
     """Find the launches that land at a target or pass through it: the scenes that hit it.
 
@@ -34,8 +23,8 @@ def aim(
 
     if not target:
         wrong_call("--target: what is to be hit is needed, such as --target 110")
-    numbers = [json_or_number(part) for part in target.split(",")]
+    numbers = [in_si("--target", part, "m") for part in target.split(",")]
     scene = one_scene(source, chosen_changes(set_, None, reading))
-    with answering("--target "):
+    with answering():
         for hit in aimed(scene, numbers, unknowns=unknown):
             print(hit.line())

@@ -3,53 +3,39 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from longball.cli.common import refusing, split_assignment, wrong_call
+from longball.cli.messages import refusing, split_assignment, wrong_call
 from longball.model.changes import Changes, changes_of, value_of
 from longball.model.jsonl import json_or_number
 from longball.model.names import one_of
 from longball.model.readings import LEDGER, SCHEME_OPTIONS, Belongs
-
-ReadingOption = Annotated[
-    list[str] | None,
-    typer.Option("--reading", metavar="NAME=OPTION", help="A switch of the ledger; repeatable."),
-]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="BLOCK.KEY=VALUE",
-        help="A value of the scene, as pitch.speed=40 or pitch.speed=95mph; repeatable.",
-    ),
-]
-FenceOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="FILE|RADIUS",
-        help="What home runs fly over: a file with a scene's fence block, or a radius, as 120 or "
-        "400ft.",
-    ),
-]
+from longball.model.units import UNITS, read_in_si
 
 
 def chosen_changes(
-    values: Sequence[str] | None, fence: str | None, readings: Sequence[str] | None = None
+    values: Sequence[str] | None,
+    fence: str | None,
+    readings: Sequence[str] | None = None,
+    blocks: Mapping[str, Any] | None = None,
 ) -> Changes:
-    """Collect the options that change scenes; a sampling or scheme reading is a usage error."""
+    """Collect the options that change scenes; a sampling or scheme reading is a usage error.
+
+    `blocks` come first, so that the options change them.
+    """
+    # Only those of the scene can change scenes; the others belong to homerun and verlet.
     switches = chosen_switches(readings or [])
     for belongs, named in switches.items():
         if belongs != "scene" and named:
             wrong_call(f"--reading {next(iter(named))}: it changes no scene, but longball homerun")
-    blocks = {f"reading.{name}": option for name, option in switches["scene"].items()}
+    whole = {**(blocks or {})}
+    whole |= {f"reading.{name}": option for name, option in switches["scene"].items()}
     if fence is not None:
-        blocks["fence"] = fence_block(fence)
+        whole["fence"] = fence_block(fence)
     with refusing("--set "):
-        return changes_of((split_assignment("--set", text) for text in values or []), blocks)
+        return changes_of((split_assignment("--set", text) for text in values or []), whole)
 
 
 def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
@@ -70,8 +56,19 @@ def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
     return switches
 
 
+def in_si(option: str, text: str, si: str, usual: str = "") -> float:
+    """Return a number of an option, with or without a unit, in an SI unit."""
+    with refusing(f"{option} {text}: "):
+        number = read_in_si(text, si, usual)
+    if number is None:
+        units = ", ".join(UNITS[si])
+        wrong_call(f"{option} {text}: a number is needed, alone or with a unit: {units}")
+    return number
+
+
 def fence_block(text: str) -> Any:
     """Return the fence that an option names: a radius, or a file that holds the block."""
+    # A file may be called 120, and is meant then.
     if not Path(text).is_file():
         try:
             radius = value_of("fence.radius", text)

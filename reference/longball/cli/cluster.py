@@ -6,24 +6,13 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from importlib import import_module
-from typing import Annotated, Any
-
-import typer
+from typing import Any
 
 from longball import __version__
-from longball.cli.common import fail, wrong_call
+from longball.cli.messages import fail, wrong_call
 
 CONNECTING = 5.0  # s, until a scheduler that does not answer is given up
 PROBING = 8.0  # s, until workers are
-
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Work on the Dask cluster of this scheduler, tcp:// or tls://HOST:PORT; needs the "
-        "extra dask.",
-    ),
-]
 
 
 @contextmanager
@@ -40,6 +29,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
         distributed: Any = import_module("distributed")
     except ImportError:
         wrong_call('--scheduler: Dask is not installed; pip install ".[dask]"')
+    # The engines ask joblib for workers: its backend decides where these are.
     from joblib import parallel_config
 
     option = f"--scheduler {address}"

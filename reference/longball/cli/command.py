@@ -8,7 +8,7 @@ from typing import Any
 
 from typer.core import TyperCommand
 
-from longball.cli.common import note
+from longball.cli.messages import note
 from longball.cli.settings import INSTEAD
 
 # What help calls the types of values; other forms stand as they are, as a|b.
@@ -27,16 +27,17 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Parse the arguments; what they give stands for what a file gives in its place."""
+        # Typer gives its parameters the values of the file and of the defaults here.
         rest = super().parse_args(ctx, args)
         for names in INSTEAD:
-            if any(_from(ctx, name) == "COMMANDLINE" for name in names):
-                ctx.params |= {name: None for name in names if _from(ctx, name) == "DEFAULT_MAP"}
+            if any(given_by(ctx, name) == "COMMANDLINE" for name in names):
+                ctx.params |= {name: None for name in names if given_by(ctx, name) == "DEFAULT_MAP"}
         return rest
 
     def invoke(self, ctx: Any) -> Any:
         """Call the command."""
         names = (name for name, parameter in self.named_options().items()
-                 if _from(ctx, parameter.name) == "DEFAULT_MAP"
+                 if given_by(ctx, parameter.name) == "DEFAULT_MAP"
                  and ctx.params.get(parameter.name) is not None)  # fmt: skip
         if given := ", ".join(names):
             note(f"{self.settings} gives {given}")
@@ -44,6 +45,7 @@ class Command(TyperCommand):
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the arguments of the usage line."""
+        # Typer writes [SCENES] for an argument that our metavar has as [SCENES|-].
         arguments = (p for p in self.params if p.param_type_name == "argument")
         return ["[OPTIONS]", *(str(p.metavar) for p in arguments)]
 
@@ -60,8 +62,8 @@ class Command(TyperCommand):
                     formatter.write_dl(rows[kind])
 
 
-def _from(ctx: Any, name: str) -> str:
-    """Return where a value is from."""
+def given_by(ctx: Any, name: str) -> str:
+    """Return the source of a value: COMMANDLINE, DEFAULT_MAP (a file) or DEFAULT."""
     source = ctx.get_parameter_source(name)
     return source.name if source else ""
 

@@ -4,59 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from longball.cli.common import (
-    AsCsv,
-    Expected,
-    Json,
-    Knob,
-    Quiet,
-    Steps,
-    Timeout,
+from longball.cli.messages import (
     failing_unless,
     progress_bar,
+    refuse_if,
     refusing,
     tell,
-    to_file,
-    to_picture,
     wrong_call,
 )
-from longball.cli.scenes import read_scenes
+from longball.cli.scenes import chosen_kinds, read_scenes
 from longball.model.scene import Scene
 
 
 def converge(
-    command: Annotated[
-        list[str],
-        typer.Argument(metavar="-- COMMAND …{dt}…", help="{dt} stands for the time step, s."),
-    ],
-    scenes: Annotated[
-        str | None,
-        typer.Option(
-            help="Lines of JSON, .csv or .parquet; by default golden flights and at-bats."
-        ),
-    ] = None,
-    golden: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SET", help="Cases of one golden family instead; see longball golden list."
-        ),
-    ] = None,
-    steps: Steps = None,
-    knob: Knob = None,
-    expected: Expected = None,
-    truth: Annotated[
-        bool, typer.Option(help="Errors against proven values, or among the steps themselves.")
-    ] = True,
-    table: AsCsv = False,
-    timeout: Timeout = 60.0,
-    as_json: Json = False,
-    csv: Annotated[Path | None, to_file("Write the error at every step here.")] = None,
-    figure: Annotated[Path | None, to_picture("Draw error against step here.")] = None,
-    quiet: Quiet = False,
+    command: list[str],
+    scenes: str | None = None,
+    golden: str | None = None,
+    kind: list[str] | None = None,
+    steps: str | None = None,
+    knob: str | None = None,
+    expected: float | None = None,
+    truth: bool = True,
+    as_csv: bool = False,
+    timeout: float = 60.0,
+    json_: bool = False,
+    csv_: Path | None = None,
+    figure: Path | None = None,
+    quiet: bool = False,
 ) -> None:
     """Measure the order of convergence of a simulator."""
     # The judge brings compiled code with it, and --help does not need it.
@@ -65,24 +40,35 @@ def converge(
     from longball.judge.fresh import proven
     from longball.judge.step_sweep import sweep_of, takes
 
-    if not (knob or takes(command, "dt")):
-        wrong_call("the COMMAND must contain {dt}, where its time step goes")
-    if scenes and golden:
-        wrong_call("either --scenes or --golden, not both")
-    asked = read_scenes(scenes) if scenes else golden_scenes(golden)
+    refuse_if(
+        (
+            not (knob or takes(command, "dt")),
+            "the COMMAND must contain {dt}, where its time step goes",
+        ),
+        (scenes and golden, "either --scenes or --golden, not both"),
+    )
+    kinds = chosen_kinds(kind)
+    asked = [
+        scene
+        for scene in (read_scenes(scenes) if scenes else golden_scenes(golden))
+        if not kinds or scene.kind in kinds
+    ]
+    if not asked:
+        wrong_call(f"--kind {', '.join(kinds)}: none of the scenes is of this kind")
+    # Without truth the steps are compared with each other, which hides errors that all share.
     proofs = [case.expected for case in proven(asked)] if truth else None
     with progress_bar("runs", 1) as advance, refusing():
         sweep = sweep_of(command, steps, knob, expected, progress=advance)
         assert sweep
-        report, issues = sweep.run(command, asked, proofs, Limits(timeout), table)
+        report, issues = sweep.run(command, asked, proofs, Limits(timeout), as_csv)
     for issue in issues[:20]:
         tell(str(issue))
-    if csv:
-        csv.write_text(report.csv(), encoding="utf-8")
+    if csv_:
+        csv_.write_text(report.csv(), encoding="utf-8")
     if figure:
         save_convergence(figure, report)
     with failing_unless(report.passed):
-        print(report.model_dump_json(indent=2) if as_json else report.text().rstrip())
+        print(report.model_dump_json(indent=2) if json_ else report.text().rstrip())
 
 
 def golden_scenes(family: str | None) -> Sequence[Scene]:

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from longball.cli.common import (
-    Json,
-    Quiet,
-    Seed,
-    assignments,
-    chosen_table,
-    parsed,
-    reading_table,
-)
+from longball.cli.messages import assignments, parsed
+from longball.cli.tables import chosen_table, reading_table
 from longball.model.jsonl import json_or_number
 from longball.pitches import Columns, PitchTypes, TableError, as_text, fit_pitches
 from longball.pitches.fitted import Method
@@ -23,36 +14,16 @@ from longball.pitches.table import NoSuchColumn
 
 
 def fit(
-    pitches: Annotated[
-        str, typer.Argument(metavar="[PITCHES.csv|-]", help="One row per pitch; - reads stdin.")
-    ] = "-",
-    example: Annotated[
-        bool, typer.Option("--example", help="Fit the pitches that come with longball.")
-    ] = False,
-    column: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="How to read the table; repeatable. NAME is one of "
-            f"{', '.join(Columns.model_fields)}. Without it, Statcast's names and units. "
-            "height=null leaves heights out.",
-        ),
-    ] = None,
-    straight: Annotated[
-        str | None, typer.Option(metavar="A,B", help="Types of pitch that are straight.")
-    ] = None,
-    breaking: Annotated[
-        str | None, typer.Option(metavar="A,B", help="Types that break; all others if not given.")
-    ] = None,
-    bin_width: Annotated[
-        float, typer.Option(min=0.01, help="km/h, of the histogram of speeds.")
-    ] = BIN_WIDTH,
-    draw_from: Annotated[
-        Method, typer.Option(help="The fit that homerun will draw from.")
-    ] = "maximum_likelihood",
-    seed: Seed = 0,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    pitches: str = "-",
+    example: bool = False,
+    column: list[str] | None = None,
+    straight: str | None = None,
+    breaking: str | None = None,
+    bin_width: float = BIN_WIDTH,
+    draw_from: Method = "maximum_likelihood",
+    seed: int = 0,
+    json_: bool = False,
+    quiet: bool = False,
 ) -> None:
     """Fit the paper's distributions of speeds and places to a table of pitches."""
     table = chosen_table(pitches, example)
@@ -76,4 +47,4 @@ def fit(
             raise TableError(
                 f"{error}; --column NAME=VALUE names others, see --help{without}"
             ) from None
-    print(fitted.model_dump_json(indent=2) if as_json else as_text(fitted).rstrip())
+    print(fitted.model_dump_json(indent=2) if json_ else as_text(fitted).rstrip())

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Any, Literal
 
 import numpy as np
-import typer
 
 from longball import engines
-from longball.cli.changes import SetOption, chosen_changes
-from longball.cli.common import AnyEngine, Json, note, refusing, show, tell, wrong_call
+from longball.cli.changes import chosen_changes, in_si
+from longball.cli.messages import fail, note, refusing, show, wrong_call
 from longball.engines.chain import solve
 from longball.model.doubts import doubts
-from longball.model.names import one_of
 from longball.model.result import signed
 from longball.model.scene import InvalidScene
-from longball.model.units import UNITS, read_in_si
-from longball.pitches.models import MODELS, model_of
+from longball.pitches.models import Model, model_of
 from longball.pitches.prediction import scenes
 from longball.pitches.statcast import FOOT, SEA_LEVEL, USUAL_TEMPERATURE, MeasuredFlies
 from longball.questions.parks import park as park_of
@@ -27,96 +24,65 @@ WAYS = {"out": (1.0, 0.0), "in": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0,
 
 
 def flight(
-    speed: Annotated[str, typer.Option(help='Off the bat, as "103 mph"; a number is in m/s.')],
-    angle: Annotated[str, typer.Option(help="Above the horizontal; a number is in degrees.")],
-    direction: Annotated[
-        str, typer.Option(help="From centre field to the left; a number is in degrees.")
-    ] = "0",
-    park: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Whose fence and elevation; by default at sea level."),
-    ] = None,
-    wind: Annotated[
-        str | None, typer.Option(help='As "10 mph out": out, in, left or right.')
-    ] = None,
-    temperature: Annotated[
-        str, typer.Option(help='As "72 F"; a number is in K; by default 20 °C.')
-    ] = str(USUAL_TEMPERATURE),
-    elevation: Annotated[
-        str | None, typer.Option(help="Above the sea, instead of the park's; a number is in m.")
-    ] = None,
-    bats: Annotated[
-        str | None,
-        typer.Option(metavar="R|L", help="The batter's side, which turns the ball's spin."),
-    ] = None,
-    model: Annotated[
-        str, typer.Option(metavar="NAME", help=f"Of flight: {', '.join(MODELS)}.")
-    ] = "nathan",
-    set_: SetOption = None,
-    engine: AnyEngine = "ivp",
-    as_json: Json = False,
+    speed: str,
+    angle: str,
+    direction: str = "0",
+    park: str | None = None,
+    wind: str | None = None,
+    temperature: str = str(USUAL_TEMPERATURE),
+    elevation: str | None = None,
+    bats: Literal["R", "L"] | None = None,
+    model: Model = "nathan",
+    set_: list[str] | None = None,
+    engine: engines.Name = "ivp",
+    json_: bool = False,
 ) -> None:
     """Compute the flight of a batted ball.
 
     It has the spin that a published regression expects at that angle and in that direction, as
     measured flies have in `longball measured`; --set launch.spin=… gives it another.
     """
-    with refusing("--"):
-        law = model_of(model)
-    if bats not in (None, "R", "L"):
-        wrong_call(f"--bats {bats}: R or L")
+    blocks: dict[str, Any] = {}
+    height = SEA_LEVEL
     if park is not None:
-        with refusing("--park: "):
+        with refusing("--"):
             where = park_of(park)
-    height = where.elevation if park is not None else SEA_LEVEL
-    change = chosen_changes(set_, None)
-    if park is not None and not any(name.startswith("fence") for name, _ in change.values):
-        block = where.fence.model_dump(mode="json", exclude_none=True)
-        change = type(change)((("fence", block), *change.values))
+        height = where.elevation
+        # A fence of --set stands instead of the park's.
+        if not any(text.startswith("fence") for text in set_ or ()):
+            blocks["fence"] = where.fence.model_dump(mode="json", exclude_none=True)
     if wind is not None:
-        change = type(change)((("air.wind", _wind(wind)), *change.values))
+        blocks["air.wind"] = _wind(wind)
+    change = chosen_changes(set_, None, blocks=blocks)
     ball = _ball(
-        _in_si("--speed", speed, "m/s"),
-        _in_si("--angle", angle, "rad", "deg"),
-        -_in_si("--direction", direction, "rad", "deg"),
+        in_si("--speed", speed, "m/s"),
+        in_si("--angle", angle, "rad", "deg"),
+        -in_si("--direction", direction, "rad", "deg"),
         {"R": 1.0, "L": -1.0, None: 0.0}[bats],
-        _in_si("--temperature", temperature, "K"),
-        height if elevation is None else _in_si("--elevation", elevation, "m"),
+        in_si("--temperature", temperature, "K"),
+        height if elevation is None else in_si("--elevation", elevation, "m"),
     )
-    with refusing():
-        solver: Any = engines.create(engine)
-    (scene,) = scenes(ball, law, change=change)
+    (scene,) = scenes(ball, model_of(model), change=change)
     if isinstance(scene, InvalidScene):
         wrong_call(str(scene).partition("is no scene: ")[2])
     for key, question in doubts(scene):
         note(f"{key}: {question}")
-    result = solve(scene, solver).model_copy(update={"id": None})
+    result = solve(scene, engines.create(engine)).model_copy(update={"id": None})
     if result.error is not None:
-        tell(result.error)
-        raise typer.Exit(1)
-    if as_json:
+        fail(result.error)
+    if json_:
         print(result.model_copy(update={"engine": signed(result.engine or "")}).line())
         return
     show(["", "SI", "ft, mph, °"], _rows(result))
 
 
-def _in_si(option: str, text: str, si: str, usual: str = "") -> float:
-    """Return a number of an option, with or without a unit, in an SI unit."""
-    with refusing(f"{option} {text}: "):
-        number = read_in_si(text, si, usual)
-    if number is None:
-        units = ", ".join(UNITS[si])
-        wrong_call(f"{option} {text}: a number is needed, alone or with a unit: {units}")
-    return number
-
-
 def _wind(text: str) -> list[float]:
     """Return the wind of a text such as 10 mph out, m/s."""
     amount, _, word = text.strip().rpartition(" ")
-    if word not in WAYS:
-        wrong_call(f"--wind {text}: say where it blows to, as '10 mph out'"
-                   f"{one_of('the ways are', word, WAYS)}")  # fmt: skip
-    speed = _in_si("--wind", amount, "m/s")
+    if word not in WAYS or not amount:
+        wrong_call(f"--wind {text}: say how fast and where to, as '10 mph out', in, left or right")
+    # Level winds along the four directions of a field; --set air.wind takes any vector.
+    speed = in_si("--wind", amount, "m/s")
     return [speed * way for way in WAYS[word]] + [0.0]
 
 

@@ -1,18 +1,13 @@
-"""``longball golden``: list, path, export, coverage, write and check."""
+"""The golden data: list, locate, export, check or generate them."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-import typer
-
-from longball.cli.command import Command
-from longball.cli.common import (
-    Json,
-    Quiet,
-    Workers,
+from longball.cli.messages import (
+    exit_unless,
     note,
     progress_bar,
     refusing,
@@ -23,23 +18,22 @@ from longball.cli.common import (
 from longball.golden import Header, files, reader
 from longball.model.names import one_of
 
-app = typer.Typer(
-    help="The golden data: list, locate, export, check or generate them.",
-    epilog="Example: longball golden list",
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-)
-
-Folder = Annotated[Path | None, typer.Argument(metavar="[DIR]")]
 Part = Literal["cases", "probability"]
 
+COMMANDS = {
+    "list": "longball golden list",
+    "path": "ls $(longball golden path)",
+    "export": "longball golden export golden.zip",
+    "write": "longball golden write golden-data",
+    "coverage": "longball golden coverage scenes.jsonl",
+    "check": "longball golden check --sample 50",
+}
 
-@app.command("list", cls=Command, epilog="Example: longball golden list")
-def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) -> None:
+
+def list_(folder: Path | None = None, json_: bool = False, quiet: bool = False) -> None:
     """List the families, which other commands take as SET, with how many cases each has."""
     top = header_of(folder)
-    if as_json:
+    if json_:
         print(top.model_dump_json(include={"format", "licence", "families"}))
         return
     families = (
@@ -49,22 +43,12 @@ def list_(folder: Folder = None, as_json: Json = False, quiet: Quiet = False) ->
     note(f"format {top.format}, {top.licence}")
 
 
-@app.command(cls=Command, epilog="Example: ls $(longball golden path)")
 def path() -> None:
     """Print the folder of the golden data that come with longball."""
     print(reader.DATA)
 
 
-@app.command(cls=Command, epilog="Example: longball golden export golden.zip")
-def export(
-    output: Annotated[
-        Path | None, typer.Argument(metavar="[FILE.zip]", help="By default named by version.")
-    ] = None,
-    folder: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="A set other than the shipped one.")
-    ] = None,
-    quiet: Quiet = False,
-) -> None:
+def export(output: Path | None = None, folder: Path | None = None, quiet: bool = False) -> None:
     """Write a set as one archive, the same bytes every time."""
     target = output or Path(f"{files.ARCHIVE}.zip")
     with refusing():
@@ -78,16 +62,12 @@ def header_of(folder: Path | None) -> Header:
         return reader.header(folder or reader.DATA)
 
 
-@app.command(cls=Command, epilog="Example: longball golden write golden-data")
 def write(
-    folder: Annotated[Path, typer.Argument(metavar="DIR")],
-    part: Annotated[Part | None, typer.Option(help="Only that part of the set.")] = None,
-    family: Annotated[
-        list[str] | None,
-        typer.Option(help="Only that family of cases, the others as DIR has them; repeatable."),
-    ] = None,
-    workers: Workers = -1,
-    quiet: Quiet = False,
+    folder: Path,
+    part: Part | None = None,
+    family: list[str] | None = None,
+    workers: int = -1,
+    quiet: bool = False,
 ) -> None:
     """Solve every case with proven bounds and write the set to DIR.
 
@@ -110,19 +90,8 @@ def write(
         note(f"{count} readings' probabilities in {folder}")
 
 
-@app.command(cls=Command, epilog="Example: longball golden coverage scenes.jsonl")
 def coverage(
-    scenes: Annotated[
-        str, typer.Argument(metavar="SCENES", help="A file of scenes, or - for standard input.")
-    ],
-    most: Annotated[
-        int, typer.Option(min=0, help="How many mistakes that the scenes miss are listed.")
-    ] = 20,
-    every: Annotated[
-        int, typer.Option(min=1, help="Try one edit of so many; 1 for all, which takes minutes.")
-    ] = 8,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    scenes: str, most: int = 20, every: int = 8, json_: bool = False, quiet: bool = False
 ) -> None:
     """Count the mistakes that scenes of your own would show, beside the golden data.
 
@@ -143,7 +112,7 @@ def coverage(
     likeliest = sorted(range(len(shown)), key=found.bits.__getitem__)
     missed = [found.told(i) for i in likeliest if not shown[i]]
     by_stage = found.by_stage(shown)
-    if as_json:
+    if json_:
         stages = [{"stage": name, "edits": n, "noticed": k} for name, n, k in by_stage]
         print(json.dumps({"stages": stages, "missed": missed[:most]}, ensure_ascii=False))
         return
@@ -159,19 +128,13 @@ def coverage(
 EDITS = 50_000  # about as many as there are, for the bar
 
 
-@app.command(cls=Command, epilog="Example: longball golden check --sample 50")
 def check(
-    folder: Folder = None,
-    sample: Annotated[
-        int | None, typer.Option(min=0, help="How many cases to solve again; by default all.")
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Chooses which ones.")] = 1,
-    independent: Annotated[
-        bool,
-        typer.Option(help="Solve them also by the multiprecision engine, which shares no method."),
-    ] = True,
-    workers: Workers = -1,
-    quiet: Quiet = False,
+    folder: Path | None = None,
+    sample: int | None = None,
+    seed: int = 1,
+    independent: bool = True,
+    workers: int = -1,
+    quiet: bool = False,
 ) -> None:
     """Verify a set: checksums, schema, and the results by solving again."""
     from longball.golden import checker  # with them come the engines that prove
@@ -199,5 +162,4 @@ def check(
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
     count = f"{report.cases} cases, with those of P(e)"
     note(f"{count}; {report.solved_again} solved again: {found}")
-    if report.failures:
-        raise typer.Exit(1)
+    exit_unless(not report.failures)

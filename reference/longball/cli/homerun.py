@@ -7,31 +7,22 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import Any, Literal, cast
 
 import typer
 
 from longball import engines, home_run
-from longball.cli.changes import (
-    FenceOption,
-    ReadingOption,
-    SetOption,
-    chosen_changes,
-    chosen_switches,
-)
-from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import (
-    Json,
-    Quiet,
-    Seed,
-    Workers,
+from longball.cli.changes import chosen_changes, chosen_switches
+from longball.cli.cluster import on_cluster
+from longball.cli.command import given_by
+from longball.cli.messages import (
+    fail,
     parsed,
     progress_bar,
+    refuse_if,
     refusing,
     show,
     tell,
-    to_file,
-    to_picture,
     wrong_call,
 )
 from longball.home_run import AtBats, Curve, Estimate, Fit, Integral
@@ -50,28 +41,22 @@ Rows = Sequence[Estimate] | Sequence[Integral]
 
 def homerun(
     ctx: typer.Context,
-    samples: Annotated[int, typer.Option(min=1, help="Number of at-bats drawn.")] = 1000,
-    e: Annotated[
-        str, typer.Option(help="Restitutions of the ball: first:last:step, or values with commas.")
-    ] = "0.41:0.45:0.01",
-    seed: Seed = 1,
-    reading: ReadingOption = None,
-    set_: SetOption = None,
-    workers: Workers = -1,
-    scheduler: Scheduler = None,
-    as_json: Json = False,
-    csv_file: Annotated[Path | None, to_file("Write the table here.", "--csv")] = None,
-    figure: Annotated[Path | None, to_picture("Draw P(e) here: .png, .svg, .pdf")] = None,
-    scenes_file: Annotated[
-        Path | None, to_file("Write the sampled at-bats here, as scenes.", "--scenes")
-    ] = None,
-    pitches: Annotated[
-        Path | None, typer.Option(help="Draw pitches from what longball fit --json wrote.")
-    ] = None,
-    method: Annotated[Method, typer.Option(help="How P(e) is computed.")] = "monte-carlo",
-    engine: Annotated[Engine, typer.Option(help="What solves the at-bats.")] = "batch",
-    fence: FenceOption = None,
-    quiet: Quiet = False,
+    samples: int = 1000,
+    e: str = "0.41:0.45:0.01",
+    seed: int = 1,
+    reading: list[str] | None = None,
+    set_: list[str] | None = None,
+    workers: int = -1,
+    scheduler: str | None = None,
+    json_: bool = False,
+    csv_: Path | None = None,
+    figure: Path | None = None,
+    scenes: Path | None = None,
+    pitches: Path | None = None,
+    method: Method = "monte-carlo",
+    engine: Engine = "batch",
+    fence: str | None = None,
+    quiet: bool = False,
 ) -> None:
     """Compute the probability of a home run.
 
@@ -80,15 +65,13 @@ def homerun(
     kinks; the error then shows how far it has converged.
     """
     if method == "quadrature":
-        for wrong, sentence in (
+        refuse_if(
             (engine != "batch", f"--engine {engine}: quadrature takes the engine batch"),
-            (_is_given(ctx, "samples"), "--samples: quadrature draws no samples"),
-            (_is_given(ctx, "seed"), "--seed: quadrature draws no samples"),
-            (scenes_file, "--scenes: quadrature draws no samples"),
+            (given_by(ctx, "samples") == "COMMANDLINE", "--samples: quadrature draws no samples"),
+            (given_by(ctx, "seed") == "COMMANDLINE", "--seed: quadrature draws no samples"),
+            (scenes, "--scenes: quadrature draws no samples"),
             (scheduler, "--scheduler: quadrature takes seconds, and runs on this machine"),
-        ):
-            if wrong:
-                wrong_call(sentence)
+        )
     switches = chosen_switches(reading or [])
     base = base_scene(switches["scene"], set_ or [], fence)
     if base.fence is not None and method == "quadrature":
@@ -100,8 +83,8 @@ def homerun(
     if pitches:
         with refusing():
             at_bats = load_fitted(pitches).drawn_in(at_bats)
-    if scenes_file:
-        write_scenes(scenes_file, base, at_bats, restitutions, samples, seed)
+    if scenes:
+        write_scenes(scenes, base, at_bats, restitutions, samples, seed)
     problem, space = (base, at_bats, restitutions), sampling.sample_space
     rows: Rows
     drawn: dict[str, int] = {}
@@ -131,26 +114,20 @@ def homerun(
     of_paper = base.fence in (None, Fence(radius=home_run.HOME_RUN_DISTANCE))
     curves = home_run.PAPER_CURVES if of_paper else {}
     fitted = fitted if of_paper else None
-    if csv_file:
-        write_csv(csv_file, rows)
+    if csv_:
+        write_csv(csv_, rows)
     if figure:
         from longball.pictures import save_probability
 
         save_probability(figure, rows, fitted, curves)
-    if as_json:
+    if json_:
         chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
         data = as_data(rows, fitted, curves, chosen) | {"method": method} | drawn
         print(json.dumps(data, ensure_ascii=False))
     else:
         print_probability(rows, fitted, curves, curve)
     if failed:
-        tell(f"{failed} at-bats could not be solved; they count as no home run")
-        raise typer.Exit(1)
-
-
-def _is_given(ctx: typer.Context, option: str) -> bool:
-    source = ctx.get_parameter_source(option)
-    return source is not None and source.name == "COMMANDLINE"
+        fail(f"{failed} at-bats could not be solved; they count as no home run")
 
 
 def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
@@ -182,6 +159,7 @@ def parse_restitutions(text: str) -> list[float]:
             values = [float(part) for part in text.split(",")]
         else:
             first, last, step = (float(part) for part in text.split(":"))
+            # It would never come to the last value.
             if step <= 0:
                 raise ValueError
             # Values that a reader would write: 0.41 + 3 × 0.01 is 0.44, not 0.43999999999999995.

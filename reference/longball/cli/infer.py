@@ -6,55 +6,28 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import Json, assignments, fail, wrong_call
-from longball.cli.scenes import Source, one_scene
+from longball.cli.changes import chosen_changes
+from longball.cli.messages import assignments, fail, refuse_if, refusing, wrong_call
+from longball.cli.scenes import one_scene
+from longball.cli.tables import reading_table
 from longball.engines.engine import CannotSolve
-from longball.model.jsonl import json_or_number
+from longball.model.changes import value_of
 from longball.model.numbers import Undecided
+from longball.model.result import Result
 from longball.model.scene import InvalidScene
-
-Unknowns = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--unknown",
-        metavar="NAME",
-        help="A number to be found, as launch.speed, launch.angle, air.drag_coefficient; "
-        "repeatable.",
-    ),
-]
 
 
 def infer(
-    source: Source = "-",
-    points: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="POINTS.csv",
-            exists=True,
-            dir_okay=False,
-            help="Points of the path: columns t, x, y, z, in s and m.",
-        ),
-    ] = None,
-    measured: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="A number of the result, as landing.distance=118.2; repeatable.",
-        ),
-    ] = None,
-    unknown: Unknowns = None,
-    sigma: Annotated[
-        float | None,
-        typer.Option(help="Standard deviation of the measurements; if left out, as they scatter."),
-    ] = None,
-    set_: SetOption = None,
-    reading: ReadingOption = None,
-    as_json: Json = False,
+    source: str = "-",
+    points: Path | None = None,
+    measured: list[str] | None = None,
+    unknown: list[str] | None = None,
+    sigma: float | None = None,
+    set_: list[str] | None = None,
+    reading: list[str] | None = None,
+    json_: bool = False,
 ) -> None:
     """Find numbers of a scene from what was measured: points of a path, or a landing.
 
@@ -62,22 +35,32 @@ def infer(
     """
     from longball.questions.inverse import fit
 
-    if (points is None) == (not measured):
-        wrong_call("either --points FILE or --measured NAME=VALUE is needed")
-    if not unknown:
-        wrong_call("--unknown: name a number to be found, such as --unknown launch.speed")
+    refuse_if(
+        (
+            (points is None) == (not measured),
+            "either --points FILE or --measured NAME=VALUE is needed",
+        ),
+        (
+            not unknown,
+            "--unknown: name a number to be found, such as --unknown launch.speed",
+        ),
+    )
+    assert unknown
     data: Any
     if points is not None:
-        import pandas as pd
+        from longball.pitches.table import numbers, read_table
 
-        data = pd.read_csv(points)
+        with reading_table():
+            _, table = read_table(points, ("t", "x", "y", "z"))
+            data = {name: numbers(table[name]) for name in table}
     else:
         pairs = assignments("--measured", measured)
-        data = {name: json_or_number(value) for name, value in pairs.items()}
+        with refusing("--measured "):
+            data = {name: value_of(name, text, [Result]) for name, text in pairs.items()}
     scene = one_scene(source, chosen_changes(set_, None, reading))
     with answering():
         found = fit(data, scene, unknowns=unknown, sigma=sigma)
-    if not as_json:
+    if not json_:
         print(found)
         return
     print(
@@ -95,11 +78,11 @@ def infer(
 
 
 @contextmanager
-def answering(option: str = "") -> Iterator[None]:
+def answering() -> Iterator[None]:
     """Say why there is no answer, with status 1; a misuse is a wrong call."""
     try:
         yield
     except (CannotSolve, Undecided, InvalidScene) as error:
         fail(str(error))
     except (TypeError, ValueError) as error:
-        wrong_call(f"{option}{error}")
+        wrong_call(str(error))

@@ -3,54 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any
-
-import typer
+from typing import Any
 
 from longball import engines
-from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import AnyEngine, Json, Workers, named, refusing, show, tell
-from longball.cli.scenes import each_scene
+from longball.cli.changes import chosen_changes
+from longball.cli.cluster import on_cluster
+from longball.cli.messages import exit_unless, refusing, show, tell
+from longball.cli.scenes import each_scene, named
 from longball.engines.parallel import in_parallel
 from longball.model.jsonl import json_line
 from longball.model.scene import InvalidScene
 from longball.pitches.statcast import FOOT
-from longball.questions.parks import InPark, Park, in_parks, park
+from longball.questions.parks import InPark, Park, in_parks
+from longball.questions.parks import park as park_of
 from longball.questions.parks import parks as every_park
 
 
 def parks(
-    source: Annotated[
-        str | None,
-        typer.Argument(metavar="[SCENES|-]", help="Batted balls; - reads stdin."),
-    ] = None,
-    only: Annotated[
-        list[str] | None,
-        typer.Option("--park", metavar="NAME", help="Only in this park; repeatable."),
-    ] = None,
-    set_: SetOption = None,
-    reading: ReadingOption = None,
-    engine: AnyEngine = "ivp",
-    workers: Workers = 1,
-    scheduler: Scheduler = None,
-    as_json: Json = False,
+    source: str | None = None,
+    park: list[str] | None = None,
+    set_: list[str] | None = None,
+    reading: list[str] | None = None,
+    engine: engines.Name = "ivp",
+    workers: int = 1,
+    scheduler: str | None = None,
+    json_: bool = False,
 ) -> None:
     """Tell in which parks batted balls are home runs, and by how much.
 
     Each scene is flown with the fence of each park, and at its elevation if the scene's density is
     a weather. Without scenes the parks are listed, with some of their numbers, and their sources.
     """
-    with refusing("--park: "):
-        where = [park(name) for name in only] if only else [*every_park()]
+    with refusing("--"):
+        where = [park_of(name) for name in park] if park else [*every_park()]
     if source is None:
         _list(where)
         return
     change = chosen_changes(set_, None, reading)
-    with refusing():
-        solver = engines.create(engine)
+    solver = engines.create(engine)
     failed = told = 0
     with on_cluster(scheduler):
+        # Scenes that are invalid go through as texts, so that answers keep the order of the lines.
         tasks = (
             (number, str(scene) if isinstance(scene, InvalidScene) else scene, where, solver)
             for number, scene in each_scene(source, change)
@@ -61,12 +54,11 @@ def parks(
                 failed += 1
                 tell(f"{name}: {found}")
                 continue
-            _show(name, found, as_json)
+            _show(name, found, json_)
             failed += all(each.result.error for each in found)
     if not told:
         tell(f"no scenes in {named(source)}")
-    if failed or not told:
-        raise typer.Exit(1)
+    exit_unless(told and not failed)
 
 
 def _answer(

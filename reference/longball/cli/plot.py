@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from longball import engines
-from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
-from longball.cli.common import EngineName, Quiet, named, note, tell, to_picture
-from longball.cli.scenes import Source, each_scene
+from longball.cli.changes import chosen_changes
+from longball.cli.messages import exit_unless, note, tell
+from longball.cli.scenes import each_scene, named
 from longball.engines.chain import solve_with_path
 from longball.model.result import Result
 from longball.model.scene import InvalidScene
 
 
 def plot(
-    source: Source = "-",
-    output: Annotated[Path, to_picture("The picture: .png, .svg, .pdf.", "-o", "--output")] = Path(
-        "paths.png"
-    ),
-    set_: SetOption = None,
-    fence: FenceOption = None,
-    reading: ReadingOption = None,
-    engine: EngineName = "ivp",
-    quiet: Quiet = False,
+    source: str = "-",
+    output: Path = Path("paths.png"),
+    set_: list[str] | None = None,
+    fence: str | None = None,
+    reading: list[str] | None = None,
+    engine: engines.Name = "ivp",
+    quiet: bool = False,
 ) -> None:
     """Draw the paths of a few balls, or where many come down.
 
@@ -56,8 +51,7 @@ def plot(
         note(f"the picture is in {output}")
     else:
         tell(f"no paths in {named(source)}")
-    if failed or not pictured:
-        raise typer.Exit(1)
+    exit_unless(pictured and not failed)
 
 
 def _label(name: str, result: Result) -> str:

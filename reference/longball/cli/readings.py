@@ -4,18 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from longball.cli.common import (
-    Json,
-    Quiet,
-    Seed,
-    Workers,
-    progress_bar,
-    show,
-)
+from longball.cli.messages import progress_bar, show
 from longball.home_run import Estimate, estimates, paper_at_bats
 from longball.model.jsonl import json_or_number
 from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
@@ -25,14 +16,12 @@ Readings = tuple[Reading, SamplingReading]
 
 
 def readings(
-    samples: Annotated[
-        int, typer.Option(min=0, help="Number of at-bats drawn; 0: the ledger only.")
-    ] = 1000,
-    e: Annotated[float, typer.Option(min=0.0, max=1.0, help="Restitution of the ball.")] = 0.42,
-    seed: Seed = 1,
-    workers: Workers = -1,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    samples: int = 1000,
+    e: float = 0.42,
+    seed: int = 1,
+    workers: int = -1,
+    json_: bool = False,
+    quiet: bool = False,
 ) -> None:
     """Print the ledger of readings, and what each one does to P(e)."""
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
@@ -52,7 +41,7 @@ def readings(
                     workers=workers,
                 )
                 advance(done)
-    if as_json:
+    if json_:
         print(json.dumps(ledger_as_data(lines, effects), ensure_ascii=False))
         return
     table = []

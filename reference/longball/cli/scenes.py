@@ -5,35 +5,35 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import sys
 from codecs import BOM_UTF8
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from io import BufferedReader, BytesIO
 from pathlib import Path
-from typing import Annotated, BinaryIO
+from typing import BinaryIO
 
-import typer
-
-from longball.cli.common import fail, named, reading_from, refusing, wrong_call
+from longball.cli.messages import fail, refusing, wrong_call
+from longball.cli.options import TABLES, ending
 from longball.model.changes import Changes
-from longball.model.scene import InvalidScene, Scene, parse_scene
-
-Source = Annotated[
-    str,
-    typer.Argument(
-        metavar="[SCENES|-]",
-        help="One scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
-    ),
-]
+from longball.model.csv_files import binary
+from longball.model.names import one_of
+from longball.model.scene import KINDS, InvalidScene, Scene, parse_scene
 
 
-TABLES = (".csv", ".parquet")
-LINES = (".jsonl", ".ndjson", ".json", "")
+def named(source: str) -> str:
+    """Return the name of a file of lines for messages."""
+    return "standard input" if source == "-" else source
 
 
-def ending(file: str | Path) -> str:
-    """Return the suffix of a file's name, which decides its format."""
-    return Path(file).suffix.lower()
+@contextmanager
+def reading_from(source: str) -> Iterator[BinaryIO]:
+    """Open a file of lines; - is standard input."""
+    if source == "-":
+        yield sys.stdin.buffer
+    else:
+        with open(source, "rb") as file:
+            yield file
 
 
 @contextmanager
@@ -41,6 +41,7 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
     """Open scenes as lines of JSON, whatever the file holds."""
     if ending(source) not in TABLES:
         with reading_from(source) as file:
+            # A terminal has nothing to look at before somebody types.
             if isinstance(file, BufferedReader) and not file.isatty():
                 _require_lines(file.peek(1), source)
             yield file
@@ -53,9 +54,13 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
 
 
 def _require_lines(beginning: bytes, source: str) -> None:
-    """Refuse JSON that stands in several lines, or in one array, before each line is an error."""
+    """Refuse what is not text, or JSON over several lines, before each line is an error."""
+    if kind := binary(beginning):
+        wrong_call(f"{named(source)}: {kind}")
     text = beginning.removeprefix(BOM_UTF8).lstrip().decode("utf-8", "replace")
+    # The first 8 KiB at most: enough to tell lines of JSON from one JSON text.
     first, _, more = text.partition("\n")
+    # Of scenes; a line such as [1, 2] is an error of its own.
     is_array = re.match(r"\[\s*(\{|$)", first.strip())
     end = 0
     if text.startswith("{"):
@@ -111,3 +116,11 @@ def one_scene(source: str, change: Changes) -> Scene:
         return parse_scene(written[0], change)
     except InvalidScene as error:
         fail(str(error))
+
+
+def chosen_kinds(names: Sequence[str] | None) -> list[str]:
+    """Return the kinds of scenes that --kind names, each once; an unknown one is a wrong call."""
+    for name in names or ():
+        if name not in KINDS:
+            wrong_call(f"--kind {name}: there is none{one_of('the kinds are', name, KINDS)}")
+    return list(dict.fromkeys(names or ()))

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from longball.cli.common import wrong_call
+from longball.cli.messages import wrong_call
 from longball.model.names import one_of
 
 FILES = ("longball.toml", "pyproject.toml")  # the first one that has settings is taken
@@ -28,6 +28,7 @@ def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, A
             found = tomllib.loads(file.read_text(encoding="utf-8"))
         except ValueError as error:  # also of text that is not UTF-8
             wrong_call(f"{file}: not TOML: {error}")
+        # Other tools have their tables there; a longball.toml is ours alone.
         if file.name == "pyproject.toml":
             found = found.get("tool", {}).get("longball", {})
         for name, table in found.items():
@@ -35,6 +36,7 @@ def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, A
                 wrong_call(f"{file}: {name}: no such command{one_of('they are', name, commands)}")
             if not isinstance(table, dict):
                 wrong_call(f"{file}: {name}: must be a table of options, [{name}]")
+        # A pyproject.toml without a table of ours is no file of settings.
         if found:
             return file.name, found.get(command, {})
     return "", {}
@@ -50,6 +52,7 @@ def defaults_of(
         if name not in options:
             wrong_call(f"{where}: no such option{one_of('they are', name, options)}")
         parameter = options[name]
+        # A COMMAND of several words, or an option that is repeatable.
         many = parameter.nargs == -1 or getattr(parameter, "multiple", False)
         if isinstance(value, dict):
             wrong_call(f"{where}: must be a value, not a table")
@@ -59,6 +62,7 @@ def defaults_of(
             wrong_call(f"{where}: takes one value, not a list")
         if getattr(parameter, "is_flag", False) and not isinstance(value, bool):
             wrong_call(f"{where}: must be true or false")
+        # As texts: typer checks them as it checks those of the command line.
         values = value if isinstance(value, list) else [value]
         texts = [x if isinstance(x, bool) else str(x) for x in values]
         found[parameter.name] = texts if many else texts[0]

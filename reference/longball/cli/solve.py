@@ -11,123 +11,48 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, BinaryIO
-
-import typer
+from typing import Any, BinaryIO
 
 from longball import engines
-from longball.cli.changes import FenceOption, ReadingOption, SetOption, chosen_changes
-from longball.cli.cluster import Scheduler, on_cluster
-from longball.cli.common import (
-    EngineName,
-    Quiet,
-    Workers,
-    named,
-    note,
-    progress_bar,
-    say,
-    tell,
-    writable,
-    writing_to,
-    wrong_call,
-)
-from longball.cli.scenes import LINES, TABLES, Source, ending, scenes_from
+from longball.cli.changes import chosen_changes
+from longball.cli.cluster import on_cluster
+from longball.cli.messages import exit_unless, note, progress_bar, say, tell, wrong_call
+from longball.cli.options import TABLES, ending
+from longball.cli.scenes import named, scenes_from
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
 from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
 
 
-def _results_file(output: Path | None) -> Path | None:
-    if output is None or str(output) == "-":
-        return None
-    if ending(output) not in (*LINES, *TABLES):
-        endings = ", ".join(filter(None, (*LINES, *TABLES)))
-        raise typer.BadParameter(f"{output}: the endings of results are {endings}, or none")
-    return writable(output)
-
-
 def solve(
-    source: Source = "-",
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            callback=_results_file,
-            help="Where results go, .jsonl, .csv or .parquet; by default, or if -, stdout.",
-        ),
-    ] = None,
-    engine: EngineName = "ivp",
-    method: Annotated[
-        str | None,
-        typer.Option(
-            "--integrator",
-            help="ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA.",
-        ),
-    ] = None,
-    rtol: Annotated[
-        float | None,
-        typer.Option(help="ivp: relative tolerance of solve_ivp's methods, by default 5e-14."),
-    ] = None,
-    atol: Annotated[
-        float | None,
-        typer.Option(help="ivp: their absolute tolerance, m and m/s, by default 5e-14."),
-    ] = None,
-    tolerance: Annotated[
-        float | None,
-        typer.Option(
-            "--landing-error", help="batch: the error allowed at landing, m, by default 1e-13."
-        ),
-    ] = None,
-    digits: Annotated[
-        int | None,
-        typer.Option(
-            help="enclosure, multiprecision: digits of numbers, by default 30, up to 500 and 290."
-        ),
-    ] = None,
-    dt: Annotated[float | None, typer.Option(help="verlet: the step, s, by default 0.05.")] = None,
-    forces: Annotated[
-        VerletForces | None,
-        typer.Option(
-            help="verlet: at which velocity drag and lift are taken, by default old_carried."
-        ),
-    ] = None,
-    landing: Annotated[
-        VerletLanding | None,
-        typer.Option(help="verlet: where the ball lands, by default interpolated."),
-    ] = None,
-    root: Annotated[
-        AppendixBRoot | None,
-        typer.Option(help="verlet: which root of Appendix B's quadratic, by default the first."),
-    ] = None,
-    contact_force: Annotated[
-        ContactForce | None,
-        typer.Option(help="verlet: when half of the contact force acts, by default whole."),
-    ] = None,
-    path: Annotated[
-        bool, typer.Option("--path", help="Add the path: [[t, x, y, z, vx, vy, vz], …].")
-    ] = False,
-    points: Annotated[
-        int | None,
-        typer.Option(
-            min=2, max=1_000_000, help="Points of the path, evenly spaced in time, by default 201."
-        ),
-    ] = None,
-    certify: Annotated[
-        bool, typer.Option("--certify", help="Give every number with a proven error.")
-    ] = False,
-    set_: SetOption = None,
-    fence: FenceOption = None,
-    reading: ReadingOption = None,
-    workers: Workers = 1,
-    scheduler: Scheduler = None,
-    quiet: Quiet = False,
+    source: str = "-",
+    output: Path | None = None,
+    engine: engines.Name = "ivp",
+    integrator: str | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+    landing_error: float | None = None,
+    digits: int | None = None,
+    dt: float | None = None,
+    forces: VerletForces | None = None,
+    landing: VerletLanding | None = None,
+    root: AppendixBRoot | None = None,
+    contact_force: ContactForce | None = None,
+    path: bool = False,
+    points: int | None = None,
+    certify: bool = False,
+    set_: list[str] | None = None,
+    fence: str | None = None,
+    reading: list[str] | None = None,
+    workers: int = 1,
+    scheduler: str | None = None,
+    quiet: bool = False,
 ) -> None:
     """Solve scenes: one result in JSON for each line of input."""
     # fmt: off
     options = {
-        "method": method, "rtol": rtol, "atol": atol, "tolerance": tolerance, "digits": digits,
-        "dt": dt, "forces": forces, "landing": landing, "root": root,
+        "method": integrator, "rtol": rtol, "atol": atol, "tolerance": landing_error,
+        "digits": digits, "dt": dt, "forces": forces, "landing": landing, "root": root,
         "contact_force": contact_force,
     }
     # fmt: on
@@ -137,6 +62,7 @@ def solve(
         wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
     if asked and certify:
         wrong_call("--path: its points cannot be certified; take --engine enclosure")
+    # A library that is missing is named before hours of work.
     if ".parquet" in {ending(name) for name in (source, output or "")}:
         import_module("pyarrow")
     if output and ending(output) in TABLES:
@@ -153,6 +79,7 @@ def solve(
         solver = Certifying(solver)
     # What has been imported stays: looking at it again and again took a fourth of the time.
     gc.freeze()
+    # Results are written one by one and not kept: counts and ids are all that is needed.
     solved = failed = 0
     ids: set[str | None] = set()
     repeated: set[str] = set()
@@ -179,10 +106,10 @@ def solve(
         tell(f"no scenes in {named(source)}")
     elif failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
+    # No failure: files of different scenes may share ids, but joins by id would go wrong.
     if repeated:
         tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
-    if failed or not solved:
-        raise typer.Exit(1)
+    exit_unless(solved and not failed)
 
 
 def _with_options(sentence: str, options: Iterable[str]) -> str:
@@ -205,6 +132,20 @@ def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int]
     lines.seek(0)
     with progress_bar("scenes", total) as advance:
         yield advance
+
+
+@contextmanager
+def writing_to(output: Path | None, source: BinaryIO) -> Iterator[BinaryIO]:
+    """Open the file that results go to, if it is not the source; None is standard output."""
+    with suppress(OSError):  # a stream that is no file, an output that is not there yet
+        there = os.stat(output if output is not None else sys.stdout.fileno())
+        if stat.S_ISREG(there.st_mode) and os.path.samestat(there, os.fstat(source.fileno())):
+            wrong_call(f"{output or 'standard output'} is the file that the scenes are read from")
+    if output is None:
+        yield sys.stdout.buffer
+    else:
+        with open(output, "wb") as file:
+            yield file
 
 
 @contextmanager

@@ -60,6 +60,7 @@ class Flow(NamedTuple):
     @property
     def per_spin(self) -> Any:
         """``U/ω_T``, m; 0 without a spin across the velocity, which lifts nothing."""
+        # ZERO is the symbol of what is 0 in every state, as the spin of a ball without one.
         return ZERO if self.top is ZERO else self.bottom / self.top
 
 
@@ -112,6 +113,7 @@ class CrisisDrag(Coefficient):
     def drag(self, flow: Flow) -> Any:
         """Return ``C_D U``."""
         steepness = trace.exp((flow.speed - self.speed) / self.width)
+        # U times the weight of the value at low speed: 1 far below U_c, 0 far above.
         slow = flow.speed / (1.0 + steepness)
         return (
             self.high_speed * flow.speed
@@ -143,12 +145,15 @@ class RationalLift(Coefficient):
 
     @model_validator(mode="after")
     def _has_a_denominator(self) -> Self:
+        # C_L would be numerator S/0 at any spin.
         if self.constant == self.slope == 0.0:
             refuse("constant and slope cannot both be 0: C_L = numerator S / (constant + slope S)")
         return self
 
     def lift(self, flow: Flow) -> Any:
         """Return ``R C_L/S``."""
+        # With S = lever top/bottom, c_2 S/(c_0 + c_1 S) times R/S is c_2 lever bottom/(c_0 bottom +
+        # c_1 lever top): nothing is divided by S, which is 0 without a spin.
         denominator = self.constant * flow.bottom + self.slope * (flow.lever * flow.top)
         return self.numerator * (flow.lever * (flow.bottom / denominator))
 
@@ -199,6 +204,7 @@ class BySpin:
 
     def drag(self, flow: Flow) -> Any:
         """Return ``C_D U``."""
+        # S U = R ω_T of the spin that is left.
         return self.at_0 * flow.speed + self.slope * (flow.lever * flow.spin)
 
     def lift(self, flow: Flow) -> Any:
@@ -231,6 +237,7 @@ class BilinearLift(Block):
 
     def lines(self, exact: Any) -> Lines:
         """Return the two lines of Am. J. Phys. 71 (2003) 1152."""
+        # They meet at S = 0.1, where both are 0.15.
         lines = (exact(0.0), exact(1.5)), (exact(0.09), exact(0.6))
         return Lines((exact(0.1),), lines)
 
@@ -258,9 +265,11 @@ class Table(Block):
         """Return the lines between the nodes, and those outside."""
         at, values = [*map(exact, self.at)], [*map(exact, self.values)]
         nothing = exact(0.0)
+        # Constant below the first node.
         found = [(values[0], nothing)]
         for (x, y), (right, above) in pairwise(zip(at, values, strict=True)):
             slope = (above - y) / (right - x)
+            # The value that the line through (x, y) has at 0.
             found.append((y - slope * x, slope))
         found.append((values[-1], nothing))
         first = 1 if self.at[0] == 0.0 else 0  # nothing is below 0
@@ -326,6 +335,7 @@ class Weather(Block):
     @field_validator("humidity")
     @classmethod
     def _fraction(cls, value: float) -> float:
+        # A percentage is the usual mistake, so the message shows the fraction.
         if value > 1.0:
             refuse(f"{value} is not a fraction from 0 to 1; 50 % is written 0.5")
         return value
@@ -347,6 +357,7 @@ class WindProfile(Block):
 
     @model_validator(mode="after")
     def _is_level(self) -> Self:
+        # A vertical part that grows with the height would carry air out of the ground.
         if self.velocity[2] != 0.0:
             refuse("velocity[2] must be 0: a wind with a height and a roughness is level")
         return self
@@ -355,6 +366,7 @@ class WindProfile(Block):
 def _wind_form(value: Any) -> str | None:
     if not isinstance(value, dict | Block):
         return "<vector>"
+    # The keys decide the form, so that an unknown key is named within the form that is meant.
     keys = value.keys() if isinstance(value, dict) else value.model_fields_set
     if keys & {"height", "roughness"}:
         return "<profile>"
@@ -389,6 +401,7 @@ class Side(Block):
     @field_validator("direction")
     @classmethod
     def _points_somewhere(cls, direction: Point) -> Point:
+        # Only the direction counts, and the length of a tiny vector may underflow to 0.
         if max(map(abs, direction)) < SMALLEST:
             refuse(
                 f"{list(direction)} has no direction; give a vector [x, y, z] with a component of "
@@ -421,10 +434,13 @@ class Air(Block):
     @model_validator(mode="after")
     def _table_has_what_it_needs(self) -> Self:
         drag = self.drag_coefficient
+        # A negative drag would feed energy to the ball. `Table` serves lifts, too, which may be
+        # negative, so that its own fields cannot forbid it.
         if isinstance(drag, Table) and min(drag.values) < 0.0:
             refuse(f"drag_coefficient.values: {min(drag.values)} is negative")
         for key in ("drag_coefficient", "lift_coefficient"):
             of = getattr(getattr(self, key), "of", "")
+            # The speed of sound is that of the weather, 331.3 √(T/273.15) m/s.
             if of == "mach" and not isinstance(self.density, Weather):
                 refuse(
                     f"{key}: a table of the Mach number needs the temperature; give the density "
@@ -436,9 +452,11 @@ class Air(Block):
         """Return the wind, m/s, on a ball at a height, m, that climbs so fast, in any unit."""
         wind = self.wind
         if isinstance(wind, WindAbove):
+            # At the height itself the ball feels the air that it flies into (model.md, Wind).
             aloft = height > wind.above or (height == wind.above and climb > 0.0)
             return wind.velocity if aloft else (0.0, 0.0, 0.0)
         if isinstance(wind, WindProfile):
+            # ln((z + z_0)/z_0), which keeps its digits near the ground where z is small.
             rise, whole = (math.log1p(z / wind.roughness) for z in (height, wind.height))
             x, y, z = wind.velocity
             return x * (rise / whole), y * (rise / whole), z
@@ -450,6 +468,7 @@ class Air(Block):
         law = self.lift_coefficient
         if isinstance(law, Table):
             return law.of != "spin_parameter" or law.at[0] > 0.0 or law.values[0] != 0.0
+        # Laws other than `constant` fall to zero with S, and have no value.
         value = getattr(law, "value", 0.0) if isinstance(law, Block) else law
         return value != 0.0
 

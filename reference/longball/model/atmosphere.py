@@ -38,10 +38,13 @@ def density(scene: Any, numbers: Numbers[N]) -> N:
         return numbers.exact(given)
     exact, exp = numbers.exact, numbers.functions["exp"]
     temperature, pressure = exact(given.temperature), station_pressure(scene, numbers)
+    # °C, the argument of Buck's formula.
     t = temperature - exact(ZERO_CELSIUS)
     exponent = (exact(18.687) - t / exact(234.5)) * t / (exact(257.14) + t)
+    # Partial pressure of the vapour, Pa.
     vapour = exact(given.humidity) * exact(611.16) * exp(exponent)
     dry = exact(DRY_DENSITY) * (exact(ZERO_CELSIUS) / temperature)
+    # Vapour replaces air of the same pressure and weighs 0.6217 of it.
     return dry * (pressure - exact(LIGHTER) * vapour) / exact(STANDARD_PRESSURE)
 
 
@@ -62,6 +65,7 @@ def speed_of_sound(scene: Any, numbers: Numbers[N]) -> N:
 
 def thinned(p: Any, height: Any) -> Any:
     """Return the density of the air, relative to that at height 0: ``e^(-βz)``."""
+    # The strength is 1/H; with a height z it is not constant along a flight.
     return 1.0 if p.thinning is ZERO else trace.exp(-p.thinning * height)
 
 
@@ -90,11 +94,14 @@ def wind_strengths(
     profile: dict[str, N] = {}
     if hasattr(given, ROUGHNESS):
         height, roughness = numbers.exact(given.height), numbers.exact(given.roughness)
+        # Divided once here: the law multiplies by the logarithm of the present height.
         rise = numbers.functions["log"]((height + roughness) / roughness)
         blows = blows[0] / rise, blows[1] / rise, blows[2]
         profile = {ROUGHNESS: roughness}
     found = present({"wind_s": blows[0], "wind_y": blows[1], "wind_z": blows[2]}, numbers)
+    # Without a wind there is nothing to profile.
     found = found and found | profile
     if hasattr(given, "above") and found:
+        # Still air below the height, the wind above it: a bend of the law.
         return ({}, found), (numbers.exact(given.above),)
     return (found,), ()

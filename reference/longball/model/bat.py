@@ -42,10 +42,12 @@ def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers[N]) -> N:
     """
     mass, length, radius = (numbers.exact(v) for v in (bat.mass, bat.length, bat.radius))
     if bat.support == "free":
+        # About the centre, across the axis: M L²/12, and M r_b²/4 of the thickness.
         slender = mass * length * length / 12
         return slender if reading.inertia == "thin_rod" else slender + mass * radius * radius / 4
     match reading.inertia:
         case "solid_cylinder":
+            # About the end B: M L²/12 + M (L/2)² by the theorem of parallel axes.
             return mass * (length * length / 3 + radius * radius / 4)
         case "thin_rod":
             return mass * length * length / 3
@@ -72,17 +74,22 @@ def collision_parameters(
     )
     whole_mass = numbers.exact(bat.mass)
     if bat.support == "free":
+        # 1/M_eff = 1/M + y²/J, with y from the middle of the bat (model.md, Oblique impact).
         y = numbers.exact(bat.length) / 2 - lever_arm
         effective_mass = whole_mass * inertia / (inertia + whole_mass * y * y)
     else:
+        # The paper prints M_eff = I/r̃, which is not a mass; the default is I/r̃².
         arm = lever_arm if reading.effective_mass == "as_printed" else lever_arm * lever_arm
         effective_mass = inertia / arm
     match reading.bat_ball_restitution:
+        # ẽ = e, and M_eff in μ as well, as Nathan (2003) has it: model.md, Readings.
         case "nathan":
             return CollisionParameters(e, reduced_mass(m, effective_mass))
         case "plain":
             return CollisionParameters(e, reduced_mass(m, whole_mass))
         case "as_printed":
+            # ẽ = e (1 + m/M_eff) + m/M_eff, the paper's Eq. (10). Above 1 towards the barrel, where
+            # the collision creates energy.
             ratio = m / effective_mass
             struck = effective_mass if reading.reduced_mass == "effective_mass" else whole_mass
             return CollisionParameters(e * (1 + ratio) + ratio, reduced_mass(m, struck))
@@ -116,7 +123,10 @@ def inverse_mass_arguments(
         "inertia_factor": inertia_factor(ball, numbers),
         "inverse_bat_mass": 1 / mass if free else numbers.exact(0.0),
         "inertia": moment_of_inertia(bat, reading, numbers),
+        # A solid cylinder about its own axis.
         "axial_inertia": mass * radius * radius / 2,
+        # y of the contact from the bat's middle, or from B at y = L/2, which is further to the
+        # left.
         "arm": half - lever_arm if free else -lever_arm,
         "bat_radius": radius,
     }

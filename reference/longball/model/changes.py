@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import json
+import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import BaseModel
+
 from longball.model.explain import keys_of, parts_of
+from longball.model.inputs import (
+    OF_SPIN,
+    OF_VELOCITY,
+    TRACKED,
+    UNITS_OF_TRACKED,
+    launched,
+    tracks_of,
+)
 from longball.model.names import one_of
+from longball.model.numbers import DOUBLES
 from longball.model.quantities import at
 from longball.model.scene import KINDS, AtBatScene, InvalidScene, PitchScene
 from longball.model.units import in_si, read_in_si, unit_of
@@ -22,7 +34,10 @@ USUAL_SCENES: dict[Any, Any] = {scene.kind: scene for scene in (PitchScene(), At
 
 @dataclass(frozen=True)
 class Changes:
-    """Values to be put into scenes, under the names of keys or of components of vectors."""
+    """Values to be put into scenes, under names of keys, of components of vectors, or of `TRACKED`.
+
+    A tracked quantity of a launch, such as its speed, changes with the others of these held fixed.
+    """
 
     values: tuple[tuple[str, Any], ...] = ()
 
@@ -30,6 +45,10 @@ class Changes:
         """Return a scene, as plain data, with the changes; `InvalidScene` if they do not fit it."""
         changed = dict(data)
         for name, value in self.values:
+            if name in TRACKED and isinstance(changed.get("launch"), Mapping):
+                changed["launch"] = _launch_with(changed["launch"], name, value)
+                continue
+            # A component: the rest of the vector stays, or is the default of the kind.
             if element := _ELEMENT.fullmatch(name):
                 name, place = element[1], int(element[2])
                 vector = at(changed, name) or at(USUAL_SCENES.get(data.get("kind")), name)
@@ -42,6 +61,27 @@ class Changes:
         return changed
 
 
+def _launch_with(launch: Any, name: str, value: Any) -> dict[str, Any]:
+    """Return a launch with another speed, angle, … of those that trackers give."""
+    velocity, spin = (at(launch, key) for key in ("velocity", "spin"))
+    if not (_is_vector(velocity) and (spin is None or _is_vector(spin))):
+        raise InvalidScene(f"{name}: the scene must give launch.velocity, which it changes")
+    if not _is_vector([value] * 3):
+        raise InvalidScene(f"{name}: must be a number in {UNITS_OF_TRACKED[name]} (got {value!r})")
+    if name == OF_VELOCITY[0] and not value > 0.0:
+        raise InvalidScene(f"{name}: must be positive (got {value!r})")
+    tracks = tracks_of(velocity, spin, DOUBLES, math.hypot, math.atan2)
+    # A ball without spin gets the one that is set, and no other.
+    without = dict.fromkeys(OF_SPIN, 0.0) if name in OF_SPIN else {}
+    vectors = launched({**without, **tracks, name: value}, DOUBLES)
+    return {**launch, **{key.removeprefix("launch."): [*v] for key, v in vectors.items()}}
+
+
+def _is_vector(value: Any) -> bool:
+    numeric = isinstance(value, list | tuple) and all(type(x) in (int, float) for x in value)
+    return numeric and len(value) == 3
+
+
 def _with(block: Mapping[str, Any], keys: list[str], value: Any, name: str) -> dict[str, Any]:
     key, *rest = keys
     if rest:
@@ -52,15 +92,18 @@ def _with(block: Mapping[str, Any], keys: list[str], value: Any, name: str) -> d
     return {**block, key: value}
 
 
-def value_of(name: str, text: str) -> Any:
+def value_of(name: str, text: str, models: Iterable[type[BaseModel]] = KINDS.values()) -> Any:
     """Return the value that a text gives a key: JSON, a number with or without a unit, or a word.
+
+    The unit's quantity is that of the key in the `models`, kinds of scenes by default.
 
     >>> value_of("pitch.speed", "90 km/h")
     25.0
 
-    A ValueError says that no scene has the key, or that the unit is none of its quantity.
+    A ValueError says that there is no such key, or that the unit is none of its quantity.
     """
-    described = _described(name)
+    described = UNITS_OF_TRACKED.get(name) or _described(name, [*models])
+    # JSON first: null, lists and blocks. Then .5 and 1_000, which JSON does not allow.
     for read in (json.loads, float):
         with suppress(ValueError):
             return read(text)
@@ -74,17 +117,25 @@ def value_of(name: str, text: str) -> Any:
     return text if number is None else number
 
 
-def _described(name: str) -> str:
-    """Return the description of a key of some kind of scene."""
+def _described(name: str, models: Sequence[type[BaseModel]]) -> str:
+    """Return the description of a key of some model."""
     keys = _ELEMENT.sub(r"\1", name).split(".")
-    known: list[str] = []
     for depth in range(1, len(keys) + 1):
-        fields = [field for kind in KINDS.values() for field in parts_of(kind, keys[:depth])]
+        fields = [field for model in models for field in parts_of(model, keys[:depth])]
         if not fields:
-            before = "".join(f"{key}." for key in keys[: depth - 1])
-            known = [f"{before}{x}" for k in KINDS.values() for x in keys_of(k, keys[: depth - 1])]
+            outer, before = keys[: depth - 1], "".join(f"{key}." for key in keys[: depth - 1])
+            known = [f"{before}{key}" for model in models for key in keys_of(model, outer)]
+            known += TRACKED if outer == ["launch"] else ()
+            # A key without its block: density for air.density.
+            blocks = ((model, [*outer, key]) for model in models for key in keys_of(model, outer))
+            known += [
+                ".".join([*block, keys[depth - 1]])
+                for model, block in blocks
+                if keys[depth - 1] in keys_of(model, block)
+            ]
             near = one_of("the keys here are", ".".join(keys[:depth]), dict.fromkeys(known))
-            raise ValueError(f"{name}: no scene has this key{near}")
+            of = "scene" if "kind" in models[0].model_fields else "result"
+            raise ValueError(f"{name}: no {of} has this key{near}")
     return next((field.description for field in fields if field.description), "")
 
 

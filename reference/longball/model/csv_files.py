@@ -14,7 +14,7 @@ _OTHERS = {";": "semicolons", "\t": "tabs"}
 _BINARY = {
     b"PAR1": "Parquet",
     b"PK\x03\x04": "a spreadsheet or a zip archive; save the sheet as CSV",
-    b"\x1f\x8b": "gzip",
+    b"\x1f\x8b": "gzip; gunzip unpacks it",
 }
 
 
@@ -31,8 +31,9 @@ def decoded(data: bytes) -> str:
 
     A ValueError says where it is in another encoding, or what it is instead.
     """
-    if kind := _binary(data):
+    if kind := binary(data):
         raise ValueError(kind)
+    # Spreadsheets save "Unicode text" as UTF-16, and mark UTF-8 with EF BB BF.
     utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if utf16 else "utf-8-sig")
@@ -42,15 +43,17 @@ def decoded(data: bytes) -> str:
 
 def not_utf8(error: UnicodeDecodeError) -> str:
     """Say where a text is in another encoding, or what it is instead."""
-    if kind := _binary(error.object):
+    if kind := binary(error.object):
         return kind
     byte = error.object[error.start]
-    # Of the encodings that people have besides, the usual one.
-    hint = "; iconv -f latin1 -t utf-8 converts Latin-1" if byte < 0xFE else ""
-    return f"not UTF-8 text: byte {error.start + 1} is 0x{byte:02x}{hint}"
+    # The encodings that people have besides: UTF-16 begins with FE FF or FF FE.
+    is_utf16 = error.start == 0 and byte >= 0xFE
+    name, code = ("UTF-16", "utf-16") if is_utf16 else ("Latin-1", "latin1")
+    hint = f"iconv -f {code} -t utf-8 converts {name}"
+    return f"not UTF-8 text: byte {error.start + 1} is 0x{byte:02x}; {hint}"
 
 
-def _binary(data: bytes) -> str:
+def binary(data: bytes) -> str:
     """Describe data that are not text; empty if they may be text."""
     kinds = [kind for beginning, kind in _BINARY.items() if data.startswith(beginning)]
     return f"not text but {kinds[0]}" if kinds else ""

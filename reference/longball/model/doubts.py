@@ -44,6 +44,7 @@ def doubts(scene: Scene) -> Iterator[tuple[str, str]]:
         value = getattr(value, key) if key and value is not None else value
         if value is None:
             continue
+        # No error: the model holds for any ball, and a study may want one of 1 t.
         size = _size(value)
         if size > limit:
             yield name, f"{size:g} {unit} is more than in any game; is it in {others}?"

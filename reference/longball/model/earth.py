@@ -18,7 +18,9 @@ def earth_strengths(scene: Any, frame: Any, numbers: Numbers[N]) -> dict[str, N]
         return {}
     rotation = numbers.exact(ROTATION)
     level, up = numbers.cos_sin(numbers.exact(scene.earth.latitude))
+    # North as x and y: +x is at the azimuth α from it, so that north is at α to the left of +x.
     north_x, north_y = numbers.cos_sin(numbers.exact(scene.earth.azimuth))
+    # Ω cos λ, which points to the north.
     level = rotation * level
     s, y, z = frame.turned((level * north_x, level * north_y, rotation * up))
     return present({"earth_s": s, "earth_y": y, "earth_z": z}, numbers)

@@ -28,9 +28,11 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
     match fault["type"]:
         case "extra_forbidden":
             key, keys = str(location[-1]), [*block.model_fields]
+            # A column's name as a key of JSON: "launch.velocity[0]".
             outer = re.split(r"[.\[]", key)[0]
             if outer != key and outer in keys:  # also of a table that gives the block whole
                 return f"{where}: unknown key; put it inside {outer}"
+            # A key of another block: density outside of air.
             homes = [name for name in model.model_fields if key in keys_of(model, [name])]
             if homes and not any(letters(key) == letters(name) for name in keys):
                 here = f"the keys here are {', '.join(keys)}"
@@ -43,6 +45,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
         case "too_long" | "too_short" as wrong:
             bound, key = ("most", "max_length") if wrong == "too_long" else ("least", "min_length")
+            # Pydantic has its own words for lengths; ours name the form, such as [x, y, z] in m.
             limit, given = fault["ctx"][key], fault["ctx"]["actual_length"]
             form = _listed(annotation, about)
             if form != "a list":
@@ -82,6 +85,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             ((_, limit),) = fault["ctx"].items()
             bound = "at least" if side == "greater_than_equal" else "at most"
             sentence = f"must be {bound} {limit:g}{_UNITS.get(str(location[-1]), '')}"
+            # The limit 1e-30 means positive; nobody understands the number.
             if side == "greater_than_equal" and limit in (SMALLEST, 0.0):
                 sentence = "must be positive" if limit else "must not be negative"
             return f"{where}: {sentence} (got {short(fault['input'])})"
@@ -112,6 +116,7 @@ def is_vector(parts: tuple[Any, ...]) -> bool:
 def in_our_words(message: str) -> str:
     """Reword pydantic's message on a value as the end of a sentence about it."""
     message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
+    message = message.replace("a valid integer", "a whole number")
     return message.replace("should", "must").replace("a valid number", "a number")
 
 
@@ -131,6 +136,7 @@ def _resolved(
     Pydantic puts the tag of a union's form among the keys. The annotations tell the two apart, so
     that a key may have any name.
     """
+    # Walk down the annotations along the keys of the location.
     annotation: Any = model
     steps: list[str | int] = []
     about = ""

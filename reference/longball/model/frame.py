@@ -26,6 +26,7 @@ class Frame(Generic[N]):
     def turned(self, vector: Vector[N]) -> Vector[N]:
         """Return a vector in space as the frame has it: along s, y and z."""
         x, y, z = vector
+        # A rotation about z by minus the heading; its inverse is in `position` and `velocity`.
         return x * self.cos + y * self.sin, y * self.cos - x * self.sin, z
 
     def components(self, vector: Sequence[float], numbers: Numbers[N]) -> Vector[N]:
@@ -75,6 +76,7 @@ def launch_frame(
     x, y, z = position
     vx, vy, vz = velocity
     nothing = numbers.exact(0.0)
+    # Zero exactly where both are, without a root.
     size = absolute(vx) + absolute(vy)
     question = "whether the launch is vertical"
     heads = numbers.positive(size, nothing, question)
@@ -82,7 +84,9 @@ def launch_frame(
     scale = numbers.where(tiny, numbers.exact(LARGER), numbers.exact(1.0))
     u, v = scale * vx, scale * vy
     length = numbers.sqrt(u * u + v * v)
+    # 1 in place of 0, whose quotient is not used, also in columns of balls.
     divisor = numbers.where(heads, length, numbers.exact(1.0))
     cos = numbers.where(heads, u / divisor, numbers.exact(1.0))
     frame = Frame(x, y, cos, v / divisor, spin)
+    # The flight starts in its vertical plane: no velocity aside.
     return frame, PlaneState(nothing, z, length / scale, vz)

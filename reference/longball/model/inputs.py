@@ -31,6 +31,7 @@ STEP = 2.0**-50
 OF_VELOCITY = ("launch.speed", "launch.angle", "launch.direction")
 OF_SPIN = ("launch.backspin", "launch.side_spin", "launch.gyrospin")
 TRACKED = (*OF_VELOCITY, *OF_SPIN)
+UNITS_OF_TRACKED = dict(zip(TRACKED, ("m/s", "rad", "rad", *["rad/s"] * 3), strict=True))
 
 
 # m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
@@ -40,6 +41,7 @@ CONTACT = (0.6096, 0.0, 0.9144)
 
 def inputs(scene: Scene) -> dict[str, float]:
     """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
+    # By the names of quantities, each component of a vector for itself.
     found = dict(numbers(scene))
     found.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
     if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
@@ -115,6 +117,7 @@ def launched(values: Mapping[str, N], numbers: Numbers[N]) -> dict[str, Vector[N
     along, back, side = axes_of(angle, direction, numbers)
     made = {"launch.velocity": _combined((speed,), (along,))}
     if OF_SPIN[0] in values:
+        # All three, as backspin alone would not fix the axis.
         parts = tuple(values[name] for name in OF_SPIN)
         made["launch.spin"] = _combined(parts, (back, side, along))
     return made
@@ -138,6 +141,7 @@ def value_of(scene: Scene, name: str) -> float:
     if name in of_launch:
         return of_launch[name]
     if name in TRACKED:
+        # A tracked quantity of a scene that has no such vector: the message names the vector.
         lacks = "launch.spin" if isinstance(scene, FlightScene) else "launch"
         raise ValueError(f"{name}: the scene has no {lacks}")
     try:
@@ -159,6 +163,7 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     of_launch = {name: x for name, x in values.items() if name in TRACKED}
     if not of_launch:
         return changed
+    # The others of these stay fixed: a new angle leaves speed, direction and backspin.
     made = launched({**tracked(changed), **of_launch}, DOUBLES)
     return replaced(
         changed,

@@ -19,7 +19,7 @@ _IN_BYTES = [(point.encode(), escape.encode()) for point, escape in _BREAKS.item
 
 
 def json_line(data: Mapping[str, Any], separators: tuple[str, str] | None = None) -> str:
-    """Return data as one line of JSON, whatever a reader takes for the end of one."""
+    """Return data as one line of JSON; U+0085, U+2028 and U+2029 are escaped."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=separators)
     return text.translate(_IN_TEXT)
 

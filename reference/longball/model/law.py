@@ -5,7 +5,8 @@ it, z up; u, v, w are the components of the velocity. The law is one function, `
 traced into straight-line code (`longball.model.trace`): what the scene does not name is not in it,
 and neither is a direction in which nothing moves the ball. A flight whose forces lie in the
 vertical plane of its launch is flown in that plane, in four variables; one with other forces in
-space, in six. Where spin decays, there is one more: what it decays along.
+space, in six. Where spin decays, a further component is the path or the time along which it
+decays.
 """
 
 from __future__ import annotations
@@ -127,10 +128,12 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
     drag = p.shape.drag.drag(_Keys(p, "drag"), air)  # k C_D U
     magnus = p.shape.lift.lift(_Keys(p, "lift"), lift)  # k R C_L/S
     earth = p.earth_s, p.earth_y, p.earth_z
+    # The order of the sum is part of the law: another one changes last bits in every engine.
     total = scaled(-(motion.density * drag), air.velocity)
     total = plus(total, scaled(motion.density * magnus, lift.across))
     total = plus(total, scaled(motion.density, side_force(p, lift)))
     total = plus(total, (ZERO, ZERO, -p.gravity))
+    # Coriolis acts on the velocity over the ground. The centrifugal force is part of g.
     total = plus(total, scaled(-2.0, cross(earth, motion.velocity)))
     for force in p.shape.forces:
         total = plus(total, force(motion, p.given))
@@ -146,6 +149,7 @@ def side_force(p: Strengths, flow: Flow) -> Vector:
     if p.side is ZERO or across is ZERO:
         return ZERO, ZERO, ZERO
     direction = p.side_s, p.side_y, p.side_z
+    # U² ê = (U² d - (d·u) u) U/|d × u|, since |U² d - (d·u) u| = U |d × u|.
     square, along = flow.speed * flow.speed, dot(direction, flow.velocity)
     whole = minus(scaled(square, direction), scaled(along, flow.velocity))
     return scaled(p.side * (flow.speed / across), whole)
@@ -159,6 +163,7 @@ def _across(p: Strengths, flow: Flow) -> Vector:
 def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Motion:
     """Return the motion through the air, with the spin that is left after a `path`."""
     through = minus(velocity, wind(p, position[2]))
+    # The decay goes by the air that passes the ball, under any reading of the wind.
     left = _spin_left(p, path, _size(p, through))
     spin, size = (p.spin_s, p.spin_y, p.spin_z), p.spin
     air = _flow(p, through, left, spin, size)
@@ -173,6 +178,7 @@ def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Mo
 def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) -> Flow:
     """Return the motion through the air, from the spin at launch and the fraction that is left."""
     speed, across = _size(p, velocity), cross(spin, velocity)
+    # |ω × u|: the root is shared by drag and lift.
     turning = norm(across)  # ω_T U
     # ω_T, ω_T U, and top and bottom of ω_T/U: of all the spin, and of its part across the velocity.
     whole = size, size * speed, size, speed
@@ -187,6 +193,7 @@ def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) ->
 
 def _size(p: Strengths, velocity: Vector) -> Any:
     """Return the size of a velocity: straight up or down, without a root."""
+    # √(w²) has no derivative at w = 0, ±w has: vertical flights turn there.
     moving = [component for component in velocity if component is not ZERO]
     return p.sense * moving[0] if len(moving) == 1 else norm(velocity)
 
@@ -256,6 +263,8 @@ class Strengths:
 
     def made_of(self, value: Node) -> Node:
         """Return an exponential or a logarithm, or the variable that stands for it."""
+        # The Taylor engines and the proofs handle sums, products, quotients and roots. An
+        # exponential becomes a variable with an equation of its own.
         if not self.polynomial or value.static:
             return value
         name = next(
@@ -301,14 +310,18 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
     """
     p = Strengths(shape, names, polynomial)
     s, y, z, u, v, w = map(trace.variable, "syzuvw")
+    # In the plane of the launch nothing moves the ball aside.
     if moving != "space":
         y = v = ZERO
     if moving == "vertical":
         p.sense = trace.parameter(_SENSE)
+        # A vertical flight in a wind drifts with it, so that no air comes from the side. No flight
+        # drifts with a profile, whose wind changes with the height.
         u, v = (p.wind_s, p.wind_y) if p.roughness is ZERO else (ZERO, ZERO)
     motion = motion_of(p, (s, y, z), (u, v, w), trace.variable("path"))
     rates = dict(zip("syzuvw", (u, v, w, *acceleration(p, motion)), strict=True))
     if p.decay is not ZERO:
+        # Time readings have a path of fixed speed: 44.704 m/s (100 mph), or 1 m/s under `nathan`.
         fixed = shape.spin_decay != "path"
         rates["path"] = trace.as_node(p.decay_speed if fixed else motion.speed)
     passed = {"wind": (z, trace.constant(1.0))}
@@ -318,6 +331,7 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
             passed[of] = top, bottom
     aside = _across(p, motion.lift)
     if p.side is not ZERO:
+        # The sine of the angle between d and u, squared: the force has no direction at 0.
         size, speed = norm(aside), motion.lift.speed
         passed["side"] = size * size, speed * speed
     # Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
@@ -351,12 +365,15 @@ def _program(
 ) -> Program | None:
     """Return the program of a law; None if a force drives the ball out of where it holds."""
     rates = _traced(shape, names, moving, polynomial).rates
+    # A law that drives the ball aside does not hold in the plane.
     if any(rates[name] is not ZERO for name in _STILL[moving]):
         return None
+    # Further variables stand behind the six: the path of the decay, exponentials, logarithms.
     variables = variables or (*("syzuvw" if moving == "space" else "szuw"), *[*rates][6:])
     if rates["y"] is not ZERO and "y" not in variables:
         return None
     program = Program(variables, names, tuple(rates[name] for name in variables))
+    # Only a vertical flight with a speed in its law needs to know its sense.
     if trace.parameter(_SENSE) in program.nodes:
         program = replace(program, parameters=(*names, _SENSE))
     return program
@@ -374,6 +391,7 @@ def _code(
 
 @lru_cache(maxsize=1024)
 def _passage(program: Program, top: Node, bottom: Node) -> Program:
+    # top/bottom passes the level where this is zero; nothing is divided.
     value = top - trace.parameter("level") * bottom
     return replace(program, outputs=(value,), parameters=(*program.parameters, "level"))
 
@@ -496,6 +514,7 @@ class Law(Generic[N]):
 
     def on(self, branches: Sequence[int]) -> Law[N]:
         """Return the law with these forms of the parts that have several."""
+        # Strengths of other branches go first: a branch may lack a strength that another has.
         changed = {name for bend in self.bends for name in bend.names}
         strengths = {name: x for name, x in self.strengths.items() if name not in changed}
         for bend, branch in zip(self.bends, branches, strict=True):

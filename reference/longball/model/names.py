@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -21,14 +22,27 @@ def one_of(these_are: str, given: object, known: Iterable[str]) -> str:
 
 
 def did_you_mean(given: object, known: Iterable[str]) -> str:
-    """Return the question whether a name is meant that is near to what is given, or nothing."""
-    names = [*known]
-    if not isinstance(given, str):
+    """Return the question whether a similar name is meant, or nothing.
+
+    A name is similar if its letters are, in any case and with any signs between them (At_Bat,
+    pitch-speed), or if one of its words is the given one.
+
+    >>> did_you_mean("coors", ["Citi Field", "Coors Field"])
+    ', did you mean Coors Field?'
+    >>> did_you_mean("density", ["air", "ball", "air.density"])
+    ', did you mean air.density?'
+    """
+    if not isinstance(given, str) or not (asked := letters(given)):
         return ""
-    near = difflib.get_close_matches(given, names, n=1)
-    # Names are said in other cases and with other signs: At_Bat, pitch-speed.
-    alike = [name for name in names if letters(name) == letters(given)]
-    return f", did you mean {[*alike, *near][0]}?" if alike or near else ""
+    # Reversed twice, so that the first of two names with the same letters counts.
+    by_letters = {letters(name): name for name in reversed([*known])}
+    near = difflib.get_close_matches(asked, by_letters, n=1)
+    with_word = [
+        name for name in reversed(by_letters.values()) if asked in re.split(r"\W+", name.lower())
+    ]
+    # The surest first: the same letters, then a whole word, then likeness.
+    meant = [*filter(None, [by_letters.get(asked)]), *with_word, *(by_letters[x] for x in near)]
+    return f", did you mean {meant[0]}?" if meant else ""
 
 
 def nearest_file(path: str | Path) -> str:

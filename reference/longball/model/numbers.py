@@ -142,6 +142,7 @@ class Single(Generic[N]):
         # Exact zero with no error is a clean "no"; everything inside the error is not decided.
         if abs(x) > error or x == cast(Any, error) == 0:
             return bool(x > 0)
+        # Three digits of each are enough to see by how much the question is open.
         value, off = (float(cast(Any, number)) for number in (x, error))
         raise Undecided(
             f"{question} cannot be decided {self.precision}: "

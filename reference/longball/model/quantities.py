@@ -91,7 +91,7 @@ def number(block: Any, name: str) -> Any:
 
 
 def unknown(name: str, names: Iterable[str]) -> ValueError:
-    """Return the error that a name is none of those that there are; it names the nearest."""
+    """Return the ValueError for an unknown name, with close matches."""
     nearest = difflib.get_close_matches(name, names := list(names), n=3, cutoff=0.0)
     known = f"the nearest are {', '.join(nearest)}" if names else "there are none"
     return ValueError(f"{name} is not the name of a number here; {known}")

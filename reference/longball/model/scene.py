@@ -148,6 +148,7 @@ class Pitch(_Block):
 
     @model_validator(mode="after")
     def _thrown_one_way(self) -> Self:
+        # Also where they are written with their defaults: nobody knows which is meant.
         both = sorted(self.model_fields_set & {"speed", "aim"})
         if self.velocity is not None and both:
             _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
@@ -265,14 +266,17 @@ class Fence(_Block):
 
 def _require_polyline(vertices: list[tuple[float, float]]) -> None:
     """Require a line from left to right that does not meet itself."""
+    # Where the height steps, a vertex is given twice.
     corners = [v for i, v in enumerate(vertices) if i == 0 or v != vertices[i - 1]]
     if len(corners) < 2:
         _refuse("polyline needs at least two vertices [x, y, height] at different places")
     chords = list(pairwise(corners))
     for i, (a, b) in enumerate(chords):
+        # Neighbours share a vertex, and meet elsewhere only if one goes back on the other.
         for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
             if (j == i + 1 and _folds(a, b, d)) or (j > i + 1 and _meet(a, b, c, d)):
                 _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
+    # The angle swept around the plate: negative from the left pole to the right one.
     if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
         _refuse(
             "polyline goes the wrong way round the plate: it runs from the left pole (y > 0) to "
@@ -295,10 +299,13 @@ def _meet(
     a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], d: tuple[float, float]
 ) -> bool:
     """True if two chords have a point in common."""
+    # The boxes around the chords are apart; also decides for chords on one line, whose turns are
+    # all 0.
     if max(min(a[0], b[0]), min(c[0], d[0])) > min(max(a[0], b[0]), max(c[0], d[0])):
         return False
     if max(min(a[1], b[1]), min(c[1], d[1])) > min(max(a[1], b[1]), max(c[1], d[1])):
         return False
+    # Each chord's ends are on different sides of the other, or on it.
     return _turn(a, b, c) * _turn(a, b, d) <= 0 and _turn(c, d, a) * _turn(c, d, b) <= 0
 
 
@@ -307,6 +314,7 @@ _MOST_DIGITS = 40  # of an id that is a number: a hash of 128 bits has 39
 
 def _text_of_whole(value: Any) -> Any:
     """Return a whole number as its text: ids in data frames are numbers."""
+    # A column of ids with a gap is a column of floats in pandas.
     if isinstance(value, float) and value.is_integer() and abs(value) <= 2**53:
         value = int(value)
     is_whole = isinstance(value, int) and not isinstance(value, bool)
@@ -341,6 +349,8 @@ class _Scene(_Block):
         from longball.model.changes import Changes  # which knows scenes
         from longball.model.plain import plain
 
+        # Defaults stay unwritten, so that a change may take a block's other form, such as velocity
+        # in place of speed and aim.
         written = self.model_dump(mode="json", exclude_defaults=True)
         written["kind"] = type(self).model_fields["kind"].default
         changed = Changes(tuple((name, plain(value, name)) for name, value in values.items()))
@@ -378,6 +388,7 @@ class _FlyingScene(_Scene):
         if spin is None and (key := self.air.needs_spin):
             _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
         table = getattr(self.air.lift_coefficient, "of", None)
+        # The reading is about the paper's lift: up, whatever the axis.
         beyond = (spin, self.air.wind, table, self.air.side_coefficient)
         if self.reading.lift_direction == "always_up" and any(x is not None for x in beyond):
             _refuse(
@@ -391,6 +402,7 @@ class _FlyingScene(_Scene):
         wind = None if self.air is None else self.air.wind
         if isinstance(wind, WindProfile):
             floor = landing_height(self)
+            # ln((z + z_0)/z_0) has no value there.
             if floor <= -wind.roughness:
                 _refuse(
                     f"the ball lands at {floor}, which must be above -air.wind.roughness = "
@@ -407,6 +419,7 @@ class _FlyingScene(_Scene):
             under = f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}"
             if not isinstance(self, FlightScene):
                 _refuse(under)
+            # Sinking, it would never come to the ground.
             if not self.launch.velocity[2] > 0.0:
                 _refuse(f"{under}, and launch.velocity[2] must be positive for it to rise there")
             if self.fence is not None:
@@ -432,6 +445,7 @@ class _FlyingScene(_Scene):
         block = "launch" if isinstance(self, FlightScene) else "pitch"
         start: Launch | Pitch = getattr(self, block)
         spin, air, reading = start.spin, self.air, self.reading
+        # Laws that fall to zero with S have no jump where the spin is parallel to the velocity.
         if spin is None or not any(spin) or air is None or not air.lift_is_constant:
             return self
         if reading.spin_parameter == "total":  # the force is smooth where ω × u vanishes
@@ -472,6 +486,7 @@ class FlightScene(_FlyingScene):
 
     @model_validator(mode="after")
     def _inside_the_fence(self) -> Self:
+        # A polyline may be open behind the plate: nothing says what is inside of it.
         x, y, _ = self.launch.position
         _require_inside(self.fence, "launch.position", math.hypot(x, y))
         return self
@@ -525,6 +540,7 @@ class AtBatScene(_FlyingScene):
     @model_validator(mode="after")
     def _has_support_inside_the_fence(self) -> Self:
         _require_support(self)
+        # The ball at a contact: R + r_b from the axis, at most half a bat from its middle.
         farthest = math.hypot(self.ball.radius + self.bat.radius, self.bat.length / 2)
         _require_inside(self.fence, "the bat's reach", farthest)
         return self
@@ -597,18 +613,21 @@ def scene_of(data: dict[str, Any]) -> Scene:
 
 def _validated(data: dict[str, Any], text: str) -> Scene:
     scene_id = _text_of_whole(data.get("id"))
+    # Known before the scene is valid, so that the error bears it.
     scene_id = scene_id if _is_text(scene_id) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         given = f"{short(kind)} is not a kind of scene" if "kind" in data else "is missing"
         raise InvalidScene(f"kind: {given}{one_of('the kinds are', kind, KINDS)}", scene_id)
     try:
+        # Pydantic reads JSON itself, strictly, which forbids "1" for 1 and 1 for true.
         return KINDS[kind].model_validate_json(text)
     except ValidationError as error:
         raise InvalidScene(explain(error, KINDS[kind]), scene_id) from None
 
 
 def _text(line: str | bytes) -> str:
+    # Before anything is parsed: a line without an end would fill the memory.
     if len(line) > LONGEST_LINE:
         raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
@@ -654,6 +673,7 @@ def _is_text(value: Any) -> bool:
 def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     block = dict(pairs)
     if len(block) < len(pairs):
+        # Python takes the last of two; a reader of the file would see the first.
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
         raise InvalidScene(f"{twice}: the key is given twice in one block")

@@ -72,6 +72,7 @@ _known: dict[tuple[Any, ...], Node] = {}
 
 
 def _make(kind: str, *args: Any) -> Node:
+    # Arguments are interned already, so that equality of nodes is identity.
     key = (kind, *args)
     if key not in _known:
         node = Node()
@@ -122,6 +123,8 @@ def _exact(a: Node, symbol: str, b: Node) -> Node:
     """Fold an operation on two constants, if the result is exactly a double."""
     operation = {"+": operator.add, "*": operator.mul, "/": operator.truediv}[symbol]
     result = operation(a.args[0], b.args[0])
+    # 0.1 + 0.2 in doubles would be another number than in 40 digits: every engine has to see the
+    # same constant.
     if operation(Fraction(a.args[0]), Fraction(b.args[0])) != Fraction(result):
         written = f"{a.args[0]} {symbol} {b.args[0]}"
         raise ArithmeticError(f"{written} is no double; make it a parameter")
@@ -134,7 +137,9 @@ def _add(a: Node, b: Node) -> Node:
     if a.static and b.static:
         if a.kind == b.kind == "constant":
             return _exact(a, "+", b)
+        # Static sums are computed once; they need no form for series.
         return ZERO if b is -a else _make("plus", a, b)
+    # Collect equal nodes of the two sums: 2x + 3x is 5x.
     coefficients: dict[Node, Node] = {}
     rest = ZERO
     for part in (a, b):
@@ -171,14 +176,17 @@ def _multiply(a: Node, b: Node) -> Node:
             return _exact(a, "*", b)
         return _make("product", *((b, a) if b is _MINUS_ONE else (a, b)))
     if a.static or b.static:
+        # A static factor goes into the coefficients of the sum, where it costs nothing.
         factor, node = (a, b) if a.static else (b, a)
         rest, *terms = _as_sum(node)
         return _sum(_multiply(factor, rest), ((_multiply(factor, c), x) for c, x in terms))
     (c, x), (d, y) = _scaled(a), _scaled(b)
     if c is not _ONE or d is not _ONE:
         return _multiply(_multiply(c, d), _multiply(x, y))
+    # √a √a = a, without a product of series.
     if x is y and x.kind == "sqrt":
         return cast(Node, x.args[0])
+    # Factors in one order: x y and y x are one node.
     return _make("product", *sorted((x, y), key=_order))
 
 
@@ -202,6 +210,7 @@ def _divide(a: Node, b: Node) -> Node:
         return a
     if a.kind == b.kind == "constant":
         return _exact(a, "/", b)
+    # One static reciprocal in place of a quotient at every evaluation.
     if b.static and not a.static:
         return _multiply(_divide(_ONE, b), a)
     (c, x), (d, y) = _scaled(a), _scaled(b)
@@ -275,6 +284,7 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node], ratio: str) -> No
             return (of(a) - node * of(b)) / b
         case "sqrt":
             (a,) = node.args
+            # √(x² + y²): the derivative x/√… stays bounded where the vector vanishes.
             if parts := squares(a):
                 # Each part is no larger than the root: the ratio is bounded even where both vanish.
                 return total(_make(ratio, x, node) * of(x) for x in parts)
@@ -307,6 +317,7 @@ class Program:
         order: dict[Node, None] = {}
 
         def visit(node: Node) -> None:
+            # Depth first: what a node is computed from comes before it.
             if node not in order:
                 for child in _children(node):
                     visit(child)
@@ -318,6 +329,7 @@ class Program:
 
     def jacobian(self) -> Program:
         """Return the program whose outputs are the partial derivatives, output by output."""
+        # Derivatives by one variable share what is known of common parts.
         columns = [(variable(name), dict[Node, Node]()) for name in self.variables]
         return Program(
             self.variables,
@@ -350,6 +362,7 @@ class Program:
 
         `functions` are what `sqrt`, `exp`, `log` and `unit` are for the numbers at hand.
         """
+        # Compiled once for all scenes of the same law: only the values differ.
         make = run_source(self.source, "program", functions)
         bound: Callable[..., tuple[Any, ...]] = make(*(values[name] for name in self.parameters))
         return bound

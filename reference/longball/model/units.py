@@ -22,6 +22,7 @@ UNITS: dict[str, dict[str, float]] = {
     "kg/m³": {"kg/m³": 1.0, "kg/m3": 1.0},
     "s": {"s": 1.0, "ms": 0.001},
 }
+# Zeros of the scales that do not begin at 0 K.
 _ZEROS = {"C": 273.15, "°C": 273.15, "F": 459.67 / 1.8, "°F": 459.67 / 1.8}  # K
 
 
@@ -40,6 +41,7 @@ def in_si(number: float, unit: str, si: str) -> float:
     if unit not in UNITS.get(si, {}):
         known = one_of("the units here are", unit, UNITS[si]) if si else "; it has no unit"
         raise ValueError(f"{unit!r} is no unit here{known}")
+    # 72 °F = 72/1.8 K + 459.67/1.8 K.
     return number * UNITS[si][unit] + _ZEROS.get(unit, 0.0)
 
 

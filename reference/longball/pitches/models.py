@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -63,7 +63,9 @@ _NATHAN_LIFT = {"law": "rational", "numerator": 1.12, "constant": 0.583, "slope"
 # 5.125 oz, and 9.125 inches around: the middle of what the rules allow.
 _RULE_BALL = {"mass": 5.125 * 0.028349523125, "radius": 9.125 * 0.0254 / (2.0 * math.pi)}
 
-MODELS = {
+Model = Literal["vacuum", "paper", "constants", "giordano", "nathan", "crisis"]
+
+MODELS: dict[str, FlightModel] = {
     "vacuum": FlightModel("no air", None, None, spin=False),
     "paper": FlightModel(
         "Kuninaka, Kosaka and Mizutani, Sec. III.B: C_D 0.4, C_L 0.2 upwards, 1.29 kg/m³",

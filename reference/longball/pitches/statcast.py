@@ -41,6 +41,7 @@ from longball.pitches.table import (
     numbers,
     read_table,
     refuse_rows,
+    require_degrees,
     require_usual,
     select_rows,
     texts,
@@ -246,8 +247,8 @@ def _pitches(
     refuse_rows(before, kept["release_pos_y"], rows, "release_pos_y", "behind the plate's front")
     _require_usual(kept if spin else {name: kept[name] for name in values})
     axis = kept["spin_axis"]
-    if spin and axis.max() <= 2.0 * np.pi and (axis % 1.0).any():  # Statcast's degrees are whole
-        raise TableError("spin_axis: none is above 2π; are they in rad instead of degrees?")
+    if spin:
+        require_degrees(axis, "spin_axis", 2.0 * np.pi)
     if "release_speed" in frame:
         velocity = np.hypot(np.hypot(kept["vx0"], kept["vy0"]), kept["vz0"])
         _require_agreement(velocity, numbers(frame["release_speed"])[keep])
@@ -312,8 +313,11 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     if (odd := [name for name in _PLACE if name not in frame]) and len(odd) == 1:
         raise NoSuchColumn(f"{odd[0]}: the table has no such column, and it has the other", odd)
     nothing = np.full(len(frame), np.nan)
+    require_degrees(values["launch_angle"], "launch_angle", np.pi / 2.0)
     side = _side(frame["stand"]) if "stand" in frame else np.zeros(len(frame))
     speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
+    if not (speed > SLOWEST).any():  # no row would be left: in m/s, flies are below 60
+        require_usual(values["launch_speed"][~np.isnan(speed)], "launch_speed")
     x, y = (values.get(name, nothing) for name in _PLACE)
     bearing = np.arctan2(x - DRAWN_PLATE[0], DRAWN_PLATE[1] - y) if "hc_x" in here else 0.0 * speed
     lacks = [
@@ -429,7 +433,10 @@ def _common(
 
 def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
     """Return the temperature of each game, K, and the elevation of its park, m."""
-    source, frame = read_table(games, ["game_pk", "temperature"], ["park", "elevation"])
+    try:
+        source, frame = read_table(games, ["game_pk", "temperature"], ["park", "elevation"])
+    except NoSuchColumn as error:  # no option gives the columns of games other names
+        raise TableError(f"the table of games: {error}") from None
     game, fahrenheit = numbers(frame["game_pk"]), numbers(frame["temperature"])
     if np.isnan(game).any() or np.isnan(fahrenheit).any():
         raise TableError(f"{source}: a game has no game_pk or no temperature")

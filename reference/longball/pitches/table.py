@@ -285,6 +285,19 @@ def require_usual(values: Array, name: str, column: str = "", unit: str = "") ->
     )
 
 
+def require_degrees(angles: Array, name: str, largest: float) -> None:
+    """Raise a `TableError` if angles look like radians, of which none is above `largest`.
+
+    Whole numbers are degrees, however small they are.
+    """
+    known = angles[~np.isnan(angles)]
+    # A whole number of degrees as small as this is possible, a whole number of radians is not.
+    if known.size and np.abs(known).max() <= largest and (known % 1.0).any():
+        raise TableError(
+            f"{name}: none is above {largest:.3g}; is it in rad? The table must be in degrees here"
+        )
+
+
 def unit_that_explains(ratio: float, unit: str) -> str | None:
     """Return the unit that explains a ratio of given to expected numbers; None if none does.
 

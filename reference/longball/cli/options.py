@@ -1,0 +1,336 @@
+"""The options of all commands: names, forms, checks and help, in one table.
+
+A command is a function. Its parameters are its arguments and options; `command_of` looks them up
+here by ``command.parameter``, or by the parameter's name alone.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from functools import wraps
+from importlib import import_module
+from inspect import signature
+from pathlib import Path
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import typer
+
+from longball.cli.command import Command
+from longball.cli.messages import hushed
+from longball.extras import naming_extras
+
+# --- checks: a wrong value is refused before anything is computed ---------------------------------
+
+
+def _workers(workers: int) -> int:
+    from longball.engines.parallel import checked
+
+    try:
+        checked(workers)
+    except ValueError as error:
+        raise typer.BadParameter(str(error).removeprefix("workers = ")) from None
+    if workers > 1:
+        import_module("joblib")
+    return workers
+
+
+def _finite(number: float | None) -> float | None:
+    if number is not None and not math.isfinite(number):
+        raise typer.BadParameter(f"{number} is not a finite number")
+    return number
+
+
+def _writable(file: Path | None) -> Path | None:
+    if file is not None:
+        if file.is_dir():  # an empty name is one, too
+            raise typer.BadParameter(f"{file} is a folder; a file is needed")
+        if not file.parent.is_dir():
+            raise typer.BadParameter(f"{file}: there is no folder {file.parent}")
+        if not os.access(file if file.exists() else file.parent, os.W_OK):
+            raise typer.BadParameter(f"{file} cannot be written")
+    return file
+
+
+def _drawable(file: Path | None) -> Path | None:
+    if _writable(file) and file:
+        file = file if file.suffix else file.with_suffix(".png")
+        with naming_extras():
+            from matplotlib.backend_bases import FigureCanvasBase  # slow to import
+
+        endings = [f".{name}" for name in FigureCanvasBase.get_supported_filetypes()]
+        if file.suffix.lower() not in endings:
+            raise typer.BadParameter(f"{file}: the endings of pictures are {', '.join(endings)}")
+    return file
+
+
+TABLES = (".csv", ".parquet")
+LINES = (".jsonl", ".ndjson", ".json", "")
+
+
+def ending(file: str | Path) -> str:
+    """Return the suffix of a file's name, which decides its format."""
+    return Path(file).suffix.lower()
+
+
+def _results(output: Path | None) -> Path | None:
+    if output is None or str(output) == "-":
+        return None
+    if ending(output) not in (*LINES, *TABLES):
+        endings = ", ".join(filter(None, (*LINES, *TABLES)))
+        raise typer.BadParameter(f"{output}: the endings of results are {endings}, or none")
+    return _writable(output)
+
+
+# --- the table ------------------------------------------------------------------------------------
+
+
+def _option(
+    about: str, metavar: str | None = None, check: Callable[..., Any] | None = None, **form: Any
+) -> dict[str, Any]:
+    return {"help": about, "metavar": metavar, "callback": check, **form}
+
+
+def _picture(about: str) -> dict[str, Any]:
+    return _option(f"{about}: .png, .svg, .pdf.", "FILE", _drawable)
+
+
+def _written(about: str) -> dict[str, Any]:
+    return _option(about, "FILE", _writable)
+
+
+# Of arguments: how they are shown, and their help.
+ARGUMENTS = {
+    "source": (
+        "[SCENES|-]",
+        "One scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
+    ),
+    "parks.source": ("[SCENES|-]", "Batted balls; - reads stdin."),
+    "judge.command": (
+        "[-- COMMAND …]",
+        "The program to judge: it reads scenes on standard input and writes results on standard "
+        "output. If {dt} is in it, it is also run with several time steps, and its order of "
+        "convergence is measured.",
+    ),
+    "converge.command": ("-- COMMAND …{dt}…", "{dt} stands for the time step, s."),
+    "fit.pitches": ("[PITCHES.csv|-]", "One row per pitch; - reads stdin."),
+    "measured.table": ("[TABLE.csv|-]", "In Statcast's columns; - reads stdin."),
+    "folder": ("[DIR]", ""),
+    "golden write.folder": ("DIR", ""),
+    "golden export.output": ("[FILE.zip]", "By default named by version."),
+    "golden coverage.scenes": ("SCENES", "A file of scenes, or - for standard input."),
+}
+
+# Of options: the help alone, or also the form of the value and a check. An option that takes many
+# values is repeatable, and its help says so.
+OPTIONS: dict[str, str | dict[str, Any]] = {
+    # scenes, and what changes them
+    "reading": _option("A switch of the ledger", "NAME=OPTION"),
+    "set": _option(
+        "A value of the scene, as pitch.speed=40, pitch.speed=95mph or launch.angle=30deg",
+        "BLOCK.KEY=VALUE",
+    ),
+    "fence": _option(
+        "What home runs fly over: a file with a scene's fence block, or a radius, as 120 or 400ft.",
+        "FILE|RADIUS",
+    ),
+    # how commands run, and print
+    "engine": "What solves the scenes.",
+    "workers": _option("Parallel threads or processes; -1: one per core.", check=_workers),
+    "scheduler": _option(
+        "Work on the Dask cluster of this scheduler, tcp:// or tls://HOST:PORT; needs the extra "
+        "dask.",
+        "ADDRESS",
+    ),
+    "seed": _option("Seed of the random numbers.", min=0),
+    "quiet": _option("No progress, no notes: errors only.", check=hushed, short="-q"),
+    "json": "Print JSON instead of text.",
+    # solve, plot
+    "solve.output": _option(
+        "Where results go, .jsonl, .csv or .parquet; by default, or if -, stdout.",
+        "FILE",
+        _results,
+        short="-o",
+    ),
+    "plot.output": _picture("The picture") | {"short": "-o"},
+    "integrator": "ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA.",
+    "rtol": "ivp: relative tolerance of solve_ivp's methods, by default 5e-14.",
+    "atol": "ivp: their absolute tolerance, m and m/s, by default 5e-14.",
+    "landing_error": "batch: the error allowed at landing, m, by default 1e-13.",
+    "digits": "enclosure, multiprecision: digits of numbers, by default 30, up to 500 and 290.",
+    "solve.dt": "verlet: the step, s, by default 0.05.",
+    "forces": "verlet: at which velocity drag and lift are taken, by default old_carried.",
+    "landing": "verlet: where the ball lands, by default interpolated.",
+    "root": "verlet: which root of Appendix B's quadratic, by default the first.",
+    "contact_force": "verlet: when half of the contact force acts, by default whole.",
+    "path": "Add the path: [[t, x, y, z, vx, vy, vz], …].",
+    "points": _option(
+        "Points of the path, evenly spaced in time, by default 201.", min=2, max=1_000_000
+    ),
+    "certify": "Give every number with a proven error.",
+    # judge, converge
+    "judge.golden": _option(
+        "Judge by one family of the golden data, by all, by quick, which is a few cases of all "
+        "that notice nearly every mistake, or by usual-constants. By default all of the paper's "
+        "model but hard",
+        "SET",
+    ),
+    "judge.scenes": "Judge by the scenes of this file, lines of JSON, .csv or .parquet, which are "
+    "solved first.",
+    "random": _option("Judge by N random scenes, drawn from --seed.", "N", min=1),
+    "judge.seed": _option("Seed of the random scenes, by default 1.", min=0),
+    "kind": _option("Scenes of this kind only: flight, pitch, impact or at-bat", "KIND"),
+    "readings": "Judge by golden cases of other readings as well.",
+    "write_defaults": "Write out every default of a scene but those of its reading, also where the "
+    "scene leaves it out.",
+    "partial": "Scenes and quantities may be left out.",
+    "as_csv": "Send scenes to COMMAND as CSV, and read its results as CSV.",
+    "results": _option(
+        "Judge the results in this file, .jsonl or .csv, instead of running a COMMAND. Columns of "
+        "a .csv: id, outcome, landing.distance, landing.position[0], …",
+        "FILE",
+    ),
+    "judge.column": _option(
+        "Which quantity a column of the .csv holds, if its name does not say so", "COLUMN=QUANTITY"
+    ),
+    "judge.samples": "At-bats that the program has drawn, as .jsonl: test their distributions.",
+    "profile": "How accurate the answers must be. exact: within 100 times the rounding error that "
+    "doubles cannot avoid; converged: errors below --tolerance; paper: the same as the paper's "
+    "scheme at its time step, 0.05 s or --dt.",
+    "tolerance": "The error that profile converged allows, in SI units, by default 1e-6.",
+    "judge.dt": "The program's time step, s. It replaces {dt} in the COMMAND.",
+    "steps": _option(
+        "The time steps, s, that replace {dt} one after the other, evenly spaced in their "
+        "logarithm, at least 5. By default, a few runs choose them.",
+        "FROM:TO:COUNT",
+    ),
+    "knob": _option(
+        "The values that replace {NAME} in the COMMAND one after the other, from coarse to fine: "
+        "FROM:TO:COUNT, or a list with commas. For tolerances, numbers of steps and the like.",
+        "NAME=VALUES",
+    ),
+    "expected": _option("The order of convergence that the method should have.", check=_finite),
+    "timeout": _option("Longest wait for the next result, s.", min=0.001),
+    "total_timeout": _option("Stop after this many seconds.", min=0.001),
+    "format": "How the verdict is printed: for people, as JSON, as JUnit's XML, or with "
+    "annotations for GitHub's Actions.",
+    "table": "Print a table of the errors of each quantity.",
+    "html": _written("Write the verdict to this file as a page with pictures."),
+    "converge.scenes": "Lines of JSON, .csv or .parquet; by default golden flights and at-bats.",
+    "converge.golden": _option(
+        "Cases of one golden family instead; see longball golden list.", "SET"
+    ),
+    "truth": "Errors against proven values, or among the steps themselves.",
+    "converge.csv": _written("Write the error at every step here."),
+    "converge.figure": _picture("Draw error against step here"),
+    # homerun, readings
+    "homerun.samples": _option("Number of at-bats drawn.", min=1),
+    "homerun.e": "Restitutions of the ball: first:last:step, or values with commas.",
+    "homerun.csv": _written("Write the table here."),
+    "homerun.figure": _picture("Draw P(e) here"),
+    "homerun.scenes": _written("Write the sampled at-bats here, as scenes."),
+    "pitches": _option("Draw pitches from what longball fit --json wrote.", "FILE"),
+    "method": "How P(e) is computed.",
+    "homerun.engine": "What solves the at-bats.",
+    "readings.samples": _option("Number of at-bats drawn; 0: the ledger only.", min=0),
+    "readings.e": _option("Restitution of the ball.", min=0.0, max=1.0),
+    # tables of measurements
+    "example": "Take the day of pitches that comes with longball.",
+    "measured.kind": "What of the table is predicted.",
+    "model": "The model of the flight.",
+    "games": _option(
+        "game_pk, temperature (°F), and elevation (ft) or park of each game; by default those of "
+        "the example. Other games are played at 20 °C at sea level.",
+        "GAMES.csv",
+    ),
+    "measured.column": _option(
+        "What the table calls Statcast's column NAME, as vx0=VX0", "NAME=COLUMN"
+    ),
+    "measured.scenes": _written("Write the scenes here."),
+    "measured.csv": _written("Write each prediction here, in SI units."),
+    "measured.figure": _picture("Draw the errors here"),
+    "fit.column": _option(
+        "How to read the table. NAME is one of pitch_type, speed, speed_unit, speed_resolution, "
+        "across, height, top, bottom, place_unit, view, cell_width. Without it, Statcast's names "
+        "and units. height=null leaves heights out",
+        "NAME=VALUE",
+    ),
+    "straight": _option("Types of pitch that are straight.", "A,B"),
+    "breaking": _option("Types that break; all others if not given.", "A,B"),
+    "bin_width": _option("km/h, of the histogram of speeds.", min=0.01),
+    "draw_from": "The fit that homerun will draw from.",
+    # flight, parks
+    "speed": 'Off the bat, as "103 mph"; a number is in m/s.',
+    "angle": "Above the horizontal; a number is in degrees.",
+    "direction": "From centre field to the left; a number is in degrees.",
+    "flight.park": _option("Whose fence and elevation; by default at sea level.", "NAME"),
+    "wind": 'As "10 mph out": out, in, left or right.',
+    "temperature": 'As "72 F"; a number is in K; by default 20 °C.',
+    "elevation": "Above the sea, instead of the park's; a number is in m.",
+    "bats": _option("The batter's side, which turns the ball's spin.", "R|L"),
+    "parks.park": _option("Only in this park", "NAME"),
+    # infer, aim
+    "infer.points": _option("Points of the path: columns t, x, y, z, in s and m.", "POINTS.csv"),
+    "measured": _option(
+        "A number of the result, as landing.distance=118.2 or landing.distance=390ft", "NAME=VALUE"
+    ),
+    "unknown": _option(
+        "A number to be found, as launch.speed, launch.angle, air.drag_coefficient", "NAME"
+    ),
+    "sigma": "Standard deviation of the measurements; if left out, as they scatter.",
+    "target": _option(
+        "What to hit, m or with a unit: a distance of the landing, its place, or a point on the "
+        "way.",
+        "D|X,Y|X,Y,Z",
+    ),
+    # golden
+    "part": "Only that part of the set.",
+    "family": _option("Only that family of cases, the others as DIR has them"),
+    "golden export.folder": _option("A set other than the shipped one.", "DIR"),
+    "most": _option("How many mistakes that the scenes miss are listed.", min=0),
+    "every": _option("Try one edit of so many; 1 for all, which takes minutes.", min=1),
+    "golden check.sample": _option("How many cases to solve again; by default all.", min=0),
+    "golden check.seed": _option("Chooses which ones.", min=0),
+    "independent": "Solve them also by the multiprecision engine, which shares no method.",
+}
+
+
+def command_of(name: str, function: Callable[..., None], example: str) -> Any:
+    """Build a command from a function; the table has what its parameters are called and mean."""
+    # Names of types are resolved in the command's module, where they are imported.
+    hints = get_type_hints(function)
+
+    @wraps(function)
+    def run(**values: Any) -> None:
+        function(**values)
+
+    declared = signature(function)
+    run.__signature__ = declared.replace(  # type: ignore[attr-defined]
+        parameters=[
+            each.replace(annotation=_declared(name, each.name, hints[each.name], each.default))
+            for each in declared.parameters.values()
+        ]
+    )
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+    alone.command(name.rpartition(" ")[2], cls=Command, epilog=example)(run)
+    return typer.main.get_command(alone)
+
+
+def _declared(command: str, parameter: str, hint: Any, default: object) -> Any:
+    """Return the annotation of a parameter as typer reads it."""
+    if hint is typer.Context:
+        return hint
+    name = parameter.rstrip("_")  # of a word that Python or the module has, too
+    own = f"{command}.{name}"
+    if own in ARGUMENTS or (name in ARGUMENTS and own not in OPTIONS):
+        metavar, about = ARGUMENTS.get(own) or ARGUMENTS[name]
+        return Annotated[hint, typer.Argument(metavar=metavar, help=about)]
+    row = OPTIONS[own] if own in OPTIONS else OPTIONS[name]
+    form = {"help": row} if isinstance(row, str) else {**row}
+    if any(get_origin(each) is list for each in (hint, *get_args(hint))):
+        form["help"] += "; repeatable."
+    flag = f"--{name.replace('_', '-')}"
+    # A switch that is on by default needs a name that turns it off; any other has one name.
+    long = f"{flag}/--no-{flag[2:]}" if default is True else flag
+    return Annotated[hint, typer.Option(*filter(None, (form.pop("short", ""), long)), **form)]
