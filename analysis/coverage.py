@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from analysis.scene_search import ENOUGH, drawn
+from analysis.scene_search import ENOUGH, POOL, drawn, is_ordinary
 from analysis.writing import Report
 from longball import golden
 from longball.engines.ivp import Ivp
@@ -16,8 +16,8 @@ from longball.judge.coverage import NOTICED, Coverage, coverage
 # Random scenes that tell which edits change anything; what none of so many shows is rare.
 SCENES, FULL_SCENES = 200, 2000
 EVERY = 16  # edits of the operators, of which one is tried
-POOL = "drawn"  # the family of these scenes
-SHOWN = 40  # blind spots in the table
+FEW = ["stage", "edit", "golden", "drawn", "case"]  # columns of a table
+SHOWN = 40  # edits in the list of those that few cases notice
 
 
 def run(report: Report, full: bool) -> str:
@@ -32,14 +32,17 @@ def run(report: Report, full: bool) -> str:
     shown = {name: found.noticed[:, families == name].any(axis=1) for name in names}
     once = sum(shown.values()) == 1
     alone = {name: int((seen & once).sum()) for name, seen in shown.items()}
-    ordinary = found.noticed[:, own & ~np.char.startswith(families, "hard")].any(axis=1)
+    ordinary = found.noticed[:, is_ordinary(families)].any(axis=1)
     quick = np.isin([case.id for case in found.cases], golden.header().quick)
-    blind = [found.told(i) for i in np.flatnonzero(counts == 0)]
-    report.write_table("coverage_blind", pd.DataFrame(blind, columns=["stage", "edit", "case"]))
+    few = [
+        {"golden": counts[i], "drawn": found.noticed[i, ~own].sum()} | found.told(i)
+        for i in sorted(np.flatnonzero((counts < ENOUGH) | ~ordinary), key=lambda i: counts[i])
+    ]
+    report.write_table("coverage_few", pd.DataFrame(few, columns=FEW))
     return report.render(
         "coverage", globals(), found=found, counts=counts, shown=shown, alone=alone,
         ordinary=ordinary, quick=found.noticed[:, quick].any(axis=1), quick_cases=int(quick.sum()),
-        stages=found.by_stage(counts > 0), enough=dict(by(found, counts >= ENOUGH)), blind=blind,
+        stages=found.by_stage(counts > 0), enough=dict(by(found, counts >= ENOUGH)), few=few,
         cases=int(own.sum()), pool=int((~own).sum()), same=reasons(found), full=full,
         notices=NOTICED, every=EVERY if not full else 1,
     )  # fmt: skip
