@@ -22,6 +22,7 @@ from longball import golden
 from longball.engines.ivp import Ivp
 from longball.judge.cases import decidable, solved
 from longball.judge.coverage import coverage
+from longball.model.readings import Reading
 from longball.model.scene import KINDS, Scene, parse_scene
 
 ENOUGH = 3  # golden cases that are to notice an edit
@@ -54,8 +55,11 @@ def main() -> None:
             case = found.cases[offered[i]]
             line: Any = case.id
             if not arguments.quick:
-                comment = f"notices {gain} edits that few others do"
-                line = {"scene": json.loads(case.scene.line()), "comment": comment, "flags": []}
+                line = {
+                    "scene": json.loads(case.scene.line()),
+                    "comment": f"notices {gain} edits that few others do",
+                    "flags": ["reading"] if case.scene.reading != Reading() else [],
+                }
             file.write(json.dumps(line) + "\n")
 
 
@@ -81,11 +85,11 @@ def cover(noticed: np.ndarray, lacking: np.ndarray, most: int) -> Iterator[tuple
 # --- scenes ---------------------------------------------------------------------------------------
 
 
-def drawn(count: int) -> Iterator[Scene]:
+def drawn(count: int, seed: int = SEED) -> Iterator[Scene]:
     """Yield random scenes of all kinds, a third of them of the paper's model."""
     for number in range(count):
         kind = list(KINDS)[number % len(KINDS)]
-        generator = np.random.default_rng(np.random.SeedSequence(SEED, spawn_key=(number,)))
+        generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
         scene: Scene | None = None
         while scene is None:
             plain = baseball(kind, generator) if number % 3 == 0 else None
