@@ -149,8 +149,9 @@ def _vary(scene: Written, generator: np.random.Generator, plain: bool) -> None:
         scene["launch"]["position"] = [uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(0.6, 2.0)]
     elif "velocity" not in scene["pitch"]:
         scene["pitch"]["release"] = [uniform(16.0, 18.4), uniform(-0.7, 0.7), uniform(1.4, 2.1)]
-    if not plain and generator.random() < 0.1:
-        # A spin of 0 gives no lift, whatever the law says.
+    if not plain and kind != "at-bat" and generator.random() < 0.1:
+        # A spin of 0 gives no lift, whatever the law says. The least spin gives the whole of it,
+        # so that doubles cannot tell where such a pitch meets the bat.
         scene["launch" if kind == "flight" else "pitch"]["spin"] = [0.0, 0.0, 0.0]
         scene["air"]["lift_coefficient"] = uniform(0.1, 0.3)
 
