@@ -1,12 +1,11 @@
 """Coverage of the golden data: which edits of the model they notice, family by family."""
 
 from collections import Counter
-from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
 
-from analysis.scene_search import ENOUGH, drawn
+from analysis.scene_search import ENOUGH, POOL, drawn, is_ordinary
 from analysis.writing import Report
 from longball import golden
 from longball.engines.ivp import Ivp
@@ -15,14 +14,15 @@ from longball.judge.coverage import NOTICED, Coverage, coverage
 
 # Random scenes that tell which edits change anything; what none of so many shows is rare.
 SCENES, FULL_SCENES = 200, 2000
+SEED = 41  # not that of the search, whose scenes the golden data have
 EVERY = 16  # edits of the operators, of which one is tried
-POOL = "drawn"  # the family of these scenes
-SHOWN = 40  # blind spots in the table
+FEW = ["stage", "edit", "golden", "drawn", "case"]  # columns of a table
+SHOWN = 40  # edits in the list of those that few cases notice
 
 
 def run(report: Report, full: bool) -> str:
     """Hold every edit against every golden case and the random scenes, and sum up."""
-    pool = solved(drawn(FULL_SCENES if full else SCENES), Ivp(), POOL)
+    pool = solved(drawn(FULL_SCENES if full else SCENES, SEED), Ivp(), POOL)
     cases: list[Case] = [*golden.load("all"), *(case for case in pool if decidable(case))]
     found = coverage(cases, 1 if full else EVERY)
     families = np.array([case.family for case in found.cases])
@@ -32,22 +32,21 @@ def run(report: Report, full: bool) -> str:
     shown = {name: found.noticed[:, families == name].any(axis=1) for name in names}
     once = sum(shown.values()) == 1
     alone = {name: int((seen & once).sum()) for name, seen in shown.items()}
-    ordinary = found.noticed[:, own & ~np.char.startswith(families, "hard")].any(axis=1)
+    ordinary = found.noticed[:, is_ordinary(families)].any(axis=1)
     quick = np.isin([case.id for case in found.cases], golden.header().quick)
-    blind = [found.told(i) for i in np.flatnonzero(counts == 0)]
-    report.write_table("coverage_blind", pd.DataFrame(blind, columns=["stage", "edit", "case"]))
+    surely = (counts >= ENOUGH) & ordinary
+    few = [
+        {"golden": counts[i], "drawn": found.noticed[i, ~own].sum()} | found.told(i)
+        for i in sorted(np.flatnonzero(~surely), key=lambda i: counts[i])
+    ]
+    report.write_table("coverage_few", pd.DataFrame(few, columns=FEW))
     return report.render(
-        "coverage", globals(), found=found, counts=counts, shown=shown, alone=alone,
-        ordinary=ordinary, quick=found.noticed[:, quick].any(axis=1), quick_cases=int(quick.sum()),
-        stages=found.by_stage(counts > 0), enough=dict(by(found, counts >= ENOUGH)), blind=blind,
+        "coverage", globals(), found=found, counts=counts, shown=shown, alone=alone, surely=surely,
+        quick=found.noticed[:, quick].any(axis=1), quick_cases=int(quick.sum()), few=few,
+        stages=zip(found.by_stage(counts > 0), found.by_stage(surely), strict=True),
         cases=int(own.sum()), pool=int((~own).sum()), same=reasons(found), full=full,
         notices=NOTICED, every=EVERY if not full else 1,
     )  # fmt: skip
-
-
-def by(found: Coverage, some: np.ndarray) -> Iterator[tuple[str, int]]:
-    """Yield the stages, and the numbers of some edits among theirs."""
-    yield from ((name, count) for name, _, count in found.by_stage(some))
 
 
 def reasons(found: Coverage) -> list[tuple[str, int, str]]:

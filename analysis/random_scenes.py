@@ -121,11 +121,11 @@ def close(kind: str, generator: Generator) -> Written:
 LAWS = 40
 
 
-def extended(kind: str, generator: Generator) -> Written:
-    """Return a scene of the extended model, on a field or far beyond it."""
+def extended(kind: str, generator: Generator, law: Generator | None = None) -> Written:
+    """Return a scene of the extended model, on a field or far beyond it; `law` draws its law."""
     scene = (baseball if generator.random() < 0.6 else wide)(kind, generator)
     if kind != "impact":
-        _blow(scene, np.random.default_rng(generator.integers(LAWS)), generator)
+        _blow(scene, law or np.random.default_rng(generator.integers(LAWS)), generator)
     if kind in ("impact", "at-bat"):
         factor = _maybe(generator, generator.uniform(0.3, 0.7))
         scene["ball"] = scene.get("ball", {}) | {"inertia_factor": factor}

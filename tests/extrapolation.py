@@ -95,7 +95,11 @@ class Leg:
 
 
 def zero(function, low, high):
-    """Zero of a function between two times at which its signs differ, by Anderson and Björck."""
+    """Zero of a function between two times at which its signs differ, by Anderson and Björck.
+
+    A step too short to count ends the search only if the sign changes a hair further: where one
+    value is tiny beside the other, steps are short although the zero is far. Then it halves.
+    """
     left, right = function(low), function(high)
     assert left * right <= 0, "no zero lies between"
     close = tolerance() * (1 + abs(high)) / 1000
@@ -105,13 +109,15 @@ def zero(function, low, high):
         if left == 0:
             return low
         new = high - right * (high - low) / (right - left)
+        if abs(new - high) <= close:
+            if function(high + mp.sign(low - high) * close) * right <= 0:
+                return new
+            new = (low + high) / 2
         value = function(new)
         if value * right < 0:
             low, left = high, right
         else:
             share = 1 - value / right
             left *= share if share > 0 else mpf("0.5")
-        done, high, right = abs(new - high) <= close, new, value
-        if done:
-            return high
+        high, right = new, value
     raise AssertionError("no zero found")

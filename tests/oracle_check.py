@@ -3,7 +3,8 @@
 Every number of a case has to agree to 20 digits of its size, as the golden data's header defines
 it, and every word has to be the same. A case is tried with 25 digits of work first, and with more
 where they do not suffice: a hard case loses some on its way. Prints of each family how many cases
-agree, and to how many digits at least; then a line for each that does not, or is not told.
+agree, and to how many digits at least; then a line for each that does not, is not told, or has no
+outcome and is not asked.
 """
 
 import argparse
@@ -106,11 +107,15 @@ def confirm(case):
     return Finding(case["id"], digits, sentence, time.process_time() - start, tie)
 
 
+def written(family):
+    """Cases of a family as its file has them."""
+    path = DATA / header().families[family].file
+    return [*map(json.loads, path.read_text(encoding="utf-8").splitlines())]
+
+
 def cases(family, sample=None, seed=1):
     """Cases of a family that have an outcome, or so many of them drawn at random."""
-    path = DATA / header().families[family].file
-    lines = path.read_text(encoding="utf-8").splitlines()
-    solved = [case for case in map(json.loads, lines) if case["expected"].get("outcome")]
+    solved = [case for case in written(family) if case["expected"].get("outcome")]
     if sample is None or sample >= len(solved):
         return solved
     return random.Random(f"{seed} {family}").sample(solved, sample)
@@ -139,12 +144,16 @@ def main():
     for one in others:
         told = "not told" if one.digits is None else f"only {one.digits:.1f} digits"
         print(f"{one.case}: {told}: {one.sentence}")
+    for case in (case for family in chosen for case in written(family)):
+        if not case["expected"].get("outcome"):
+            print(f"{case['id']}: not asked: {case['expected']['error']}")
     ties = [one.case for one in everything if one.tie]
     print(f"outcomes that hang on less than the digits of work: {', '.join(ties) or 'none'}")
-    seconds = [one.seconds for one in everything]
+    slowest = max(everything, key=lambda one: one.seconds)
     print(
         f"{len(everything) - len(others)} of {len(everything)} cases confirmed, "
-        f"in {sum(seconds):.0f} s of processor time, {max(seconds):.1f} s for one at most"
+        f"in {sum(one.seconds for one in everything):.0f} s of processor time, at most "
+        f"{slowest.seconds:.1f} s for one, {slowest.case}"
     )
     return 1 if any(one.digits is not None for one in others) else 0
 

@@ -48,3 +48,11 @@ def test_a_zero_is_found_however_flat_the_function(depth):
         assert extrapolation.zero(lambda t: t, mpf(-1), mpf(0)) == 0
     with pytest.raises(AssertionError, match="no zero"):
         extrapolation.zero(lambda t: t, mpf(1), mpf(2))
+
+
+def test_a_zero_is_found_beside_a_value_that_is_tiny():
+    """The hop of a ball that leaves the ground at 1e-30 m/s: secants begin with steps of 1e-53."""
+    with mpmath.workdps(DIGITS + extrapolation.SPARE):
+        hop = mpf("1e-30")
+        found = extrapolation.zero(lambda t: t * (hop - t), mpf("1e-31"), mpf("1e-8"))
+        assert abs(found - hop) < mpf(10) ** (-DIGITS - 2)

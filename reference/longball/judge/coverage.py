@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,11 +24,11 @@ from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis.chain import CHAIN, INPUTS, LAW, OWN, I, Stage, r, rise, spin0
 from longball.judge.diagnosis.expression import (
     Columns,
-    Evaluator,
     Node,
     Values,
     component,
     constant,
+    contains,
     depends,
     norm,
     ordered,
@@ -49,6 +49,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
+from longball.judge.diagnosis.response import Direct
 from longball.judge.diagnosis.search import defaults
 from longball.judge.quantities import values_of
 from longball.model.arrays import Array
@@ -194,7 +195,7 @@ class _Flown:
     """
 
     def __init__(self, stage: Stage, columns: Columns) -> None:
-        self.stage = stage
+        self._roots = _roots(stage)
         count = len(columns["kind"])
         x, weights = np.polynomial.legendre.leggauss(NODES)
         shares = np.repeat([*(x + 1.0) / 2.0, 1.0], count)
@@ -212,15 +213,16 @@ class _Flown:
         self._end = Values(take(every, np.arange(NODES * count, (NODES + 1) * count)))
         self._launch = Values(columns)
 
-    def moved(self, stage: Stage) -> Array:
+    def moved(self, edit: Edit) -> Array:
         """About the change of place, velocity and spin at the end."""
         found = np.zeros((9, len(self._duration)))
-        for name, root in stage.roots.items():
-            old = self.stage.roots[name]
-            if root is old:
+        aloft = depends(edit.new, IN_FLIGHT)
+        for name, root in self._roots.items():
+            during = {"law": self.at, "spin_left": self._end}.get(name)
+            if not contains(root, edit.place) or (aloft and during is None):
                 continue
-            where = {"law": self.at, "spin_left": self._end}.get(name, self._launch)
-            change = Evaluator([root], where)()[0] - where.of(old)
+            where = during or self._launch
+            change = edit.value(root, where) - where.of(root)
             match name:
                 case "law":
                     pushed = np.broadcast_to(change, (3, NODES * found.shape[1]))
@@ -237,21 +239,18 @@ class _Flown:
                 case "spin":
                     found[6:] += change
                 case "spin_left":
-                    found[6:] += change * self._launch.of(self.stage.roots["spin"])
+                    found[6:] += change * self._launch.of(self._roots["spin"])
         return found
 
 
-class _Direct:
-    """Effects of edits on a formula, or on an event's function."""
+# Flights that are a part of another one, by one law.
+PARTS = "touching", "fence"
 
-    def __init__(self, stage: Stage, columns: Columns) -> None:
-        self.at = Values(columns)
-        (self._value,) = (self.at.of(root) for root in stage.roots.values())
 
-    def moved(self, stage: Stage) -> Array:
-        """The change of the value."""
-        (root,) = stage.roots.values()
-        return np.atleast_2d(Evaluator([root], self.at)()[0] - self._value)
+def _roots(stage: Stage) -> dict[str, Node]:
+    """The formulas of a stage in which edits are looked at."""
+    passed = {"through", "law"} if stage.name in PARTS else {"through"}
+    return {name: root for name, root in stage.roots.items() if name not in passed}
 
 
 @dataclass(frozen=True)
@@ -259,24 +258,23 @@ class _Effects:
     """Effects of edits at a stage, in the scenes that have it."""
 
     some: Index
-    effects: _Flown | _Direct
+    nodes: frozenset[Node]  # of its formulas
+    effects: _Flown | Direct
     allowed: Array  # what passes unnoticed of each number
 
-    def of(self, stage: Stage) -> Array:
+    def has(self, edit: Edit) -> bool:
+        """True if an edit can be made there: what exists in flight alone is nowhere else."""
+        aloft = depends(edit.new, IN_FLIGHT)
+        return edit.place in self.nodes and not (aloft and isinstance(self.effects, Direct))
+
+    def of(self, edit: Edit) -> Array:
         """The changes of numbers by an edit, NaN where there is no number."""
-        moved = self.effects.moved(stage)[: len(self.allowed)]
+        if isinstance(self.effects, Direct):
+            (moved,) = self.effects.moved([(edit, None)])
+        else:
+            moved = self.effects.moved(edit)[: len(self.allowed)]
         moved = np.where(np.isfinite(self.allowed) & np.isfinite(moved), moved, np.nan)
         return np.broadcast_to(moved, self.allowed.shape)
-
-
-# Flights that are a part of another one, by one law.
-PARTS = "touching", "fence"
-
-
-def _edited_roots(stage: Stage) -> Stage:
-    """A stage with the formulas alone in which edits are looked at."""
-    passed = {"through", "law"} if stage.name in PARTS else {"through"}
-    return replace(stage, roots={n: x for n, x in stage.roots.items() if n not in passed})
 
 
 def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
@@ -298,8 +296,10 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
         rows += [least] * (3 if OWN[quantity].vector and stage.kind != "event" else 1)
     own = take(columns, some)
     own["spin"] = own[stage.spins]
-    effects = (_Flown if stage.kind == "flight" else _Direct)(stage, own)
-    return _Effects(some, effects, np.array(rows))
+    flies = stage.kind == "flight"
+    effects = _Flown(stage, own) if flies else Direct(stage, Values(own))
+    nodes = frozenset(ordered(_roots(stage).values()))
+    return _Effects(some, nodes, effects, np.array(rows))
 
 
 def _settled(edit: Edit, at: Values) -> Edit:
@@ -323,18 +323,6 @@ def _hash(moved: Array) -> int:
     """Key that is equal for numbers that agree to three digits."""
     bits = moved.astype(np.float32).view(np.int32)
     return hash((((bits + 0x1000) >> 13) * (moved != 0)).tobytes())
-
-
-def _edited(stage: Stage, edit: Edit) -> Stage:
-    """The stage with an edit; what exists in flight alone is nowhere else."""
-    made = stage.edited(edit.place, edit.new)
-    if made is stage or not depends(edit.new, IN_FLIGHT):
-        return made
-    roots = {n: made.roots[n] if n in FLYING else root for n, root in stage.roots.items()}
-    return replace(stage, roots=roots)
-
-
-FLYING = "law", "spin_left"  # formulas of a flight that hold during it
 
 
 def every_edit(every: int = 1) -> Iterator[tuple[Stage, Edit]]:
@@ -389,15 +377,13 @@ def coverage(
     rows: dict[int, tuple[Edit | Replaced, str, Bools]] = {}
     unnoticed: list[tuple[Edit | Replaced, str, str]] = []
     nowhere = Values(columns)
-    chain = {i: _edited_roots(CHAIN[i]) for i in stages}
-    parts = {i: {*ordered(stage.roots.values())} for i, stage in chain.items()}
     for done, (first, edit) in enumerate(every_edit(every), 1):
-        touched = [i for i in stages if edit.place in parts[i]]
+        touched = [i for i, one in stages.items() if one.has(edit)]
         edit = _settled(edit, stages[touched[0]].effects.at if touched else nowhere)
         noticed, key, why = np.zeros(len(cases), dtype=bool), 0, NO_STEP
         for place in touched:
             one = stages[place]
-            moved = one.of(_edited(chain[place], edit))
+            moved = one.of(edit)
             shows = np.abs(moved) > one.allowed
             if shows.any():
                 noticed[one.some] |= shows.any(axis=0)
