@@ -351,3 +351,26 @@ def test_the_distance_from_a_launch_does_not_hang_on_its_place(engine, spin):
         for x in (0.0, 1e15)
     )
     assert far == near
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch"])
+def test_a_flight_in_too_many_pieces_is_declined(engine, monkeypatch):
+    monkeypatch.setattr("longball.engines.path_engine._MOST_PIECES", 3)
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,1],"velocity":[40,3,20]},"air":'
+        '{"drag_coefficient":{"law":"table","of":"speed","at":[20,30,40],"values":[0.5,0.45,0.33]}}}'
+    )
+    result = solve(scene, engines.create(engine))
+    assert result.code == "too_long"
+    assert "over 3 steps; try a shorter time_limit" in result.error
+
+
+@pytest.mark.parametrize("engine", engines.ENGINES)
+def test_a_spin_at_rest_pushes_nowhere(engine):
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","air":{"lift_coefficient":{"law":"rational"}},'
+        '"launch":{"position":[0,0,1],"velocity":[0,0,0],"spin":[20,-250,60]}}'
+    )
+    result = solve(scene, engines.create(engine))
+    assert result.error is not None
+    assert result.landing is None

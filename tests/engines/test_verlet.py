@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from longball.engines import create, event
 from longball.engines.chain import Model, approach_of, solve, solve_with_path
 from longball.engines.contact import BatSection
+from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import (
     TREATMENTS,
@@ -47,6 +48,7 @@ AIR, VACUUM, NOTHING = law(drag=K_D, lift=K_L, gravity=G), law(gravity=G), law()
 START = PlaneState(0.0, 1.0, 32.0, 22.0)
 TRUTH = Multiprecision(20)
 PLAIN = AtBatScene(id="plain")
+TABLE = {"law": "table", "of": "speed", "at": (20.0, 30.0, 40.0), "values": (0.5, 0.45, 0.33)}
 every_treatment = pytest.mark.parametrize("treatment", TREATMENTS)
 
 
@@ -730,3 +732,19 @@ def test_the_options_are_named():
 def test_an_option_that_is_none_is_refused(option):
     with pytest.raises(ValueError, match=f"{option} 'odd' is not one of"):
         create("verlet", **{option: "odd"})
+
+
+# --- the extended model ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("drag", [0.35, TABLE], ids=["one form", "table"])
+def test_steps_that_end_below_the_ground_of_a_logarithmic_wind(drag):
+    """There the profile has no value. The flight before it converges to the true one."""
+    wind = {"velocity": (4.0, -3.0, 0.0), "height": 10.0, "roughness": 0.01}
+    launch = {"position": (0.5, 0.1, 1.0), "velocity": (40.0, 3.0, 20.0), "spin": (20, -250, 60)}
+    scene = FlightScene(launch=launch, air={"drag_coefficient": drag, "wind": wind})
+    truth = solve(scene, Ivp()).landing
+    for dt, error in ((0.05, 5e-2), (2e-3, 5e-4)):
+        found = solve(scene, Verlet(dt, forces="predicted_recomputed")).landing
+        assert found.position == pytest.approx(truth.position, abs=error)
+        assert found.velocity == pytest.approx(truth.velocity, abs=error)
