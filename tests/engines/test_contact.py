@@ -300,14 +300,3 @@ def test_a_thin_bat_touched_far_above_the_release(name):
     # What a move of the bat by a rounding of its height does to the normal, some times over.
     assert result.contact.normal == pytest.approx(normal, abs=1e-13)
     assert result.landing.distance == pytest.approx(float(truth.landing.distance), abs=1e-8)
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_how_high_a_ball_touches_far_up_follows_from_its_place_across(side):
-    """A double knows the height to 1e-10 m, and the place across to 1e-17."""
-    reach, across, height = 0.07, 0.02, 1e6
-    above = math.sqrt((reach - across) * (reach + across))
-    bat = BatSection(Frame(1.0, 0.0, -1.0, 0.0), height, reach)
-    state = PlaneState(1.0 - across, height + side * above, 1.0, -100.0)
-    found = bat.offset(state, DOUBLES)
-    assert found == pytest.approx((across, side * above), rel=1e-14)

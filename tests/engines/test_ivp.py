@@ -120,21 +120,6 @@ def test_independent_methods_agree_with_taylors(method):
         assert landing.state == pytest.approx(truth.state, abs=max(off, engine.flight_error * 100))
 
 
-@pytest.mark.parametrize(
-    ("start", "floor"), [((0.0, 1.0, 30.0, 20.0), 0.0), ((2.0, 3.0, 8.0, -5.0), -50.0)]
-)
-def test_the_parabola(start, floor):
-    time, state = exact.parabola_to_floor(PlaneState(*start), 9.8, floor, math)
-    landing = fly(start, NO_AIR, ground(floor))
-    assert landing.time == pytest.approx(time, abs=TIME)
-    assert landing.state == pytest.approx(state, abs=LENGTH)
-    time, state = exact.parabola_to_wall(PlaneState(*start), 9.8, 10.0)
-    crossing = fly(start, NO_AIR, wall(10.0))
-    assert (crossing.stop, crossing.state.s) == ("wall", 10.0)
-    assert crossing.time == pytest.approx(time, abs=TIME)
-    assert crossing.state == pytest.approx(state, abs=LENGTH)
-
-
 LINEAR = Force(
     lambda scene, frame, numbers: {"viscosity": numbers.exact(scene.viscosity)},
     lambda motion, p: tuple(-p.viscosity * component for component in motion.velocity),
@@ -174,13 +159,6 @@ def test_a_force_across_the_plane_is_flown_in_space():
 # ---- the singular point: V = 0 -------------------------------------------------------------------
 
 
-def test_a_drop_from_rest():
-    time, state = exact.fall_to_floor(PlaneState(0.0, 50.0, 0.0, 0.0), 0.0075, 9.8, 0.0, math)
-    landing = fly((0.0, 50.0, 0.0, 0.0), WITH_DRAG, ground())
-    assert landing.time == pytest.approx(time, abs=TIME)
-    assert landing.state == pytest.approx(state, abs=LENGTH)
-
-
 def test_a_drop_from_rest_with_lift():
     """Close to rest the lift is nothing, and one can start a moment later."""
     landing = fly((0.0, 50.0, 0.0, 0.0), USUAL, ground())
@@ -189,16 +167,6 @@ def test_a_drop_from_rest_with_lift():
     assert landing.time == pytest.approx(later.time + delay, abs=TIME)
     assert landing.state.s == pytest.approx(later.state.s, abs=LENGTH)
     assert landing.state.s > 0.1
-
-
-def test_a_ball_that_rests_at_its_apex():
-    """Straight up and down through the air, against tan and tanh."""
-    start = PlaneState(0.0, 1.0, 0.0, 30.0)
-    up, top = exact.apex(start, 0.0075, 9.8, math)
-    down, state = exact.fall_to_floor(top, 0.0075, 9.8, 0.0, math)
-    landing = fly(start, WITH_DRAG, ground())
-    assert landing.time == pytest.approx(up + down, abs=TIME)
-    assert landing.state == pytest.approx(state, abs=LENGTH)
 
 
 @pytest.mark.parametrize("sideways", [1e-3, 1e-7, 1e-12])
@@ -248,21 +216,6 @@ def test_a_root_exactly_at_the_end_of_a_step(surface):
     assert arrival.stop == surface
     assert arrival.time == pytest.approx(piece.begin, abs=TIME)
     assert arrival.state == pytest.approx(state, abs=LENGTH)
-
-
-def test_airborne_at_the_time_limit():
-    end = fly(BATTED, USUAL, ground(), limit=2.0)
-    assert (end.stop, end.time) == ("time", 2.0)
-    assert end.state == pytest.approx(truly(BATTED, USUAL, limit=2.0)[1], abs=LENGTH)
-
-
-def test_a_tangential_start_that_lift_carries_up():
-    """w = 0 on the ground, but k_L V² > g."""
-    air = law(0.001, 0.02)
-    start = (0.0, 0.0, 40.0, 0.0)
-    end = fly(start, air, ground(), limit=1.0)
-    assert (end.stop, end.time) == ("time", 1.0)
-    assert end.state == pytest.approx(truly(start, air, limit=1.0)[1], abs=LENGTH)
 
 
 def test_a_loop_that_comes_back_to_the_ground_tangentially_is_not_decided():
@@ -406,11 +359,6 @@ def test_a_contact_within_one_step_is_not_missed(monkeypatch, offset):
     assert times["contact"].size == 0
     assert times["closest approach"].size == 1
     assert result.contact.time < times["closest approach"][0]
-
-
-def test_a_flight_without_end_is_given_up():
-    with pytest.raises(TooLong, match="over 20000 steps"):
-        fly((0.0, 50.0, 160.0, 0.0), law(0.0, 38.1, 0.0126), ground(), limit=60.0)
 
 
 def test_a_flight_may_take_as_many_steps_as_are_granted(monkeypatch):

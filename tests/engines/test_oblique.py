@@ -114,17 +114,6 @@ def test_a_flight_with_the_spin_of_an_impact_is_proven():
 # --- scenes ---------------------------------------------------------------------------------------
 
 
-def test_a_scene_without_the_new_keys_is_written_as_ever():
-    line = ImpactScene(
-        id="old", incoming=touching(0.0, 0.0, Bat(), Ball(), velocity=(-1.0, 0.0, 0.0))
-    ).line()
-    for key in ("spin", "friction", "support", "inertia_factor", "tangential_restitution"):
-        assert key not in line
-    rough = parse_scene(line.replace('"bat": {', '"bat": {"friction": 0.5, "support": "free", '))
-    assert parse_scene(rough.line()) == rough
-    assert '"friction": 0.5' in rough.line()
-
-
 @pytest.mark.parametrize(
     ("bat", "reading", "message"),
     [

@@ -17,17 +17,7 @@ from longball.engines.tangent import derivatives_of
 from longball.engines.verlet import Verlet
 from longball.model.scene import FlightScene, InvalidScene, parse_scene
 
-# Engines, and how far two solutions of the same flight may be apart, m: a few roundings, the
-# tolerance of the steps, and the step's square.
-ENGINES = [
-    pytest.param(Ivp(), 2e-13, id="ivp"),
-    pytest.param(Ivp("DOP853"), 1e-11, id="dop853"),
-    pytest.param(Batch(), 2e-13, id="batch"),
-    pytest.param(Enclosure(20), 1e-13, id="enclosure"),
-    pytest.param(Multiprecision(16), 1e-13, id="multiprecision"),
-    pytest.param(Verlet(1e-3, forces="implicit"), 1e-12, id="verlet"),
-]
-EXACT = ENGINES[:-1]
+ENGINES = [Ivp(), Ivp("DOP853"), Batch(), Enclosure(20), Multiprecision(16)]
 START = (0.5, 0.25, 1.0)
 GOING = (30.0, 6.0, 18.0)
 ASIDE = (0.25, 1.0, 0.5)
@@ -51,8 +41,8 @@ def landing(scene, engine):
 # --- where it has no direction --------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("engine", "error"), [*EXACT, pytest.param(Verlet(1e-4), 0, id="verlet")])
-def test_a_ball_that_it_has_turned_to_its_direction_is_refused(engine, error):
+@pytest.mark.parametrize("engine", [*ENGINES, Verlet(1e-4)], ids=repr)
+def test_a_ball_that_it_has_turned_to_its_direction_is_refused(engine):
     """After the angle between the two over k C_S U."""
     value, speed = 0.5, 40.0
     bend = 1.29 * math.pi * 0.0366**2 / (2 * 0.145) * value
@@ -67,8 +57,9 @@ def test_a_ball_that_it_has_turned_to_its_direction_is_refused(engine, error):
     assert solve(before, engine).outcome == "airborne"
 
 
-@pytest.mark.parametrize(("engine", "error"), EXACT)
-def test_a_ball_that_passes_its_direction_is_refused(engine, error):
+@pytest.mark.parametrize("engine", ENGINES, ids=repr)
+@pytest.mark.sampled(every=3)
+def test_a_ball_that_passes_its_direction_is_refused(engine):
     """In the plane of its launch, at the apex: there the force would jump."""
     result = solve(flight(0.05, (1.0, 0.0, 0.0), (35.0, 0.0, 20.0)), engine)
     assert result.error.startswith("the side force has no direction where the airspeed is parallel")
