@@ -331,27 +331,31 @@ def test_no_dip_is_lost_where_pieces_join(near):
         ([0.0, 0.0, 0.0], {"launch": True}, 0.0),
         ([0.0, 0.0, 0.0], {"launch": True, "stays": False}, None),
         ([0.0, -1.0, 0.0], {"launch": True, "stays": False}, 0.0),
+        ([0.5, -1.0, 0.0], {"launch": True}, 0.5),
         ([1e-15, -1.0, 0.0], {"launch": True}, 1e-15),
         ([1e-15, 1.0, 0.0], {"launch": True}, None),
         # later, where a value is known to the error
         ([1e-15, -1.0, 0.0], {}, 1e-15),
         ([1e-15, 1.0, 0.0], {}, Undecided),
         ([1e-13, 1.0, 0.0], {}, None),
-        ([1.5e-14, 1.0, -1.0], {}, 1.0),
+        ([1.5e-14, 1.0, -1.0], {}, 1.0 + 1.5e-14),
         ([1.0 + 1e-15, -2.0, 1.0], {}, Undecided),
+        ([1.0 + 1e-15, -2.0, 1.0], {"question": None}, None),
         ([1.0 + 1e-13, -2.0, 1.0], {}, None),
+        ([1.0, -0.5, 0.0], {}, None),  # within the error at the end: the next piece tells
     ],
 )
 def test_a_value_falls_from_where_it_is_known_to_be(height, options, wanted):
     """A height of some coefficients in t, up to 2 s, which is known to 1e-14 m but for a launch."""
     rows = np.array([[0.0] * 3, height, [0.0] * 3, [height[1], 2 * height[2], 0.0]])
     curve = PolynomialPiece(0.0, 2.0, PlaneState, rows).curve(lambda state: state.z)
+    asked = {"question": "it falls", "numbers": DOUBLES} | options
     if wanted is Undecided:
         with pytest.raises(Undecided, match="whether it falls"):
-            event.first_fall(curve, 2.0, 1e-14, "it falls", DOUBLES)
+            event.first_fall(curve, 2.0, 1e-14, **asked)
     else:
-        found = event.first_fall(curve, 2.0, 1e-14, "it falls", DOUBLES, **options)
-        assert found == (wanted and pytest.approx(wanted, abs=2e-15))
+        found = event.first_fall(curve, 2.0, 1e-14, **asked)
+        assert found == (wanted and pytest.approx(wanted, abs=5e-16))
 
 
 # --- ties -----------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from longball.model.frame import Frame
 from longball.model.law import PlaneState, SpaceState, law_with
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
-from longball.model.scene import AtBatScene, Ball, Bat, Pitch
+from longball.model.scene import AtBatScene
 from longball.model.trace import ZERO, exp, log
 
 ENGINE = Multiprecision(30)
@@ -137,17 +137,6 @@ def test_a_tangential_landing_is_not_guessed(circle):
         ENGINE.fly(law, start, [ground(bottom)], exact(1.0))
 
 
-def test_two_stops_at_once_are_not_guessed():
-    law = plane_law(gravity=None)
-    with pytest.raises(Undecided, match="ground before the ball reaches the plate"):
-        ENGINE.fly(law, launched(2.0, 1.0, -1.0), [ground(), plate(2.0)], exact(4.0))
-
-
-def test_a_landing_at_the_time_limit_is_not_guessed():
-    with pytest.raises(Undecided, match="ground in the time limit"):
-        ENGINE.fly(plane_law(gravity=None), launched(2.0, 1.0, -1.0), [ground()], exact(2.0))
-
-
 @pytest.mark.parametrize("depth", [1e-3, 1e-9, 1e-18, 1e-30])
 def test_a_dip_far_shorter_than_a_step_is_found(circle, depth):
     """The ball is under the ground for some sqrt(depth) of a step of about a second."""
@@ -164,22 +153,6 @@ def test_a_ball_on_the_ground_stays_there_or_leaves_it():
         law = plane_law(0.0075, lift)
         flight = ENGINE.fly(law, launched(0.0, 60.0, w), [ground()], exact(60.0))
         assert (flight.time == 0) is stays
-
-
-def test_contact_at_the_release():
-    """Sums of powers of two, in a vacuum without weight: the ball is released touching the bat."""
-    scene = AtBatScene(
-        id="a",
-        ball=Ball(radius=0.03125),
-        bat=Bat(radius=0.03125),
-        air=None,
-        gravity=0.0,
-        pitch=Pitch(speed=32.0, release=(0.0625, 0.0, 1.5), aim=(0.0, 1.5)),
-    )
-    result = solve(scene, ENGINE)
-    assert result.outcome in ("batted", "airborne")
-    assert result.contact.time.value == "0.0"
-    assert result.contact.margin.value == printed(mp.mpf(0.0625))
 
 
 # ---- the engine as an object ---------------------------------------------------------------------
