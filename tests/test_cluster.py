@@ -18,12 +18,12 @@ from typing import Any
 import pytest
 
 import longball as longball_package
+from tests.test_environment import PATIENCE
 
 distributed = pytest.importorskip("distributed")
 
 # Enough for dozens of tasks; a worker does one in some tenths of a second.
 HOME_RUN = ("homerun", "--samples", "80000", "--e", "0.41,0.45", "--json")
-PATIENCE = 60.0  # s, far beyond what anything here takes
 
 
 def longball(*arguments: str, stdin: bytes = b"") -> subprocess.CompletedProcess:

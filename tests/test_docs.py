@@ -17,6 +17,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.test_environment import PATIENCE
+
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 # Templates hold links of the report, where they are checked.
@@ -91,7 +93,7 @@ def test_a_command_prints_what_the_page_shows(command: str, shown: str):
         ["bash", "-c", re.sub(r"\blongball (?=\w)", f"{sys.executable} -m longball ", command)],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
         cwd=ROOT,
         env=os.environ | {"PATH": path},
     )

@@ -19,10 +19,11 @@ from longball.model.jsonl import LONGEST_LINE
 
 FLIGHT = b'{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}\n'
 LONGBALL = [sys.executable, "-m", "longball"]
+PATIENCE = 600.0  # s: what hangs ends then; on a busy machine a process takes minutes
 
 
 def longball(*arguments: str, **options) -> subprocess.CompletedProcess:
-    given = {"stdin": subprocess.DEVNULL, "capture_output": True, "timeout": 120} | options
+    given = {"stdin": subprocess.DEVNULL, "capture_output": True, "timeout": PATIENCE} | options
     if "input" in given:
         del given["stdin"]
     return subprocess.run([*LONGBALL, *arguments], check=False, **given)
@@ -34,7 +35,7 @@ def shell(line: str, folder: Path) -> subprocess.CompletedProcess:
         cwd=folder,
         stdin=subprocess.DEVNULL,
         capture_output=True,
-        timeout=120,
+        timeout=PATIENCE,
         check=False,
     )
 
@@ -116,7 +117,7 @@ def test_a_line_is_answered_before_the_next_is_read(engine: str):
             process.stdin.flush()
             assert json.loads(process.stdout.readline())["outcome"] == "landed"
         process.stdin.close()
-        assert process.wait(timeout=30) == 0
+        assert process.wait(timeout=PATIENCE) == 0
 
 
 def test_a_reader_that_leaves_early_is_no_traceback():
@@ -133,7 +134,7 @@ def test_a_reader_that_leaves_early_is_no_traceback():
         process.stdin.write(FLIGHT)
         process.stdin.close()
         assert process.stderr.read() == b""
-        assert process.wait(timeout=30) == 0
+        assert process.wait(timeout=PATIENCE) == 0
 
 
 @pytest.mark.parametrize(
@@ -243,7 +244,7 @@ class TestSignals:
                     assert process.poll() is None
             os.killpg(process.pid, number)
             # Worker processes hold the streams open: this waits for them, too.
-            _, words = process.communicate(timeout=60)
+            _, words = process.communicate(timeout=PATIENCE)
         assert process.returncode == 128 + number
         assert words == b"longball: " + said + b"\n"
 

@@ -14,6 +14,7 @@ from longball.golden import writer
 from longball.golden.files import write_files
 from longball.golden.reader import DATA
 from tests.golden.test_writing import SMALL
+from tests.test_environment import PATIENCE
 
 AT_BAT = '{"id": "a", "kind": "at-bat"}'
 BLOCK = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
@@ -38,7 +39,7 @@ def light(code: str, *arguments: str, names: tuple[str, ...] = tuple(EXTRAS), li
         input=lines,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
         check=False,
     )
 

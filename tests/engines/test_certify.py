@@ -18,7 +18,7 @@ from longball.golden.reader import load
 from longball.model.quantities import numbers
 from longball.model.result import Certified, Result
 from longball.model.scene import parse_scene
-from tests.strategies import at_bats, flights, impacts
+from tests.strategies import scenes
 
 IVP = create("ivp")
 AT_BAT = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
@@ -58,7 +58,7 @@ def stem(name: str) -> str:
 
 
 @settings(max_examples=20)
-@given(at_bats() | flights() | impacts())
+@given(scenes("baseball"))
 def test_the_radius_holds_the_truth(scene):
     found = certified(scene, IVP)
     if found.error is None:

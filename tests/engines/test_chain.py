@@ -30,78 +30,9 @@ from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
 
-IMPACT = '{"id":"x","kind":"impact","swing":{"angular_speed":0},"incoming":{"position":[%s],"velocity":[%s],"bat_height":1}}'  # noqa: E501
-
 
 def solved(text: str):
     return solve(parse_scene(text), Ivp())
-
-
-@pytest.mark.parametrize(
-    ("outcome", "scene"),
-    [
-        ("batted", '{"id":"x","kind":"at-bat"}'),
-        ("missed", '{"id":"x","kind":"at-bat","swing":{"height_offset":0.08}}'),
-        ("beyond_bat", '{"id":"x","kind":"at-bat","pitch":{"aim":[0.6,1.8]}}'),
-        ("beyond_bat", '{"id":"x","kind":"at-bat","pitch":{"aim":[-0.6,1.8]}}'),
-        ("separating", '{"id":"x","kind":"at-bat","swing":{"angular_speed":-90}}'),
-        ("grounded", '{"id":"x","kind":"at-bat","pitch":{"speed":12}}'),
-        ("airborne", '{"id":"x","kind":"at-bat","time_limit":0.1}'),
-        ("airborne", '{"id":"x","kind":"at-bat","time_limit":1.0,"swing":{"height_offset":-0.03}}'),
-        ("crossed", '{"id":"x","kind":"pitch"}'),
-        ("grounded", '{"id":"x","kind":"pitch","pitch":{"speed":10}}'),
-        ("airborne", '{"id":"x","kind":"pitch","time_limit":0.2}'),
-        (
-            "landed",
-            '{"id":"x","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}',
-        ),
-        (
-            "airborne",
-            '{"id":"x","kind":"flight","gravity":0,"launch":{"position":[0,0,1],"velocity":[1,0,1]}}',
-        ),
-        ("struck", IMPACT % ("0.0696,0,1", "-40,0,0")),
-        ("separating", IMPACT % ("0.0696,0,1", "40,0,0")),
-        ("separating", IMPACT % ("0.0696,0,1", "0,5,5")),
-        ("beyond_bat", IMPACT % ("0.0696,0.5,1", "-40,0,0")),
-    ],
-)
-def test_outcomes(outcome: str, scene: str):
-    result = solved(scene)
-    assert result.error is None
-    assert result.outcome == outcome
-
-
-def test_the_bat_is_put_where_the_pitch_would_cross():
-    scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
-    result = solve(scene, Ivp())
-    alone = solved('{"id":"x","kind":"pitch"}')
-    assert result.plate == alone.plate
-    height = result.plate.position[2] - 0.03
-    x, _, z = result.contact.position
-    assert math.hypot(x, z - height) == pytest.approx(0.0366 + 0.033, abs=1e-15)
-    assert result.contact.normal[1] == 0.0
-
-
-def test_the_at_bat_is_its_parts():
-    at_bat = solved('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03,"tilt":0.1}}')
-    height = at_bat.plate.position[2] - 0.03
-    pitch_velocity = [
-        after - at_bat.impact.impulse / 0.145 * n
-        for after, n in zip(at_bat.impact.velocity, at_bat.contact.normal, strict=True)
-    ]
-    impact = solved(
-        '{"id":"x","kind":"impact","swing":{"tilt":0.1},"incoming":'
-        f'{{"position":{list(at_bat.contact.position)},"velocity":{pitch_velocity},"bat_height":{height}}}}}'
-    )
-    assert impact.impact.velocity == pytest.approx(at_bat.impact.velocity, abs=1e-13)
-    assert impact.impact.restitution == at_bat.impact.restitution
-    flight = solved(
-        '{"id":"x","kind":"flight","launch":'
-        f'{{"position":{list(at_bat.contact.position)},"velocity":{list(at_bat.impact.velocity)}}}}}'
-    )
-    assert flight.landing.position == at_bat.landing.position
-    assert at_bat.landing.time == at_bat.contact.time + flight.landing.time
-    assert at_bat.landing.hang_time == flight.landing.time
 
 
 def test_one_pitch_serves_many_restitutions():
@@ -351,3 +282,26 @@ def test_the_distance_from_a_launch_does_not_hang_on_its_place(engine, spin):
         for x in (0.0, 1e15)
     )
     assert far == near
+
+
+@pytest.mark.parametrize("engine", ["ivp", "batch"])
+def test_a_flight_in_too_many_pieces_is_declined(engine, monkeypatch):
+    monkeypatch.setattr("longball.engines.path_engine._MOST_PIECES", 3)
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","launch":{"position":[0,0,1],"velocity":[40,3,20]},"air":'
+        '{"drag_coefficient":{"law":"table","of":"speed","at":[20,30,40],"values":[0.5,0.45,0.33]}}}'
+    )
+    result = solve(scene, engines.create(engine))
+    assert result.code == "too_long"
+    assert "over 3 steps; try a shorter time_limit" in result.error
+
+
+@pytest.mark.parametrize("engine", engines.ENGINES)
+def test_a_spin_at_rest_pushes_nowhere(engine):
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","air":{"lift_coefficient":{"law":"rational"}},'
+        '"launch":{"position":[0,0,1],"velocity":[0,0,0],"spin":[20,-250,60]}}'
+    )
+    result = solve(scene, engines.create(engine))
+    assert result.error is not None
+    assert result.landing is None

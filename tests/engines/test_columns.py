@@ -17,7 +17,7 @@ from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene, parse_scene
-from tests.strategies import at_bats, flights, impacts
+from tests.strategies import at_bats, scenes
 
 ENGINE = Batch()
 
@@ -77,7 +77,7 @@ def test_one_by_one_or_all_at_once(nightly):
 
 
 @settings(max_examples=20)
-@given(st.lists(flights() | at_bats() | impacts(), min_size=1, max_size=40), st.randoms())
+@given(st.lists(scenes("baseball"), min_size=1, max_size=40), st.randoms())
 def test_any_scenes_in_any_order(scenes, chance):
     wanted = [result.line() for result in alone(scenes)]
     order = list(range(len(scenes)))

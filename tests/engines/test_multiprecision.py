@@ -12,7 +12,7 @@ from longball.model.frame import Frame
 from longball.model.law import PlaneState, SpaceState, law_with
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
-from longball.model.scene import AtBatScene, Ball, Bat, Pitch
+from longball.model.scene import AtBatScene
 from longball.model.trace import ZERO, exp, log
 
 ENGINE = Multiprecision(30)
@@ -42,110 +42,6 @@ def ground(height=0.0):
 def plate(distance):
     zero, one = exact(0.0), exact(1.0)
     return event.plate(Frame(exact(distance), zero, -one, zero), launched(1.0, 0.0, 0.0), NUMBERS)
-
-
-# ---- closed forms: every digit -------------------------------------------------------------------
-
-
-def test_parabola():
-    end = ENGINE.fly(plane_law(), launched(1.0, 30.0, 20.0), [ground()], exact(60.0))
-    g = exact(9.8)
-    time = (20 + mp.sqrt(400 + 2 * g)) / g
-    assert printed(end.time) == printed(time)
-    assert printed(end.state.s) == printed(30 * time)
-    assert printed(end.state.w) == printed(20 - g * time)
-    assert end.state.z == 0
-
-
-@pytest.mark.parametrize("speed", [30.0, 0.0])
-def test_vertical_flight_with_drag(speed):
-    """tan on the way up, tanh on the way down from rest; the apex between them is a kink."""
-    law = plane_law(drag=0.0075)
-    flight = ENGINE.fly(law, launched(1.0, 0.0, speed), [ground()], exact(60.0))
-    k, g = law.strengths["drag"], exact(9.8)
-    terminal = mp.sqrt(g / k)
-    rise = terminal / g * mp.atan(speed / terminal)
-    height = 1 + mp.log(1 + (speed / terminal) ** 2) / (2 * k)
-    fall = terminal / g * mp.acosh(mp.exp(k * height))
-    assert printed(flight.time) == printed(rise + fall)
-    assert printed(flight.state.w) == printed(-terminal * mp.sqrt(-mp.expm1(-2 * k * height)))
-    apex = flight.path.at(rise)
-    assert printed(apex.z) == printed(height)
-    assert abs(apex.w) < mp.mpf(10) ** -38
-
-
-def test_turn_without_gravity():
-    """V = V0/(1 + k_D V0 t), and the heading turns by (k_L/k_D) log(1 + k_D V0 t)."""
-    law = plane_law(drag=0.0075, lift=0.00375, gravity=None)
-    drag, lift = law.strengths["drag"], law.strengths["lift"]
-    end = ENGINE.fly(law, launched(1.0, 40.0, 0.0), [], exact(20.0)).state
-    slowed = 1 + drag * 40 * 20
-    turned = lift / drag * mp.log(slowed)
-    assert printed(end.u) == printed(40 / slowed * mp.cos(turned))
-    assert printed(end.w) == printed(40 / slowed * mp.sin(turned))
-
-
-# ---- invariants ----------------------------------------------------------------------------------
-
-
-def test_invariant_of_drag_without_lift():
-    law = plane_law(drag=0.0075)
-    drag, gravity = law.strengths["drag"], law.gravity
-
-    def invariant(state):
-        p = state.w / state.u
-        path = p * mp.sqrt(1 + p * p) + mp.asinh(p)
-        return 1 / state.u**2 + drag / gravity * path
-
-    start = launched(1.0, 30.0, 30.0)
-    end = ENGINE.fly(law, start, [ground()], exact(60.0))
-    assert end.stop == "ground"
-    assert abs(invariant(end.state) / invariant(start) - 1) < mp.mpf(10) ** -28
-
-
-def test_invariants_of_lift_without_drag_through_loops():
-    law = plane_law(lift=0.2)
-    lift, gravity = law.strengths["lift"], law.gravity
-
-    def energy(state):
-        return gravity * state.z + (state.u**2 + state.w**2) / 2
-
-    def phugoid(state):
-        speed = mp.sqrt(state.u**2 + state.w**2)
-        return lift * speed**3 / 3 - gravity * state.u
-
-    start = launched(5.0, 30.0, 0.0)
-    end = ENGINE.fly(law, start, [], exact(4.0))
-    assert any(segment.end.u < 0 for segment in end.path.pieces())  # it loops
-    for invariant in (energy, phugoid):
-        assert abs(invariant(end.state) / invariant(start) - 1) < mp.mpf(10) ** -28
-
-
-def test_balance_of_energy_with_everything_on():
-    """E' = -k_D V³, the integral taken over the flight's polynomials by a rule of its own."""
-    law = plane_law(drag=0.0075, lift=0.00375)
-    drag, gravity = law.strengths["drag"], law.gravity
-    start = launched(1.0, 30.0, 30.0)
-    flight = ENGINE.fly(law, start, [ground()], exact(60.0))
-    quad = mpmath.MPContext()  # mpmath's integrals change the precision of their context
-    quad.dps = 35
-    lost = quad.mpf(0)
-    for segment in flight.path.pieces():
-        if segment.begin >= flight.time:
-            break
-        last = min(segment.length, flight.time - segment.begin)
-
-        def power(t, segment=segment):
-            state = segment.at(mp.mpf(t))
-            return (state.u**2 + state.w**2) ** 1.5
-
-        lost += quad.quad(power, [0, last], method="gauss-legendre")
-
-    def energy(state):
-        return gravity * state.z + (state.u**2 + state.w**2) / 2
-
-    change = energy(flight.state) - energy(start)
-    assert abs(change / (-drag * lost) - 1) < mp.mpf(10) ** -28
 
 
 # ---- laws of any kind ----------------------------------------------------------------------------
@@ -241,17 +137,6 @@ def test_a_tangential_landing_is_not_guessed(circle):
         ENGINE.fly(law, start, [ground(bottom)], exact(1.0))
 
 
-def test_two_stops_at_once_are_not_guessed():
-    law = plane_law(gravity=None)
-    with pytest.raises(Undecided, match="ground before the ball reaches the plate"):
-        ENGINE.fly(law, launched(2.0, 1.0, -1.0), [ground(), plate(2.0)], exact(4.0))
-
-
-def test_a_landing_at_the_time_limit_is_not_guessed():
-    with pytest.raises(Undecided, match="ground in the time limit"):
-        ENGINE.fly(plane_law(gravity=None), launched(2.0, 1.0, -1.0), [ground()], exact(2.0))
-
-
 @pytest.mark.parametrize("depth", [1e-3, 1e-9, 1e-18, 1e-30])
 def test_a_dip_far_shorter_than_a_step_is_found(circle, depth):
     """The ball is under the ground for some sqrt(depth) of a step of about a second."""
@@ -268,22 +153,6 @@ def test_a_ball_on_the_ground_stays_there_or_leaves_it():
         law = plane_law(0.0075, lift)
         flight = ENGINE.fly(law, launched(0.0, 60.0, w), [ground()], exact(60.0))
         assert (flight.time == 0) is stays
-
-
-def test_contact_at_the_release():
-    """Sums of powers of two, in a vacuum without weight: the ball is released touching the bat."""
-    scene = AtBatScene(
-        id="a",
-        ball=Ball(radius=0.03125),
-        bat=Bat(radius=0.03125),
-        air=None,
-        gravity=0.0,
-        pitch=Pitch(speed=32.0, release=(0.0625, 0.0, 1.5), aim=(0.0, 1.5)),
-    )
-    result = solve(scene, ENGINE)
-    assert result.outcome in ("batted", "airborne")
-    assert result.contact.time.value == "0.0"
-    assert result.contact.margin.value == printed(mp.mpf(0.0625))
 
 
 # ---- the engine as an object ---------------------------------------------------------------------

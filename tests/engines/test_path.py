@@ -267,15 +267,6 @@ def test_a_trajectory_has_a_state_at_its_end():
         assert way.at(way.end)[0] == pytest.approx(wanted, abs=1e-13)  # 60 m/s over an ulp
 
 
-def test_a_trajectory_is_continuous_in_position():
-    _, way = solve_with_path(parse_scene(AT_BAT), IVP)
-    times = np.linspace(0, way.end, 3000).tolist()
-    places = [np.array(way.at(time)[0]) for time in times]
-    fastest = 70.0  # m/s, more than the ball has before the bat and after
-    for (earlier, a), (later, b) in pairwise(zip(times, places, strict=True)):
-        assert np.linalg.norm(b - a) < fastest * (later - earlier)
-
-
 def test_legs_are_asked_in_their_own_frames():
     state = PlaneState(2.0, 1.0, 3.0, 4.0)
     rest = Flight(Path([Rest(0.0, 9.0, state)]), "time", 5.0, None)

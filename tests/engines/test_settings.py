@@ -20,12 +20,10 @@ from longball.engines.enclosure import Enclosure
 from longball.engines.enclosure.system import static_values, structure
 from longball.engines.event import Event
 from longball.engines.ivp import Ivp
-from longball.engines.multiprecision import Multiprecision
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import Verlet
-from longball.model.law import PATH_SPEEDS, Law, State
-from longball.model.numbers import DOUBLES
+from longball.model.law import Law, State
 from longball.model.readings import SamplingReading
 from longball.model.scene import (
     AtBatScene,
@@ -38,19 +36,6 @@ from longball.model.scene import (
 from longball.model.trace import Program, log, parameter, sqrt, variable
 
 # --- defaults and limits --------------------------------------------------------------------------
-
-
-def test_what_is_taken_if_nothing_is_said() -> None:
-    assert create("ivp") == Ivp("Taylor", None, None)
-    assert Ivp("DOP853").tolerances == {"rtol": 5e-14, "atol": 5e-14}
-    assert create("batch") == Batch(1e-13)
-    assert create("enclosure") == Enclosure(30)
-    assert create("multiprecision") == Multiprecision(30)
-    assert create("verlet") == Verlet(0.05, "old_carried", "interpolated", "first")
-    assert SamplingReading().offset_spread == 0.0366
-    assert SamplingReading().cell_width == 0.144
-    assert pytest.approx(100 * 1609.344 / 3600, rel=1e-15) == PATH_SPEEDS["time"]  # 100 mph
-    assert DOUBLES.rounding == np.finfo(float).eps / 2
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The side force k C_S U² ê: exact properties, in every engine, and where it has no direction."""
+"""The side force k C_S U² ê: where it has no direction, in columns, and its derivatives."""
 
 import json
 import math
@@ -8,30 +8,16 @@ import numpy as np
 import pytest
 
 import longball as lb
-from longball import golden
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.chain import solve, solve_with_path
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.tangent import derivatives_of
 from longball.engines.verlet import Verlet
-from longball.model.frame import launch_frame
-from longball.model.law import law_of
-from longball.model.numbers import DOUBLES
-from longball.model.scene import FlightScene, InvalidScene, PitchScene, parse_scene
+from longball.model.scene import FlightScene, InvalidScene, parse_scene
 
-# Engines, and how far two solutions of the same flight may be apart, m: a few roundings, the
-# tolerance of the steps, and the step's square.
-ENGINES = [
-    pytest.param(Ivp(), 2e-13, id="ivp"),
-    pytest.param(Ivp("DOP853"), 1e-11, id="dop853"),
-    pytest.param(Batch(), 2e-13, id="batch"),
-    pytest.param(Enclosure(20), 1e-13, id="enclosure"),
-    pytest.param(Multiprecision(16), 1e-13, id="multiprecision"),
-    pytest.param(Verlet(1e-3, forces="implicit"), 1e-12, id="verlet"),
-]
-EXACT = ENGINES[:-1]
+ENGINES = [Ivp(), Ivp("DOP853"), Batch(), Enclosure(20), Multiprecision(16)]
 START = (0.5, 0.25, 1.0)
 GOING = (30.0, 6.0, 18.0)
 ASIDE = (0.25, 1.0, 0.5)
@@ -52,122 +38,11 @@ def landing(scene, engine):
     return np.array([float(x) for x in (*found.position, *found.velocity, found.time)])
 
 
-def rates(scene, state):
-    """The accelerations in a state, of a flight in space."""
-    frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
-    law = law_of(scene, frame, DOUBLES)
-    assert len(law.state_of(start)) == 6
-    return np.array(law.pointwise(DOUBLES)(*state)[3:])
-
-
-# --- exact properties -----------------------------------------------------------------------------
-
-
-def test_it_does_no_work_and_has_its_size():
-    """k C_S U², across u, and on the side of the direction that it is given."""
-    draw = np.random.default_rng(1)
-    unit = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
-    none = {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "wind": (3.0, -2.0, 1.0)}
-    for direction in draw.normal(size=(20, 3)):
-        scene = flight(-0.3, tuple(direction), (30.0, 0.0, 18.0), air=none, gravity=0.0)
-        velocity = draw.normal(size=3) * 30
-        through = velocity - none["wind"]
-        force = rates(scene, (0.0, 0.0, 1.0, *velocity))
-        size = unit * 0.3 * (through @ through)
-        assert abs(force @ through) <= 1e-14 * size * np.linalg.norm(through)
-        assert np.linalg.norm(force) == pytest.approx(size, rel=1e-14)
-        assert force @ direction < 0
-        sideways = np.cross(through, direction)  # across the plane of the two
-        assert abs(force @ sideways) <= 1e-13 * size * np.linalg.norm(sideways)
-
-
-@pytest.mark.parametrize(("engine", "error"), EXACT)
-def test_a_flight_without_drag_keeps_its_energy(engine, error):
-    scene = flight(air={"drag_coefficient": 0.0})
-    *_, u, v, w, _ = landing(scene, engine)
-    energy = np.dot(GOING, GOING) / 2 + 9.8 * START[2]
-    assert (u * u + v * v + w * w) / 2 == pytest.approx(energy, abs=40 * error)
-
-
-@pytest.mark.parametrize(("engine", "error"), ENGINES)
-def test_none_of_it_is_the_flight_without(engine, error):
-    without = flight(None, air={"wind": (2.0, 1.0, 0.0)})
-    none = flight(0.0, GOING, air={"wind": (2.0, 1.0, 0.0)})
-    assert landing(none, engine).tolist() == landing(without, engine).tolist()
-
-
-@pytest.mark.parametrize(("engine", "error"), ENGINES)
-def test_a_mirrored_flight_and_a_turned_one(engine, error):
-    x, y, z = START
-    there = landing(flight(), engine)
-    back = (1, -1, 1, 1, -1, 1, 1)
-    mirrored = flight(
-        direction=(0.25, -1.0, 0.5), velocity=(30.0, -6.0, 18.0), launch={"position": (x, -y, z)}
-    )
-    assert landing(mirrored, engine) * back == pytest.approx(there, abs=error, rel=1e-14)
-    turned = flight(
-        direction=(-1.0, 0.25, 0.5), velocity=(-6.0, 30.0, 18.0), launch={"position": (-y, x, z)}
-    )
-    a, b, c, u, v, w, t = landing(turned, engine)
-    assert (b, -a, c, v, -u, w, t) == pytest.approx(there, abs=error, rel=1e-14)
-
-
-@pytest.mark.parametrize(("engine", "error"), ENGINES)
-def test_upwards_it_is_the_lift_that_is_always_up(engine, error):
-    side = flight(0.2, (0.0, 0.0, 1.0), air={"lift_coefficient": 0.0})
-    lift = flight(None, air={"lift_coefficient": 0.2}, reading={"lift_direction": "always_up"})
-    assert landing(side, engine) == pytest.approx(landing(lift, engine), abs=error, rel=1e-14)
-
-
-def test_upwards_it_is_so_to_thirty_digits():
-    side = flight(0.2, (0.0, 0.0, 1.0), air={"lift_coefficient": 0.0})
-    lift = flight(None, air={"lift_coefficient": 0.2}, reading={"lift_direction": "always_up"})
-    here, there = (solve(scene, Enclosure(30)).landing.distance for scene in (side, lift))
-    assert here.value[:30] == there.value[:30]
-    assert float(here.radius) < 1e-28
-
-
-@pytest.mark.parametrize(("engine", "error"), ENGINES)
-def test_the_length_of_its_direction_does_not_matter(engine, error):
-    long = tuple(-4e20 * x for x in ASIDE)  # by C_S < 0 turned round, as well
-    assert landing(flight(-0.08, long), engine) == pytest.approx(
-        landing(flight(), engine), abs=error, rel=1e-14
-    )
-
-
-@pytest.mark.parametrize(("engine", "error"), EXACT)
-def test_a_constant_wind_carries_the_flight(engine, error):
-    """r(t; v0, W) = r(t; v0 - W, 0) + W t."""
-    wind = np.array([4.0, -3.0, 0.0])
-    none = {"lift_coefficient": 0.0}  # whose axis has the heading over the ground
-    blown = flight(velocity=tuple(GOING + wind), air={"wind": tuple(wind)} | none)
-    blown, calm = landing(blown, engine), landing(flight(air=none), engine)
-    assert blown[:2] == pytest.approx(calm[:2] + wind[:2] * calm[6], abs=10 * error)
-    assert blown[6] == pytest.approx(calm[6], abs=error)
-
-
-@pytest.mark.parametrize(("engine", "error"), EXACT)
-def test_alone_it_turns_a_ball_along_a_circle(engine, error):
-    """Of the radius 1/(k C_S), in the plane of velocity and direction, towards the direction."""
-    value, speed, time = 0.5, 40.0, 2.0
-    bend = 1.29 * math.pi * 0.0366**2 / (2 * 0.145) * value
-    none = {"drag_coefficient": 0.0, "lift_coefficient": 0.0}
-    scene = flight(
-        value, (3.0, 0.0, 4.0), (0.0, speed, 0.0), air=none, gravity=0.0, time_limit=time
-    )
-    turned = bend * speed * time
-    _, path = solve_with_path(scene, engine)
-    (place,) = path.sample([engine.numbers.exact(time)])
-    ahead, aside = math.sin(turned) / bend, (1 - math.cos(turned)) / bend
-    wanted = np.add(START, (0.6 * aside, ahead, 0.8 * aside))
-    assert [float(x) for x in place[:3]] == pytest.approx(wanted, abs=20 * error)
-
-
 # --- where it has no direction --------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("engine", "error"), [*EXACT, pytest.param(Verlet(1e-4), 0, id="verlet")])
-def test_a_ball_that_it_has_turned_to_its_direction_is_refused(engine, error):
+@pytest.mark.parametrize("engine", [*ENGINES, Verlet(1e-4)], ids=repr)
+def test_a_ball_that_it_has_turned_to_its_direction_is_refused(engine):
     """After the angle between the two over k C_S U."""
     value, speed = 0.5, 40.0
     bend = 1.29 * math.pi * 0.0366**2 / (2 * 0.145) * value
@@ -182,8 +57,9 @@ def test_a_ball_that_it_has_turned_to_its_direction_is_refused(engine, error):
     assert solve(before, engine).outcome == "airborne"
 
 
-@pytest.mark.parametrize(("engine", "error"), EXACT)
-def test_a_ball_that_passes_its_direction_is_refused(engine, error):
+@pytest.mark.parametrize("engine", ENGINES, ids=repr)
+@pytest.mark.sampled(every=3)
+def test_a_ball_that_passes_its_direction_is_refused(engine):
     """In the plane of its launch, at the apex: there the force would jump."""
     result = solve(flight(0.05, (1.0, 0.0, 0.0), (35.0, 0.0, 20.0)), engine)
     assert result.error.startswith("the side force has no direction where the airspeed is parallel")
@@ -280,21 +156,3 @@ def test_derivatives_know_that_its_length_does_not_matter():
     assert float(found["landing.distance"][value]) == pytest.approx(
         (there - back) / (2 * step), rel=1e-7
     )
-
-
-def test_a_pitch_breaks_by_half_k_u_squared_t_squared():
-    """k C_S U² t²/2, within what the drag and the turn take from it: a tenth."""
-    side = {"side_coefficient": {"value": 0.05, "direction": [0, 1, 0]}}
-    none = {"drag_coefficient": 0.0, "lift_coefficient": 0.0}
-    plate = solve(PitchScene(air={**none, **side}), Ivp()).plate
-    unit = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
-    wanted = unit * 0.05 * 36.9125**2 * plate.time**2 / 2
-    assert plate.position[1] == pytest.approx(wanted, rel=0.02)
-
-
-def test_the_golden_family_is_refused_where_it_says_so():
-    refused = {c.id for c in golden.load("flight-side") if "refused" in c.flags}
-    assert refused == {"flight-side-along", "flight-side-upright"}
-    exact = {c.id.removeprefix("flight-side-"): c.expected for c in golden.load("flight-side")}
-    assert exact["up"].landing == exact["none"].landing
-    assert exact["left"].landing.distance == exact["right"].landing.distance

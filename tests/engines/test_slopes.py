@@ -125,6 +125,7 @@ def off(scene, columns, names, engine, every=1):
         ),
     ],
 )
+@pytest.mark.sampled(every=2)
 def test_columns_have_the_derivatives_of_their_scenes(scene, columns, names):
     assert off(scene, columns, names, Ivp()) < GOOD
 

@@ -23,6 +23,7 @@ def fenced(**fence):
 
 
 @pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+@pytest.mark.sampled(every=2)
 def test_a_circle_of_150_m_is_the_papers_rule(engine, nightly):
     """The same balls are home runs, and as many at every e."""
     count = 4000 if isinstance(engine, Batch) else 150 if nightly else 60

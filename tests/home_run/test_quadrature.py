@@ -230,6 +230,7 @@ class TestQuadrature:
         (other,) = scrambled(BASE, at_bats, [0.42], 16, seed=1, sample_space="batted")
         assert math.isnan(other.p)
 
+    @pytest.mark.nightly
     @pytest.mark.usefixtures("coarsest")
     def test_what_the_engine_cannot_tell_is_in_the_error(self):
         # Released within the bat's reach of the plate, a ball starts inside the bat or misses it.

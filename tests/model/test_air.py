@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from longball.model.air import CrisisDrag, LinearLift, RationalLift, SpinDrag, Weather, WindProfile
+from longball.model.air import Weather
 from longball.model.atmosphere import density, speed_of_sound
 from longball.model.earth import earth_strengths
 from longball.model.frame import Frame
@@ -31,19 +31,6 @@ def scene(kind: str = "flight", **blocks: Any) -> Any:
 
 
 # --- published constants --------------------------------------------------------------------------
-
-
-def test_the_laws_of_nathan_have_his_constants() -> None:
-    spin, crisis = SpinDrag(law="spin"), CrisisDrag(law="crisis")
-    assert spin.constant == 0.3008
-    # 0.0292 for each 1,000 turns a minute.
-    assert spin.per_spin == pytest.approx(0.0292 / 1000 * 60 / (2 * math.pi), rel=1e-3)
-    assert (crisis.high_speed, crisis.low_speed, crisis.per_spin) == (0.33, 0.5, 0.0)
-    assert (crisis.speed, crisis.width) == (31.4, 3.0)
-    lift = RationalLift(law="rational")
-    assert (lift.numerator, lift.constant, lift.slope) == (1.12, 0.583, 2.333)
-    assert LinearLift(law="linear").slope == 1.0
-    assert WindProfile(velocity=(1.0, 0.0, 0.0), height=10.0).roughness == 0.03
 
 
 def test_standard_weather() -> None:
@@ -69,16 +56,6 @@ def test_humid_air_is_lighter_by_the_tabulated_vapour_pressure(
     )
     assert dry == pytest.approx(1.2929 * 273.15 / (273.15 + celsius), rel=1e-14)
     assert 1 - humid / dry == pytest.approx(0.3783 * 0.5 * vapour / 101325, rel=1e-3)
-
-
-@pytest.mark.parametrize(("reading", "exponent"), [("sea_level", 1.217e-4 * 1600), ("station", 0)])
-def test_the_pressure_falls_with_the_elevation_if_it_is_that_of_sea_level(
-    reading: str, exponent: float
-) -> None:
-    weather = {"pressure": 1e5, "elevation": 1600}
-    found = density(scene(air={"density": weather}, reading={"pressure": reading}), DOUBLES)
-    dry = 1.2929 * 273.15 / 288.15 * 1e5 / 101325
-    assert found == pytest.approx(dry * math.exp(-exponent), rel=1e-14)
 
 
 def test_the_earth_turns_once_in_a_sidereal_day_about_its_axis() -> None:

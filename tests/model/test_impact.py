@@ -85,20 +85,6 @@ def test_collisions_in_exact_arithmetic(velocity, bat_velocity, normal, m, M, re
         assert (change == 0) == (restitution == 1)
 
 
-@given(vectors, vectors, vectors, normals, masses, masses, restitutions)
-def test_a_common_velocity_is_only_added(velocity, bat_velocity, common, normal, m, M, restitution):
-    mu = impact.reduced_mass(m, M)
-
-    def struck(velocity, bat_velocity):
-        speed = dot(minus(velocity, bat_velocity), normal)
-        return impact.velocity_after(velocity, normal, m, impact.impulse(mu, restitution, speed))
-
-    def moving(vector):
-        return tuple(x + u for x, u in zip(vector, common, strict=True))
-
-    assert struck(moving(velocity), moving(bat_velocity)) == moving(struck(velocity, bat_velocity))
-
-
 # ---- every kind of number ------------------------------------------------------------------------
 
 

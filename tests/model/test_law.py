@@ -13,16 +13,13 @@ from longball.model.frame import Frame, launch_frame
 from longball.model.law import (
     Force,
     PlaneState,
-    Shape,
     SpaceState,
-    Strengths,
     law_of,
     law_with,
-    motion_of,
 )
 from longball.model.numbers import DOUBLES
-from longball.model.scene import Air, Ball, FlightScene, Launch
-from longball.model.trace import ZERO, Program, variable
+from longball.model.scene import Air, FlightScene, Launch
+from longball.model.trace import ZERO
 
 K_D, K_L, G = sp.symbols("k_D k_L g", positive=True)
 U, V, W = sp.symbols("u v w", real=True)
@@ -155,76 +152,11 @@ def test_a_table_is_interpolated_and_constant_beyond_its_ends(at):
         assert share == pytest.approx(np.interp(u, at, values), rel=1e-14)
 
 
-@pytest.mark.parametrize("reading", ["total", "transverse"])
-@pytest.mark.parametrize("coefficient", ["drag_coefficient", "lift_coefficient"])
-def test_a_table_of_the_spin_parameter_takes_the_spin_that_the_reading_says(coefficient, reading):
-    """S = R ω/V, or R ω_T/V with the part of the spin across the velocity."""
-    place, velocity, spin = (0.0, 0.0, 1.0), (30.0, 0.0, 10.0), (60.0, -150.0, 80.0)
-    at, values = (0.05, 0.2, 0.5), (0.1, 0.5, 0.6)
-    table = {"law": "table", "of": "spin_parameter", "at": at, "values": values}
-    frame, _ = launch_frame(place, velocity, DOUBLES, spin)
-
-    def law(value):
-        blowing = {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "wind": (0.0, 2.0, 0.0)}
-        flight = FlightScene(
-            id="x",
-            launch=Launch(position=place, velocity=velocity, spin=spin),
-            air=Air(**blowing | {coefficient: value}),
-            gravity=0.0,
-            reading={"spin_parameter": reading},
-        )
-        return law_of(flight, frame, DOUBLES)
-
-    found, unit = law(table), law(1.0)
-    for moving in ((30.0, 0.0, 10.0), (40.0, 5.0, -10.0), (20.0, -3.0, 0.0)):
-        state = (0.0, 0.0, 1.0, *moving)
-        through = np.array(moving) - (0.0, 2.0, 0.0)
-        across = np.cross(spin, through) / np.linalg.norm(through)
-        rate = np.linalg.norm(across if reading == "transverse" else spin)
-        parameter = Ball().radius * rate / np.linalg.norm(through)
-        assert at[0] < parameter < at[-1]
-        on = found.on(found.branches(SpaceState(*state), DOUBLES))
-        wanted = np.interp(parameter, at, values) * np.array(unit.rates(DOUBLES)(*state)[3:])
-        assert on.rates(DOUBLES)(*state)[3:] == pytest.approx(wanted, rel=1e-13)
-
-
-@pytest.mark.parametrize("straight", [False, True])
-def test_the_jacobian_is_that_of_finite_differences(straight):
-    law = law_with({"drag": 0.01, "gravity": 9.8} | ({} if straight else {"lift": 0.004}))
-    law = law.straight(1.0) if straight else law
-    point = np.array([1.0, 2.0, 0.0 if straight else 30.0, 20.0])
-    rates = law.rates(DOUBLES)
-    found = np.reshape(law.jacobian(DOUBLES)(*point), (4, 4))
-    for j in range(2 if straight else 0, 4):
-        if straight and j == 2:
-            continue
-        step = np.eye(4)[j] * 1e-5
-        wanted = (np.array(rates(*(point + step))) - rates(*(point - step))) / 2e-5
-        assert found[:, j] == pytest.approx(wanted, abs=1e-8)  # rounding over the step
-
-
 def test_the_jacobian_is_bounded_at_rest():
     found = law_with({"drag": 0.01, "lift": 0.1}).jacobian(DOUBLES)(0.0, 0.0, 0.0, 0.0)
     assert found[8:] == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("spin", [(0.0, 200.0, 0.0), (30.0, -150.0, 80.0), (40.0, 0.0, 0.0)])
-def test_the_spin_ratio_is_of_all_the_spin_or_of_what_is_across_the_velocity(spin):
-    velocity = (30.0, -4.0, 12.0)
-    speed, whole = float(np.linalg.norm(velocity)), float(np.linalg.norm(spin))
-    across = float(np.linalg.norm(np.cross(spin, velocity))) / speed
-    strengths = dict(zip(("spin_s", "spin_y", "spin_z"), spin, strict=True)) | {"spin": whole}
-    for reading, size in (("total", whole), ("transverse", across)):
-        shape = Shape(spins=True, spin_parameter=reading, drag_spin=reading)
-        motion = motion_of(Strengths(shape, tuple(strengths)), (ZERO, ZERO, ZERO), MOVING, ZERO)
-        flow = motion.air
-        nodes = flow.speed, flow.top / flow.bottom, flow.spin, flow.drag_spin
-        found = Program(("u", "v", "w"), tuple(strengths), nodes).bind(strengths, FUNCTIONS)
-        wanted = speed, size / speed, size, size * speed
-        assert found(*velocity) == pytest.approx(wanted, rel=1e-14)
-
-
-MOVING, FUNCTIONS = tuple(map(variable, "uvw")), DOUBLES.functions
 ABOVE = {"velocity": (12.0, 0.0, 0.0), "above": 2.0}
 
 
@@ -277,29 +209,3 @@ def test_an_exponential_that_is_a_variable_is_that_of_the_form():
         form = law.on([branch if bend.blows else 0 for bend in law.bends])
         left = math.exp(-2.0 * math.hypot(20.0 - wind, 9.0) / 50.0)
         assert form.spin_left(form.completed(state, DOUBLES), DOUBLES) == pytest.approx(left)
-
-
-def test_a_table_of_drag_takes_the_spin_parameter_of_the_air_if_wind_acts_on_drag_alone():
-    """S = R ω/U with the airspeed U; that of a lift then has the speed over the ground."""
-    at, values = (0.0, 1.0), (0.0, 1.0)  # C = S
-    table = {"law": "table", "of": "spin_parameter", "at": at, "values": values}
-    spin, wind, speed = 100.0, 10.0, 30.0
-    frame, start = launch_frame((0.0, 0.0, 1.0), (speed, 0.0, 0.0), DOUBLES, (0.0, -spin, 0.0))
-
-    def rates(**coefficients):
-        flight = FlightScene(
-            id="x",
-            launch=Launch(position=(0, 0, 1), velocity=(speed, 0, 0), spin=(0, -spin, 0)),
-            air=Air(wind=(wind, 0.0, 0.0), **coefficients),
-            gravity=0.0,
-            reading={"wind_acts_on": "drag"},
-        )
-        law = law_of(flight, frame, DOUBLES)
-        return law.pointwise(DOUBLES)(*law.state_of(start))[2:]
-
-    unit = 1.29 * math.pi * Ball().radius ** 2 / (2 * Ball().mass)
-    slowed, _ = rates(drag_coefficient=table, lift_coefficient=0.0)
-    through = speed - wind
-    assert slowed == pytest.approx(-unit * (Ball().radius * spin / through) * through**2)
-    _, lifted = rates(drag_coefficient=0.0, lift_coefficient=table)
-    assert lifted == pytest.approx(unit * (Ball().radius * spin / speed) * speed**2)

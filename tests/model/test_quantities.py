@@ -12,7 +12,7 @@ from longball.model.result import Landing, Result
 from longball.model.scene import AtBatScene, FlightScene, Launch, PitchScene
 from tests.strategies import results, scenes
 
-blocks = scenes() | results()
+blocks = scenes("wide", "extended") | results()
 
 
 def a_name(draw, block):
@@ -47,7 +47,7 @@ def test_what_is_replaced_can_be_read_back_and_nothing_else_changes(block, value
     assert dict(numbers(other)) == dict(numbers(block)) | {name: value}
 
 
-@given(scenes())
+@given(scenes("wide", "extended"))
 def test_plain_data_has_the_same_names(scene):
     assert list(numbers(json.loads(scene.line()))) == list(numbers(scene))
 

@@ -302,16 +302,6 @@ def test_a_ball_may_rise_to_the_ground_that_it_lands_on_but_not_inside_a_fence()
 
 
 @pytest.mark.parametrize(
-    ("x", "where"), [(0.0696 - 1e-6, "inside the bat"), (0.0696 + 1e-6, "away from the bat")]
-)
-def test_an_incoming_ball_touches_the_bat(x, where):
-    incoming = INCOMING | {"position": [x, 0, 1]}
-    message = str(refused(json.dumps(LEAST["impact"] | {"incoming": incoming})))
-    assert message.startswith(f"incoming.position is {where}")
-    assert "R + r_b = 0.0696 m" in message
-
-
-@pytest.mark.parametrize(
     ("text", "message"),
     [
         (b"", "not JSON"),

@@ -17,7 +17,7 @@ from longball.engines.engine import CannotSolve
 from longball.engines.event import ground
 from longball.model import exact
 from longball.model.exact import METHODS
-from longball.model.law import PlaneState, SpaceState, law_with
+from longball.model.law import PlaneState, law_with
 from longball.model.trace import exp, log, sqrt
 
 ENGINE = Enclosure(30)
@@ -62,15 +62,6 @@ def _precise():
 # --- closed forms to 60 digits against enclosures of 30 -------------------------------------------
 
 
-def test_parabola():
-    start = state(0, 1, 30, 20)
-    arrival = to_floor(start, law())
-    truth = exact.parabola_to_floor(start, arb(9.8), arb(0), METHODS)
-    assert same(arrival.time, truth.time)
-    assert all(map(same, arrival.state, truth.state))
-    assert len(list(arrival.path.pieces())) == 1
-
-
 @pytest.mark.parametrize("up", [0.5, 25.0, 300.0])
 def test_straight_up_and_down(up):
     # The ball comes to rest at its apex, V = 0, where the speed is not smooth.
@@ -110,17 +101,6 @@ def test_from_rest():
     assert same(lifted.state.w, truth.state.w)
 
 
-@pytest.mark.parametrize("lift", [None, 0.0037, -0.3])
-def test_without_weight(lift):
-    start, limit = state(0, 1, 30, 20), arb(5)
-    arrival = fly(start, law(0.0075, lift, None), limit)
-    assert arrival.stop == "time"
-    truth = exact.weightless(
-        start, arb(0.0075), None if lift is None else arb(lift), limit, METHODS
-    )
-    assert all(map(same, arrival.state, truth))
-
-
 def test_without_weight_at_rest():
     start = state(0, 1, 0, 0)
     assert fly(start, law(0.0075, 0.003, None), 5).state == start
@@ -129,30 +109,6 @@ def test_without_weight_at_rest():
     found = fly(near, law(0.0075, 0.003, None), 5).state
     assert found.s.contains(0)
     assert found.z.rad() < 1e-18
-
-
-@pytest.mark.parametrize("drag", [0.0075, 0.2])
-def test_drag_alone(drag):
-    start = state(0, 1, 30, 20)
-    arrival = to_floor(start, law(drag))
-    values = (
-        exact.drag_only_invariant(there, arb(drag), arb(9.8), METHODS)
-        for there in (arrival.state, start)
-    )
-    assert same(*values)
-
-
-@pytest.mark.parametrize("lift", [0.0037, 0.05, -0.02])
-def test_lift_alone(lift):
-    # With 0.05 the ball loops.
-    start = state(0, 30, 25, 5)
-    arrival = to_floor(start, law(None, lift), limit=10.0)
-    energies = (exact.energy(there, arb(9.8)) for there in (arrival.state, start))
-    assert same(*energies)
-    values = (
-        exact.phugoid(there, arb(lift), arb(9.8), METHODS) for there in (arrival.state, start)
-    )
-    assert same(*values)
 
 
 # --- an independent method agrees -----------------------------------------------------------------
@@ -204,19 +160,6 @@ def agrees(found, start, rate, time, digits=36):
             assert off < 10.0**-digits
 
 
-@pytest.mark.parametrize(
-    ("drag", "lift", "velocity"),
-    [
-        (0.0075, 0.00375, (30.0, 25.0)),
-        pytest.param(0.0075, -0.03, (0.5, 30.0), marks=pytest.mark.nightly),
-        pytest.param(0.005, 0.05, (40.0, 3.0), marks=pytest.mark.nightly),
-    ],
-)
-def test_a_flight_holds_what_extrapolation_finds(drag, lift, velocity):
-    arrival = fly(state(0, 1, *velocity), law(drag, lift), 2)
-    agrees(arrival.state, (0, 1, *velocity), planar(drag, lift), 2)
-
-
 # --- other laws -----------------------------------------------------------------------------------
 
 
@@ -250,21 +193,6 @@ def test_the_core_is_what_rates_depend_on():
     assert structure(spun.program).core.variables == ("u", "v", "w")
 
 
-@pytest.mark.nightly
-def test_forces_that_depend_on_height():
-    k, inverse = 2.0**-7, -(2.0**-13)
-    field = law_with(
-        {"dense": arb(k), "inverse_height": arb(inverse), "gravity": arb(9.8)}, (dense_air,)
-    )
-    arrival = fly(state(0, 1, 30, 25), field, 2)
-
-    def rate(y):
-        drag = k * mpmath.exp(inverse * y[1]) * mpmath.hypot(y[2], y[3])
-        return mpmath.matrix([y[2], y[3], -drag * y[2], -drag * y[3] - 9.8])
-
-    agrees(arrival.state, (0, 1, 30, 25), rate, 2)
-
-
 @pytest.mark.parametrize(
     "velocity", [(30.0, 25.0), pytest.param((2.0, -1.0), marks=pytest.mark.nightly)]
 )
@@ -295,23 +223,6 @@ def test_such_a_law_from_rest():
     assert rest.z.rad() < 1e-30
     # A speed of 1e-20 m/s moves it by some 1e-20 m, not more.
     assert abs(rest.z - slow.z) < 1e-19
-
-
-@pytest.mark.nightly
-def test_a_flight_in_space():
-    k, b = 2.0**-7, 2.0**-8
-    field = law_with({"drag": arb(k), "side": arb(b), "gravity": arb(9.8)}, (side,))
-    start = SpaceState(*map(arb, (0, 0, 1, 30, 0, 25)))
-    arrival = fly(start, field, 2)
-
-    def rate(y):
-        u, v, w = y[3], y[4], y[5]
-        speed = mpmath.sqrt(u * u + v * v + w * w)
-        return mpmath.matrix(
-            [u, v, w, -speed * (k * u + b * v), speed * (b * u - k * v), -speed * k * w - 9.8]
-        )
-
-    agrees(arrival.state, (0, 0, 1, 30, 0, 25), rate, 2)
 
 
 def test_where_a_law_is_not_defined_no_step_is_taken():
