@@ -152,14 +152,14 @@ thins = switch(
     "ρ",
     switch(
         "air.density",
-        {"number": I["ρ_0"], "weather": weather * constant(1.0, DENSITY)},
+        {"given": I["ρ_0"], "weather": weather * constant(1.0, DENSITY)},
     )
     * thins,
 )
 area = named("A", math.pi * (I["R"] * I["R"]))
 k = named(
     "k",
-    switch("air", {"null": constant(0.0, (-1, 0, 0)), "given": ρ * area / (2.0 * I["m"])}),
+    switch("air", {"none": constant(0.0, (-1, 0, 0)), "given": ρ * area / (2.0 * I["m"])}),
 )
 
 rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
@@ -177,9 +177,9 @@ W = named(
         "air.wind",
         {
             "none": constant(0.0, SPEED, True),
-            "uniform": I["W_0"],
-            "above": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
-            "profile": rise * level(I["wind.velocity"]),
+            "given": I["W_0"],
+            "above a height": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
+            "logarithmic": rise * level(I["wind.velocity"]),
         },
     ),
 )
@@ -231,7 +231,7 @@ C_D = named(
     switch(
         "air.drag_coefficient",
         {
-            "number": I["C_D"],
+            "given": I["C_D"],
             "constant": I["drag.value"],
             "spin": I["drag.constant"] + I["drag.per_spin"] * ω_drag,
             "crisis": I["drag.high_speed"]
@@ -248,7 +248,7 @@ C_L = named(
     switch(
         "air.lift_coefficient",
         {
-            "number": I["C_L"],
+            "given": I["C_L"],
             "constant": I["lift.value"],
             "rational": I["lift.numerator"]
             * S_lift
@@ -495,12 +495,14 @@ _chord = level(_b - _a)
 _beside = level(at_fence - _a)
 _passed = dot(_beside, unit(_chord))
 _top = component(_a, 2) + (component(_b, 2) - component(_a, 2)) * (_passed / norm(_chord))
-fence_top = named("fence's height", switch("fence", {"radius": constant(0.0, M), "polyline": _top}))
+fence_top = named(
+    "fence's height", switch("fence", {"a circle": constant(0.0, M), "a polyline": _top})
+)
 fence_side = switch(
     "fence",
     {
-        "radius": norm(level(at_fence)) - I["fence.radius"],
-        "polyline": component(cross(unit(_chord), _beside), 2),
+        "a circle": norm(level(at_fence)) - I["fence.radius"],
+        "a polyline": component(cross(unit(_chord), _beside), 2),
     },
 )
 _clear = switch("reading.fence_clearance", {"centre": constant(0.0, M), "surface": I["R"]})

@@ -282,7 +282,7 @@ def specialised(root: Node, columns: Columns, made: dict[int, Node]) -> Node:
             continue
         args = [made[id(arg)] for arg in node.args]
         if node.op == "switch" and node.data[0] in columns:
-            options = np.unique(columns[node.data[0]])
+            options = [i for i in node.data[1] if (columns[node.data[0]] == i).any()]
             if len(options) == 1:
                 made[id(node)] = args[node.data[1].index(options[0])]
                 continue

@@ -15,6 +15,8 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any
 
+import numpy as np
+
 from longball.judge.diagnosis.chain import (
     INPUTS,
     MOVING,
@@ -82,11 +84,6 @@ class Edit:
     within
         Another form of `place`, and a node of it: then the form stands there, and `by` in place of
         its node.
-    option
-        A switch and an option of it, the form: other stages have the edit in that option, too.
-    use
-        An argument of `place`, and what replaces it there. In stages without that place the nodes
-        with the same words take its part.
     """
 
     place: Node
@@ -96,8 +93,6 @@ class Edit:
     starts: tuple[float | Node, ...] = ()
     only: Stage | None = None
     within: tuple[Node, Node] | None = None
-    option: tuple[str, str] | None = None
-    use: tuple[Node, Node] | None = None
 
     @property
     def new(self) -> Node:
@@ -124,39 +119,22 @@ class Edit:
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
         return tuple(
-            self._made(stage)
+            stage.edited(self.place, self.new)
             if self.only is None or (stage.name, stage.kind) == (self.only.name, self.only.kind)
             else stage
             for stage in chain
         )
 
-    def _made(self, stage: Stage) -> Stage:
-        """The stage with the edit, where the place may have another form than at its own stage."""
-        made = stage.edited(self.place, self.new)
-        if made is not stage:
-            return made
-        for node in ordered(stage.roots.values()):
-            if self.option and self.within and node.op == "switch":
-                key, options = node.data
-                if key == self.option[0]:
-                    form = node.args[options.index(self.option[1])]
-                    made = made.edited(form, substitute(form, self.within[1], self.by))
-            elif self.use and self.use[0] in node.args and words(node) == words(self.place):
-                args = [self.use[1] if arg is self.use[0] else arg for arg in node.args]
-                made = made.edited(node, rebuilt(node, args))
-        return made
-
     def settled(self, value: float, cost: float) -> Edit:
         """The edit with a value for its free number."""
-        by, use = self.by, self.use
+        by = self.by
         for node in [node for node in ordered([by]) if node.data == FREE]:
             by = substitute(by, node, constant(value, node.dimension))
-            use = use and (use[0], substitute(use[1], node, constant(value, node.dimension)))
         text = f"{value:.9g}"
         said = self.words.replace("{c}", text)
         if self.factor and (meaning := FACTORS.get(value)):
             said += f" ({meaning})"
-        return replace(self, by=by, bits=self.bits + cost, words=said, starts=(), use=use)
+        return replace(self, by=by, bits=self.bits + cost, words=said, starts=())
 
 
 # --- the prior ------------------------------------------------------------------------------------
@@ -557,7 +535,7 @@ OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
 # Operators that take no other node from the pool.
 OF_ITSELF: tuple[Callable[[Site], Iterator[Option]], ...] = (_numbers, _factors, _shapes)
 
-DEFAULT_READING = {f"reading.{key}": [field.default] for key, field in Reading.model_fields.items()}
+DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 
 # What exists during a flight alone.
 IN_FLIGHT = MOVING | {"v0", "ω0"}
@@ -639,14 +617,14 @@ def _of_options(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit
             elsewhere = here.intersection(ordered([root], {form}))
             inside = [node for node in ordered([form]) if node in here]
             shared = [node for node in inside if node is not form and node in elsewhere]
-            said, places, at = f" where {key} is {option}", math.log2(1 + len(nodes)), (key, option)
+            said, places = f" where {key} is {option}", math.log2(1 + len(nodes))
             for node in shared:
                 above = tuple(x for x in inside if node in x.args)
                 site = replace(whole, node=node, parents=above)
                 for operator in OF_ITSELF:
                     for by, bits, text, starts in operator(site):
                         cost = bits + places + UNNAMED.get(node.op, 1.5) + 2
-                        yield Edit(form, by, cost, text + said, starts, None, (form, node), at)
+                        yield Edit(form, by, cost, text + said, starts, None, (form, node))
 
 
 # Bits of a place that is no definition with a name.
@@ -687,5 +665,5 @@ def _of_formula(
                     for use in using:
                         new = rebuilt(use, [by if arg is node else arg for arg in use.args])
                         place, within = (use, None) if form is root else (root, (form, use))
-                        text, here = f"{said} in {words(use)}", None if within else (node, by)
-                        yield Edit(place, new, cost + 2, text, starts, None, within, None, here)
+                        text = f"{said} in {words(use)}"
+                        yield Edit(place, new, cost + 2, text, starts, None, within)
