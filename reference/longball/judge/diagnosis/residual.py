@@ -65,7 +65,7 @@ class Stepping(NamedTuple):
 # The fine steps miss the landing of 400 batted balls by 4e-13 of it; steps of twice the length tell
 # their error. The coarse steps give the effect of an edit to better than a thousandth for nine
 # edits in ten.
-FINE, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.4, 200)
+FINE, EQUAL, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.2, 400), Stepping(0.4, 200)
 MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
 # Flights that need at most so many steps are flown together; so are those that need at most a power
 # of it.
@@ -572,19 +572,19 @@ def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str,
 
 
 def _with_doubt(
-    stage: Stage, columns: Columns, known: dict[Any, Any]
+    stage: Stage, columns: Columns, known: dict[Any, Any], limits: Stepping
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The quantities of a flight, and the same with about their error added."""
     roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
     for name in ("kind", stage.spins, *names_in(roots)):
         if name in columns:  # a symbol that moves has none
             numbers.update(columns[name].tobytes())
-    key = stage.name, roots, numbers.digest()
+    key = stage.name, roots, numbers.digest(), limits
     if key in known:
         found: tuple[dict[str, Array], dict[str, Array]] = known[key]
         return found
     balls = launched(stage, {**columns, "spin": columns[stage.spins]})
-    y, doubt = _flown(balls, balls.duration, FINE)
+    y, doubt = _flown(balls, balls.duration, limits)
     off = doubt * np.maximum(np.abs(y), 1.0)
     again = np.where(doubt > 0, y + off, flown(balls, balls.duration, DOUBLE))
     found = known[key] = balls.ended(y), balls.ended(again)
@@ -647,8 +647,9 @@ HUGE = 1e12  # in SI units: what exceeds it is no state of a ball
 
 @np.errstate(all="ignore")  # a wrong number may be of any size
 def compared(
-    stage: Stage, data: Data, columns: Columns, some: Index, rough: bool = False
-) -> tuple[Followed, dict[str, Array]]:
+    stage: Stage, data: Data, columns: Columns, some: Index, rough: bool = False,
+    limits: Stepping = FINE,
+) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
     """A stage beside the candidate's values in some scenes, and its own values.
 
     The error of the flights is found by flying them again with twice the step. A `rough` law has
@@ -659,7 +660,7 @@ def compared(
         found, unsure_by = way(stage, {**own, "spin": own[stage.spins]})
         again = {quantity: found[quantity] + unsure_by[quantity] for quantity in found}
     elif stage.kind == "flight":
-        found, again = _with_doubt(stage, own, data.flights)
+        found, again = _with_doubt(stage, own, data.flights, limits)
     else:
         again = found = values(stage, own)
     rows = []

@@ -38,6 +38,7 @@ from longball.judge.diagnosis.expression import (
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
+    EQUAL,
     FINE,
     HUGE,
     MIDDLE,
@@ -314,8 +315,10 @@ class Explanation:
             if key not in groups and len(groups) == self.effort.tried:
                 break
             groups.setdefault(key, (stage, []))[1].append(edit)
-        found = []
-        for _, group in groups.values():
+        found, last = [], math.inf
+        for k, (_, group) in enumerate(groups.values()):
+            if k > last + FURTHER:
+                break
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
             if edit.starts:
@@ -326,6 +329,8 @@ class Explanation:
                 (r,) = screened(np.zeros((1, 0)))
             if (left := cost(r)) < NEARER * self.null:
                 found.append((left, group))
+            if left <= RIVAL * self.null:
+                last = k
         found.sort(key=lambda one: one[0] + one[1][0].bits)
         return found, len(cheapest)
 
@@ -498,7 +503,8 @@ class Explanation:
         """The number of scenes in which a stage is wrong."""
         some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
         with np.errstate(all="ignore"):
-            one = compared(stage, self.data, self.columns, evenly(some, MOST_WRONG))[0]
+            some = evenly(some, MOST_WRONG)
+            one, _ = compared(stage, self.data, self.columns, some, limits=EQUAL)
         return int(one.wrong.sum())
 
 
@@ -540,6 +546,7 @@ def asking(
 
 # Of the cost of the errors, what an adequate edit may leave in the first scenes.
 RIVAL = 0.2
+FURTHER = 12  # edits that are tried after one that leaves no more
 BETTER = 0.8  # of what the best edit leaves there, what a pair may leave
 ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chosen
 TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
