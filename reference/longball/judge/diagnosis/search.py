@@ -9,7 +9,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -170,6 +170,7 @@ class Explanation:
     followed: Followed
     effort: Effort = ALONE
     pairs: int = 0
+    counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -502,10 +503,14 @@ class Explanation:
     def _wrong(self, stage: Stage) -> int:
         """The number of scenes in which a stage is wrong."""
         some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
-        with np.errstate(all="ignore"):
-            some = evenly(some, MOST_WRONG)
-            one, _ = compared(stage, self.data, self.columns, some, limits=EQUAL)
-        return int(one.wrong.sum())
+        some = evenly(some, MOST_WRONG)
+        probe = Values(_moved_at_random(stage, take(self.columns, some)))
+        key = stage.name, stage.kind, _fingerprint(stage, probe)
+        if key not in self.counted:
+            with np.errstate(all="ignore"):
+                one, _ = compared(stage, self.data, self.columns, some, limits=EQUAL)
+            self.counted[key] = int(one.wrong.sum())
+        return self.counted[key]
 
 
 # True if the candidate, asked for other scenes, errs there as well as an edit makes it.
