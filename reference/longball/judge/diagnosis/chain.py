@@ -23,6 +23,7 @@ from longball.judge.diagnosis.expression import (
     component,
     constant,
     cross,
+    depends,
     dot,
     function,
     named,
@@ -116,8 +117,10 @@ INPUTS = (
 )
 I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
 
-# The variables of a flight, and its launch.
+# The variables of a flight, and its launch; and the formulas that hold during it.
 MOVING = frozenset(("r", "v", "t", "path"))
+IN_FLIGHT = MOVING | {"v0", "ω0"}
+FLYING = "law", "spin_left", "through"
 r, v = symbol("r", M, True), symbol("v", SPEED, True)
 t, path = symbol("t", S), symbol("path", M)
 v0, spin0 = symbol("v0", SPEED, True), symbol("ω0", RATE, True)
@@ -594,10 +597,17 @@ class Stage:
     scenes: tuple[str, ...] = ("flight", "at-bat")
 
     def edited(self, old: Node, new: Node) -> Stage:
-        """The stage with one expression in place of another."""
-        roots = {name: substitute(root, old, new) for name, root in self.roots.items()}
+        """The stage with one expression in place of another, where what that takes exists."""
+        roots = {
+            name: substitute(root, old, new) if self.takes(name, new) else root
+            for name, root in self.roots.items()
+        }
         same = all(roots[name] is root for name, root in self.roots.items())
         return self if same else replace(self, roots=roots)
+
+    def takes(self, name: str, new: Node) -> bool:
+        """True if a root may contain an expression: what moves exists in flight alone."""
+        return name in FLYING or not depends(new, IN_FLIGHT)
 
     @property
     def pool(self) -> tuple[Node, ...]:

@@ -313,7 +313,7 @@ def _folded(node: Node) -> Node:
             return constant(0.0, node.dimension, node.vector)
         case "cross", (a, b) if is_(a, 0.0) or is_(b, 0.0):
             return constant(0.0, node.dimension, True)
-        case "named", (a,) if a.op in ("symbol", "named", "constant"):
+        case "named", (a,) if a.op in ("symbol", "constant") or a.data == node.data:
             return a
     return node
 

@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from longball.judge.diagnosis.chain import (
+    FLYING,
+    IN_FLIGHT,
     INPUTS,
-    MOVING,
     Stage,
     e_x,
     e_y,
@@ -42,6 +43,7 @@ from longball.judge.diagnosis.expression import (
     axes,
     component,
     constant,
+    cross,
     depends,
     dot,
     each,
@@ -273,6 +275,8 @@ Option = tuple[Node, float, str, tuple[float | Node, ...]]
 def _others(site: Site) -> Iterator[Option]:
     """Another node of the same kind that is at hand."""
     a = site.node
+    if a.op == "constant" and a.dimension == NONE:
+        return
     same = [b for b in site.pool if b.dimension == a.dimension and b.vector == a.vector]
     same = [b for b in same if b is not a and words(b) != words(a)]
     choice = math.log2(1 + len(same))
@@ -377,7 +381,7 @@ def _shapes(site: Site) -> Iterator[Option]:
             function("positive", a, dimension=a.dimension), BITS["sibling"] + 1,
             f"takes max({said}, 0)", (),
         )  # fmt: skip
-    if a.op in ("symbol", "named"):
+    if a.op in ("symbol", "named") or site.under("switch"):
         limited = function("least", a, free(a.dimension), dimension=a.dimension)
         yield limited, BITS["clamp"], f"limits {said} to {{c}}", (0.5 * a, 0.9 * a)
     if a.op == "symbol":
@@ -445,13 +449,14 @@ def _siblings(site: Site) -> Iterator[Option]:
                 yield table(a.args[0], key, mode), cost, f"{text} {key}", ()
         case "product" if a.vector:
             # |v| v by components.
-            for node in ordered([a.args[0]]):
-                if node.op == "norm" and node.args[0] is a.args[1]:
-                    rest = substitute(a.args[0], node, constant(1.0))
+            factors = _factors_of(a.args[0])
+            for i, size in enumerate(factors):
+                if _meaning(size).op == "norm" and _meaning(size).args[0] is a.args[1]:
+                    rest = math.prod(factors[:i] + factors[i + 1 :], start=constant(1.0))
                     yield (
                         rest * each("by_own_size", a.args[1], a.args[1]),
                         cost,
-                        f"takes each component's own size for {words(node)} in {words(a)}",
+                        f"takes each component's own size for {words(size)} in {words(a)}",
                         (),
                     )
                     yield (
@@ -460,6 +465,26 @@ def _siblings(site: Site) -> Iterator[Option]:
                         f"squares each component in {words(a)}, without its sign",
                         (),
                     )
+        case "unit":
+            b = a.args[0]
+            whole = b * (1.0 / constant(1.0, b.dimension))
+            yield whole, cost, f"does not divide {words(b)} by its length", ()
+            if (b := _meaning(b)).op == "cross":
+                parts = cross(unit(b.args[0]), unit(b.args[1]))
+                text = f"divides {words(b)} by the lengths of both, and not by its own"
+                yield parts, cost, text, ()
+
+
+def _meaning(node: Node) -> Node:
+    """What a name stands for."""
+    return node.args[0] if node.op == "named" else node
+
+
+def _factors_of(node: Node) -> list[Node]:
+    """The factors of a product of products."""
+    if node.op != "product":
+        return [node]
+    return [factor for arg in node.args for factor in _factors_of(arg)]
 
 
 def _directions(site: Site) -> Iterator[Option]:
@@ -537,9 +562,6 @@ OF_ITSELF: tuple[Callable[[Site], Iterator[Option]], ...] = (_numbers, _factors,
 
 DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 
-# What exists during a flight alone.
-IN_FLIGHT = MOVING | {"v0", "ω0"}
-
 # --- edits of a stage -----------------------------------------------------------------------------
 
 
@@ -587,7 +609,7 @@ def edits(
     for name, root in stage.roots.items():
         if name == "through":
             continue
-        flies = name in ("law", "spin_left")
+        flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         nodes = ordered([root], (), arguments)
         site = Site(root, (), here, defaults, flies, left_out)

@@ -66,6 +66,7 @@ WRONG, RIGHT = 10, 10
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
 PROBES = 40  # scenes, moved at random, in which equal edits are found
+TIMES = 3  # and so often the first scenes
 NEAR = 16  # edits that schemes are tried beside
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
 NEARER = 0.97  # and what it may leave if steps are to explain the rest
@@ -134,7 +135,7 @@ class Effort(NamedTuple):
     held: int  # against all scenes
 
 
-ALONE, BESIDE_ANOTHER = Effort(5000, 150, 16), Effort(1000, 50, 16)
+ALONE, BESIDE_ANOTHER = Effort(10000, 100, 16), Effort(5000, 50, 16)
 # Edits that are tried with a second one. A law takes a flight for each trial.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
@@ -286,8 +287,9 @@ class Explanation:
 
         Also the number of edits that were tried.
         """
-        some = take(self.columns, evenly(self.all, PROBES))
-        probe = self.probe = Values(_moved_at_random(self.stage, some))
+        # Of few wrong scenes each stands there with several values.
+        some = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
+        probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, some)))
         place = str(OWN[self.stage.quantities[0]].data)
         self.beside = [
             Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
@@ -300,6 +302,8 @@ class Explanation:
         effects = (Response if flies else Direct)(self.stage, self.near)
         starts = [self._starts(edit, effects.at) for edit in cheapest]
         errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
+        if self.stage.kind == "event":  # whose function is 0 with the right edit
+            errors = -errors
         self.fits = Effects(effects, cheapest, starts, errors)
         shares = dict(zip(cheapest, self.fits.left(), strict=True))
         # Equal edits leave the same, and follow each other.
@@ -309,7 +313,7 @@ class Explanation:
             stage = self.edited(edit)
             if stage.kind == "event" and not self._ends_flights(stage):
                 continue
-            if edit.by.op == "constant" and not _is_finite(stage, probe):
+            if edit.by.op == "constant" and not _is_finite(stage, self.stage, probe):
                 continue
             if (key := _fingerprint(stage, probe)) == unchanged:
                 continue
@@ -326,6 +330,9 @@ class Explanation:
                 starts_of = [(start,) for start in self._starts(edit, effects.at)]
                 (c,), r, _ = fitted(screened, starts_of)
                 group[0] = replace(edit, starts=(float(c),))
+                made = self.edited(edit.settled(float(c), 0.0))
+                if made.kind == "event" and not self._ends_flights(made):
+                    continue
             else:
                 (r,) = screened(np.zeros((1, 0)))
             if (left := cost(r)) < NEARER * self.null:
@@ -613,11 +620,12 @@ def _renamed(stage: Stage, old: str, new: str) -> Stage:
     return stage
 
 
-def _is_finite(stage: Stage, probe: Values) -> bool:
-    """True if all parts of a stage's formulas are numbers: nobody divides by 0."""
+def _is_finite(stage: Stage, before: Stage, probe: Values) -> bool:
+    """True if what an edit made of a stage's formulas are numbers: nobody divides by 0."""
+    known = {*ordered(before.roots.values())}
     with np.errstate(all="ignore"):
-        parts = (np.asarray(probe.of(node)) for node in ordered(stage.roots.values()))
-        return all(bool(np.isfinite(x).any()) for x in parts)
+        made = (x for x in ordered(stage.roots.values(), (), probe.arguments) if x not in known)
+        return all(bool(np.isfinite(np.asarray(probe.of(x))).any()) for x in made)
 
 
 def _fingerprint(stage: Stage, probe: Values) -> bytes:
