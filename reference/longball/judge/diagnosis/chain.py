@@ -598,12 +598,15 @@ class Stage:
 
     def edited(self, old: Node, new: Node) -> Stage:
         """The stage with one expression in place of another, where what that takes exists."""
-        roots = {
-            name: substitute(root, old, new) if self.takes(name, new) else root
-            for name, root in self.roots.items()
-        }
+        roots, forms = (
+            {
+                name: substitute(root, old, new) if self.takes(name, new) else root
+                for name, root in some.items()
+            }
+            for some in (self.roots, self.forms)
+        )
         same = all(roots[name] is root for name, root in self.roots.items())
-        return self if same else replace(self, roots=roots)
+        return self if same else replace(self, roots=roots, forms=forms)
 
     def takes(self, name: str, new: Node) -> bool:
         """True if a root may contain an expression: what moves exists in flight alone."""

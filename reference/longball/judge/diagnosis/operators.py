@@ -295,9 +295,13 @@ def _others(site: Site) -> Iterator[Option]:
 def _numbers(site: Site) -> Iterator[Option]:
     """A constant: the default, 0, 1, or a number of the candidate's own."""
     a = site.node
+    said = words(a)
+    if a.op == "constant" and a.data and not a.vector:
+        if site.under("sum"):
+            yield constant(0.0, a.dimension), BITS["zero"] + 1, f"leaves out {said}", ()
+        yield free(a.dimension), BITS["free value"] + 1, f"takes {{c}} for {said}", (a.data,)
     if a.op == "constant":
         return
-    said = words(a)
     summand = not site.parents or site.under("sum")
     divides = any(p.op == "quotient" and p.args[1] is a for p in site.parents)
     known = a.data in INPUT_NAMES or (a.op == "named" and (a.dimension != NONE or not a.vector))
@@ -515,6 +519,8 @@ def _states(site: Site) -> Iterator[Option]:
     at_launch = substitute(substitute(a, v, v0), r, symbol("r0", M, True))
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
+        if a.op in ("symbol", "component"):
+            yield a - at_launch, BITS["launch"], f"counts {said} from the launch", ()
     if not (site.under("sum") or not site.parents or a.op == "named"):
         return
     cost = BITS["condition"]
@@ -679,8 +685,8 @@ def _of_formula(
         site = replace(whole, node=node, parents=tuple(above or using))
         for operator in OPERATORS:
             for by, bits, said, starts in operator(site):
-                # People err in what has a name.
-                cost = bits + places + UNNAMED.get(node.op, 1.5)
+                # People err in what has a name; another form is a choice of one in two.
+                cost = bits + places + UNNAMED.get(node.op, 1.5) + (form is not root)
                 place, within = (node, None) if form is root else (root, (form, node))
                 yield Edit(place, by, cost, said, starts, within=within)
                 if len(using) > 1:

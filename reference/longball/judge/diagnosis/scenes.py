@@ -29,7 +29,7 @@ def features(case: Case) -> Features:
     scene: Any = case.scene
     found: Features = {name: float(value) for name, value in numbers(scene)}
     found |= {f"flag {flag}": True for flag in case.flags if flag in TOLD_BY_NO_FIELD}
-    found |= {"outcome": case.expected.outcome, **options(scene)}
+    found |= {**options(scene), "outcome": case.expected.outcome}
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
