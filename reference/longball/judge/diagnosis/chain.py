@@ -526,11 +526,9 @@ _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
 _in_flight = named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])), _unshifted
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
 OTHERWISE = {
-    "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)), e_x, e_z),
+    "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)),),
     "bat velocity": (named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y),
-    "normal speed": (
-        named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ)), norm(Ṽ), norm(V), unit(Ṽ), e_x,
-    ),
+    "normal speed": (named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ))),
     "restitution": (
         named("L/2 + y", I["L"] / 2.0 + y), y,
         named("(e + ẽ)/2", (I["e"] + I["e"] * (1.0 + ratio) + ratio) / 2.0),
@@ -540,21 +538,18 @@ OTHERWISE = {
         named("mM/√(m² + M²)", I["m"] * I["M"] / function(
             "sqrt", I["m"] * I["m"] + I["M"] * I["M"], dimension=KG
         )),
-        named("V·n", dot(V, n)), norm(V), norm(Ṽ), named("-|Ṽ|", -norm(Ṽ)), _with_bat,
-        _with_effective,
+        named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ)), _with_bat, _with_effective,
     ),
     "velocity after": (
-        named("-ẽV", -(ẽ * V)), named("-eV", -(I["e"] * V)), unit(Ṽ), _with_bat,
+        named("-ẽV", -(ẽ * V)), named("-eV", -(I["e"] * V)), _with_bat,
         named("V - (1 + ẽ)(V·n)n", V - (1.0 + ẽ) * dot(V, n) * n),
         named("V - (1 + ẽ)(Ṽ·n)n", V - (1.0 + ẽ) * w * n),
     ),
     "energy": (
-        named("the ball's energy, m(V⁺² - V²)/2", _sizes), norm(V), norm(Ṽ), dot(V, n), _with_bat,
-        _with_effective, I["e"],
+        named("the ball's energy, m(V⁺² - V²)/2", _sizes), dot(V, n), _with_bat, _with_effective,
+        I["e"],
     ),
-    "distance": (
-        _from_launch, norm(landing), component(landing, 0), place, I["launch.position"],
-    ),
+    "distance": (_from_launch, component(landing, 0), place, I["launch.position"]),
     "time": (plate_time,),
     "landing": (I["R"],),
     "plate": (reach,),

@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from typing import Any
 
 import numpy as np
 
@@ -100,13 +99,6 @@ class Edit:
     def new(self) -> Node:
         """The node that stands in the place."""
         return self.by if self.within is None else substitute(*self.within, self.by)
-
-    def value(self, root: Node, at: Values, c: Any = None) -> Any:
-        """Value of a formula with the edit, if its free number is `c`."""
-        changed = at.given(self.by, {FREE: c})
-        if self.within is not None:
-            changed = at.changed(*self.within, changed)
-        return at.changed(root, self.place, changed)
 
     @property
     def factor(self) -> bool:
@@ -589,9 +581,9 @@ def pool_of(chain: Iterable[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
         found[id(node)] = node
-    if stage.kind == "flight":
-        found |= {id(x): x for x in (norm(v), unit(v), -e_y, norm(v0))}
-    return tuple(found.values())
+    vectors = [x for x in found.values() if x.vector and x.dimension != NONE]
+    more = [y for x in vectors for y in (norm(x), unit(x))]
+    return (*found.values(), *more, *([-e_y] if stage.kind == "flight" else []))
 
 
 def edits(

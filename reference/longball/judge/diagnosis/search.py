@@ -28,7 +28,6 @@ from longball.judge.diagnosis.evidence import (
     rounded,
 )
 from longball.judge.diagnosis.expression import (
-    Evaluator,
     Node,
     Values,
     contains,
@@ -240,17 +239,6 @@ class Explanation:
     def screened(self, stage: Stage) -> Callable[[Array], Array]:
         """Errors in the first scenes as a function of the free numbers, in floors."""
         known = np.isfinite(self.off)
-        if stage.kind != "flight":
-            evaluator = Evaluator([*stage.roots.values()], self.near, frozenset(NUMBERS))
-            given, sign = self._given(self.few), 1.0 if stage.kind == "event" else -1.0
-
-            def at_once(numbers: Array) -> Array:
-                every = [dict(zip(NUMBERS, c, strict=False)) for c in numbers]
-                found = [sign * (evaluator(**one)[0] - given) for one in every]
-                r = np.array([(off + 0.0 * self.off) / self.roughly for off in found])
-                return np.where(known & ~np.isfinite(r), LOST, r)
-
-            return at_once
 
         def flown(numbers: Array) -> Array:
             off = self._off(stage, self.few, numbers, COARSE)
@@ -322,7 +310,7 @@ class Explanation:
             groups.setdefault(key, (stage, []))[1].append(edit)
         found, last = [], math.inf
         for k, (_, group) in enumerate(groups.values()):
-            if k > last + FURTHER:
+            if flies and k > last + FURTHER:  # other stages cost little
                 break
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
@@ -397,6 +385,7 @@ class Explanation:
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
             else:
                 r = self._in_floors(self.edited(edit), self.all, edit.rough)
+                twins = [twin for twin in twins if not twin.starts]
             saved = self.null_all - cost(r) - edit.bits
             if saved < needed:
                 continue
