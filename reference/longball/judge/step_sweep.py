@@ -177,18 +177,6 @@ def sweep_of(
     return None
 
 
-WHOLE = 0.1  # how near to a whole number an order is that is told as one
-
-
-def order_of(report: ConvergenceReport) -> int | None:
-    """Return the order of a candidate's errors, if all have the same, and fall to nothing."""
-    orders = [o.order for o in report.orders if o.order is not None]
-    stuck = any(o.verdict == "wrong limit" for o in report.orders)
-    whole = {round(x) for x in orders}
-    settled = all(abs(x - round(x)) < WHOLE for x in orders) and not stuck
-    return whole.pop() if settled and len(whole) == 1 else None
-
-
 def _sample(answer: Answer, scene: Scene) -> Sample:
     """Return the observed numbers of an answer; sampled points are landed first."""
     if answer.path is not None:

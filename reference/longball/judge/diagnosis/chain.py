@@ -23,6 +23,7 @@ from longball.judge.diagnosis.expression import (
     component,
     constant,
     cross,
+    depends,
     dot,
     function,
     named,
@@ -116,8 +117,10 @@ INPUTS = (
 )
 I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
 
-# The variables of a flight, and its launch.
+# The variables of a flight, and its launch; and the formulas that hold during it.
 MOVING = frozenset(("r", "v", "t", "path"))
+IN_FLIGHT = MOVING | {"v0", "ω0"}
+FLYING = "law", "spin_left", "through"
 r, v = symbol("r", M, True), symbol("v", SPEED, True)
 t, path = symbol("t", S), symbol("path", M)
 v0, spin0 = symbol("v0", SPEED, True), symbol("ω0", RATE, True)
@@ -152,14 +155,14 @@ thins = switch(
     "ρ",
     switch(
         "air.density",
-        {"number": I["ρ_0"], "weather": weather * constant(1.0, DENSITY)},
+        {"given": I["ρ_0"], "weather": weather * constant(1.0, DENSITY)},
     )
     * thins,
 )
 area = named("A", math.pi * (I["R"] * I["R"]))
 k = named(
     "k",
-    switch("air", {"null": constant(0.0, (-1, 0, 0)), "given": ρ * area / (2.0 * I["m"])}),
+    switch("air", {"none": constant(0.0, (-1, 0, 0)), "given": ρ * area / (2.0 * I["m"])}),
 )
 
 rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
@@ -177,9 +180,9 @@ W = named(
         "air.wind",
         {
             "none": constant(0.0, SPEED, True),
-            "uniform": I["W_0"],
-            "above": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
-            "profile": rise * level(I["wind.velocity"]),
+            "given": I["W_0"],
+            "above a height": function("rises", component(r, 2) - I["above"]) * I["wind.velocity"],
+            "logarithmic": rise * level(I["wind.velocity"]),
         },
     ),
 )
@@ -231,7 +234,7 @@ C_D = named(
     switch(
         "air.drag_coefficient",
         {
-            "number": I["C_D"],
+            "given": I["C_D"],
             "constant": I["drag.value"],
             "spin": I["drag.constant"] + I["drag.per_spin"] * ω_drag,
             "crisis": I["drag.high_speed"]
@@ -248,7 +251,7 @@ C_L = named(
     switch(
         "air.lift_coefficient",
         {
-            "number": I["C_L"],
+            "given": I["C_L"],
             "constant": I["lift.value"],
             "rational": I["lift.numerator"]
             * S_lift
@@ -495,12 +498,14 @@ _chord = level(_b - _a)
 _beside = level(at_fence - _a)
 _passed = dot(_beside, unit(_chord))
 _top = component(_a, 2) + (component(_b, 2) - component(_a, 2)) * (_passed / norm(_chord))
-fence_top = named("fence's height", switch("fence", {"radius": constant(0.0, M), "polyline": _top}))
+fence_top = named(
+    "fence's height", switch("fence", {"a circle": constant(0.0, M), "a polyline": _top})
+)
 fence_side = switch(
     "fence",
     {
-        "radius": norm(level(at_fence)) - I["fence.radius"],
-        "polyline": component(cross(unit(_chord), _beside), 2),
+        "a circle": norm(level(at_fence)) - I["fence.radius"],
+        "a polyline": component(cross(unit(_chord), _beside), 2),
     },
 )
 _clear = switch("reading.fence_clearance", {"centre": constant(0.0, M), "surface": I["R"]})
@@ -521,11 +526,9 @@ _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
 _in_flight = named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])), _unshifted
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
 OTHERWISE = {
-    "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)), e_x, e_z),
+    "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)),),
     "bat velocity": (named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y),
-    "normal speed": (
-        named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ)), norm(Ṽ), norm(V), unit(Ṽ), e_x,
-    ),
+    "normal speed": (named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ))),
     "restitution": (
         named("L/2 + y", I["L"] / 2.0 + y), y,
         named("(e + ẽ)/2", (I["e"] + I["e"] * (1.0 + ratio) + ratio) / 2.0),
@@ -535,21 +538,18 @@ OTHERWISE = {
         named("mM/√(m² + M²)", I["m"] * I["M"] / function(
             "sqrt", I["m"] * I["m"] + I["M"] * I["M"], dimension=KG
         )),
-        named("V·n", dot(V, n)), norm(V), norm(Ṽ), named("-|Ṽ|", -norm(Ṽ)), _with_bat,
-        _with_effective,
+        named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ)), _with_bat, _with_effective,
     ),
     "velocity after": (
-        named("-ẽV", -(ẽ * V)), named("-eV", -(I["e"] * V)), unit(Ṽ), _with_bat,
+        named("-ẽV", -(ẽ * V)), named("-eV", -(I["e"] * V)), _with_bat,
         named("V - (1 + ẽ)(V·n)n", V - (1.0 + ẽ) * dot(V, n) * n),
         named("V - (1 + ẽ)(Ṽ·n)n", V - (1.0 + ẽ) * w * n),
     ),
     "energy": (
-        named("the ball's energy, m(V⁺² - V²)/2", _sizes), norm(V), norm(Ṽ), dot(V, n), _with_bat,
-        _with_effective, I["e"],
+        named("the ball's energy, m(V⁺² - V²)/2", _sizes), dot(V, n), _with_bat, _with_effective,
+        I["e"],
     ),
-    "distance": (
-        _from_launch, norm(landing), component(landing, 0), place, I["launch.position"],
-    ),
+    "distance": (_from_launch, component(landing, 0), place, I["launch.position"]),
     "time": (plate_time,),
     "landing": (I["R"],),
     "plate": (reach,),
@@ -592,10 +592,20 @@ class Stage:
     scenes: tuple[str, ...] = ("flight", "at-bat")
 
     def edited(self, old: Node, new: Node) -> Stage:
-        """The stage with one expression in place of another."""
-        roots = {name: substitute(root, old, new) for name, root in self.roots.items()}
+        """The stage with one expression in place of another, where what that takes exists."""
+        roots, forms = (
+            {
+                name: substitute(root, old, new) if self.takes(name, new) else root
+                for name, root in some.items()
+            }
+            for some in (self.roots, self.forms)
+        )
         same = all(roots[name] is root for name, root in self.roots.items())
-        return self if same else replace(self, roots=roots)
+        return self if same else replace(self, roots=roots, forms=forms)
+
+    def takes(self, name: str, new: Node) -> bool:
+        """True if a root may contain an expression: what moves exists in flight alone."""
+        return name in FLYING or not depends(new, IN_FLIGHT)
 
     @property
     def pool(self) -> tuple[Node, ...]:

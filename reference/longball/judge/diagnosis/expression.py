@@ -282,7 +282,7 @@ def specialised(root: Node, columns: Columns, made: dict[int, Node]) -> Node:
             continue
         args = [made[id(arg)] for arg in node.args]
         if node.op == "switch" and node.data[0] in columns:
-            options = np.unique(columns[node.data[0]])
+            options = [i for i in node.data[1] if (columns[node.data[0]] == i).any()]
             if len(options) == 1:
                 made[id(node)] = args[node.data[1].index(options[0])]
                 continue
@@ -313,7 +313,7 @@ def _folded(node: Node) -> Node:
             return constant(0.0, node.dimension, node.vector)
         case "cross", (a, b) if is_(a, 0.0) or is_(b, 0.0):
             return constant(0.0, node.dimension, True)
-        case "named", (a,) if a.op in ("symbol", "named", "constant"):
+        case "named", (a,) if a.op in ("symbol", "constant") or a.data == node.data:
             return a
     return node
 
@@ -325,7 +325,9 @@ _NEXT, _PREVIOUS = np.array([1, 2, 0]), np.array([2, 0, 1])  # axes
 
 
 def _cross(a: Array, b: Array) -> Array:
-    return np.asarray(a[_NEXT] * b[_PREVIOUS] - a[_PREVIOUS] * b[_NEXT])
+    return np.asarray(
+        a.take(_NEXT, 0) * b.take(_PREVIOUS, 0) - a.take(_PREVIOUS, 0) * b.take(_NEXT, 0)
+    )
 
 
 def _norm(v: Array) -> Array:
@@ -399,7 +401,13 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
         high[last, np.arange(at.shape[1])] = np.inf
     if mode == "previous node":
         return lambda x: values[0] + ((x >= at[1:]) * np.diff(values, axis=0)).sum(0)
-    return lambda x: values[0] + (slopes * np.clip(x - at[:-1], low, high)).sum(0)
+    first, start = values[0], at[:-1]
+
+    def line(x: Array) -> Any:
+        within = np.minimum(np.maximum(x - start, low), high)
+        return first + np.add.reduce(slopes * within)
+
+    return line
 
 
 def _occurring(node: Node, columns: Columns) -> dict[int, Array]:
@@ -525,7 +533,9 @@ class Evaluator:
         nodes = ordered(roots, known, known.arguments)
         place: dict[Node, int] = {}
         for i, node in enumerate(nodes):
-            place[node] = place.get(node.args[0], i) if node.op == "named" else i
+            args = known.arguments(node)
+            alone = node.op == "named" or (node.op == "switch" and len(args) == 1)
+            place[node] = place.get(args[0], i) if alone else i
         self._values: list[Any] = [None] * len(nodes)
         self._given: list[tuple[int, str]] = []
         self._steps: list[tuple[int, Callable[..., Any], list[int]]] = []
@@ -538,7 +548,7 @@ class Evaluator:
                 self._given.append((i, node.data))
             elif any(arg in moves for arg in args):
                 moves.add(node)
-                if node.op == "named":
+                if place[node] != i:
                     continue
                 operation = _operation(node, known.columns)
                 self._steps.append((i, operation, [place[arg] for arg in args]))

@@ -13,11 +13,13 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from typing import Any
+
+import numpy as np
 
 from longball.judge.diagnosis.chain import (
+    FLYING,
+    IN_FLIGHT,
     INPUTS,
-    MOVING,
     Stage,
     e_x,
     e_y,
@@ -40,6 +42,7 @@ from longball.judge.diagnosis.expression import (
     axes,
     component,
     constant,
+    cross,
     depends,
     dot,
     each,
@@ -82,11 +85,6 @@ class Edit:
     within
         Another form of `place`, and a node of it: then the form stands there, and `by` in place of
         its node.
-    option
-        A switch and an option of it, the form: other stages have the edit in that option, too.
-    use
-        An argument of `place`, and what replaces it there. In stages without that place the nodes
-        with the same words take its part.
     """
 
     place: Node
@@ -96,20 +94,11 @@ class Edit:
     starts: tuple[float | Node, ...] = ()
     only: Stage | None = None
     within: tuple[Node, Node] | None = None
-    option: tuple[str, str] | None = None
-    use: tuple[Node, Node] | None = None
 
     @property
     def new(self) -> Node:
         """The node that stands in the place."""
         return self.by if self.within is None else substitute(*self.within, self.by)
-
-    def value(self, root: Node, at: Values, c: Any = None) -> Any:
-        """Value of a formula with the edit, if its free number is `c`."""
-        changed = at.given(self.by, {FREE: c})
-        if self.within is not None:
-            changed = at.changed(*self.within, changed)
-        return at.changed(root, self.place, changed)
 
     @property
     def factor(self) -> bool:
@@ -124,39 +113,22 @@ class Edit:
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
         return tuple(
-            self._made(stage)
+            stage.edited(self.place, self.new)
             if self.only is None or (stage.name, stage.kind) == (self.only.name, self.only.kind)
             else stage
             for stage in chain
         )
 
-    def _made(self, stage: Stage) -> Stage:
-        """The stage with the edit, where the place may have another form than at its own stage."""
-        made = stage.edited(self.place, self.new)
-        if made is not stage:
-            return made
-        for node in ordered(stage.roots.values()):
-            if self.option and self.within and node.op == "switch":
-                key, options = node.data
-                if key == self.option[0]:
-                    form = node.args[options.index(self.option[1])]
-                    made = made.edited(form, substitute(form, self.within[1], self.by))
-            elif self.use and self.use[0] in node.args and words(node) == words(self.place):
-                args = [self.use[1] if arg is self.use[0] else arg for arg in node.args]
-                made = made.edited(node, rebuilt(node, args))
-        return made
-
     def settled(self, value: float, cost: float) -> Edit:
         """The edit with a value for its free number."""
-        by, use = self.by, self.use
+        by = self.by
         for node in [node for node in ordered([by]) if node.data == FREE]:
             by = substitute(by, node, constant(value, node.dimension))
-            use = use and (use[0], substitute(use[1], node, constant(value, node.dimension)))
         text = f"{value:.9g}"
         said = self.words.replace("{c}", text)
         if self.factor and (meaning := FACTORS.get(value)):
             said += f" ({meaning})"
-        return replace(self, by=by, bits=self.bits + cost, words=said, starts=(), use=use)
+        return replace(self, by=by, bits=self.bits + cost, words=said, starts=())
 
 
 # --- the prior ------------------------------------------------------------------------------------
@@ -295,6 +267,8 @@ Option = tuple[Node, float, str, tuple[float | Node, ...]]
 def _others(site: Site) -> Iterator[Option]:
     """Another node of the same kind that is at hand."""
     a = site.node
+    if a.op == "constant" and a.dimension == NONE:
+        return
     same = [b for b in site.pool if b.dimension == a.dimension and b.vector == a.vector]
     same = [b for b in same if b is not a and words(b) != words(a)]
     choice = math.log2(1 + len(same))
@@ -313,9 +287,13 @@ def _others(site: Site) -> Iterator[Option]:
 def _numbers(site: Site) -> Iterator[Option]:
     """A constant: the default, 0, 1, or a number of the candidate's own."""
     a = site.node
+    said = words(a)
+    if a.op == "constant" and a.data and not a.vector:
+        if site.under("sum"):
+            yield constant(0.0, a.dimension), BITS["zero"] + 1, f"leaves out {said}", ()
+        yield free(a.dimension), BITS["free value"] + 1, f"takes {{c}} for {said}", (a.data,)
     if a.op == "constant":
         return
-    said = words(a)
     summand = not site.parents or site.under("sum")
     divides = any(p.op == "quotient" and p.args[1] is a for p in site.parents)
     known = a.data in INPUT_NAMES or (a.op == "named" and (a.dimension != NONE or not a.vector))
@@ -399,7 +377,7 @@ def _shapes(site: Site) -> Iterator[Option]:
             function("positive", a, dimension=a.dimension), BITS["sibling"] + 1,
             f"takes max({said}, 0)", (),
         )  # fmt: skip
-    if a.op in ("symbol", "named"):
+    if a.op in ("symbol", "named") or site.under("switch"):
         limited = function("least", a, free(a.dimension), dimension=a.dimension)
         yield limited, BITS["clamp"], f"limits {said} to {{c}}", (0.5 * a, 0.9 * a)
     if a.op == "symbol":
@@ -467,13 +445,14 @@ def _siblings(site: Site) -> Iterator[Option]:
                 yield table(a.args[0], key, mode), cost, f"{text} {key}", ()
         case "product" if a.vector:
             # |v| v by components.
-            for node in ordered([a.args[0]]):
-                if node.op == "norm" and node.args[0] is a.args[1]:
-                    rest = substitute(a.args[0], node, constant(1.0))
+            factors = _factors_of(a.args[0])
+            for i, size in enumerate(factors):
+                if _meaning(size).op == "norm" and _meaning(size).args[0] is a.args[1]:
+                    rest = math.prod(factors[:i] + factors[i + 1 :], start=constant(1.0))
                     yield (
                         rest * each("by_own_size", a.args[1], a.args[1]),
                         cost,
-                        f"takes each component's own size for {words(node)} in {words(a)}",
+                        f"takes each component's own size for {words(size)} in {words(a)}",
                         (),
                     )
                     yield (
@@ -482,6 +461,26 @@ def _siblings(site: Site) -> Iterator[Option]:
                         f"squares each component in {words(a)}, without its sign",
                         (),
                     )
+        case "unit":
+            b = a.args[0]
+            whole = b * (1.0 / constant(1.0, b.dimension))
+            yield whole, cost, f"does not divide {words(b)} by its length", ()
+            if (b := _meaning(b)).op == "cross":
+                parts = cross(unit(b.args[0]), unit(b.args[1]))
+                text = f"divides {words(b)} by the lengths of both, and not by its own"
+                yield parts, cost, text, ()
+
+
+def _meaning(node: Node) -> Node:
+    """What a name stands for."""
+    return node.args[0] if node.op == "named" else node
+
+
+def _factors_of(node: Node) -> list[Node]:
+    """The factors of a product of products."""
+    if node.op != "product":
+        return [node]
+    return [factor for arg in node.args for factor in _factors_of(arg)]
 
 
 def _directions(site: Site) -> Iterator[Option]:
@@ -512,6 +511,8 @@ def _states(site: Site) -> Iterator[Option]:
     at_launch = substitute(substitute(a, v, v0), r, symbol("r0", M, True))
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
+        if a.op in ("symbol", "component"):
+            yield a - at_launch, BITS["launch"], f"counts {said} from the launch", ()
     if not (site.under("sum") or not site.parents or a.op == "named"):
         return
     cost = BITS["condition"]
@@ -557,10 +558,7 @@ OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
 # Operators that take no other node from the pool.
 OF_ITSELF: tuple[Callable[[Site], Iterator[Option]], ...] = (_numbers, _factors, _shapes)
 
-DEFAULT_READING = {f"reading.{key}": [field.default] for key, field in Reading.model_fields.items()}
-
-# What exists during a flight alone.
-IN_FLIGHT = MOVING | {"v0", "ω0"}
+DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 
 # --- edits of a stage -----------------------------------------------------------------------------
 
@@ -583,9 +581,9 @@ def pool_of(chain: Iterable[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
         found[id(node)] = node
-    if stage.kind == "flight":
-        found |= {id(x): x for x in (norm(v), unit(v), -e_y, norm(v0))}
-    return tuple(found.values())
+    vectors = [x for x in found.values() if x.vector and x.dimension != NONE]
+    more = [y for x in vectors for y in (norm(x), unit(x))]
+    return (*found.values(), *more, *([-e_y] if stage.kind == "flight" else []))
 
 
 def edits(
@@ -609,7 +607,7 @@ def edits(
     for name, root in stage.roots.items():
         if name == "through":
             continue
-        flies = name in ("law", "spin_left")
+        flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         nodes = ordered([root], (), arguments)
         site = Site(root, (), here, defaults, flies, left_out)
@@ -639,14 +637,14 @@ def _of_options(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit
             elsewhere = here.intersection(ordered([root], {form}))
             inside = [node for node in ordered([form]) if node in here]
             shared = [node for node in inside if node is not form and node in elsewhere]
-            said, places, at = f" where {key} is {option}", math.log2(1 + len(nodes)), (key, option)
+            said, places = f" where {key} is {option}", math.log2(1 + len(nodes))
             for node in shared:
                 above = tuple(x for x in inside if node in x.args)
                 site = replace(whole, node=node, parents=above)
                 for operator in OF_ITSELF:
                     for by, bits, text, starts in operator(site):
                         cost = bits + places + UNNAMED.get(node.op, 1.5) + 2
-                        yield Edit(form, by, cost, text + said, starts, None, (form, node), at)
+                        yield Edit(form, by, cost, text + said, starts, None, (form, node))
 
 
 # Bits of a place that is no definition with a name.
@@ -679,13 +677,13 @@ def _of_formula(
         site = replace(whole, node=node, parents=tuple(above or using))
         for operator in OPERATORS:
             for by, bits, said, starts in operator(site):
-                # People err in what has a name.
-                cost = bits + places + UNNAMED.get(node.op, 1.5)
+                # People err in what has a name; another form is a choice of one in two.
+                cost = bits + places + UNNAMED.get(node.op, 1.5) + (form is not root)
                 place, within = (node, None) if form is root else (root, (form, node))
                 yield Edit(place, by, cost, said, starts, within=within)
                 if len(using) > 1:
                     for use in using:
                         new = rebuilt(use, [by if arg is node else arg for arg in use.args])
                         place, within = (use, None) if form is root else (root, (form, use))
-                        text, here = f"{said} in {words(use)}", None if within else (node, by)
-                        yield Edit(place, new, cost + 2, text, starts, None, within, None, here)
+                        text = f"{said} in {words(use)}"
+                        yield Edit(place, new, cost + 2, text, starts, None, within)

@@ -81,7 +81,7 @@ def _fair(place: Node) -> Node:
 passes = named("the ball reaches the fence", fence_time)
 fair = named(
     "the ball is fair",
-    switch("fence", {"radius": constant(1.0, M), "polyline": _fair(at_fence)}),
+    switch("fence", {"a circle": constant(1.0, M), "a polyline": _fair(at_fence)}),
 )
 _place = named("place", where(fence_time, at_fence, landing))
 

@@ -65,7 +65,7 @@ class Stepping(NamedTuple):
 # The fine steps miss the landing of 400 batted balls by 4e-13 of it; steps of twice the length tell
 # their error. The coarse steps give the effect of an edit to better than a thousandth for nine
 # edits in ten.
-FINE, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.4, 200)
+FINE, EQUAL, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.2, 400), Stepping(0.4, 200)
 MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
 # Flights that need at most so many steps are flown together; so are those that need at most a power
 # of it.
@@ -169,11 +169,7 @@ def _floats(value: Sequence[Any]) -> Any:
 def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
     """The numbers of scenes by symbol."""
     found = {}
-    # A program that overlooks a null has the default air.
-    filled = [
-        scene.model_copy(update={"air": Air()}) if getattr(scene, "air", 0) is None else scene
-        for scene in scenes
-    ]
+    filled = [_with_air(scene) for scene in scenes]
     for node, path, null in INPUTS:
         nothing: Any = (null,) * 3 if node.vector else null
         column = [_number(scene, path, nothing) for scene in filled]
@@ -187,6 +183,11 @@ def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
             filled = [(*row, *[row[-1]] * (longest - len(row))) for row in rows]
             found[f"{key}.{part}"] = np.array(filled, dtype=float).T
     return found
+
+
+def _with_air(scene: Any) -> Any:
+    """A scene with the default air in place of none, as a program has it that overlooks a null."""
+    return scene.model_copy(update={"air": Air()}) if getattr(scene, "air", 0) is None else scene
 
 
 def left_out(scenes: Sequence[Any]) -> dict[str, Array]:
@@ -234,43 +235,53 @@ SWITCHES = frozenset(
 
 def switches(scenes: Sequence[Any]) -> dict[str, Array]:
     """The options of scenes by switch of the chain."""
-    rows = [_options(scene) for scene in scenes]
+    rows = [options(scene) for scene in scenes]
     return {key: np.array([row[key] for row in rows]) for key in (rows[0] if rows else SWITCHES)}
 
 
-def _options(scene: Any) -> dict[str, str]:
-    air = getattr(scene, "air", None)
-    found = {
-        f"reading.{key}": getattr(scene.reading, key) for key in type(scene.reading).model_fields
-    }
+def options(scene: Any) -> dict[str, str]:
+    """The options of a scene by switch of the chain: readings, and which keys and laws it has."""
+    found = {f"reading.{key}": str(option) for key, option in scene.reading}
     found["kind"] = scene.kind
-    found["air"] = "null" if air is None else "given"
-    for key in ("drag", "lift"):
-        law: Any = getattr(air, f"{key}_coefficient", 0.0)
-        name = getattr(law, "law", "number")
-        found[f"air.{key}_coefficient"] = f"table of {law.of}" if name == "table" else name
-    density = getattr(air, "density", 0.0)
-    found["air.density"] = "number" if isinstance(density, float) else "weather"
-    wind = getattr(air, "wind", None)
-    forms = {"above": "above", "roughness": "profile"}
-    form = next((forms[key] for key in forms if hasattr(wind, key)), "uniform")
-    found["air.wind"] = "none" if wind is None else form
-    for key in ("air.spin_decay_length", "air.density_scale_height", "air.side_coefficient"):
-        held = getattr(air, key.partition(".")[2], None)
-        found[key] = "none" if held is None else "given"
-    found["earth"] = "given" if _has(scene, "earth") else "none"
-    bat, pitch = getattr(scene, "bat", None), getattr(scene, "pitch", None)
-    rubs = bat is not None and bat.friction is not None
-    found["bat.friction"] = "given" if rubs else "none"
-    found["bat.support"] = (bat.support if bat is not None else None) or "pivot"
-    found["pitch"] = "velocity" if pitch is not None and pitch.velocity is not None else "aimed"
-    begun = next((b for b in ("pitch", "launch", "incoming") if _has(scene, b)), "")
-    spins = begun and getattr(getattr(scene, begun), "spin", None) is not None
+    filled = _with_air(scene)
+    found |= {path: form(_held(filled, path)) for path in FORMED}
+    found["air"] = form(getattr(scene, "air", None))
+    found["bat.support"] = _held(scene, "bat.support") or "pivot"
+    found["pitch"] = "aimed" if _held(scene, "pitch.velocity") is None else "velocity"
+    begun = ("pitch.spin", "launch.spin", "incoming.spin")
+    spins = any(_held(scene, path) is not None for path in begun)
     found["spin"] = "given" if spins else "none"
-    found["spin after"] = "given" if spins or rubs else "none"
-    fence = getattr(scene, "fence", None)
-    found["fence"] = "polyline" if fence is not None and fence.polyline is not None else "radius"
+    found["spin after"] = "given" if spins or found["bat.friction"] == "given" else "none"
     return found
+
+
+# Keys whose form is an option.
+FORMED = (
+    "air.drag_coefficient", "air.lift_coefficient", "air.side_coefficient", "air.density",
+    "air.wind", "air.spin_decay_length", "air.density_scale_height", "earth", "fence",
+    "bat.friction",
+)  # fmt: skip
+# What tells a form, in words.
+FORMS = {
+    "above": "above a height", "roughness": "logarithmic", "temperature": "weather",
+    "polyline": "a polyline", "radius": "a circle",
+}  # fmt: skip
+
+
+def _held(scene: Any, path: str) -> Any:
+    """What a scene has under a path of keys; None if it has no such key."""
+    for key in path.split("."):
+        scene = getattr(scene, key, None)
+    return scene
+
+
+def form(held: Any) -> str:
+    """A word for what a key holds: nothing, a law, a block by its keys, or something else."""
+    if held is None:
+        return "none"
+    if law := getattr(held, "law", None):
+        return f"table of {held.of}" if law == "table" else str(law)
+    return next((FORMS[key] for key in FORMS if getattr(held, key, None) is not None), "given")
 
 
 def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Array]:
@@ -561,19 +572,19 @@ def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str,
 
 
 def _with_doubt(
-    stage: Stage, columns: Columns, known: dict[Any, Any]
+    stage: Stage, columns: Columns, known: dict[Any, Any], limits: Stepping
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The quantities of a flight, and the same with about their error added."""
     roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
     for name in ("kind", stage.spins, *names_in(roots)):
         if name in columns:  # a symbol that moves has none
             numbers.update(columns[name].tobytes())
-    key = stage.name, roots, numbers.digest()
+    key = stage.name, roots, numbers.digest(), limits
     if key in known:
         found: tuple[dict[str, Array], dict[str, Array]] = known[key]
         return found
     balls = launched(stage, {**columns, "spin": columns[stage.spins]})
-    y, doubt = _flown(balls, balls.duration, FINE)
+    y, doubt = _flown(balls, balls.duration, limits)
     off = doubt * np.maximum(np.abs(y), 1.0)
     again = np.where(doubt > 0, y + off, flown(balls, balls.duration, DOUBLE))
     found = known[key] = balls.ended(y), balls.ended(again)
@@ -636,8 +647,9 @@ HUGE = 1e12  # in SI units: what exceeds it is no state of a ball
 
 @np.errstate(all="ignore")  # a wrong number may be of any size
 def compared(
-    stage: Stage, data: Data, columns: Columns, some: Index, rough: bool = False
-) -> tuple[Followed, dict[str, Array]]:
+    stage: Stage, data: Data, columns: Columns, some: Index, rough: bool = False,
+    limits: Stepping = FINE,
+) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
     """A stage beside the candidate's values in some scenes, and its own values.
 
     The error of the flights is found by flying them again with twice the step. A `rough` law has
@@ -648,7 +660,7 @@ def compared(
         found, unsure_by = way(stage, {**own, "spin": own[stage.spins]})
         again = {quantity: found[quantity] + unsure_by[quantity] for quantity in found}
     elif stage.kind == "flight":
-        found, again = _with_doubt(stage, own, data.flights)
+        found, again = _with_doubt(stage, own, data.flights, limits)
     else:
         again = found = values(stage, own)
     rows = []
@@ -687,20 +699,33 @@ def is_rough(stage: Stage) -> bool:
 
 
 def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, ...]:
-    """The chain of some scenes: its stages, without switches that are the same in all."""
+    """The chain of some scenes: its stages, without switches that are the same in all.
+
+    Flights have one law, which loses the switches that are the same in all flights: an edit of it
+    is one in each of them.
+    """
+    told = [
+        stage
+        for stage in chain
+        if any(np.isfinite(data.expected[q][..., _at(stage, data)]).any() for q in stage.quantities)
+    ]
+    flights = [stage for stage in told if stage.kind == "flight"]
     found = []
-    for stage in chain:
-        here = np.isin(data.columns["kind"], stage.scenes)
-        said = (np.isfinite(data.expected[quantity][..., here]) for quantity in stage.quantities)
-        if not any(told.any() for told in said):
-            continue
-        columns = {name: data.columns[name][here] for name in SWITCHES}
-        columns["spin"] = columns[stage.spins]
+    for stage in told:
+        columns = {}
+        for name in SWITCHES:
+            alike = flights if stage.kind == "flight" else [stage]
+            keys = ((s, s.spins if name == "spin" else name) for s in alike)
+            columns[name] = np.concatenate([data.columns[key][_at(s, data)] for s, key in keys])
         known: dict[int, Node] = {}
         roots = {name: specialised(root, columns, known) for name, root in stage.roots.items()}
         forms = {name: specialised(root, columns, known) for name, root in stage.forms.items()}
         found.append(replace(stage, roots=roots, forms=forms))
     return tuple(found)
+
+
+def _at(stage: Stage, data: Data) -> NDArray[np.bool_]:
+    return np.isin(data.columns["kind"], stage.scenes)
 
 
 def begun(data: Data) -> dict[str, Any]:

@@ -137,7 +137,11 @@ class Response:
         for name, root in self.stage.roots.items():
             if name == "through":
                 continue
-            here = [i for i, (edit, _) in enumerate(changes) if contains(root, edit.place)]
+            here = [
+                i
+                for i, (edit, _) in enumerate(changes)
+                if contains(root, edit.place) and self.stage.takes(name, edit.by)
+            ]
             where = places.get(name, self._at_start)
             old = where.at.of(root)
             for i, value in zip(here, where.of(root, [changes[i] for i in here]), strict=True):

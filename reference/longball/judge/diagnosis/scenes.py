@@ -14,6 +14,7 @@ from typing import Any
 from longball.engines.chain import MODEL, Run, fly
 from longball.engines.ivp import Ivp
 from longball.judge.cases import MOST_PIECES, Case
+from longball.judge.diagnosis.residual import SWITCHES, options
 from longball.model.frame import launch_frame
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
@@ -27,9 +28,8 @@ def features(case: Case) -> Features:
     """Return the features of a scene for rules: numbers, switches, flags and kind."""
     scene: Any = case.scene
     found: Features = {name: float(value) for name, value in numbers(scene)}
-    found |= {f"reading.{name}": value for name, value in scene.reading}
     found |= {f"flag {flag}": True for flag in case.flags if flag in TOLD_BY_NO_FIELD}
-    found |= {"kind": scene.kind, "outcome": case.expected.outcome} | _forms(scene)
+    found |= {**options(scene), "outcome": case.expected.outcome}
     landing, contact, impact = case.expected.landing, case.expected.contact, case.expected.impact
     if landing is not None:
         found["direction at landing"] = "+x" if float(landing.velocity[0]) > 0 else "-x"
@@ -124,41 +124,6 @@ TOLD_BY_NO_FIELD = frozenset((
 ))  # fmt: skip
 
 
-def _forms(scene: Any) -> Features:
-    """Return which blocks and laws a scene has, in words."""
-    found: Features = {}
-    if hasattr(scene, "air"):
-        found["air"] = "null" if scene.air is None else "given"
-    if (air := getattr(scene, "air", None)) is not None:
-        for name in ("drag_coefficient", "lift_coefficient"):
-            law = getattr(air, name)
-            found[f"air.{name}.law"] = getattr(law, "law", "constant")
-            if hasattr(law, "of"):
-                found[f"air.{name}.of"] = law.of
-        for name in (
-            "wind", "density", "spin_decay_length", "density_scale_height", "side_coefficient",
-        ):  # fmt: skip
-            found[f"air.{name}"] = _form(getattr(air, name))
-    for block in ("launch", "pitch", "incoming"):
-        if (held := getattr(scene, block, None)) is not None:
-            found[f"{block}.spin"] = _form(held.spin)
-    blocks = (block for block in ("fence", "earth") if hasattr(scene, block))
-    return found | {block: _form(getattr(scene, block)) for block in blocks}
-
-
-def _form(held: Any) -> str:
-    """Return a word for a value that may be absent, a number or a block."""
-    if held is None:
-        return "absent"
-    keys = set(getattr(held, "model_fields_set", ()))
-    return next((word for key, word in _BLOCKS.items() if key in keys), "given")
-
-
-_BLOCKS = {
-    "above": "above a height", "roughness": "logarithmic", "temperature": "weather",
-    "polyline": "a polyline", "radius": "a circle",
-}  # fmt: skip
-
 # A rule is told if one choice of as many scenes, or of as many values of a number, in so many times
 # the count of rules that are tried would be told by it.
 CHANCE = 100
@@ -213,7 +178,7 @@ def _text(conditions: Iterable[Condition]) -> str:
         whole.setdefault(one.name, one.text)
     plain = [n for n in whole if _sorts(n)]
     zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
-    simple = [n for n in plain if n not in FORMS and not _law(n)]
+    simple = [n for n in plain if _is_simple(n)]
     for names in (plain + zero, plain, simple, [] if plain or zero else list(whole)):
         if 0 < len(names) <= MOST_RULES:
             told = sorted((whole[n] for n in names), key=lambda text: "the flag" in text)
@@ -223,18 +188,13 @@ def _text(conditions: Iterable[Condition]) -> str:
 
 def _sorts(name: str) -> bool:
     """True if scenes are sorted by a feature, such as a kind: numbers may follow from it."""
-    by_name = (*FORMS, "kind", "outcome", "air", "impact.mode", TURNED)
-    return name in by_name or name.startswith(("reading.", "flag ")) or _law(name)
+    return name in SWITCHES or _is_simple(name)
 
 
-def _law(name: str) -> bool:
-    return name.endswith((".law", ".of"))
-
-
-FORMS = (
-    "air.wind", "air.density", "air.spin_decay_length", "air.density_scale_height",
-    "air.side_coefficient", "launch.spin", "pitch.spin", "incoming.spin", "fence", "earth",
-)  # fmt: skip
+def _is_simple(name: str) -> bool:
+    """True if it is no form of a block or a law, of which several may go together."""
+    one_of = ("kind", "outcome", "air", "impact.mode", TURNED)
+    return name in one_of or name.startswith(("reading.", "flag "))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -28,7 +28,6 @@ from longball.judge.diagnosis.evidence import (
     rounded,
 )
 from longball.judge.diagnosis.expression import (
-    Evaluator,
     Node,
     Values,
     contains,
@@ -38,6 +37,7 @@ from longball.judge.diagnosis.expression import (
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
+    EQUAL,
     FINE,
     HUGE,
     MIDDLE,
@@ -65,6 +65,7 @@ WRONG, RIGHT = 10, 10
 MOST_WRONG, MOST_RIGHT = 60, 30
 TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
 PROBES = 40  # scenes, moved at random, in which equal edits are found
+TIMES = 3  # and so often the first scenes
 NEAR = 16  # edits that schemes are tried beside
 HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
 NEARER = 0.97  # and what it may leave if steps are to explain the rest
@@ -133,7 +134,7 @@ class Effort(NamedTuple):
     held: int  # against all scenes
 
 
-ALONE, BESIDE_ANOTHER = Effort(5000, 150, 16), Effort(1000, 50, 16)
+ALONE, BESIDE_ANOTHER = Effort(10000, 100, 16), Effort(5000, 50, 16)
 # Edits that are tried with a second one. A law takes a flight for each trial.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
@@ -169,6 +170,7 @@ class Explanation:
     followed: Followed
     effort: Effort = ALONE
     pairs: int = 0
+    counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -237,17 +239,6 @@ class Explanation:
     def screened(self, stage: Stage) -> Callable[[Array], Array]:
         """Errors in the first scenes as a function of the free numbers, in floors."""
         known = np.isfinite(self.off)
-        if stage.kind != "flight":
-            evaluator = Evaluator([*stage.roots.values()], self.near, frozenset(NUMBERS))
-            given, sign = self._given(self.few), 1.0 if stage.kind == "event" else -1.0
-
-            def at_once(numbers: Array) -> Array:
-                every = [dict(zip(NUMBERS, c, strict=False)) for c in numbers]
-                found = [sign * (evaluator(**one)[0] - given) for one in every]
-                r = np.array([(off + 0.0 * self.off) / self.roughly for off in found])
-                return np.where(known & ~np.isfinite(r), LOST, r)
-
-            return at_once
 
         def flown(numbers: Array) -> Array:
             off = self._off(stage, self.few, numbers, COARSE)
@@ -284,8 +275,9 @@ class Explanation:
 
         Also the number of edits that were tried.
         """
-        some = take(self.columns, evenly(self.all, PROBES))
-        probe = self.probe = Values(_moved_at_random(self.stage, some))
+        # Of few wrong scenes each stands there with several values.
+        some = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
+        probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, some)))
         place = str(OWN[self.stage.quantities[0]].data)
         self.beside = [
             Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
@@ -298,6 +290,8 @@ class Explanation:
         effects = (Response if flies else Direct)(self.stage, self.near)
         starts = [self._starts(edit, effects.at) for edit in cheapest]
         errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
+        if self.stage.kind == "event":  # whose function is 0 with the right edit
+            errors = -errors
         self.fits = Effects(effects, cheapest, starts, errors)
         shares = dict(zip(cheapest, self.fits.left(), strict=True))
         # Equal edits leave the same, and follow each other.
@@ -307,25 +301,32 @@ class Explanation:
             stage = self.edited(edit)
             if stage.kind == "event" and not self._ends_flights(stage):
                 continue
-            if edit.by.op == "constant" and not _is_finite(stage, probe):
+            if edit.by.op == "constant" and not _is_finite(stage, self.stage, probe):
                 continue
             if (key := _fingerprint(stage, probe)) == unchanged:
                 continue
             if key not in groups and len(groups) == self.effort.tried:
                 break
             groups.setdefault(key, (stage, []))[1].append(edit)
-        found = []
-        for _, group in groups.values():
+        found, last = [], math.inf
+        for k, (_, group) in enumerate(groups.values()):
+            if flies and k > last + FURTHER:  # other stages cost little
+                break
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
             if edit.starts:
                 starts_of = [(start,) for start in self._starts(edit, effects.at)]
                 (c,), r, _ = fitted(screened, starts_of)
                 group[0] = replace(edit, starts=(float(c),))
+                made = self.edited(edit.settled(float(c), 0.0))
+                if made.kind == "event" and not self._ends_flights(made):
+                    continue
             else:
                 (r,) = screened(np.zeros((1, 0)))
             if (left := cost(r)) < NEARER * self.null:
                 found.append((left, group))
+            if left <= RIVAL * self.null:
+                last = k
         found.sort(key=lambda one: one[0] + one[1][0].bits)
         return found, len(cheapest)
 
@@ -384,6 +385,7 @@ class Explanation:
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
             else:
                 r = self._in_floors(self.edited(edit), self.all, edit.rough)
+                twins = [twin for twin in twins if not twin.starts]
             saved = self.null_all - cost(r) - edit.bits
             if saved < needed:
                 continue
@@ -497,9 +499,14 @@ class Explanation:
     def _wrong(self, stage: Stage) -> int:
         """The number of scenes in which a stage is wrong."""
         some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
-        with np.errstate(all="ignore"):
-            one = compared(stage, self.data, self.columns, evenly(some, MOST_WRONG))[0]
-        return int(one.wrong.sum())
+        some = evenly(some, MOST_WRONG)
+        probe = Values(_moved_at_random(stage, take(self.columns, some)))
+        key = stage.name, stage.kind, _fingerprint(stage, probe)
+        if key not in self.counted:
+            with np.errstate(all="ignore"):
+                one, _ = compared(stage, self.data, self.columns, some, limits=EQUAL)
+            self.counted[key] = int(one.wrong.sum())
+        return self.counted[key]
 
 
 # True if the candidate, asked for other scenes, errs there as well as an edit makes it.
@@ -540,6 +547,7 @@ def asking(
 
 # Of the cost of the errors, what an adequate edit may leave in the first scenes.
 RIVAL = 0.2
+FURTHER = 12  # edits that are tried after one that leaves no more
 BETTER = 0.8  # of what the best edit leaves there, what a pair may leave
 ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chosen
 TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
@@ -601,11 +609,12 @@ def _renamed(stage: Stage, old: str, new: str) -> Stage:
     return stage
 
 
-def _is_finite(stage: Stage, probe: Values) -> bool:
-    """True if all parts of a stage's formulas are numbers: nobody divides by 0."""
+def _is_finite(stage: Stage, before: Stage, probe: Values) -> bool:
+    """True if what an edit made of a stage's formulas are numbers: nobody divides by 0."""
+    known = {*ordered(before.roots.values())}
     with np.errstate(all="ignore"):
-        parts = (np.asarray(probe.of(node)) for node in ordered(stage.roots.values()))
-        return all(bool(np.isfinite(x).any()) for x in parts)
+        made = (x for x in ordered(stage.roots.values(), (), probe.arguments) if x not in known)
+        return all(bool(np.isfinite(np.asarray(probe.of(x))).any()) for x in made)
 
 
 def _fingerprint(stage: Stage, probe: Values) -> bytes:
