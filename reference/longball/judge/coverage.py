@@ -21,7 +21,18 @@ from longball.engines.ivp import Ivp
 from longball.golden.case import decisions
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
-from longball.judge.diagnosis.chain import CHAIN, INPUTS, LAW, OWN, I, Stage, r, rise, spin0
+from longball.judge.diagnosis.chain import (
+    CHAIN,
+    IN_FLIGHT,
+    INPUTS,
+    LAW,
+    OWN,
+    I,
+    Stage,
+    r,
+    rise,
+    spin0,
+)
 from longball.judge.diagnosis.expression import (
     Columns,
     Node,
@@ -36,7 +47,7 @@ from longball.judge.diagnosis.expression import (
     switch,
     where,
 )
-from longball.judge.diagnosis.operators import IN_FLIGHT, LEFT_OUT, Edit, edits, key_of
+from longball.judge.diagnosis.operators import LEFT_OUT, Edit, edits, key_of
 from longball.judge.diagnosis.residual import (
     COARSE,
     ROUNDING,
@@ -49,7 +60,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Direct
+from longball.judge.diagnosis.response import Direct, Many
 from longball.judge.diagnosis.search import defaults
 from longball.judge.quantities import values_of
 from longball.model.arrays import Array
@@ -210,19 +221,20 @@ class _Flown:
         moving = {"r": y[:3], "v": y[3:6], "t": shares * balls.duration, "path": y[6]}
         every = {**on_path, **begun, **moving}
         self.at = Values(take(every, np.arange(NODES * count)))
-        self._end = Values(take(every, np.arange(NODES * count, (NODES + 1) * count)))
-        self._launch = Values(columns)
+        self._aloft = Many(self.at)
+        self._end = Many(Values(take(every, np.arange(NODES * count, (NODES + 1) * count))))
+        self._launch = Many(Values(columns))
 
     def moved(self, edit: Edit) -> Array:
         """About the change of place, velocity and spin at the end."""
         found = np.zeros((9, len(self._duration)))
         aloft = depends(edit.new, IN_FLIGHT)
         for name, root in self._roots.items():
-            during = {"law": self.at, "spin_left": self._end}.get(name)
+            during = {"law": self._aloft, "spin_left": self._end}.get(name)
             if not contains(root, edit.place) or (aloft and during is None):
                 continue
             where = during or self._launch
-            change = edit.value(root, where) - where.of(root)
+            change = where.of(root, [(edit, None)])[0] - where.at.of(root)
             match name:
                 case "law":
                     pushed = np.broadcast_to(change, (3, NODES * found.shape[1]))
@@ -239,7 +251,7 @@ class _Flown:
                 case "spin":
                     found[6:] += change
                 case "spin_left":
-                    found[6:] += change * self._launch.of(self._roots["spin"])
+                    found[6:] += change * self._launch.at.of(self._roots["spin"])
         return found
 
 
