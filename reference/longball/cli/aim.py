@@ -36,6 +36,6 @@ def aim(
         wrong_call("--target: what is to be hit is needed, such as --target 110")
     numbers = [json_or_number(part) for part in target.split(",")]
     scene = one_scene(source, chosen_changes(set_, None, reading))
-    with answering("--target "):
+    with answering():
         for hit in aimed(scene, numbers, unknowns=unknown):
             print(hit.line())

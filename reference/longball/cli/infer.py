@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from longball.cli.changes import ReadingOption, SetOption, chosen_changes
-from longball.cli.common import Json, assignments, fail, wrong_call
+from longball.cli.common import Json, assignments, fail, refusing, wrong_call
 from longball.cli.scenes import Source, one_scene
 from longball.engines.engine import CannotSolve
 from longball.model.jsonl import json_or_number
@@ -70,7 +70,8 @@ def infer(
     if points is not None:
         import pandas as pd
 
-        data = pd.read_csv(points)
+        with refusing(f"--points {points}: "):  # pandas' errors are ValueErrors
+            data = pd.read_csv(points)
     else:
         pairs = assignments("--measured", measured)
         data = {name: json_or_number(value) for name, value in pairs.items()}
@@ -95,11 +96,11 @@ def infer(
 
 
 @contextmanager
-def answering(option: str = "") -> Iterator[None]:
+def answering() -> Iterator[None]:
     """Say why there is no answer, with status 1; a misuse is a wrong call."""
     try:
         yield
     except (CannotSolve, Undecided, InvalidScene) as error:
         fail(str(error))
     except (TypeError, ValueError) as error:
-        wrong_call(f"{option}{error}")
+        wrong_call(str(error))
