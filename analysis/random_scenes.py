@@ -4,7 +4,8 @@
 goes far beyond it; `extreme` has sizes from 1e-30 to 1e30; `close` has what is hard to tell: balls
 that graze the bat, the ground or the bat's end, ties with the time limit, verticals, bat and ball
 that hardly approach each other. `extended` has what the paper's model does not: spin, wind,
-weather, laws and tables of the coefficients, the turning Earth, fences, friction of ball and bat.
+weather, laws and tables of the coefficients, the turning Earth, fences, friction of ball and bat;
+and whatever other key the schema of the air has.
 """
 
 import json
@@ -17,6 +18,7 @@ from pydantic import ValidationError
 
 from longball.engines import create
 from longball.engines.chain import solve
+from longball.model.air import Air
 from longball.model.block import LARGEST, SMALLEST
 from longball.model.quantities import flat, nested
 from longball.model.readings import Reading
@@ -184,6 +186,10 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
         "density_scale_height": _maybe(law, uniform(5e3, 1e4)),
     }
     scene["earth"] = _maybe(law, {"latitude": uniform(-1.57, 1.57), "azimuth": uniform(-3.1, 3.1)})
+    schema, further = Air.model_json_schema(), generator.spawn(1)[0]
+    for name, part in schema["properties"].items():
+        if name not in scene["air"] and law.random() < 0.25:
+            scene["air"][name] = _allowed(part, schema["$defs"], further)
     spin = _spin(generator) if spins else None
     if scene["kind"] == "flight":
         scene["launch"]["spin"] = spin
@@ -192,6 +198,21 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
     if generator.random() < 0.3:
         velocity = [generator.normal(-37.0, 3.0), generator.normal(), generator.normal()]
         scene["pitch"] = {"velocity": velocity, "spin": spin}
+
+
+def _allowed(schema: Written, named: Written, generator: Generator) -> Any:
+    """Return random data of a JSON schema: all of its keys, with numbers of about 0.3."""
+    match schema:
+        case {"anyOf": [first, *_]}:
+            return _allowed(first, named, generator)
+        case {"$ref": where}:
+            return _allowed(named[where.rpartition("/")[2]], named, generator)
+        case {"properties": parts}:
+            return {key: _allowed(part, named, generator) for key, part in parts.items()}
+        case {"prefixItems": parts}:
+            return [_allowed(part, named, generator) for part in parts]
+    limits = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
+    return float(np.clip(generator.normal(0.0, 0.3), *limits))
 
 
 def _maybe(generator: Generator, value: Any) -> Any:

@@ -277,7 +277,7 @@ def side_forces(pitches: MeasuredPitches) -> Sides:
     odd = np.isin(pitches.games, np.unique(pitches.games)[1::2])
     halves = [pitches.labels[half] for half in (odd, ~odd)]
     kept = np.isin(pitches.labels, np.intersect1d(*halves))
-    pitches, odd = rows_of(pitches, kept), odd[kept]
+    pitches, odd = pitches.part(kept), odd[kept]
     off = at_shares(pitches) - pitches.measured
     pushed = arm_side(pitches), np.tile([0.0, 0.0, 1.0], (len(pitches), 1))
     spin = pitches.spin(np.full(len(pitches), SHARE_OF_SIDE))
@@ -321,11 +321,3 @@ def sided(value: Any, ways: Array) -> list[FlightModel]:
         replace(NATHAN, side={"value": size, "direction": way})
         for size, way in zip(values, ways.tolist(), strict=True)
     ]
-
-
-def rows_of(pitches: MeasuredPitches, which: Any) -> MeasuredPitches:
-    """Return some of the pitches."""
-    arrays = {
-        name: value[which] for name, value in vars(pitches).items() if isinstance(value, np.ndarray)
-    }
-    return replace(pitches, **arrays)

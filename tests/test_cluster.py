@@ -121,6 +121,14 @@ def test_balls_are_out_in_the_same_parks(called, cluster: Cluster) -> None:
     assert there.stdout == here.stdout
 
 
+@pytest.mark.parametrize("question", ["movement", "spin"])
+def test_pitches_have_the_same_movement_and_spin(called, cluster: Cluster, question: str) -> None:
+    here = called(question, "--example", "--json")
+    there = called(question, "--example", "--json", "--scheduler", cluster.address)
+    assert there.returncode == 0, there.stderr
+    assert there.stdout == here.stdout
+
+
 # The last that needs both workers.
 @pytest.mark.nightly
 def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> None:

@@ -285,9 +285,6 @@ def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
     """Return the names of some inputs of a scene, checked, or of all."""
     if isinstance(names, bool):
         return [*inputs(scene)]
-    # A text is a sequence of letters, and would name inputs l, a, u, …
-    if isinstance(names, str):
-        raise TypeError(f"derivatives = {names!r}: a list of names is needed, such as [{names!r}]")
     return require_inputs(scene, names)
 
 

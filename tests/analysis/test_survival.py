@@ -11,6 +11,7 @@ from analysis.random_scenes import FAMILIES, random_scene
 from analysis.survival import FAULTS, examine, verdict_of
 from longball.engines import create
 from longball.engines.chain import solve
+from longball.model.air import Air
 from longball.model.inputs import inputs
 from longball.model.scene import parse_scene
 
@@ -101,6 +102,14 @@ def test_engines_agree_in_the_extended_model(monkeypatch, nightly):
         scene = random_scene("extended", number, SEED)
         for row in examine(scene, proven=scene.kind != "at-bat"):
             assert row["verdict"] not in FAULTS, (row, scene.line())
+
+
+def test_the_extended_model_has_every_key_of_the_air():
+    known = set()
+    for number in range(200):
+        air = getattr(random_scene("extended", number, SEED), "air", None)
+        known |= {key for key, value in air or () if value is not None}
+    assert known == {*Air.model_fields}
 
 
 @pytest.mark.parametrize("family", FAMILIES)

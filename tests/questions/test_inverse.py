@@ -162,6 +162,14 @@ def test_a_direction_that_is_not_determined_is_named():
 @pytest.mark.parametrize(
     ("measured", "unknowns", "sigma", "sentence"),
     [
+        ({"landing.distance": 100.0}, "launch.speed", None, "a list of names is needed"),
+        ({"landing.distance": 100.0}, ["launch.speed"], "small", "sigma = 'small': a number"),
+        (
+            {"landing.distance": 100.0},
+            ["launch.speed"],
+            [1, 2, 3],
+            "sigma = .*one number is needed",
+        ),
         ({"landing.distance": 100.0}, ["launch.speed", "launch.angle"], None, "1 numbers cannot"),
         ({"landing.distance": 100.0}, ["launch.sped"], None, "did you mean launch.speed"),
         ({"landing.distance": 100.0}, [], None, "name at least one"),
@@ -174,7 +182,7 @@ def test_a_direction_that_is_not_determined_is_named():
     ],
 )
 def test_what_is_no_measurement_is_refused(measured, unknowns, sigma, sentence):
-    with pytest.raises((ValueError, lb.CannotSolve), match=sentence):
+    with pytest.raises((TypeError, ValueError, lb.CannotSolve), match=sentence):
         lb.fit(measured, flight(), unknowns=unknowns, sigma=sigma)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -115,6 +117,23 @@ def test_a_share_above_one_is_flagged():
 def test_what_cannot_be_asked_for_a_spin_says_so(blocks, said):
     with pytest.raises(ValueError, match=said):
         lb.spin_from_movement({"kind": "pitch"} | blocks, VELOCITY, [5.0, 0.0, -5.0])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"velocity": [0.0, 0.0, 0.0]}, "the ball must move through the air"),
+        ({"velocity": [-40.0, math.nan, 0.0]}, "velocity = .*finite numbers is needed"),
+        ({"acceleration": [5.0, 0.0]}, r"acceleration = .*a vector \[x, y, z\]"),
+        ({"rate": 0.0}, "rate = 0.0: spins must be positive"),
+    ],
+)
+def test_numbers_that_describe_no_pitch_say_so(given, said):
+    call = {"velocity": VELOCITY, "acceleration": [5.0, 0.0, -5.0]} | given
+    with pytest.raises(ValueError, match=said):
+        lb.spin_from_movement(
+            {"kind": "pitch", "air": {"lift_coefficient": {"law": "rational"}}}, **call
+        )
 
 
 def test_a_flight_is_not_asked():

@@ -29,6 +29,8 @@ COMMANDS = {
     "homerun": "longball homerun --samples 1000 --e 0.41:0.45:0.01 --figure P.png",
     "fit": "longball fit pitches.csv --json > fitted.json",
     "measured": "longball measured statcast.csv --kind batted --figure errors.png",
+    "movement": "longball movement statcast.csv",
+    "spin": "longball spin statcast.csv --json > spins.jsonl",
     "flight": 'longball flight --speed "103 mph" --angle 28 --park "Coors Field"',
     "parks": "longball parks flies.jsonl",
     "aim": "longball aim flight.json --target 110",

@@ -171,9 +171,16 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     )
 
 
+def listed(names: Iterable[str]) -> list[str]:
+    """Return names as a list; a text is none, though its letters could be."""
+    if isinstance(names, str):
+        raise TypeError(f"{names!r}: a list of names is needed, such as [{names!r}]")
+    return [*names]
+
+
 def require_inputs(scene: Scene, names: Iterable[str]) -> list[str]:
     """Return names of inputs of a scene, each checked; see `value_of`."""
-    checked = [*names]
+    checked = listed(names)
     for name in checked:
         value_of(scene, name)
     if repeated := {name for name in checked if checked.count(name) > 1}:

@@ -42,7 +42,7 @@ from longball.model.block import Block
 from longball.model.earth import earth_strengths
 from longball.model.numbers import N, Numbers, present
 from longball.model.trace import ZERO, Node, Program
-from longball.model.vectors import Vector, cross, dot, minus, norm, plus, scaled
+from longball.model.vectors import Vector, cross, minus, norm, part_across, plus, scaled
 
 
 class PlaneState(NamedTuple, Generic[N]):
@@ -145,17 +145,16 @@ def side_force(p: Strengths, flow: Flow) -> Vector:
 
     That part is ``d - (d·u) u/U²``, of the size ``|d × u|/U``.
     """
-    across = norm(_across(p, flow))
-    if p.side is ZERO or across is ZERO:
+    sine = norm(_aside(p, flow))
+    if p.side is ZERO or sine is ZERO:
         return ZERO, ZERO, ZERO
     direction = p.side_s, p.side_y, p.side_z
     # U² ê = (U² d - (d·u) u) U/|d × u|, since |U² d - (d·u) u| = U |d × u|.
-    square, along = flow.speed * flow.speed, dot(direction, flow.velocity)
-    whole = minus(scaled(square, direction), scaled(along, flow.velocity))
-    return scaled(p.side * (flow.speed / across), whole)
+    whole = part_across(direction, flow.velocity, flow.speed * flow.speed)
+    return scaled(p.side * (flow.speed / sine), whole)
 
 
-def _across(p: Strengths, flow: Flow) -> Vector:
+def _aside(p: Strengths, flow: Flow) -> Vector:
     """Return ``d × u`` of the direction d of the side force, which is 0 where that has none."""
     return cross((p.side_s, p.side_y, p.side_z), flow.velocity)
 
@@ -299,7 +298,7 @@ class _Traced:
     # What the variables are that stand for exponentials and logarithms, by name: each in terms of
     # the variables before it.
     made: Mapping[str, Node]
-    aside: Vector  # see `_across`
+    aside: Vector  # see `_aside`
 
 
 @cache
@@ -329,7 +328,7 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
         if hasattr(law, "passed"):
             top, bottom = map(trace.as_node, law.passed(flow))
             passed[of] = top, bottom
-    aside = _across(p, motion.lift)
+    aside = _aside(p, motion.lift)
     if p.side is not ZERO:
         # The sine of the angle between d and u, squared: the force has no direction at 0.
         size, speed = norm(aside), motion.lift.speed

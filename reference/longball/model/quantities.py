@@ -58,6 +58,11 @@ def _way(name: str) -> tuple[tuple[str, str], ...]:
     return tuple(_STEP.findall(name))
 
 
+def doubles(block: Any) -> dict[str, float]:
+    """Return the numbers of a block as doubles, by their names."""
+    return {name: float(getattr(x, "value", x)) for name, x in numbers(block)}
+
+
 def at(block: Any, name: str) -> Any:
     """Return the value under a name, number or not; None if it is absent.
 

@@ -35,6 +35,11 @@ def cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
+def part_across(a: Vector, b: Vector, square: Any) -> Vector:
+    """Return ``b² a - (a·b) b``, the part of a across b times the square of b, which is given."""
+    return minus(scaled(square, a), scaled(dot(a, b), b))
+
+
 def norm(a: Vector) -> Node:
     """Return ``|a|`` of a vector of nodes, in the form that `trace.squares` knows."""
     squared = trace.total(trace.square(x) for x in a if x is not ZERO)

@@ -20,9 +20,9 @@ for the direction of the launch (Petti's transformation, baseballwithr.wordpress
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TextIO
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO
 
 import numpy as np
 
@@ -106,6 +106,11 @@ class Rows(Arrays):
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.rows)
+
+    def part(self, which: Any) -> Self:
+        """Return some of the rows, by a mask, a slice or their places."""
+        columns = {name: x[which] for name, x in vars(self).items() if isinstance(x, np.ndarray)}
+        return replace(self, **columns)
 
 
 @dataclass(frozen=True)
@@ -282,14 +287,13 @@ def _in_our_frame(vectors: Array) -> Array:
     return np.stack([y, -x, z], axis=1)
 
 
-def time_of_plane(speed: Array, acceleration: Array, distance: Array) -> Array:
+def time_of_plane(speed: Any, acceleration: Any, distance: Any) -> Any:
     """Return when a ball of constant acceleration is at a distance along its way.
 
     The root nearest to 0 of speed · t + acceleration · t²/2 = distance, for a speed below 0.
     """
     root = np.sqrt(np.maximum(speed**2 + 2.0 * acceleration * distance, 0.0))
-    time: Array = 2.0 * distance / (speed - root)
-    return time
+    return 2.0 * distance / (speed - root)
 
 
 def _across(axis: Array, velocity: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -13,20 +13,17 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.optimize import brentq, minimize_scalar
 
-from longball.api import as_engine, as_scene, differentiable
-from longball.engines import chain
+from longball.api import as_engine, as_scene, differentiable, solve
 from longball.engines.engine import CannotSolve
-from longball.engines.path import Trajectory
 from longball.engines.path_engine import PathEngine
 from longball.model.arrays import Array
-from longball.model.inputs import require_inputs, value_of, with_values
+from longball.model.inputs import listed, require_inputs, value_of, with_values
 from longball.model.names import one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
-from longball.model.quantities import numbers
-from longball.model.result import Result
 from longball.model.scene import FlightScene, InvalidScene, Scene
 from longball.questions.inverse import of_path, of_result
+from longball.solution import Path, Solution
 
 # Where each unknown is looked for: rad, m/s. No ball has been hit at 70 m/s. Straight up and down
 # a launch has no direction.
@@ -118,7 +115,7 @@ def aim(
 def _unknowns(given: Iterable[str] | None, numbers: int) -> list[str]:
     if given is None:
         return ["launch.angle", _DIRECTION][: 1 if numbers == 1 else 2]
-    names = [*given]
+    names = listed(given)
     wanted = 1 if numbers == 1 else 2
     for name in names:
         if name not in (*RANGES, _DIRECTION):
@@ -188,7 +185,7 @@ def _hits(
 def _trial(
     scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine[Any]
 ) -> _Trial | None:
-    """Return the distance of a launch's landing beyond the target; None without a landing."""
+    """Return a launch at a target; None without a landing."""
     try:
         if len(target) == 1:
             return _at_a_distance(with_values(scene, values), target[0], engine)
@@ -198,8 +195,8 @@ def _trial(
 
 
 def _at_a_distance(scene: Any, distance: float, engine: PathEngine[Any]) -> _Trial:
-    gets = _landing(scene, engine)[0]
-    return _Trial(scene, gets - distance, f"the ball gets {gets:.6g} m of {distance:.6g} m at most")
+    gets = float(_landed(scene, engine).landing.distance)
+    return _Trial(scene, gets - distance, _getting(gets, distance))
 
 
 def _in_its_direction(
@@ -210,13 +207,14 @@ def _in_its_direction(
     direction = bearing
     for _ in range(_CORRECTED):
         launched: Any = with_values(scene, {**values, _DIRECTION: direction})
-        _, place, way = _landing(launched, engine)
+        found = _landed(launched, engine)
+        place = np.array([*map(float, found.landing.position)])
         gets, turned = _polar(place[:2] - origin)
-        trial = _Trial(launched, gets - away, f"the ball gets {gets:.6g} m of {away:.6g} m at most")
+        trial = _Trial(launched, gets - away, _getting(gets, away))
         if len(target) == 3:
             short = min(gets - away, 0.0)
             if not short:
-                place = _position(way, _passing(way, origin, away, engine), engine)
+                place = found.path.at(_passing(found.path, origin, away)).position
                 _, turned = _polar(place[:2] - origin)
                 high = f"there the ball is {place[2]:.6g} m high at most"
                 trial = replace(trial, gets=f"{high}, and the target {target[2]:.6g} m")
@@ -225,33 +223,29 @@ def _in_its_direction(
     return trial
 
 
+def _getting(gets: float, away: float) -> str:
+    return f"the ball gets {gets:.6g} m of {away:.6g} m at most"
+
+
 def _polar(vector: Array) -> tuple[float, float]:
     return math.hypot(*vector), math.atan2(vector[1], vector[0])
 
 
-def _landing(scene: Scene, engine: PathEngine[Any]) -> tuple[float, Array, Trajectory[Any]]:
-    """Return the distance and the place of a landing, m, and the way there."""
-    result, way = chain.solve_with_path(scene, engine)
-    if result.landing is None:
-        raise CannotSolve(result.error or f"the outcome is {result.outcome}")
-    numbers = dict(_plain(result))
-    place = np.array([numbers[f"landing.position[{i}]"] for i in range(3)])
-    return numbers["landing.distance"], place, way
+def _landed(scene: Scene, engine: PathEngine[Any]) -> Solution:
+    found = solve(scene, engine)
+    if found.landing is None:
+        raise CannotSolve(f"the outcome is {found.outcome}")
+    return found
 
 
-def _position(way: Trajectory[Any], time: float, engine: PathEngine[Any]) -> Array:
-    with engine.numbers.arithmetic():
-        return np.array([float(x) for x in way.at(engine.numbers.exact(time))[0]])
-
-
-def _passing(way: Trajectory[Any], origin: Array, away: float, engine: PathEngine[Any]) -> float:
+def _passing(path: Path, origin: Array, away: float) -> float:
     """Return when a ball that gets farther is at a distance from its origin, s."""
 
     def beyond(time: float) -> float:
-        return math.dist(_position(way, time, engine)[:2], origin) - away
+        return math.dist(path.at(time).position[:2], origin) - away
 
-    end = math.nextafter(float(way.end), 0.0)
-    return float(brentq(beyond, 0.0, end, xtol=_CLOSE)) if beyond(0.0) < 0 < beyond(end) else end
+    begin, end = path.start, path.end
+    return brentq(beyond, begin, end, xtol=_CLOSE) if beyond(begin) < 0 < beyond(end) else end
 
 
 def _closer(
@@ -264,9 +258,8 @@ def _closer(
     near: Any = scene
     time: float | None = None
     if len(target) == 3:
-        _, _, way = _landing(near, engine)
         origin = np.array(near.launch.position[:2])
-        time = _passing(way, origin, math.dist(target[:2], origin), engine)
+        time = _passing(solve(near, engine).path, origin, math.dist(target[:2], origin))
     for _ in range(_STEPS):
         if time is None:
             quantities = [f"landing.position[{i}]" for i in range(len(target))]
@@ -274,7 +267,8 @@ def _closer(
             found, slopes = of_result(near, quantities, names, engine)
         else:
             found, slopes = of_path(near, np.array([time]), names, engine)
-            moving = np.array([float(v) for v in _velocity(near, time, engine)])
+            path = solve(near, engine).path
+            moving = path.at(min(time, path.end)).velocity
             found, slopes = found[0], np.column_stack([slopes[0], moving])
         step, _, rank, _ = np.linalg.lstsq(slopes, target - found, rcond=1e-7)
         if rank < len(step):
@@ -287,13 +281,3 @@ def _closer(
         if (np.abs(step[: len(names)]) <= _SETTLED * (1 + np.abs([*values.values()]))).all():
             break
     return cast(FlightScene, near)
-
-
-def _velocity(scene: Scene, time: float, engine: PathEngine[Any]) -> Any:
-    _, way = chain.solve_with_path(scene, engine)
-    with engine.numbers.arithmetic():
-        return way.at(engine.numbers.exact(time))[1]
-
-
-def _plain(result: Result) -> Iterator[tuple[str, float]]:
-    return ((name, float(getattr(x, "value", x))) for name, x in numbers(result))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 from scipy.optimize import least_squares
 
-from longball.api import as_engine, as_scene, differentiable
+from longball.api import as_engine, as_scene, differentiable, solve
 from longball.engines import chain
 from longball.engines.engine import CannotSolve
 from longball.engines.path import Trajectory
@@ -34,9 +35,9 @@ from longball.model.arrays import Array
 from longball.model.inputs import require_inputs, value_of, with_values
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
-from longball.model.quantities import numbers, unknown
+from longball.model.quantities import doubles, unknown
 from longball.model.scene import InvalidScene, Scene
-from longball.solution import error_of
+from longball.solution import error_of, real_numbers
 
 # Of the largest singular value: derivatives have twelve digits, and what they tell less of than
 # this is not determined by them.
@@ -169,10 +170,7 @@ def fit(
     x, residuals, jacobian = _least_squares(asked, names, data, deviations, solver)
 
     # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements
-    lengths = np.linalg.norm(jacobian, axis=0)
-    _require_determined(names, jacobian, lengths)
-    _, sizes, axes = np.linalg.svd(jacobian / lengths, full_matrices=False)
-    root = axes.T / sizes / lengths[:, None]
+    root = _determined(names, jacobian)
     freedom = len(data.values) - len(names)
     chi_squared = float(residuals @ residuals)
     scale = 1.0 if sigma is not None else (chi_squared / freedom if freedom else math.nan)
@@ -197,14 +195,16 @@ def _least_squares(
 ) -> tuple[list[float], Array, Array]:
     """Return the unknowns, the residuals and minus their derivatives."""
     start = np.array([value_of(scene, name) for name in names])
-    known: dict[tuple[float, ...], tuple[Array, Array]] = {}
+
+    @cache
+    def solved_at(*x: float) -> tuple[Array, Array]:
+        found, slopes = data.model(
+            with_values(scene, dict(zip(names, x, strict=True))), names, engine
+        )
+        return (data.values - found) / deviations, slopes / deviations[:, None]
 
     def solved(x: Array) -> tuple[Array, Array]:
-        if tuple(x) not in known:
-            there = with_values(scene, dict(zip(names, x.tolist(), strict=True)))
-            found, slopes = data.model(there, names, engine)
-            known[tuple(x)] = (data.values - found) / deviations, slopes / deviations[:, None]
-        return known[tuple(x)]
+        return solved_at(*x.tolist())
 
     def residuals(x: Array) -> Array:
         try:
@@ -212,7 +212,7 @@ def _least_squares(
         except (CannotSolve, InvalidScene, Undecided, ValidationError):
             return np.full(len(deviations), math.nan)  # too far: a shorter step is taken
 
-    solved(start)  # what the start cannot do is said in its own words
+    _lengths(names, solved(start)[1])  # what the start cannot do is said in its own words
     found = least_squares(
         residuals,
         start,
@@ -236,13 +236,9 @@ def _is_settled(found: Any) -> bool:
     return bool((np.abs(found.grad) <= 1e-6 * slopes).all())
 
 
-def _require_determined(names: list[str], jacobian: Array, lengths: Array) -> None:
-    """Require measurements to depend on all unknowns, and on each in a way of its own."""
-    without = [name for name, length in zip(names, lengths, strict=True) if not length > 0]
-    if without:
-        raise CannotSolve(
-            f"the measurements do not depend on {' and '.join(without)}; take it from the unknowns"
-        )
+def _determined(names: list[str], jacobian: Array) -> Array:
+    """Return R with R Rᵀ = (Jᵀ J)⁻¹, if measurements determine the unknowns."""
+    lengths = _lengths(names, jacobian)
     _, sizes, axes = np.linalg.svd(jacobian / lengths, full_matrices=False)
     # By steps in standard deviations of the measurements, and so in units of the unknowns:
     open_ = axes[sizes <= _DETERMINED * sizes[0]] / lengths
@@ -252,6 +248,18 @@ def _require_determined(names: list[str], jacobian: Array, lengths: Array) -> No
             "the measurements do not determine the unknowns: they stay the same along "
             f"{directions}; fix one of these, or measure something else"
         )
+    root: Array = axes.T / sizes / lengths[:, None]
+    return root
+
+
+def _lengths(names: list[str], jacobian: Array) -> Array:
+    """Return the sizes of the columns of J; raise if measurements do not depend on an unknown."""
+    lengths: Array = np.linalg.norm(jacobian, axis=0)
+    if without := [name for name, x in zip(names, lengths, strict=True) if not x > 0]:
+        raise CannotSolve(
+            f"the measurements do not depend on {' and '.join(without)}; take it from the unknowns"
+        )
+    return lengths
 
 
 def _direction(names: list[str], axis: Array) -> str:
@@ -353,13 +361,18 @@ def _of_result(given: Mapping[Any, Any]) -> _Measured:
 
 def _deviations(sigma: Any, data: _Measured) -> Array:
     """Return the standard deviation of every measurement."""
-    if isinstance(sigma, Mapping):
-        if missing := [name for name in data.names if name not in sigma]:
-            raise ValueError(f"sigma: none is given of {missing[0]}")
-        table = np.array([sigma[name] for name in data.names], float)
-    else:
-        wide = np.broadcast_to(np.asarray(1.0 if sigma is None else sigma, float), data.shape)
-        table = wide.reshape(-1)[data.place]
+    if isinstance(sigma, Mapping) and (missing := [x for x in data.names if x not in sigma]):
+        raise ValueError(f"sigma: none is given of {missing[0]}")
+    given = [sigma[name] for name in data.names] if isinstance(sigma, Mapping) else sigma
+    table = real_numbers("sigma", 1.0 if given is None else given)
+    if not isinstance(sigma, Mapping):
+        try:
+            table = np.broadcast_to(table, data.shape).reshape(-1)[data.place]
+        except ValueError:
+            raise ValueError(
+                f"sigma = {sigma!r}: one number is needed, one for each of x, y and z, or a "
+                "mapping by name"
+            ) from None
     if not (np.isfinite(table) & (table > 0)).all():
         raise ValueError(f"sigma = {sigma!r}: standard deviations must be positive")
     return table
@@ -369,13 +382,11 @@ def of_result(
     scene: Scene, quantities: Sequence[str], unknowns: Sequence[str], engine: PathEngine[Any]
 ) -> tuple[Array, Array]:
     """Return numbers of a result, shape (m,), and their derivatives, shape (m, unknowns)."""
-    result = chain.solve(scene, engine)
-    if result.error is not None:
-        raise error_of(result)
-    found = dict(numbers(result))
+    result = solve(scene, engine).result
+    found = doubles(result)
     for name in quantities:
         if name not in found:
             raise CannotSolve(f"measured: {unknown(name, found)}; the outcome is {result.outcome}")
-    values = [float(getattr(found[name], "value", found[name])) for name in quantities]
     slopes = [derivatives_by(scene, name, engine) for name in unknowns]
-    return np.array(values), np.array([[float(by[q]) for by in slopes] for q in quantities])
+    values = np.array([found[name] for name in quantities])
+    return values, np.array([[float(by[q]) for by in slopes] for q in quantities])

@@ -8,18 +8,25 @@ front of the plate, as in `longball.pitches.statcast`.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+from scipy.optimize import brentq
 
 from longball.api import as_scene, solve
 from longball.model.arrays import Array
 from longball.model.scene import InvalidScene, PitchScene
 from longball.model.scene import Pitch as PitchBlock
-from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT
+from longball.pitches.models import STANDARD_GRAVITY
+from longball.pitches.statcast import (
+    FIT_PLANE,
+    FOOT,
+    PLATE_FRONT,
+    MeasuredPitches,
+    time_of_plane,
+)
 from longball.solution import Path, Solution
 
 Vector = tuple[float, float, float]
@@ -77,15 +84,17 @@ class NineParameters:
         distance, speed, push = x - self.position[0], self.velocity[0], self.acceleration[0]
         square = speed * speed + 2.0 * push * distance
         if not (speed < 0.0 and square >= 0.0):
-            turns = "" if not push > 0.0 else f"; it turns at x = {self._turn():.6g} m"
+            turn = self.position[0] - speed**2 / (2.0 * push) if push > 0.0 else None
+            turns = "" if turn is None else f"; it turns at x = {turn:.6g} m"
             raise ValueError(
                 f"the pitch of these nine parameters never is at x = {x} m on its way to the "
                 f"plate: velocity[0] = {speed} m/s, acceleration[0] = {push} m/s²{turns}"
             )
-        # The root of speed t + push t²/2 = distance that is next to 0, without a difference.
-        time = 2.0 * distance / (speed - math.sqrt(square))
-        r, v = self._moved(time)
-        return NineParameters((x, *r[1:]), v, self.acceleration, self.residual)
+        time = float(time_of_plane(speed, push, distance))
+        parts = [*zip(self.position, self.velocity, self.acceleration, strict=True)]
+        _, y, z = (r + (v + 0.5 * a * time) * time for r, v, a in parts)
+        u, v, w = (v + a * time for _, v, a in parts)
+        return NineParameters((x, y, z), (u, v, w), self.acceleration, self.residual)
 
     def pitch(self, release: float) -> PitchBlock:
         """Return the block of a scene: the pitch released at a place x, m; see `at`."""
@@ -97,15 +106,6 @@ class NineParameters:
         """The vertical and the horizontal approach angle there, rad; see `result.Approach`."""
         u, v, w = self.velocity
         return math.atan2(w, math.hypot(u, v)), math.atan2(v, -u)
-
-    def _moved(self, time: float) -> tuple[Vector, Vector]:
-        parts = zip(self.position, self.velocity, self.acceleration, strict=True)
-        moved = [(r + (v + 0.5 * a * time) * time, v + a * time) for r, v, a in parts]
-        (x, u), (y, v), (z, w) = moved
-        return (x, y, z), (u, v, w)
-
-    def _turn(self) -> float:
-        return self.position[0] - self.velocity[0] ** 2 / (2.0 * self.acceleration[0])
 
 
 def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameters:
@@ -265,7 +265,10 @@ def movement(
         free = place + velocity * left - [0.0, 0.0, 0.5 * asked.gravity * left**2]
         across, up = (crossed - free)[1:].tolist()
         return Movement(across, up)
-    straight = _without_lift(asked, place.tolist(), velocity.tolist())
+    # Its spin is still there, which drag may depend on.
+    thrown = {"release": place, "velocity": velocity, "spin": asked.pitch.spin}
+    across = {"air.lift_coefficient": 0.0, "air.side_coefficient": None} if asked.air else {}
+    straight = asked.replace(pitch={k: x for k, x in thrown.items() if x is not None}, **across)
     found = solve(straight, **options)
     if found.plate is None:
         raise ValueError(f"without lift the pitch does not reach the plate: it is {found.outcome}")
@@ -273,31 +276,37 @@ def movement(
     return Movement(across, up)
 
 
-def _without_lift(scene: PitchScene, place: Sequence[float], velocity: Sequence[float]) -> Any:
-    """Return the same pitch from a place on, without lift and side force.
-
-    Its spin is still there, which drag may depend on.
-    """
-    data = scene.model_dump(mode="json", exclude_defaults=True) | {"kind": "pitch"}
-    thrown = {"release": place, "velocity": velocity, "spin": scene.pitch.spin}
-    data["pitch"] = {key: value for key, value in thrown.items() if value is not None}
-    if scene.air is not None:
-        across = {"lift_coefficient": 0.0, "side_coefficient": None}
-        data["air"] = data.get("air", {}) | across
-    return as_scene(data)
-
-
 def _time_at(path: Path, end: float, x: float) -> float:
-    """Return when a pitch is at a place x, m, by bisection: it comes nearer all the time."""
-    low, high = path.start, end
-    if not path.at(low).position[0] >= x > 0.0:
-        raise ValueError(
-            f"since = {x} m: the pitch is released at x = {path.at(low).position[0]} m"
-        )
-    for _ in range(64):
-        middle = 0.5 * (low + high)
-        if path.at(middle).position[0] > x:
-            low = middle
-        else:
-            high = middle
-    return high
+    """Return when a pitch is at a place x, m."""
+    release = path.at(path.start).position[0]
+    if not release >= x > 0.0:
+        raise ValueError(f"since = {x} m: the pitch is released at x = {release} m")
+    return float(brentq(lambda t: path.at(t).position[0] - x, path.start, end, xtol=1e-15))
+
+
+def measured_movement(pitches: MeasuredPitches, since: float | None = None) -> dict[str, Array]:
+    """Compute how far measured pitches move from where gravity alone would take them.
+
+    Parameters
+    ----------
+    pitches
+        As `longball.pitches.statcast.read_measured` returns them; their fit of a constant
+        acceleration counts.
+    since
+        m, x of the place from which the two go apart; the release if left out. See `movement`.
+
+    Returns
+    -------
+    dict of str to array
+        ``across`` and ``up``, m; and ``vertical`` and ``horizontal``, the approach angles at the
+        plate, rad; a number for each pitch.
+    """
+    speed, push, release = pitches.velocity[:, 0], pitches.acceleration[:, 0], pitches.release[:, 0]
+    begin = 0.0 if since is None else time_of_plane(speed, push, since - release)
+    end = time_of_plane(speed, push, -release)
+    _, push_across, push_up = pitches.acceleration.T
+    half_square = 0.5 * (end - begin) ** 2
+    across, up = half_square * push_across, half_square * (push_up + STANDARD_GRAVITY)
+    u, v, w = pitches.velocity.T + end * pitches.acceleration.T
+    angles = {"vertical": np.arctan2(w, np.hypot(u, v)), "horizontal": np.arctan2(v, -u)}
+    return {"across": across, "up": up} | angles

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from longball.api import as_engine, as_scene
 from longball.engines.chain import solve_each
+from longball.model.air import Weather
 from longball.model.names import one_of
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, Fence, FlightScene, InvalidScene
@@ -153,7 +154,7 @@ class InPark:
 
 
 def in_parks(
-    scene: object, where: Iterable[Park] | None = None, engine: Any = "ivp", **options: Any
+    scene: object, where: Iterable[Park | str] | None = None, engine: Any = "ivp", **options: Any
 ) -> list[InPark]:
     """Solve a batted ball in every park.
 
@@ -163,7 +164,7 @@ def in_parks(
         A flight or an at-bat, as `solve` takes it. Its fence is replaced by each park's. If its
         density is a weather, that is at the park's elevation; a number stays what it is.
     where
-        Parks; all that are known if left out.
+        Parks, or their names; all that are known if left out.
     engine, options
         As of `solve`.
 
@@ -171,6 +172,8 @@ def in_parks(
     ------
     InvalidScene
         If `scene` describes no flight and no at-bat.
+    ValueError
+        If a park is not known; the message names the nearest.
 
     Examples
     --------
@@ -183,16 +186,14 @@ def in_parks(
     asked = as_scene(scene)
     if not isinstance(asked, FlightScene | AtBatScene):
         raise InvalidScene(f"kind: must be 'flight' or 'at-bat' here, and is {asked.kind!r}")
-    every: Sequence[Park] = parks() if where is None else tuple(where)
+    chosen = parks() if where is None else where
+    every = [park(one) if isinstance(one, str) else one for one in chosen]
     results = solve_each([_in(one, asked) for one in every], as_engine(engine, options))
     return [InPark(one, result) for one, result in zip(every, results, strict=True)]
 
 
 def _in(one: Park, scene: FlightScene | AtBatScene) -> Any:
     """Return the scene in a park."""
-    data = scene.model_dump(mode="json", exclude_defaults=True) | {"kind": scene.kind}
-    data["fence"] = one.fence.model_dump(mode="json", exclude_none=True)
-    air = data.get("air")
-    if isinstance(air, dict) and isinstance(air.get("density"), dict):
-        data["air"] = air | {"density": air["density"] | {"elevation": one.elevation}}
-    return as_scene(data)
+    by_weather = scene.air is not None and isinstance(scene.air.density, Weather)
+    elevation = {"air.density.elevation": one.elevation} if by_weather else {}
+    return scene.replace(fence=one.fence, **elevation)

@@ -23,6 +23,10 @@ from longball.model.law import per_metre
 from longball.model.names import one_of
 from longball.model.numbers import DOUBLES
 from longball.model.scene import AtBatScene, PitchScene
+from longball.model.vectors import part_across
+from longball.pitches.models import FlightModel
+from longball.pitches.statcast import MeasuredPitches, time_of_plane
+from longball.solution import real_numbers
 
 # Of a share: of a ball whose spin is all active the law there and back gives 1 to 1e-13.
 _ROUNDING = 1e-12
@@ -127,15 +131,22 @@ def spin_from_movement(
         per_unit *= float(np.exp(-height / air.density_scale_height))
 
     # the forces
-    v, a = np.asarray(velocity, float), np.asarray(acceleration, float)
+    v, a = _vectors("velocity", velocity), _vectors("acceleration", acceleration)
     wind = np.array(air.wind_at(height, 1.0))
     u = v - wind
     speed = np.linalg.norm(u, axis=-1)
+    if not speed.all():
+        raise ValueError(f"velocity = {velocity!r}: the ball must move through the air")
     ahead = u / speed[..., None]
     free = a + np.array([0.0, 0.0, asked.gravity])
     slowing = -np.sum(free * ahead, axis=-1)
     pressure = per_unit * speed**2
-    moving = free + slowing[..., None] * ahead - pressure[..., None] * _side(air, ahead)
+    moving = free + slowing[..., None] * ahead
+    if (side := air.side_coefficient) is not None:
+        parts = part_across(side.direction, (u[..., 0], u[..., 1], u[..., 2]), speed**2)
+        whole = np.stack(parts, axis=-1)
+        size = np.linalg.norm(whole, axis=-1)
+        moving = moving - (side.value * pressure / size)[..., None] * whole
     force = np.linalg.norm(moving, axis=-1)
     drag, lift = slowing / pressure, force / pressure
 
@@ -155,7 +166,9 @@ def spin_from_movement(
     reasons = {int(i): told.format(lift.flat[i]) for i in np.flatnonzero(beyond)}
     if rate is None:
         return SpinFromMovement(transverse, drag[()], lift[()], reasons=reasons)
-    whole = np.asarray(rate, float)
+    whole = real_numbers("rate", rate)
+    if not (whole > 0.0).all():
+        raise ValueError(f"rate = {rate!r}: spins must be positive, rad/s")
     share = size / whole
     above = share > 1.0 + _ROUNDING
     along = np.sqrt(np.where(above, np.nan, np.maximum(whole**2 - size**2, 0.0)))
@@ -163,15 +176,45 @@ def spin_from_movement(
     return SpinFromMovement(transverse, drag[()], lift[()], share[()], spin, above[()], reasons)
 
 
-def _side(air: Air, ahead: Array) -> Array:
-    """Return ``C_S ê`` of the side force (`longball.model.law.side_force`) for unit velocities."""
-    if air.side_coefficient is None:
-        return np.zeros_like(ahead)
-    direction = np.array(air.side_coefficient.direction)
-    direction = direction / np.linalg.norm(direction)
-    across = direction - np.sum(direction * ahead, axis=-1, keepdims=True) * ahead
-    unit: Array = across / np.linalg.norm(across, axis=-1, keepdims=True)
-    return air.side_coefficient.value * unit
+def _vectors(name: str, value: ArrayLike) -> Array:
+    vectors = real_numbers(name, value)
+    if vectors.shape[-1:] != (3,) or not np.isfinite(vectors).all():
+        raise ValueError(f"{name} = {value!r}: a vector [x, y, z] of finite numbers is needed")
+    return vectors
+
+
+def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Array]:
+    """Compute the spin that measured pitches need for their movement, in the middle of their way.
+
+    Parameters
+    ----------
+    pitches
+        As `longball.pitches.statcast.read_measured` returns them, with their spin.
+    model
+        Whose law of lift is asked, in the weather of each game.
+
+    Returns
+    -------
+    dict of str to array
+        ``drag_coefficient``, ``lift_coefficient``; ``transverse``, rad/s, NaN where the law does
+        not reach the lift; and ``active_share`` of the rate that was measured.
+    """
+    speed, push = pitches.velocity[:, 0], pitches.acceleration[:, 0]
+    half = 0.5 * time_of_plane(speed, push, -pitches.release[:, 0])
+    middle = pitches.velocity + pitches.acceleration * half[:, None]
+    names = "drag_coefficient", "lift_coefficient", "transverse", "active_share"
+    columns = {name: np.empty(len(pitches)) for name in names}
+    weathers = np.stack([pitches.temperature, pitches.elevation], axis=1)
+    for weather in np.unique(weathers, axis=0):
+        here = (weathers == weather).all(axis=1)
+        scene = {"kind": "pitch"} | model.blocks(*weather.tolist())
+        found = spin_from_movement(
+            scene, middle[here], pitches.acceleration[here], rate=pitches.spin_rate[here]
+        )
+        parts = found.drag_coefficient, found.lift_coefficient, found.rate, found.active_share
+        for column, part in zip(columns.values(), parts, strict=True):
+            column[here] = part
+    return columns
 
 
 def _air_of(scene: PitchScene | AtBatScene) -> Air:

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from longball.api import as_engine, as_scene, differentiable
+from longball.api import as_engine, as_scene, differentiable, solve
 from longball.engines import chain
 from longball.engines.engine import CannotSolve
 from longball.engines.tangent import derivatives_of
 from longball.model.arrays import Array
-from longball.model.inputs import require_inputs, value_of, with_values
-from longball.model.quantities import numbers, unknown
+from longball.model.inputs import listed, require_inputs, value_of, with_values
+from longball.model.quantities import doubles, unknown
 from longball.model.result import Result
 from longball.model.scene import Scene
-from longball.solution import error_of
+from longball.solution import real_numbers
 
 # Of a standard deviation: from there on the second-order terms are said. A term of second order
 # that is a tenth of it makes it half a percent larger.
@@ -122,12 +122,10 @@ def uncertainty(
     """
     asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
     names, covariance = _covariance(asked, spread)
-    result = chain.solve(asked, solver)
-    if result.error is not None:
-        raise error_of(result)
+    result = solve(asked, solver).result
     value = _numbers(result)
     if quantities is not None:
-        for quantity in (chosen := [*quantities]):
+        for quantity in (chosen := listed(quantities)):
             if quantity not in value:
                 raise unknown(quantity, value)
         value = {quantity: value[quantity] for quantity in chosen}
@@ -160,11 +158,7 @@ def uncertainty(
 
 def _numbers(result: Result) -> dict[str, float]:
     """Return the numbers of a result that are measured, not counted."""
-    return {
-        name: float(getattr(x, "value", x))
-        for name, x in numbers(result)
-        if name not in chain.DISCRETE
-    }
+    return {name: x for name, x in doubles(result).items() if name not in chain.DISCRETE}
 
 
 def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
@@ -189,7 +183,7 @@ def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
             "spread: the rows of a covariance must have the names of its columns: "
             f"{', '.join(names)}"
         )
-    table = np.array([[float(row[name]) for name in given] for row in rows])
+    table = real_numbers("spread", [[row[name] for name in given] for row in rows])
     if not np.isfinite(table).all() or not np.allclose(table, table.T, rtol=1e-9, atol=0.0):
         raise ValueError("spread: a covariance must be symmetric")
     if np.linalg.eigvalsh(_scaled(table))[0] < -1e-9:

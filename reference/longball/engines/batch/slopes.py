@@ -348,6 +348,7 @@ class SlopeColumns(Columns):
         end = self._stopped(plain, events, known, ends, state, limit)
         starts = (stops != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
         self.jets.doubt(rows & starts)  # ends where it starts, and by the least change goes on
+        self.jets.doubt(rows & (ends["steps"] > _MOST_STEPS))
         return JetFlights(Path(()), stops, *end, launch, mark, numbers=self.jets, law=plain)
 
     def _flown_in_jets(
@@ -467,6 +468,11 @@ class SlopeColumns(Columns):
         steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
         numbers.doubt(rows & (code == 1) & ~steep & np.any(change != 0, axis=0))
         return Touch(margin, code, *_moved(plain, noted.time, state, change, lambda _: falls))
+
+
+# Of a flight. Most take less than 30; one that takes more than this all but rests on its way, and
+# its direction from there, on which a tangent hangs, is known to as many digits less.
+_MOST_STEPS = 64
 
 
 def _along(slopes: Sequence[Any], speeds: Sequence[Any]) -> Any:

@@ -1,0 +1,41 @@
+"""``longball movement``."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from longball.cli.pitches import answers, pitches_of, show_each, show_types
+from longball.pitches.statcast import INCH
+from longball.questions.movement import PFX, clock, measured_movement
+
+
+def movement(
+    table: str = "-",
+    example: bool = False,
+    pfx: bool = False,
+    column: list[str] | None = None,
+    workers: int = 1,
+    scheduler: str | None = None,
+    json_: bool = False,
+    quiet: bool = False,
+) -> None:
+    """Compute how far the air moves measured pitches, and at which angles they cross the plate.
+
+    Movement is the deflection from gravity alone, from the release on, by the nine parameters of
+    each pitch: across to the catcher's left, and up. Text has the medians of each type, of sizes
+    across; JSON has a line for each pitch, in SI units, with the direction on the pitcher's clock.
+    """
+    pitches = pitches_of(table, example, None, column, spin=False)
+    since = PFX if pfx else None
+    found = answers(measured_movement, pitches, since, workers=workers, scheduler=scheduler)
+    if json_:
+        clocks = [*map(clock, found["across"].tolist(), found["up"].tolist())]
+        show_each(pitches, found | {"clock": np.array(clocks)})
+        return
+    shown = {
+        "across, in": abs(found["across"]) / INCH,
+        "up, in": found["up"] / INCH,
+        "VAA, °": np.degrees(found["vertical"]),
+        "HAA (size), °": np.degrees(abs(found["horizontal"])),
+    }
+    show_types(pitches, shown)

@@ -1,0 +1,67 @@
+"""Questions about each pitch of a table, shared by ``longball movement`` and ``longball spin``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from longball.cli.cluster import on_cluster
+from longball.cli.messages import assignments, note, show
+from longball.cli.tables import chosen_table, reading_table
+from longball.engines.parallel import in_parallel
+from longball.model.arrays import Array
+from longball.model.jsonl import json_line
+from longball.pitches.statcast import GAMES, MeasuredPitches, read_measured
+
+# Pitches that a worker takes at a time.
+PART = 20_000
+
+
+def pitches_of(
+    table: str, example: bool, games: Path | None, column: list[str] | None, spin: bool
+) -> MeasuredPitches:
+    """Return the pitches of a table; say which of its rows are left out."""
+    source, names = chosen_table(table, example), assignments("--column", column)
+    with reading_table():
+        pitches = read_measured(source, "pitch", games or GAMES, spin=spin, names=names)
+    assert isinstance(pitches, MeasuredPitches)
+    note(f"{pitches.source}: {len(pitches)} pitches used of {pitches.rows_read} rows")
+    for omission in pitches.left_out:
+        note(f"  {omission}")
+    return pitches
+
+
+def answers(
+    question: Callable[..., Mapping[str, Array]],
+    pitches: MeasuredPitches,
+    *more: Any,
+    workers: int,
+    scheduler: str | None,
+) -> dict[str, Array]:
+    """Return the columns that a function has of pitches, which are shared among workers."""
+    begins = range(0, len(pitches), PART)
+    calls = ((pitches.part(slice(i, i + PART)), *more) for i in begins)
+    with on_cluster(scheduler):
+        parts = [*in_parallel(question, calls, -1 if scheduler else workers)]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def show_each(pitches: MeasuredPitches, columns: dict[str, Any]) -> None:
+    """Print a line of JSON for each pitch; what is not known is left out."""
+    every = {"row": pitches.rows, "pitch_type": pitches.labels} | columns
+    for values in zip(*(column.tolist() for column in every.values()), strict=True):
+        print(json_line({name: x for name, x in zip(every, values, strict=True) if x == x}))
+
+
+def show_types(pitches: MeasuredPitches, columns: Mapping[str, Array]) -> None:
+    """Print the median of columns for each type of pitch, the commonest first."""
+    types, counts = np.unique(pitches.labels, return_counts=True)
+    rows = []
+    for i in np.argsort(-counts, kind="stable"):
+        here = pitches.labels == types[i]
+        medians = (np.nanmedian(column[here]) for column in columns.values())
+        rows.append([str(types[i]), str(counts[i]), *(f"{x:.4g}" for x in medians)])
+    show(["median of type", "n", *columns], rows)

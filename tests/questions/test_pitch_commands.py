@@ -1,0 +1,105 @@
+"""`longball movement` and `longball spin`: the numbers of single pitches, for a table of them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import longball as lb
+from longball.pitches.models import MODELS, STANDARD_GRAVITY
+from longball.pitches.statcast import read_measured
+from longball.pitches.table import EXAMPLE
+from longball.questions.movement import PFX
+
+FEW = 40
+
+
+@pytest.fixture(scope="module")
+def few(tmp_path_factory):
+    """The first pitches of the example, as a file."""
+    lines = EXAMPLE.read_text(encoding="utf-8").splitlines(keepends=True)
+    file = tmp_path_factory.mktemp("table") / "few.csv"
+    file.write_text("".join(lines[: FEW + 1]), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize("options", [[], ["--pfx"]])
+def test_pitches_move_as_their_nine_parameters_do_in_a_vacuum(called, few, options):
+    """The movement is the distance to the pitch that gravity alone moves, at the same time."""
+    done = called("movement", few, "--json", *options)
+    assert done.returncode == 0, done.stderr
+    pitches, rows = read_measured(few, "pitch", spin=False), done.stdout.splitlines()
+    assert len(rows) == len(pitches) > FEW // 2
+    for i, line in enumerate(rows):
+        row = json.loads(line)
+        columns = pitches.release[i], pitches.velocity[i], pitches.acceleration[i]
+        fit = lb.NineParameters(*(tuple(map(float, x)) for x in columns))
+        free = fit.at(PFX) if options else fit
+        thrown = {"release": free.position, "velocity": free.velocity}
+        alone = lb.solve({"kind": "pitch", "air": None, "pitch": thrown, "gravity": 9.80665})
+        plate = fit.at(0.0)
+        late = (fit.velocity[0] - plate.velocity[0]) / -fit.acceleration[0]
+        begun = (fit.velocity[0] - free.velocity[0]) / -fit.acceleration[0]
+        # gravity alone, for as long as the pitch takes
+        fall = 0.5 * STANDARD_GRAVITY * (late - begun) ** 2
+        place = [free.position[j] + free.velocity[j] * (late - begun) for j in (1, 2)]
+        assert alone.outcome in ("crossed", "grounded")
+        assert row["across"] == pytest.approx(plate.position[1] - place[0], abs=1e-12)
+        assert row["up"] == pytest.approx(plate.position[2] - place[1] + fall, abs=1e-12)
+        assert (row["vertical"], row["horizontal"]) == pytest.approx(plate.approach, abs=1e-12)
+        assert row["clock"] == lb.clock(row["across"], row["up"])
+
+
+def test_pitches_have_the_spin_that_each_has_alone(called, few):
+    done = called("spin", few, "--json")
+    assert done.returncode == 0, done.stderr
+    pitches, rows = read_measured(few, "pitch"), done.stdout.splitlines()
+    assert len(rows) == len(pitches) > FEW // 2
+    for i, line in enumerate(rows):
+        row = json.loads(line)
+        columns = pitches.release[i], pitches.velocity[i], pitches.acceleration[i]
+        fit = lb.NineParameters(*(tuple(map(float, x)) for x in columns))
+        late = (fit.velocity[0] - fit.at(0.0).velocity[0]) / -fit.acceleration[0]
+        middle = pitches.velocity[i] + 0.5 * late * pitches.acceleration[i]
+        weather = pitches.temperature[i].item(), pitches.elevation[i].item()
+        alone = lb.spin_from_movement(
+            {"kind": "pitch"} | MODELS["nathan"].blocks(*weather),
+            middle,
+            pitches.acceleration[i],
+            rate=pitches.spin_rate[i],
+        )
+        assert row["transverse"] == pytest.approx(alone.rate, rel=1e-10)
+        assert row["active_share"] == pytest.approx(alone.active_share, rel=1e-10)
+
+
+def test_types_of_pitch_are_summed_up(called):
+    done = called("spin", "--example")
+    assert done.returncode == 0
+    assert done.stdout.splitlines()[1].split()[:2] == ["FF", "1441"]
+    assert "the active share of 695 pitches is above 1" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (["spin", "--example", "--model", "paper"], 2, "a constant says nothing of the spin"),
+        (["spin", "--example", "--model", "natan"], 2, "did you mean nathan"),
+        (["movement", "nowhere.csv"], 2, "nowhere.csv"),
+        (["movement", "--example", "--column", "vx0"], 2, "NAME=VALUE"),
+    ],
+)
+def test_calls_that_cannot_be_answered_say_why(called, arguments, status, said):
+    done = called(*arguments)
+    assert done.returncode == status
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_table_without_pitches_says_so(called, few, tmp_path):
+    file = tmp_path / "empty.csv"
+    file.write_text(few.read_text(encoding="utf-8").splitlines()[0] + "\n", encoding="utf-8")
+    done = called("movement", file)
+    assert done.returncode == 1
+    assert np.all([word in done.stderr for word in ("empty.csv",)])
