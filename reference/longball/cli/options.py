@@ -115,7 +115,7 @@ ARGUMENTS = {
     ),
     "converge.command": ("-- COMMAND …{dt}…", "{dt} stands for the time step, s."),
     "fit.pitches": ("[PITCHES.csv|-]", "One row per pitch; - reads stdin."),
-    "measured.table": ("[TABLE.csv|-]", "In Statcast's columns; - reads stdin."),
+    "table": ("[TABLE.csv|-]", "In Statcast's columns; - reads stdin."),
     "folder": ("[DIR]", ""),
     "golden write.folder": ("DIR", ""),
     "golden export.output": ("[FILE.zip]", "By default named by version."),
@@ -215,7 +215,7 @@ OPTIONS: dict[str, str | dict[str, Any]] = {
     "total_timeout": _option("Stop after this many seconds.", min=0.001),
     "format": "How the verdict is printed: for people, as JSON, as JUnit's XML, or with "
     "annotations for GitHub's Actions.",
-    "table": "Print a table of the errors of each quantity.",
+    "judge.table": "Print a table of the errors of each quantity.",
     "html": _written("Write the verdict to this file as a page with pictures."),
     "converge.scenes": "Lines of JSON, .csv or .parquet; by default golden flights and at-bats.",
     "converge.golden": _option(
@@ -244,7 +244,7 @@ OPTIONS: dict[str, str | dict[str, Any]] = {
         "the example. Other games are played at 20 °C at sea level.",
         "GAMES.csv",
     ),
-    "measured.column": _option(
+    "column": _option(
         "What the table calls Statcast's column NAME, as vx0=VX0", "NAME=COLUMN"
     ),
     "measured.scenes": _written("Write the scenes here."),
