@@ -239,14 +239,13 @@ OPTIONS: dict[str, str | dict[str, Any]] = {
     "example": "Take the day of pitches that comes with longball.",
     "measured.kind": "What of the table is predicted.",
     "model": "The model of the flight.",
+    "pfx": "Count from 40 ft on, as PITCHf/x does.",
     "games": _option(
         "game_pk, temperature (°F), and elevation (ft) or park of each game; by default those of "
         "the example. Other games are played at 20 °C at sea level.",
         "GAMES.csv",
     ),
-    "column": _option(
-        "What the table calls Statcast's column NAME, as vx0=VX0", "NAME=COLUMN"
-    ),
+    "column": _option("What the table calls Statcast's column NAME, as vx0=VX0", "NAME=COLUMN"),
     "measured.scenes": _written("Write the scenes here."),
     "measured.csv": _written("Write each prediction here, in SI units."),
     "measured.figure": _picture("Draw the errors here"),
