@@ -244,9 +244,7 @@ OPTIONS: dict[str, str | dict[str, Any]] = {
         "the example. Other games are played at 20 °C at sea level.",
         "GAMES.csv",
     ),
-    "column": _option(
-        "What the table calls Statcast's column NAME, as vx0=VX0", "NAME=COLUMN"
-    ),
+    "column": _option("What the table calls Statcast's column NAME, as vx0=VX0", "NAME=COLUMN"),
     "measured.scenes": _written("Write the scenes here."),
     "measured.csv": _written("Write each prediction here, in SI units."),
     "measured.figure": _picture("Draw the errors here"),
