@@ -258,26 +258,6 @@ class TestPath:
             # As many digits as are written; before the impulse the ball flies the other way.
             assert struck.velocity == pytest.approx([*map(float, result.impact.velocity)], rel=1e-4)
 
-    @pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "verlet"])
-    def test_it_goes_through_all_that_the_result_says(self, engine: str):
-        # An at-bat that the paper's scheme finds, too, and whose error is a few metres.
-        at_bat = lb.AtBat(swing={"height_offset": -0.02}, pitch={"aim": [0.1, 1.8]})
-        options = {"dt": 1e-4} if engine == "verlet" else {}
-        result = lb.solve(at_bat, engine=engine, **options)
-        # The path is asked at doubles, where enclosure's times lie between them.
-        path, near = result.path, {"rel": 1e-12, "abs": 1e-10}
-        assert path.at(0.0).position == pytest.approx(at_bat.pitch.release, **near)
-        assert path.end == pytest.approx(float(result.landing.time), **near)
-        last = path.at(path.end)
-        assert last.position == pytest.approx([*map(float, result.landing.position)], **near)
-        assert last.velocity == pytest.approx([*map(float, result.landing.velocity)], **near)
-        if engine != "verlet":  # whose bat pushes for two steps
-            touch = path.at(float(result.contact.time) + 1e-12)
-            # 50 m/s for 1e-12 s
-            assert touch.position == pytest.approx(
-                [*map(float, result.contact.position)], abs=1e-10
-            )
-
     def test_times_of_any_shape(self):
         path = lb.solve(lb.AtBat(**AT_BAT)).path
         state = path.at([[0.1, 0.2, 0.3], [1.0, 2.0, 3.0]])
@@ -355,23 +335,6 @@ class TestSolveMany:
             assert row["outcome"] == alone.outcome
             for name, value in numbers(alone.result):
                 assert row[name] == value
-
-    @pytest.mark.parametrize("spin", [{}, {"launch.spin[1]": -200.0}])
-    def test_columns_of_the_extended_model_are_the_same_by_any_engine(self, spin):
-        columns = {
-            "kind": "flight",
-            "fence": {"polyline": [[70, 70, 2], [120, 0, 2], [70, -70, 2]]},
-            "launch": {"position": [0, 0, 1]},
-            "launch.velocity[0]": [40.0, 45.0, 20.0],
-            "launch.velocity[1]": [0.0, -60.0, 1.0],
-            "launch.velocity[2]": 25.0,
-        }
-        if spin:
-            columns |= {"launch.spin[0]": 0.0, "launch.spin[2]": 0.0, **spin}
-        tables = [lb.solve_many(columns, e).drop(columns="engine") for e in ("ivp", "batch")]
-        assert tables[0]["landing.fair"].tolist() == [True, False, True]
-        # Landings agree to 1e-12; whatever comes from them, to a thousand times that.
-        pd.testing.assert_frame_equal(*tables, check_like=True, rtol=1e-9, atol=1e-9)
 
     def test_rows_that_are_no_scenes_say_why(self):
         speeds = [30.0, -1.0, float("nan"), 40.0]
