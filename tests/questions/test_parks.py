@@ -89,6 +89,13 @@ def test_weather_is_at_the_parks_elevation_and_a_number_stays():
     assert high.result.landing.distance == low.result.landing.distance
 
 
+def test_parks_may_be_named():
+    (found,) = lb.in_parks(ball(45.0), ["Fenway Park"])
+    assert found == lb.in_parks(ball(45.0), [lb.park("Fenway Park")])[0]
+    with pytest.raises(ValueError, match="did you mean Fenway Park"):
+        lb.in_parks(ball(45.0), ["fenway park"])
+
+
 def test_an_unknown_park_names_the_nearest(called):
     with pytest.raises(ValueError, match=r"'Fenway' is not known, did you mean Fenway Park\?"):
         lb.park("Fenway")
