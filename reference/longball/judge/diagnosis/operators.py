@@ -446,7 +446,7 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
 
 
 def _meaning(node: Node) -> Node:
-    """What a name stands for."""
+    """The expression that a name stands for."""
     return node.args[0] if node.op == "named" else node
 
 
@@ -485,7 +485,7 @@ def _states(site: Site) -> Iterator[Option]:
     at_launch = substitute(substitute(a, v, v0), r, symbol("r0", M, True))
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
-        if a.op in ("symbol", "component"):
+        if a.op in ("symbol", "component") and a.dimension == M:
             yield a - at_launch, BITS["launch"], f"counts {said} from the launch", ()
     if not (site.under("sum") or not site.parents or a.op == "named"):
         return
