@@ -18,7 +18,6 @@ import numpy as np
 
 from longball.judge.diagnosis.chain import (
     FLYING,
-    IN_FLIGHT,
     INPUTS,
     Stage,
     e_x,
@@ -29,6 +28,9 @@ from longball.judge.diagnosis.chain import (
     t,
     v,
     v0,
+)
+from longball.judge.diagnosis.chain import (
+    IN_FLIGHT as IN_FLIGHT,  # for `longball.judge.coverage`
 )
 from longball.judge.diagnosis.expression import (
     JUMPS,
@@ -388,91 +390,63 @@ def _shapes(site: Site) -> Iterator[Option]:
             )  # fmt: skip
 
 
-_ANGLES = {"sin": "cos", "cos": "sin"}
-
-
 def _siblings(site: Site) -> Iterator[Option]:
     """A function that is taken for its sibling."""
-    a, cost = site.node, BITS["sibling"]
-    match a.op:
-        case "norm":
-            yield (
-                function("sizes", a.args[0], dimension=a.dimension),
-                cost,
-                f"takes {words(function('sizes', a.args[0]))} for {words(a)}",
-                (),
-            )
-            for i, axis in enumerate("xyz"):
-                yield (
-                    function("abs", component(a.args[0], i), dimension=a.dimension),
-                    cost + 2,
-                    f"takes |{words(a.args[0])}_{axis}| for {words(a)}",
-                    (),
-                )
+    for b, more, text in _kin(site.node):
+        yield b, BITS["sibling"] + more, text, ()
+
+
+def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
+    """Siblings of a function, with bits beyond those of the operator, and words."""
+    said = words(a)
+
+    def instead(b: Node, more: float = 0.0, where: str = "") -> tuple[Node, float, str]:
+        return b, more, f"takes {words(b)} for {said}{where}"
+
+    match a.op, a.args:
+        case "norm", (b,):
+            yield instead(function("sizes", b, dimension=a.dimension))
+            for i in range(3):
+                yield instead(function("abs", component(b, i), dimension=a.dimension), 2.0)
             for name in ("(x, y, 0)", "(x, 0, z)", "(0, y, z)"):
-                yield (
-                    norm(axes(a.args[0], AXES[name], name)),
-                    cost,
-                    f"takes the length of {name} of {words(a.args[0])} for {words(a)}",
-                    (),
-                )
-        case "sum" if a.args[1].op == "negative":  # such as 1 - x
-            (b,) = a.args[1].args
-            yield b, cost, f"takes {words(b)} for {words(a)}", ()
-        case "where":
-            for b in a.args[1:]:
-                yield b, cost, f"takes {words(b)} for {words(a)}, on both sides of its limit", ()
-        case "abs":
-            for b in (a.args[0], -a.args[0]):
-                yield b, cost, f"takes {words(b)} for {words(a)}", ()
-        case "sin" | "cos":
-            angle = a.args[0]
-            yield (
-                function(_ANGLES[a.op], angle),
-                cost,
-                f"takes {_ANGLES[a.op]} for {a.op} of {words(angle)}",
-                (),
-            )
-            yield function("tan", angle), cost, f"takes tan for {a.op} of {words(angle)}", ()
-            yield angle, cost, f"takes {words(angle)} for its {a.op}", ()
-            yield constant(1.0), cost, f"takes 1 for {words(a)}", ()
-        case "table":
+                part = norm(axes(b, AXES[name], name))
+                yield part, 0.0, f"takes the length of {name} of {words(b)} for {said}"
+        case "sum", (_, b) if b.op == "negative":  # such as 1 - x
+            yield instead(b.args[0])
+        case "where", (_, *sides):
+            yield from (instead(b, where=", on both sides of its limit") for b in sides)
+        case "abs", (b,):
+            yield from (instead(b), instead(-b))
+        case (("sin" | "cos"), (angle,)):
+            of = f"for {a.op} of {words(angle)}"
+            for other in ("cos" if a.op == "sin" else "sin", "tan"):
+                yield function(other, angle), 0.0, f"takes {other} {of}"
+            yield angle, 0.0, f"takes {words(angle)} for its {a.op}"
+            yield instead(constant(1.0))
+        case "table", (x,):
             key, _ = a.data
-            for mode, text in (
-                ("extrapolated", "extrapolates the table"),
-                ("previous node", "does not interpolate in the table"),
-            ):
-                yield table(a.args[0], key, mode), cost, f"{text} {key}", ()
-        case "product" if a.vector:
-            # |v| v by components.
-            factors = _factors_of(a.args[0])
+            yield table(x, key, "extrapolated"), 0.0, f"extrapolates the table {key}"
+            yield table(x, key, "previous node"), 0.0, f"does not interpolate in the table {key}"
+        case "product", (b, c) if a.vector:  # |v| v by components
+            factors = _factors_of(b)
             for i, size in enumerate(factors):
-                if _meaning(size).op == "norm" and _meaning(size).args[0] is a.args[1]:
+                if _meaning(size).op == "norm" and _meaning(size).args[0] is c:
                     rest = math.prod(factors[:i] + factors[i + 1 :], start=constant(1.0))
-                    yield (
-                        rest * each("by_own_size", a.args[1], a.args[1]),
-                        cost,
-                        f"takes each component's own size for {words(size)} in {words(a)}",
-                        (),
-                    )
-                    yield (
-                        rest * each("by_component", a.args[1], a.args[1]),
-                        cost + 1,
-                        f"squares each component in {words(a)}, without its sign",
-                        (),
-                    )
-        case "unit":
-            b = a.args[0]
-            whole = b * (1.0 / constant(1.0, b.dimension))
-            yield whole, cost, f"does not divide {words(b)} by its length", ()
+                    text = f"takes each component's own size for {words(size)} in {said}"
+                    yield rest * each("by_own_size", c, c), 0.0, text
+                    text = f"squares each component in {said}, without its sign"
+                    yield rest * each("by_component", c, c), 1.0, text
+        case "unit", (b,):
+            one = constant(1.0, b.dimension)
+            yield b * (1.0 / one), 0.0, f"does not divide {words(b)} by its length"
             if (b := _meaning(b)).op == "cross":
                 parts = cross(unit(b.args[0]), unit(b.args[1]))
                 text = f"divides {words(b)} by the lengths of both, and not by its own"
-                yield parts, cost, text, ()
+                yield parts, 0.0, text
 
 
 def _meaning(node: Node) -> Node:
-    """What a name stands for."""
+    """The expression that a name stands for."""
     return node.args[0] if node.op == "named" else node
 
 
@@ -511,7 +485,7 @@ def _states(site: Site) -> Iterator[Option]:
     at_launch = substitute(substitute(a, v, v0), r, symbol("r0", M, True))
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
-        if a.op in ("symbol", "component"):
+        if a.op in ("symbol", "component") and a.dimension == M:
             yield a - at_launch, BITS["launch"], f"counts {said} from the launch", ()
     if not (site.under("sum") or not site.parents or a.op == "named"):
         return

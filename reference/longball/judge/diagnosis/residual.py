@@ -269,7 +269,7 @@ FORMS = {
 
 
 def _held(scene: Any, path: str) -> Any:
-    """What a scene has under a path of keys; None if it has no such key."""
+    """The value of a scene under a path of keys; None if it has no such key."""
     for key in path.split("."):
         scene = getattr(scene, key, None)
     return scene

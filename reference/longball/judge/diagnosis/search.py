@@ -498,8 +498,8 @@ class Explanation:
 
     def _wrong(self, stage: Stage) -> int:
         """The number of scenes in which a stage is wrong."""
-        some = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
-        some = evenly(some, MOST_WRONG)
+        here = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
+        some = evenly(here, MOST_WRONG)
         probe = Values(_moved_at_random(stage, take(self.columns, some)))
         key = stage.name, stage.kind, _fingerprint(stage, probe)
         if key not in self.counted:
