@@ -239,6 +239,7 @@ OPTIONS: dict[str, str | dict[str, Any]] = {
     "example": "Take the day of pitches that comes with longball.",
     "measured.kind": "What of the table is predicted.",
     "model": "The model of the flight.",
+    "spin.model": "The model whose law of lift is asked.",
     "pfx": "Count from 40 ft on, as PITCHf/x does.",
     "games": _option(
         "game_pk, temperature (°F), and elevation (ft) or park of each game; by default those of "
