@@ -18,6 +18,7 @@ import numpy as np
 
 from longball.judge.diagnosis.chain import (
     FLYING,
+    IN_FLIGHT,
     INPUTS,
     Stage,
     e_x,
@@ -28,9 +29,6 @@ from longball.judge.diagnosis.chain import (
     t,
     v,
     v0,
-)
-from longball.judge.diagnosis.chain import (
-    IN_FLIGHT as IN_FLIGHT,  # for `longball.judge.coverage`
 )
 from longball.judge.diagnosis.expression import (
     JUMPS,
