@@ -319,8 +319,13 @@ def _settled(edit: Edit, at: Values) -> Edit:
     if not edit.starts:
         return edit
     x = edit.starts[len(edit.starts) // 2]
-    value = 1.1 if edit.factor else float(np.nanmedian(at.of(x))) if isinstance(x, Node) else x
-    return edit.settled(value, 0.0)
+    if edit.factor:
+        return edit.settled(1.1, 0.0)
+    if isinstance(x, Node):
+        known = np.asarray(at.of(x))
+        known = known[np.isfinite(known)]
+        x = float(np.median(known)) if known.size else math.nan  # no scene has it
+    return edit.settled(x, 0.0)
 
 
 def _why(moved: Array, allowed: Array) -> str:
