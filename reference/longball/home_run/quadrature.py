@@ -58,7 +58,7 @@ _STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
 _KINKED = 100.0
 # Nodes of a Gauss-Legendre rule on which a density is known to rounding, per standard deviation.
 _FINE = 4.0
-_PAIRS = 16  # of speed and tilt, that a thread takes at a time: a third of a second
+_PAIRS = 240  # of speed and tilt, that a thread takes at a time: fewer are mostly overhead
 
 
 class Nodes(NamedTuple):
