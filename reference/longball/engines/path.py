@@ -15,7 +15,7 @@ from longball.model.numbers import N, Numbers, Vector
 
 
 class Path(Generic[N]):
-    """A flight from its launch, as far as one looks: its pieces are taken when they are needed.
+    """A flight from its launch on, whose pieces are computed when somebody asks for them.
 
     They come in order of time, each beginning where the one before ends.
     """
@@ -25,7 +25,7 @@ class Path(Generic[N]):
         self._known: list[Piece[N]] = []
 
     def pieces(self, number: int = 0) -> Iterator[Piece[N]]:
-        """Yield the pieces from the launch on, or from that of a number on."""
+        """Yield the pieces from the launch on, or from piece `number` on."""
         while True:
             if number == len(self._known):
                 piece = next(self._coming, None)
@@ -78,7 +78,7 @@ class Flight(Generic[N]):
         return self.stop == name
 
     def highest(self, numbers: Numbers[N]) -> tuple[N, State[N]] | None:
-        """Return when, s since launch, and in what state it is highest; None if it ends so."""
+        """Return time, s since launch, and state at its highest point; None if it is still rising."""
         found: tuple[N, State[N]] | None = None
         start = numbers.exact(0.0)
         for number, piece in enumerate(self.path.pieces()):
@@ -103,7 +103,7 @@ class Flight(Generic[N]):
         return found
 
     def then(self, second: Flight[N]) -> Flight[N]:
-        """Return this flight, going on as another one where it ended."""
+        """Return this flight, continued by a second one from where it ends."""
 
         def pieces() -> Iterator[Piece[N]]:
             for piece in self.path.pieces():

@@ -107,7 +107,7 @@ class Comparison:
 
 
 def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
-    """Hold an answer against a case, one that the profile's `truths` returned."""
+    """Compare an answer with a case from the profile's `truths`."""
     judged = decidable(case)
     if answer is not None and answer.error is not None and profile.may_be_refused(case):
         judged = False
@@ -407,7 +407,7 @@ _MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False
 
 
 def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
-    """Tell of both sides whether ball and bat met; None where it is not said."""
+    """Tell whether ball and bat met, as the case and the answer have it; None if that is open."""
     assert comparison.answer is not None
     truth = comparison.case.expected
     expected = _MET.get(truth.outcome or "", True if truth.impact else None)
@@ -461,7 +461,7 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
 
 
 def _median(values: Sequence[float]) -> float:
-    """Return the median; the sum of two large values, of which it is the half, may overflow."""
+    """Return the median, also of values so large that the sum of two overflows."""
     return median(x / 2 for x in values) * 2 if max(values) > 1e300 else median(values)
 
 
