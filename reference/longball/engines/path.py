@@ -78,7 +78,7 @@ class Flight(Generic[N]):
         return self.stop == name
 
     def highest(self, numbers: Numbers[N]) -> tuple[N, State[N]] | None:
-        """Return time, s since launch, and state at its highest point; None if it is still rising."""
+        """Return time, s since launch, and state at the highest point; None if it still rises."""
         found: tuple[N, State[N]] | None = None
         start = numbers.exact(0.0)
         for number, piece in enumerate(self.path.pieces()):
