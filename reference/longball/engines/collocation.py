@@ -408,12 +408,12 @@ class Collocation:
         found = np.zeros((len(free), n))
         previous = np.inf
         for _ in range(_ROUGH_STEPS):
-            values = np.repeat(at_start[:, None], n, axis=1)
-            values[free] += found @ integrals.T
-            for i, rate in dynamics.integrals.items():
-                values[i] += integrals @ values[rate]
             # A step too long runs away.
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                values = np.repeat(at_start[:, None], n, axis=1)
+                values[free] += found @ integrals.T
+                for i, rate in dynamics.integrals.items():
+                    values[i] += integrals @ values[rate]
                 there, partials = dynamics.doubles(values)
                 jacobian = np.eye(found.size)
                 for (i, k), partial in partials.items():
