@@ -126,7 +126,7 @@ def launch(
     >>> round(lb.solve(scene).landing.distance, 3)
     116.06
     """
-    # Also of NaN.
+    # `not >` also refuses NaN.
     if not speed > 0.0:
         raise InvalidScene(f"speed: must be positive (got {speed!r})")
     # The same formulas as those of derivatives by launch.speed, in longball.model.inputs.
@@ -251,7 +251,7 @@ def solve(
     >>> result.path.at(1.0).position.round(3)
     array([25.243,  0.   , 20.103])
     """
-    # A wrong scene is said before a wrong engine.
+    # The scene comes first: of two mistakes it is the likelier one.
     asked, solver = as_scene(scene), as_engine(engine, options)
     certify = engines.of_type(bool, "certify", certify)
     if certify and derivatives:
@@ -378,7 +378,7 @@ def home_run_probability(
 
     from longball import home_run
 
-    # What is wrong with the call is said before anything is computed.
+    # Check all arguments before the computation begins.
     restitutions = _restitutions(e)
     drawn = {"samples": samples, "seed": seed}
     if method == "quadrature" and (given := [name for name, x in drawn.items() if x is not None]):

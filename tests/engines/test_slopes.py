@@ -308,7 +308,7 @@ def test_golden_scenes_have_in_columns_the_derivatives_that_they_have_alone(fami
     """A derivative is of the size of what its quantity is made of, over the size of its input.
 
     That is the attainable error of the golden case, in roundings: of a clearance of 1 mm, or of a
-    ball from a bat, it is far more than the quantity.
+    ball from a bat, it is far more than the quantity. Of a flight it is up to four times as much.
     """
     cases = [case for case in golden.load(family) if case.condition is not None]
     faults = []
@@ -328,6 +328,6 @@ def test_golden_scenes_have_in_columns_the_derivatives_that_they_have_alone(fami
             for name, slope in zip(names, found[:, 0], strict=True)
             for other in [known[quantity][name]]
             for size in [abs(other) + case.attainable(quantity) / ROUNDING / (abs(of[name]) or 1.0)]
-            if abs(slope - other) > GOOD * size
+            if abs(slope - other) > 0.25 * GOOD * size
         ]
     assert faults == []

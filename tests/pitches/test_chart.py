@@ -270,11 +270,3 @@ def test_places_in_another_unit_are_asked_about(given, meant):
     day["release_speed"] *= 0.44704
     with pytest.raises(TableError, match=r"release_speed: .* in mph it would .* is it in m/s"):
         read_pitches(day, Columns(place_unit=given))
-
-
-def test_help_lists_every_name_of_a_column():
-    from longball.cli.options import OPTIONS
-
-    row = OPTIONS["fit.column"]
-    assert isinstance(row, dict)
-    assert ", ".join(Columns.model_fields) in row["help"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import longball as lb
@@ -72,6 +73,17 @@ def test_pitches_have_the_spin_that_each_has_alone(called, few):
         )
         assert row["transverse"] == pytest.approx(alone.rate, rel=1e-10)
         assert row["active_share"] == pytest.approx(alone.active_share, rel=1e-10)
+
+
+def test_a_type_whose_spin_nobody_knows_has_no_median(called, few, tmp_path):
+    table = pd.read_csv(few)
+    table["ax"] *= 40.0  # no spin gives so much lift
+    table.to_csv(tmp_path / "wild.csv", index=False)
+    done = called("spin", tmp_path / "wild.csv")
+    assert done.returncode == 0, done.stderr
+    assert "-" in done.stdout.splitlines()[1].split()
+    assert "nan" not in done.stdout
+    assert "beyond what the law of lift reaches" in done.stderr
 
 
 def test_types_of_pitch_are_summed_up(called):

@@ -19,8 +19,7 @@ from typer.core import TyperGroup
 from longball import __version__
 from longball.model.names import did_you_mean, one_of
 
-# The commands, each with an example. A command is a function in a module of its own, which is
-# imported when the command is asked for.
+# The commands, each with an example. Each is a function in a module of its own, imported on demand.
 COMMANDS = {
     "solve": "longball solve at-bats.jsonl -o results.jsonl",
     "judge": "longball judge -- longball solve --engine verlet --dt 1e-3",
@@ -39,7 +38,7 @@ COMMANDS = {
     "readings": "longball readings --samples 1000",
     "golden": "longball golden list",
 }
-GROUPS = ("golden",)  # commands that have commands of their own
+GROUPS = ("golden",)  # commands with subcommands
 
 
 def module_of(command: str) -> Any:
@@ -49,7 +48,7 @@ def module_of(command: str) -> Any:
 
 def summary_of(command: str, group: str = "") -> str:
     """Return the first line of a command's docstring, without importing its module."""
-    # Help lists all commands: to import them would take five times as long as to parse them.
+    # Help lists all commands; importing them takes five times as long as parsing them.
     tree: Any = ast.parse(Path(__file__).with_name(f"{group or command}.py").read_bytes())
     if command not in GROUPS:
         # The function has the command's name, with _ if Python has a word like it.
@@ -61,7 +60,7 @@ def summary_of(command: str, group: str = "") -> str:
 class Commands(TyperGroup):
     """Commands that are imported when they are asked for, and refuse values in plain words."""
 
-    group = ""  # whose commands they are; empty for longball's own
+    group = ""  # that the commands belong to; empty for longball itself
     examples: Mapping[str, str] = COMMANDS
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -103,8 +102,7 @@ class Commands(TyperGroup):
         """Return the command that is asked for, and give it what a file of settings has for it."""
         found: Any = super().resolve_command(ctx, args)
         name, command, rest = found
-        # A wrong file of settings must not keep anybody from the help; what follows -- is the
-        # COMMAND's.
+        # Help must work with a wrong file of settings. What follows -- belongs to the COMMAND.
         asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
         has_settings = not self.group and name not in GROUPS
         if has_settings and not (asks_help or ctx.resilient_parsing):
@@ -125,7 +123,7 @@ class Commands(TyperGroup):
             if hasattr(error, "param_type"):  # it is missing, and has no message yet
                 error.message = str(getattr(error.param, "help", ""))
             error.message = in_our_words(error.message)
-            # The value may be that of the file, which the reader of the message does not see.
+            # The file may have given the value, and the message must say so.
             said_by = getattr(error.ctx, "default_map", None) or {}
             if error.param and error.param.name in said_by:
                 command: Any = error.ctx and error.ctx.command

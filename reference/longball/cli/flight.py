@@ -80,7 +80,8 @@ def _wind(text: str) -> list[float]:
     """Return the wind of a text such as 10 mph out, m/s."""
     amount, _, word = text.strip().rpartition(" ")
     if word not in WAYS or not amount:
-        wrong_call(f"--wind {text}: say how fast and where to, as '10 mph out', in, left or right")
+        ways = ", ".join(WAYS)
+        wrong_call(f"--wind {text}: say how fast and where to, as '10 mph out': {ways}")
     # Level winds along the four directions of a field; --set air.wind takes any vector.
     speed = in_si("--wind", amount, "m/s")
     return [speed * way for way in WAYS[word]] + [0.0]

@@ -53,7 +53,7 @@ def judge(
     html: Path | None = None,
     quiet: bool = False,
 ) -> None:
-    """Compare a simulator with proven results; say what is wrong."""
+    """Compare a simulator with proven results, and name its mistakes."""
     refuse_if(
         (command and results, "either --results FILE or -- COMMAND, not both"),
         (
@@ -105,7 +105,7 @@ def judge(
             if command or results
             else ([], "")
         )
-        # For programs that do not know the defaults; the others are sent what is written.
+        # Some programs do not know the defaults. The others get the scenes as they are written.
         if write_defaults:
             cases = [with_defaults(case) for case in cases]
         judge = Judge(cases, rule, truth, partial, dt=dt)

@@ -27,12 +27,12 @@ def hushed(quiet: bool) -> bool:
 
 
 def tell(sentence: str) -> None:
-    """Print what is wrong to standard error."""
+    """Print an error to standard error."""
     errors.print(f"longball: {sentence}", markup=False)
 
 
 def note(sentence: str) -> None:
-    """Print what may be good to know to standard error."""
+    """Print a note to standard error."""
     say.print(f"longball: {sentence}", markup=False)
 
 
@@ -50,7 +50,7 @@ def refuse_if(*wrong: tuple[object, str]) -> None:
 
 
 def fail(sentence: str) -> NoReturn:
-    """Print what went wrong and exit with status 1."""
+    """Print an error and exit with status 1."""
     tell(sentence)
     raise typer.Exit(1)
 
@@ -107,7 +107,7 @@ def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 
 @contextmanager
 def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
-    """Show progress on a terminal; yield a function of what is done (and of the total)."""
+    """Show progress on a terminal; yield a function that takes the work done (and the total)."""
     if say.quiet or not say.is_terminal:
         yield lambda done, of=total: None
         return

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
 from importlib import import_module
 from inspect import signature
@@ -100,6 +100,12 @@ def _written(about: str) -> dict[str, Any]:
     return _option(about, "FILE", _writable)
 
 
+def _columns() -> Iterable[str]:
+    from longball.pitches import Columns
+
+    return Columns.model_fields
+
+
 # Of arguments: how they are shown, and their help.
 ARGUMENTS = {
     "source": (
@@ -113,7 +119,7 @@ ARGUMENTS = {
         "output. If {dt} is in it, it is also run with several time steps, and its order of "
         "convergence is measured.",
     ),
-    "converge.command": ("-- COMMAND …{dt}…", "{dt} stands for the time step, s."),
+    "converge.command": ("-- COMMAND …{dt}…", "{dt} is replaced by the time step, s."),
     "fit.pitches": ("[PITCHES.csv|-]", "One row per pitch; - reads stdin."),
     "table": ("[TABLE.csv|-]", "In Statcast's columns; - reads stdin."),
     "folder": ("[DIR]", ""),
@@ -123,8 +129,8 @@ ARGUMENTS = {
 }
 
 # Of options: the help alone, or also the form of the value and a check. An option that takes many
-# values is repeatable, and its help says so.
-OPTIONS: dict[str, str | dict[str, Any]] = {
+# values is repeatable, and its help says so. A row that needs an import is a function.
+OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     # scenes, and what changes them
     "reading": _option("A switch of the ledger", "NAME=OPTION"),
     "set": _option(
@@ -250,10 +256,9 @@ OPTIONS: dict[str, str | dict[str, Any]] = {
     "measured.scenes": _written("Write the scenes here."),
     "measured.csv": _written("Write each prediction here, in SI units."),
     "measured.figure": _picture("Draw the errors here"),
-    "fit.column": _option(
-        "How to read the table. NAME is one of pitch_type, speed, speed_unit, speed_resolution, "
-        "across, height, top, bottom, place_unit, view, cell_width. Without it, Statcast's names "
-        "and units. height=null leaves heights out",
+    "fit.column": lambda: _option(
+        f"How to read the table. NAME is one of {', '.join(_columns())}. Without it, Statcast's "
+        "names and units. height=null leaves heights out",
         "NAME=VALUE",
     ),
     "straight": _option("Types of pitch that are straight.", "A,B"),
@@ -327,7 +332,7 @@ def _declared(command: str, parameter: str, hint: Any, default: object) -> Any:
         metavar, about = ARGUMENTS.get(own) or ARGUMENTS[name]
         return Annotated[hint, typer.Argument(metavar=metavar, help=about)]
     row = OPTIONS[own] if own in OPTIONS else OPTIONS[name]
-    form = {"help": row} if isinstance(row, str) else {**row}
+    form = {"help": row} if isinstance(row, str) else {**(row() if callable(row) else row)}
     if any(get_origin(each) is list for each in (hint, *get_args(hint))):
         form["help"] += "; repeatable."
     flag = f"--{name.replace('_', '-')}"

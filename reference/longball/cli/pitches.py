@@ -41,7 +41,7 @@ def answers(
     workers: int,
     scheduler: str | None,
 ) -> dict[str, Array]:
-    """Return the columns that a function has of pitches, which are shared among workers."""
+    """Return the columns that a function computes of pitches, in parts on several workers."""
     begins = range(0, len(pitches), PART)
     calls = ((pitches.part(slice(i, i + PART)), *more) for i in begins)
     with on_cluster(scheduler):
@@ -50,18 +50,19 @@ def answers(
 
 
 def show_each(pitches: MeasuredPitches, columns: dict[str, Any]) -> None:
-    """Print a line of JSON for each pitch; what is not known is left out."""
+    """Print a line of JSON for each pitch, without the numbers that are not known."""
     every = {"row": pitches.rows, "pitch_type": pitches.labels} | columns
     for values in zip(*(column.tolist() for column in every.values()), strict=True):
         print(json_line({name: x for name, x in zip(every, values, strict=True) if x == x}))
 
 
 def show_types(pitches: MeasuredPitches, columns: Mapping[str, Array]) -> None:
-    """Print the median of columns for each type of pitch, the commonest first."""
+    """Print the median of columns for each type of pitch, the commonest first; - for none."""
     types, counts = np.unique(pitches.labels, return_counts=True)
     rows = []
     for i in np.argsort(-counts, kind="stable"):
         here = pitches.labels == types[i]
-        medians = (np.nanmedian(column[here]) for column in columns.values())
-        rows.append([str(types[i]), str(counts[i]), *(f"{x:.4g}" for x in medians)])
+        known = (column[here & ~np.isnan(column)] for column in columns.values())
+        cells = (f"{np.median(x):.4g}" if x.size else "-" for x in known)
+        rows.append([str(types[i]), str(counts[i]), *cells])
     show(["median of type", "n", *columns], rows)

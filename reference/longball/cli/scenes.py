@@ -41,7 +41,7 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
     """Open scenes as lines of JSON, whatever the file holds."""
     if ending(source) not in TABLES:
         with reading_from(source) as file:
-            # A terminal has nothing to look at before somebody types.
+            # A terminal has no first bytes until somebody types.
             if isinstance(file, BufferedReader) and not file.isatty():
                 _require_lines(file.peek(1), source)
             yield file

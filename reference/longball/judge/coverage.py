@@ -23,7 +23,6 @@ from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis.chain import (
     CHAIN,
-    IN_FLIGHT,
     INPUTS,
     LAW,
     OWN,
@@ -40,7 +39,6 @@ from longball.judge.diagnosis.expression import (
     component,
     constant,
     contains,
-    depends,
     norm,
     ordered,
     substitute,
@@ -60,7 +58,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Direct, Many
+from longball.judge.diagnosis.response import Change, Direct, Many
 from longball.judge.diagnosis.search import defaults
 from longball.judge.quantities import values_of
 from longball.model.arrays import Array
@@ -206,7 +204,7 @@ class _Flown:
     """
 
     def __init__(self, stage: Stage, columns: Columns) -> None:
-        self._roots = _roots(stage)
+        self._stage, self._roots = stage, _roots(stage)
         count = len(columns["kind"])
         x, weights = np.polynomial.legendre.leggauss(NODES)
         shares = np.repeat([*(x + 1.0) / 2.0, 1.0], count)
@@ -225,34 +223,36 @@ class _Flown:
         self._end = Many(Values(take(every, np.arange(NODES * count, (NODES + 1) * count))))
         self._launch = Many(Values(columns))
 
-    def moved(self, edit: Edit) -> Array:
-        """About the change of place, velocity and spin at the end."""
-        found = np.zeros((9, len(self._duration)))
-        aloft = depends(edit.new, IN_FLIGHT)
+    def moved(self, changes: Sequence[Change]) -> Array:
+        """About the changes of place, velocity and spin at the end, one for each of `changes`."""
+        every = np.zeros((len(changes), 9, len(self._duration)))
         for name, root in self._roots.items():
-            during = {"law": self._aloft, "spin_left": self._end}.get(name)
-            if not contains(root, edit.place) or (aloft and during is None):
-                continue
-            where = during or self._launch
-            change = where.of(root, [(edit, None)])[0] - where.at.of(root)
-            match name:
-                case "law":
-                    pushed = np.broadcast_to(change, (3, NODES * found.shape[1]))
-                    pushed = pushed.reshape(3, NODES, -1) * self._weights
-                    found[3:6] += pushed.sum(axis=1)
-                    found[:3] += (pushed * self._left).sum(axis=1)
-                case "place":
-                    found[:3] += change
-                case "velocity":
-                    found[:3] += change * self._duration
-                    found[3:6] += change
-                case "duration":
-                    found[:3] += change * self._velocity
-                case "spin":
-                    found[6:] += change
-                case "spin_left":
-                    found[6:] += change * self._launch.at.of(self._roots["spin"])
-        return found
+            where = {"law": self._aloft, "spin_left": self._end}.get(name, self._launch)
+            here = [
+                i
+                for i, (edit, _) in enumerate(changes)
+                if contains(root, edit.place) and self._stage.takes(name, edit.new)
+            ]
+            for i, value in zip(here, where.of(root, [changes[i] for i in here]), strict=True):
+                found, change = every[i], value - where.at.of(root)
+                match name:
+                    case "law":
+                        pushed = np.broadcast_to(change, (3, NODES * len(self._duration)))
+                        pushed = pushed.reshape(3, NODES, -1) * self._weights
+                        found[3:6] += pushed.sum(axis=1)
+                        found[:3] += (pushed * self._left).sum(axis=1)
+                    case "place":
+                        found[:3] += change
+                    case "velocity":
+                        found[:3] += change * self._duration
+                        found[3:6] += change
+                    case "duration":
+                        found[:3] += change * self._velocity
+                    case "spin":
+                        found[6:] += change
+                    case "spin_left":
+                        found[6:] += change * self._launch.at.of(self._roots["spin"])
+        return every
 
 
 # Flights that are a part of another one, by one law.
@@ -269,22 +269,22 @@ def _roots(stage: Stage) -> dict[str, Node]:
 class _Effects:
     """Effects of edits at a stage, in the scenes that have it."""
 
+    stage: Stage
     some: Index
-    nodes: frozenset[Node]  # of its formulas
+    nodes: Mapping[str, frozenset[Node]]  # of each of its formulas
     effects: _Flown | Direct
     allowed: Array  # what passes unnoticed of each number
 
     def has(self, edit: Edit) -> bool:
-        """True if an edit can be made there: what exists in flight alone is nowhere else."""
-        aloft = depends(edit.new, IN_FLIGHT)
-        return edit.place in self.nodes and not (aloft and isinstance(self.effects, Direct))
+        """True if an edit can be made there."""
+        return any(
+            edit.place in nodes and self.stage.takes(name, edit.new)
+            for name, nodes in self.nodes.items()
+        )
 
     def of(self, edit: Edit) -> Array:
         """The changes of numbers by an edit, NaN where there is no number."""
-        if isinstance(self.effects, Direct):
-            (moved,) = self.effects.moved([(edit, None)])
-        else:
-            moved = self.effects.moved(edit)[: len(self.allowed)]
+        moved = self.effects.moved([(edit, None)])[0, : len(self.allowed)]
         moved = np.where(np.isfinite(self.allowed) & np.isfinite(moved), moved, np.nan)
         return np.broadcast_to(moved, self.allowed.shape)
 
@@ -310,8 +310,8 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     own["spin"] = own[stage.spins]
     flies = stage.kind == "flight"
     effects = _Flown(stage, own) if flies else Direct(stage, Values(own))
-    nodes = frozenset(ordered(_roots(stage).values()))
-    return _Effects(some, nodes, effects, np.array(rows))
+    nodes = {name: frozenset(ordered([root])) for name, root in _roots(stage).items()}
+    return _Effects(stage, some, nodes, effects, np.array(rows))
 
 
 def _settled(edit: Edit, at: Values) -> Edit:

@@ -65,7 +65,7 @@ _RULE_BALL = {"mass": 5.125 * 0.028349523125, "radius": 9.125 * 0.0254 / (2.0 * 
 
 Model = Literal["vacuum", "paper", "constants", "giordano", "nathan", "crisis"]
 
-MODELS: dict[str, FlightModel] = {
+MODELS: dict[Model, FlightModel] = {
     "vacuum": FlightModel("no air", None, None, spin=False),
     "paper": FlightModel(
         "Kuninaka, Kosaka and Mizutani, Sec. III.B: C_D 0.4, C_L 0.2 upwards, 1.29 kg/m³",

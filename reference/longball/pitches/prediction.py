@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +19,7 @@ from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags
 from longball.model.changes import Changes
 from longball.model.result import Result
-from longball.model.scene import InvalidScene, Scene, parse_scene, refused
+from longball.model.scene import InvalidScene, Scene, refused, scene_of
 from longball.pitches.models import FlightModel, expected_spin, model_of
 from longball.pitches.statcast import (
     GAMES,
@@ -103,7 +102,8 @@ def scenes(
             scene["pitch" if "pitch" in scene else "launch"]["spin"] = spin[i].tolist()
         weather = float(measured.temperature[i]), float(measured.elevation[i])
         try:
-            yield parse_scene(json.dumps(scene | one.blocks(*weather)), change)
+            whole = scene | one.blocks(*weather)
+            yield scene_of(change(whole) if change else whole)
         except InvalidScene as error:
             yield InvalidScene(f"row {row} below the header is no scene: {error}", scene["id"])
 

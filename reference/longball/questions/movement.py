@@ -142,9 +142,13 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     places = way.at(way.start + half * (1.0 + nodes)).position
     # The projection on 1, τ, (3τ² - 1)/2, which are orthogonal over the pitch, τ from -1 to 1.
     basis = np.stack([np.ones_like(nodes), nodes, 1.5 * nodes**2 - 0.5])
-    mean, slope, bend = (basis * weights) @ places * np.array([[0.5], [1.5], [2.5]])
-    fitted = basis.T @ np.stack([mean, slope, bend])
-    residual = math.sqrt(0.5 * float(weights @ np.sum((places - fitted) ** 2, axis=1)))
+    projection = (basis * weights) * np.array([[0.5], [1.5], [2.5]])
+    fitted, left = np.zeros((3, 3)), places
+    for _ in range(2):  # the second time for what the first has rounded
+        fitted += projection @ left
+        left = places - basis.T @ fitted
+    mean, slope, bend = fitted
+    residual = math.sqrt(0.5 * float(weights @ np.sum(left**2, axis=1)))
     middle = NineParameters(
         _vector(mean - 0.5 * bend), _vector(slope / half), _vector(3.0 * bend / half**2), residual
     )

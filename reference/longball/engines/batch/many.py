@@ -88,10 +88,10 @@ def solve_decided_columns(
     These have no outcome. The scalar engine, which takes a thousand times as long, decides some of
     them; a search for the place where a ball begins to graze something ends among them.
     """
-    flyer, known = engine or _batch(), _checked(scene, columns)
-    table = _solve(scene, known, flyer, 1)
     if not _flies_in_lanes(scene, MODEL):
-        return _named(table, scene, known, flyer)
+        return solve_columns(scene, columns, engine)
+    flyer = engine or _batch()
+    table = _solve(scene, _checked(scene, columns), flyer, 1)
     return _by_name(table, np.full(len(table), flyer.description, object))
 
 
