@@ -244,12 +244,12 @@ def options(scene: Any) -> dict[str, str]:
     found = {f"reading.{key}": str(option) for key, option in scene.reading}
     found["kind"] = scene.kind
     filled = _with_air(scene)
-    found |= {path: form(_held(filled, path)) for path in FORMED}
+    found |= {path: form(value_at(filled, path)) for path in FORMED}
     found["air"] = form(getattr(scene, "air", None))
-    found["bat.support"] = _held(scene, "bat.support") or "pivot"
-    found["pitch"] = "aimed" if _held(scene, "pitch.velocity") is None else "velocity"
+    found["bat.support"] = value_at(scene, "bat.support") or "pivot"
+    found["pitch"] = "aimed" if value_at(scene, "pitch.velocity") is None else "velocity"
     begun = ("pitch.spin", "launch.spin", "incoming.spin")
-    spins = any(_held(scene, path) is not None for path in begun)
+    spins = any(value_at(scene, path) is not None for path in begun)
     found["spin"] = "given" if spins else "none"
     found["spin after"] = "given" if spins or found["bat.friction"] == "given" else "none"
     return found
@@ -266,13 +266,6 @@ FORMS = {
     "above": "above a height", "roughness": "logarithmic", "temperature": "weather",
     "polyline": "a polyline", "radius": "a circle",
 }  # fmt: skip
-
-
-def _held(scene: Any, path: str) -> Any:
-    """The value of a scene under a path of keys; None if it has no such key."""
-    for key in path.split("."):
-        scene = getattr(scene, key, None)
-    return scene
 
 
 def form(held: Any) -> str:
