@@ -222,6 +222,10 @@ def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
         ("flight-spin-lift", "divides ω0 × v by the lengths of both, and not by its own"),
         ("flight-real", "counts r from the launch"),
         ("flight-both", "takes each component's own size for U in k·C_D·U·v"),
+        # What programs write that have neither units nor vectors.
+        ("flight-both", "takes C_L for ρ_0"),
+        ("flight-both", "leaves out k and U in drag"),
+        ("flight-both", "takes k·C_L·U for h_x in k·C_L·U·h_x"),
     ],
 )  # fmt: skip
 @pytest.mark.sampled(every=2)

@@ -160,10 +160,7 @@ thins = switch(
     * thins,
 )
 area = named("A", math.pi * (I["R"] * I["R"]))
-k = named(
-    "k",
-    switch("air", {"none": constant(0.0, (-1, 0, 0)), "given": ρ * area / (2.0 * I["m"])}),
-)
+k = named("k", ρ * area / (2.0 * I["m"]))
 
 rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
@@ -271,10 +268,11 @@ def _heading(velocity: Node) -> Node:
     return where(norm(flat), unit(flat), e_x)
 
 
-axis = named("ê", cross(_heading(v0), e_z))
-_present = cross(_heading(v), e_z)
-_by_axis = switch("reading.lift_direction", {"fixed_spin_axis": axis, "always_up": _present})
-about = named("ê", _by_axis)
+_ahead = named(
+    "h",
+    switch("reading.lift_direction", {"fixed_spin_axis": _heading(v0), "always_up": _heading(v)}),
+)
+about = named("ê", cross(_ahead, e_z))
 _per_spin = I["R"] * (
     C_L / S_lift
 )  # of a total S, C_L/S is smooth where spin and motion are parallel
@@ -282,14 +280,22 @@ _per_spin = I["R"] * (
 
 # Of a direction fixed in space, the part across the airspeed.
 _sideways = named("d - (d·û)û", I["d"] - dot(I["d"], unit(u_lift)) * unit(u_lift))
+_cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])
+rotation = named(
+    "Ω",
+    constant(7.292115e-5, RATE)
+    * vector(_cosine * function("cos", I["α"]), _cosine * function("sin", I["α"]), _sine),
+)
+_drag, _lift = named("k·C_D·U", k * C_D * U), named("k·C_L·U", k * C_L * U_lift)
 
 
-def _law(paper_lift: Node) -> Node:
+def _law(drag: Node, paper_lift: Node, turned: Node) -> Node:
+    """The law of motion, with the drag, the paper's lift, and ω × u in one of their forms."""
     spinning = switch(
         "reading.spin_parameter",
         {
-            "transverse": k * C_L * (U_lift * U_lift) * unit(c),
-            "total": k * where(norm(spin), _per_spin, constant(0.0, M)) * c,
+            "transverse": k * C_L * (U_lift * U_lift) * unit(turned),
+            "total": k * where(norm(spin), _per_spin, constant(0.0, M)) * turned,
         },
     )
     lift = switch("spin", {"none": paper_lift, "given": spinning})
@@ -304,20 +310,46 @@ def _law(paper_lift: Node) -> Node:
             "given": k * I["C_S"] * (U_lift * U_lift) * unit(_sideways),
         },
     )
-    drag = named("drag", -(k * C_D * U * u))
-    total = drag + named("lift", lift) + named("side force", aside)
-    return total + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
+    of_air = named("drag", drag) + named("lift", lift) + named("side force", aside)
+    acting = switch("air", {"none": constant(0.0, ACCELERATION, True), "given": of_air})
+    return acting + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
 
 
-_cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])
-rotation = named(
-    "Ω",
-    constant(7.292115e-5, RATE)
-    * vector(_cosine * function("cos", I["α"]), _cosine * function("sin", I["α"]), _sine),
+def _parts(a: Node) -> tuple[Node, Node, Node]:
+    return component(a, 0), component(a, 1), component(a, 2)
+
+
+def _by_components() -> Node:
+    """The law as programs write it that have no vectors."""
+    (x, y, z), (p, q, s), (ahead, aside, _) = _parts(u_lift), _parts(spin), _parts(_ahead)
+    lift = -(_lift * ahead * z), -(_lift * aside * z), _lift * (ahead * x + aside * y)
+    turned = q * z - s * y, s * x - p * z, p * y - q * x
+    return _law(vector(*(-(_drag * each) for each in _parts(u))), vector(*lift), vector(*turned))
+
+
+def _in_launch_frame() -> Node:
+    """The law along the launch's horizontal direction, to its left, and upwards."""
+    left = named("l", cross(e_z, _ahead))
+
+    def spread(ahead: Node, aside: Node, up: Node) -> Node:
+        return ahead * _ahead + aside * left + up * e_z
+
+    def frame(a: Node) -> tuple[Node, Node, Node]:
+        return dot(a, _ahead), dot(a, left), component(a, 2)
+
+    ahead, _, up = frame(u_lift)
+    lift = spread(-(_lift * up), constant(0.0, ACCELERATION), _lift * ahead)
+    return _law(spread(*(-(_drag * each) for each in frame(u))), lift, c)
+
+
+LAW = _law(-(k * C_D * U * u), k * C_L * U_lift * cross(about, u_lift), c)
+# The same law in other forms has other neighbours: "axis -y" is an edit of the first, and one
+# component in place of another of the others.
+OTHER_FORMS = (
+    _law(-(k * C_D * U * u), k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)), c),
+    _by_components(),
+    _in_launch_frame(),
 )
-LAW = _law(k * C_L * U_lift * cross(about, u_lift))
-# The same law in another form has other neighbours: "axis -y" is an edit of this one.
-LAW_BY_DIRECTION = _law(k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)))
 
 # --- the collision --------------------------------------------------------------------------------
 
@@ -588,18 +620,19 @@ class Stage:
     quantities: tuple[str, ...]
     kind: Kind
     roots: Mapping[str, Node]
-    forms: Mapping[str, Node] = field(default_factory=dict)
+    forms: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
     scenes: tuple[str, ...] = ("flight", "at-bat")
 
     def edited(self, old: Node, new: Node) -> Stage:
         """The stage with one expression in place of another, where what that takes exists."""
-        roots, forms = (
-            {
-                name: substitute(root, old, new) if self.takes(name, new) else root
-                for name, root in some.items()
-            }
-            for some in (self.roots, self.forms)
-        )
+
+        def changed(name: str, formula: Node) -> Node:
+            return substitute(formula, old, new) if self.takes(name, new) else formula
+
+        roots = {name: changed(name, root) for name, root in self.roots.items()}
+        forms = {
+            name: tuple(changed(name, form) for form in some) for name, some in self.forms.items()
+        }
         same = all(roots[name] is root for name, root in self.roots.items())
         return self if same else replace(self, roots=roots, forms=forms)
 
@@ -667,13 +700,13 @@ def _formula(
 
 
 _STRUCK = ("impact", "at-bat")
-_forms = {"law": LAW_BY_DIRECTION}
+_forms = {"law": OTHER_FORMS}
 # By components of a speed.
 _by_parts = switch(
     "pitch",
     {"aimed": I["V_0"] / norm(_towards) * _towards, "velocity": I["pitch.velocity"]},
 )
-_thrown_forms = _forms | {"velocity": _by_parts}
+_thrown_forms = _forms | {"velocity": (_by_parts,)}
 _begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
 CHAIN = (
     Stage(
@@ -697,7 +730,7 @@ CHAIN = (
     ),
     Stage(
         "normal", ("contact.normal",), "formula", {"value": unit(offset)},
-        {"value": offset / reach}, _STRUCK,
+        {"value": (offset / reach,)}, _STRUCK,
     ),
     _formula(
         "bat velocity", "contact.bat_velocity",

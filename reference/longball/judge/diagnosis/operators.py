@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
@@ -155,6 +155,7 @@ BITS = {
     "condition": 6.0,
     "sum": 5.0,
     "rounded": 5.0,
+    "unit": 3.0,
 }
 
 # Factors that people's units, halves and diameters make.
@@ -269,9 +270,15 @@ def _others(site: Site) -> Iterator[Option]:
     a = site.node
     if a.op == "constant" and a.dimension == NONE:
         return
-    same = [b for b in site.pool if b.dimension == a.dimension and b.vector == a.vector]
-    same = [b for b in same if b is not a and words(b) != words(a)]
+    like = [b for b in site.pool if b.vector == a.vector and b is not a and words(b) != words(a)]
+    same = [b for b in like if b.dimension == a.dimension]
     choice = math.log2(1 + len(same))
+    if a.op in ("symbol", "named", "component", "dot") and not a.vector:
+        # A wrong variable or key may be of any unit: programs have none.
+        cost = BITS["other"] + BITS["unit"] + math.log2(1 + len(like))
+        for b in like:
+            if b.dimension != a.dimension:
+                yield in_unit_of(a, b), cost, f"takes {words(b)} for {words(a)}", ()
     for b in same:
         yield b, BITS["other"] + choice, f"takes {words(b)} for {words(a)}", ()
         if a.op == b.op == "symbol" and not a.vector:
@@ -282,6 +289,12 @@ def _others(site: Site) -> Iterator[Option]:
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
                 yield a + b, BITS["sum"] + choice, f"adds {words(b)} to {words(a)}", ()
                 yield a - b, BITS["sum"] + choice, f"subtracts {words(b)} from {words(a)}", ()
+
+
+def in_unit_of(a: Node, b: Node) -> Node:
+    """The number of b, in m, kg and s, with the unit of a."""
+    by = [x - y for x, y in zip(a.dimension, b.dimension, strict=True)]
+    return b * constant(1.0, (by[0], by[1], by[2]))
 
 
 def _numbers(site: Site) -> Iterator[Option]:
@@ -358,6 +371,29 @@ def _scales(site: Site) -> Iterator[Option]:
         yield a * number, cost, f"multiplies {words(a)} by {words(b)}", ()
 
 
+def _products(site: Site) -> Iterator[Option]:
+    """A definition or a whole formula that is a product, without two of its factors."""
+    a = site.node
+    if a.op != "named" and site.parents:
+        return
+    made = _meaning(a)
+    every = [x for x in dict.fromkeys(_scalar_factors(made)) if x.op != "constant"]
+    cost = 2 * BITS["one"] + math.log2(1 + len(every))
+    for f, g in itertools.combinations(every, 2):
+        by = substitute(made, f, constant(1.0, f.dimension))
+        by = substitute(by, g, constant(1.0, g.dimension))
+        yield by, cost, f"leaves out {words(f)} and {words(g)} in {words(a)}", ()
+
+
+def _scalar_factors(a: Node) -> Iterator[Node]:
+    """The scalar factors and divisors of a product."""
+    if a.op in ("product", "quotient", "negative"):
+        for factor in a.args:
+            yield from _scalar_factors(factor)
+    elif not a.vector:
+        yield a
+
+
 def _shapes(site: Site) -> Iterator[Option]:
     """A square, a root, an inverse, a size, or a limit."""
     a, said = site.node, words(site.node)
@@ -371,6 +407,9 @@ def _shapes(site: Site) -> Iterator[Option]:
     if a.op in ("symbol", "named", "norm"):
         unit_of = constant(1.0, a.dimension)
         yield a * a / unit_of, BITS["square"], f"squares {said}", ()
+    if site.under("product", "quotient") and a.op in ("symbol", "named", "component", "product"):
+        text = f"divides by {said} for multiplying, or the reverse"
+        yield in_unit_of(a, 1.0 / a), BITS["inverse"], text, ()
     if a.op not in ("norm", "abs"):
         yield function("abs", a, dimension=a.dimension), BITS["sibling"] + 1, f"takes |{said}|", ()
         yield (
@@ -522,8 +561,8 @@ def _options(site: Site) -> Iterator[Option]:
 
 
 OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
-    _others, _numbers, _factors, _terms, _scales, _shapes, _siblings, _directions, _states,
-    _options,
+    _others, _numbers, _factors, _terms, _scales, _products, _shapes, _siblings, _directions,
+    _states, _options,
 )  # fmt: skip
 
 
@@ -535,12 +574,17 @@ DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 # --- edits of a stage -----------------------------------------------------------------------------
 
 
-def pool_of(chain: Iterable[Stage], stage: Stage, columns: Columns) -> tuple[Node, ...]:
+def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Node, ...]:
     """Nodes at hand at a stage: its own pool, and inputs and definitions of its formulas."""
     found: dict[int, Node] = {}
-    kin = [s for s in chain if (s.kind == "flight") == (stage.kind == "flight")]
-    near = [stage] if stage.kind == "flight" else kin[: kin.index(stage) + 1]
-    roots = [root for one in near for root in one.roots.values()]
+    if stage.kind == "flight":
+        roots = [*stage.roots.values(), *(form for some in stage.forms.values() for form in some)]
+    else:  # of flights before it, their ends are at hand
+        before = chain[: chain.index(stage) + 1]
+        roots = [
+            root for one in before for name, root in one.roots.items()
+            if one.kind != "flight" or name == "duration"
+        ]  # fmt: skip
     if stage.kind == "event":  # where the flight that it ends began
         ends = (s for s in chain if s.kind == "flight" and s.quantities[0] == stage.quantities[0])
         roots += [flight.roots["place"] for flight in ends]
@@ -550,6 +594,8 @@ def pool_of(chain: Iterable[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     if stage.kind == "event":
         places = [x for x in found.values() if x.op == "symbol" and x.vector and x.dimension == M]
         found |= {id(x): x for place in places for i in range(3) for x in [component(place, i)]}
+    if stage.kind == "flight":
+        found |= {id(x): x for moving in (v, r) for i in range(3) for x in [component(moving, i)]}
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
         found[id(node)] = node
@@ -583,16 +629,11 @@ def edits(
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         nodes = ordered([root], (), arguments)
         site = Site(root, (), here, defaults, flies, left_out)
-        yield from _of_formula(root, root, nodes, nodes, site)
+        yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_options(root, nodes, site)
-        if name in stage.forms:
-            form, known = stage.forms[name], frozenset(nodes)
+        for form in stage.forms.get(name, ()):
             others = ordered([form], (), arguments)
-            # Only where the forms differ, and below: elsewhere the edits of both are the same.
-            first = [x for x in others if x not in known and known.issuperset(arguments(x))]
-            leading = frozenset(ordered(first, (), arguments))
-            sites = [x for x in others if x not in known or x in leading]
-            yield from _of_formula(root, form, others, sites, site)
+            yield from _of_formula(root, form, others, frozenset(nodes), site)
 
 
 def _of_options(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit]:
@@ -624,10 +665,10 @@ UNNAMED = {"named": 0.0, "symbol": 0.5}
 
 
 def _of_formula(
-    root: Node, form: Node, nodes: Sequence[Node], sites: Sequence[Node], whole: Site
+    root: Node, form: Node, nodes: Sequence[Node], known: Container[Node], whole: Site
 ) -> Iterator[Edit]:
-    """Edits at some of the nodes of a form of a formula."""
-    leaves = [node for node in sites if node.op == "symbol"]
+    """Edits at the nodes of a form of a formula, but for those that are known of another form."""
+    leaves = [node for node in nodes if node.op == "symbol" and node not in known]
     for a, b in itertools.combinations(leaves, 2):
         if a.dimension == b.dimension and a.vector == b.vector:
             hole = symbol("hole", a.dimension, a.vector)
@@ -639,12 +680,13 @@ def _of_formula(
         yield Edit(root, plain, BITS["option"], "ignores the scene's readings")
     parents: dict[int, list[Node]] = {id(node): [] for node in nodes}
     for node in nodes:
-        for arg in node.args:
+        for arg in dict.fromkeys(node.args):
             if id(arg) in parents:
                 parents[id(arg)].append(node)
     places = math.log2(1 + len(nodes))
-    for node in sites:
+    for node in nodes:
         using = parents[id(node)]
+        uses = [(use, k) for use in using for k, arg in enumerate(use.args) if arg is node]
         above = [q for p in using for q in ([p] if p.op != "named" else parents[id(p)])]
         site = replace(whole, node=node, parents=tuple(above or using))
         for operator in OPERATORS:
@@ -652,10 +694,11 @@ def _of_formula(
                 # People err in what has a name; another form is a choice of one in two.
                 cost = bits + places + UNNAMED.get(node.op, 1.5) + (form is not root)
                 place, within = (node, None) if form is root else (root, (form, node))
-                yield Edit(place, by, cost, said, starts, within=within)
-                if len(using) > 1:
-                    for use in using:
-                        new = rebuilt(use, [by if arg is node else arg for arg in use.args])
+                if node not in known:
+                    yield Edit(place, by, cost, said, starts, within=within)
+                for use, k in uses if len(uses) > 1 else ():
+                    if use not in known:
+                        new = rebuilt(use, [*use.args[:k], by, *use.args[k + 1 :]])
                         place, within = (use, None) if form is root else (root, (form, use))
                         text = f"{said} in {words(use)}"
                         yield Edit(place, new, cost + 2, text, starts, None, within)

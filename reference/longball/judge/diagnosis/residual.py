@@ -712,7 +712,10 @@ def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, .
             columns[name] = np.concatenate([data.columns[key][_at(s, data)] for s, key in keys])
         known: dict[int, Node] = {}
         roots = {name: specialised(root, columns, known) for name, root in stage.roots.items()}
-        forms = {name: specialised(root, columns, known) for name, root in stage.forms.items()}
+        forms = {
+            name: tuple(specialised(form, columns, known) for form in some)
+            for name, some in stage.forms.items()
+        }
         found.append(replace(stage, roots=roots, forms=forms))
     return tuple(found)
 

@@ -230,12 +230,18 @@ class Effects:
         self._axes = np.stack([one, _unit(other)[1]])
 
     def left(self) -> list[float]:
-        """Fraction of the squared errors that remains after a fit of each edit's effect."""
+        """Fraction of the squared errors that remains after a fit of each edit's effect.
+
+        Of edits with one direction of effects, those whose own size is nearest come first.
+        """
         found = np.ones(len(self.edits))
         along = self._axes @ self.errors
         forwards = self._free | (along[0] > 0)
         if (whole := float(self.errors @ self.errors)) > 0.0:
             rest = 1.0 - np.where(forwards, (along**2).sum(axis=0), 0.0) / whole
+            with np.errstate(all="ignore"):
+                amiss = np.where(self._free, 0.0, np.abs(np.log2(along[0] / self._size)))
+            rest = np.minimum(rest * (1.0 + AMISS * np.nan_to_num(amiss)), 1.0)
             np.minimum.at(found, self._of, rest)
         return found.tolist()
 
@@ -306,5 +312,6 @@ FAR = 1e9  # times the error: larger effects are ignored
 RIGHT = 1e-9  # of the largest error: a scene with a smaller one is right
 PARALLEL = 1e-7  # of an effect: a smaller part of it across another is rounding
 FIRSTS = 200  # edits that fit best alone: one of a pair is among them
+AMISS = 1e-3  # relative: what each factor of 2 between an edit's effect and its fit adds to that
 ABOUT = 2.0  # factor that the effect of a finite edit may differ by from that of first order
 LINEAR = 1e-6  # of the squared errors, what effects of first order leave of a right pair at least

@@ -299,7 +299,7 @@ class Explanation:
         unchanged = _fingerprint(self.stage, probe)
         for edit in sorted(shares, key=shares.__getitem__):
             stage = self.edited(edit)
-            if stage.kind == "event" and not self._ends_flights(stage):
+            if not self._is_possible(stage):
                 continue
             if edit.by.op == "constant" and not _is_finite(stage, self.stage, probe):
                 continue
@@ -315,11 +315,10 @@ class Explanation:
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
             if edit.starts:
-                starts_of = [(start,) for start in self._starts(edit, effects.at)]
-                (c,), r, _ = fitted(screened, starts_of)
-                group[0] = replace(edit, starts=(float(c),))
-                made = self.edited(edit.settled(float(c), 0.0))
-                if made.kind == "event" and not self._ends_flights(made):
+                c, r = _fitted_from(screened, self._starts(edit, effects.at), edit.factor)
+                group[0] = replace(edit, starts=(c,))
+                made = self.edited(edit.settled(c, 0.0))
+                if not self._is_possible(made):
                     continue
             else:
                 (r,) = screened(np.zeros((1, 0)))
@@ -331,11 +330,13 @@ class Explanation:
         return found, len(cheapest)
 
     @np.errstate(all="ignore")
-    def _ends_flights(self, stage: Stage) -> bool:
-        """True if an edited event function still varies on both sides of the ball's position.
+    def _is_possible(self, stage: Stage) -> bool:
+        """True unless an edit leaves an event whose function is flat about the ball's position.
 
         A flat function is small wherever a flight ends, and would explain any end.
         """
+        if stage.kind != "event":
+            return True
         zero, old = stage.roots["zero"], self.stage.roots["zero"]
         if np.mean(np.abs(self.probe.of(zero)) < NOTHING) > ANYWHERE:
             return False
@@ -380,8 +381,6 @@ class Explanation:
             edit, twins = group[0], group[1:TWINS]
             if edit.starts:
                 edit, r, more = self.settled(edit)
-                if self.stage.kind == "event" and not self._ends_flights(self.edited(edit)):
-                    continue
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
             else:
                 r = self._in_floors(self.edited(edit), self.all, edit.rough)
@@ -390,7 +389,8 @@ class Explanation:
             if saved < needed:
                 continue
             if is_adequate(r, edit.rough):
-                adequate += [(one, saved - needed) for one in (edit, *twins)]
+                possible = [e for e in (edit, *twins) if self._is_possible(self.edited(e))]
+                adequate += [(one, saved - needed) for one in possible]
             else:
                 partial.append((cost(r) + edit.bits, edit))
         if adequate:
@@ -466,7 +466,7 @@ class Explanation:
         chain = replace(edit, only=self.stage).apply(self.chain)
         (stage,) = [s for s, was in zip(chain, self.chain, strict=True) if was is self.stage]
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
-        if not f.beyond.any():
+        if not f.beyond.any() or not self._is_possible(stage):
             return None
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
@@ -526,15 +526,21 @@ def asking(
     kinds = sorted(set(data.columns["kind"]))
     scenes = list(random_scenes(FRESH, seed=1, kinds=kinds))
     cases = solved(scenes, engine)
-    fresh: list[tuple[Data, Mapping[str, Any]]] = []
+
+    @cache
+    def asked() -> Data:
+        answers = solve(scenes)
+        known = [case for case in cases if case.id in answers and decidable(case)]
+        return replace(data_of(known, answers, data.granted), ways=data.ways)
+
+    # What the candidate does not tell follows from the edits that are in the chain by then.
+    followed: list[tuple[tuple[Stage, ...], Mapping[str, Any]]] = []
 
     def holds(chain: tuple[Stage, ...], stage: Stage, edit: Edit) -> bool:
-        if not fresh:
-            answers = solve(scenes)
-            known = [case for case in cases if case.id in answers and decidable(case)]
-            other = replace(data_of(known, answers, data.granted), ways=data.ways)
-            fresh.append((other, follow(chain, other)[0]))
-        other, columns = fresh[0]
+        other = asked()
+        if not followed or followed[0][0] is not chain:
+            followed[:] = [(chain, follow(chain, other)[0])]
+        columns = followed[0][1]
         (edited,) = edit.apply([stage])
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         f = compared(edited, other, columns, some, rough=edit.rough)[0]
@@ -557,6 +563,28 @@ RIVALS = 10.0  # bits: an edit that costs so much more than another is none
 # everywhere. A ball MOVED by this distance, m, has to change it by FLAT of the usual change.
 NOTHING, ANYWHERE = 1e-9, 0.1
 MOVED, FLAT = 0.1, 0.3
+
+
+def _fitted_from(
+    screened: Callable[[Array], Array], starts: Sequence[float], factor: bool
+) -> tuple[float, Array]:
+    """A free number with small errors, and those errors.
+
+    Long steps may lose a ball on the way from 1 to the factor of the candidate: usual factors are
+    tried, and the search begins at the best numbers.
+    """
+    usual = [x for x in FACTORS if USUAL < abs(x) < 1 / USUAL] if factor else []
+    tried = np.array([*dict.fromkeys((*starts, *usual))])[:, None]
+    every = screened(tried)
+    best = np.argsort([cost(r) for r in every], kind="stable")
+    (c,), r, _ = fitted(screened, tried[best[:STARTS]])
+    if cost(every[best[0]]) < cost(r):
+        c, r = tried[best[0], 0], every[best[0]]
+    return float(c), r
+
+
+USUAL = 0.09  # smaller factors, and their inverses, are edits of their own
+STARTS = 3  # of a free number
 
 
 def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
