@@ -163,8 +163,6 @@ FACTORS = {
     -1.0: "the sign is wrong",
     2.0: "",
     0.5: "",
-    4.0: "",
-    0.25: "",
     math.pi: "π too many",
     1 / math.pi: "π is missing",
     4 / 3: "",
@@ -337,6 +335,8 @@ def _factors(site: Site) -> Iterator[Option]:
     if a.op in ("product", "quotient") and site.under("product", "quotient"):
         return  # the factors of a product are edited one by one
     yield -1.0 * a, BITS["factor"] + 1, f"takes -{said}", ()
+    if a.op == "unit" and site.under("product"):
+        return  # its length is that of the number beside it
     fits = a.op in ("symbol", "named", "norm") or not site.parents or site.under("switch")
     if fits:
         yield free() * a, BITS["free factor"], f"takes {{c}} times {said}", (1.0, 3.0, 0.3)
