@@ -173,6 +173,7 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
     right = [c for c in known(cases, answers) if answers[c.id].values]
     unseen = like([c for c in known(new, again) if again[c.id].values], right)
     strict = subject.profile if subject.profile.scheme() else EXACT
+    granted = subject.profile.error  # as the command does
     wrong = [c.id for c in right if not compare(c, answers[c.id], strict).passed]
     beyond = [c.id for c in unseen if not compare(c, again[c.id], strict).passed]
     passed = all(c.id in answers and compare(c, answers[c.id], strict).passed for c in cases)
@@ -183,7 +184,7 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
             start = time.process_time()
             solve = None if subject.source == "edits" else asked(subject)
             scheme = subject.profile.scheme()
-            made = conclude(right, answers, subject.dt, scheme, solve=solve)
+            made = conclude(right, answers, subject.dt, scheme, granted, solve)
             seconds = time.process_time() - start
     except Exception:
         return said | {"status": "failed", "why": traceback.format_exc()[-1500:]}
@@ -191,7 +192,7 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
         return said | {"status": "other", "passed": passed}
     first, everywhere, holds = [], [], lambda told: [0, 0]
     if unseen:
-        data, chain = prepared(unseen, again, scheme)
+        data, chain = prepared(unseen, again, scheme, granted)
         first, everywhere = _wrong(follow(chain, data)[1])
         holds = _holding(made, chain, data, again, subject.dt)
     findings = [

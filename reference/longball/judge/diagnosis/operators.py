@@ -56,6 +56,7 @@ from longball.judge.diagnosis.expression import (
     symbol,
     table,
     unit,
+    vector,
     words,
 )
 from longball.model.readings import Reading
@@ -407,8 +408,10 @@ def _shapes(site: Site) -> Iterator[Option]:
     if a.op in ("symbol", "named", "norm"):
         unit_of = constant(1.0, a.dimension)
         yield a * a / unit_of, BITS["square"], f"squares {said}", ()
-    if site.under("product", "quotient") and a.op in ("symbol", "named", "component", "product"):
-        text = f"divides by {said} for multiplying, or the reverse"
+    if site.under("product", "quotient"):
+        divides = any(p.op == "quotient" and p.args[1] is a for p in site.parents)
+        ways = ("multiplies by", "dividing") if divides else ("divides by", "multiplying")
+        text = f"{ways[0]} {said} in place of {ways[1]}"
         yield in_unit_of(a, 1.0 / a), BITS["inverse"], text, ()
     if a.op not in ("norm", "abs"):
         yield function("abs", a, dimension=a.dimension), BITS["sibling"] + 1, f"takes |{said}|", ()
@@ -448,6 +451,12 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             for name in ("(x, y, 0)", "(x, 0, z)", "(0, y, z)"):
                 part = norm(axes(b, AXES[name], name))
                 yield part, 0.0, f"takes the length of {name} of {words(b)} for {said}"
+            for square, text in _mixed(b, b):
+                size = function("sqrt", square, dimension=a.dimension)
+                yield size, 3.0, f"takes {text} in the length of {words(b)}"
+        case "dot", (b, c):
+            for product, text in (*_mixed(b, c), *_mixed(c, b)):
+                yield product, 3.0, f"takes {text} in {said}"
         case "sum", (_, b) if b.op == "negative":  # such as 1 - x
             yield instead(b.args[0])
         case "where", (_, *sides):
@@ -482,6 +491,17 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
                 yield parts, 0.0, text
 
 
+def _mixed(a: Node, b: Node) -> Iterator[tuple[Node, str]]:
+    """The scalar product of two vectors with another component, or another sign, in one term."""
+    for i in range(3):
+        here = component(a, i) * component(b, i)
+        yield dot(a, b) - 2.0 * here, f"-{words(here)} for {words(here)}"
+        for j in range(3):
+            if j != i:
+                other = component(a, i) * component(b, j)
+                yield dot(a, b) - here + other, f"{words(other)} for {words(here)}"
+
+
 def _meaning(node: Node) -> Node:
     """The expression that a name stands for."""
     return node.args[0] if node.op == "named" else node
@@ -512,6 +532,21 @@ def _directions(site: Site) -> Iterator[Option]:
         yield a - along, BITS["part"], f"takes the part of {said} across n", ()
     if a.op != "unit" and a.dimension != NONE:
         yield norm(a) * e_x, BITS["part"] + 2, f"takes |{said}| along x for {said}", ()
+
+
+def _components(site: Site) -> Iterator[Option]:
+    """A vector in flight with another component in place of one of its own."""
+    a = site.node
+    if not (site.flies and a.vector and a.op in ("symbol", "named")):
+        return
+    parts = [component(a, i) for i in range(3)]
+    others = [b for b in site.pool if b.op == "component" and b not in parts]
+    for i, own in enumerate(parts):
+        for b in [x for x in parts if x is not own] + others:
+            x, y, z = (*parts[:i], in_unit_of(a, b), *parts[i + 1 :])
+            cost = BITS["part"] + (BITS["unit"] if b.dimension != a.dimension else 0.0)
+            text = f"takes {words(b)} for {words(own)}"
+            yield vector(x, y, z), cost + math.log2(3 * (2 + len(others))), text, ()
 
 
 def _states(site: Site) -> Iterator[Option]:
@@ -562,7 +597,7 @@ def _options(site: Site) -> Iterator[Option]:
 
 OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
     _others, _numbers, _factors, _terms, _scales, _products, _shapes, _siblings, _directions,
-    _states, _options,
+    _components, _states, _options,
 )  # fmt: skip
 
 
@@ -589,7 +624,7 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         ends = (s for s in chain if s.kind == "flight" and s.quantities[0] == stage.quantities[0])
         roots += [flight.roots["place"] for flight in ends]
     for node in ordered(roots):
-        if node.op in ("symbol", "named") and node.data != FREE:
+        if node.op in ("symbol", "named", "component") and node.data != FREE:
             found[id(node)] = node
     if stage.kind == "event":
         places = [x for x in found.values() if x.op == "symbol" and x.vector and x.dimension == M]
