@@ -543,7 +543,7 @@ def _components(site: Site) -> Iterator[Option]:
     others = [b for b in site.pool if b.op == "component" and b not in parts]
     for i, own in enumerate(parts):
         for b in [x for x in parts if x is not own] + others:
-            x, y, z = (*parts[:i], in_unit_of(a, b), *parts[i + 1 :])
+            x, y, z = (in_unit_of(a, b) if k == i else part for k, part in enumerate(parts))
             cost = BITS["part"] + (BITS["unit"] if b.dimension != a.dimension else 0.0)
             text = f"takes {words(b)} for {words(own)}"
             yield vector(x, y, z), cost + math.log2(3 * (2 + len(others))), text, ()
