@@ -42,7 +42,9 @@ def test_a_named_mistake_has_the_right_formula_beside_its_own():
     m = next(n for n in ordered([place]) if n.data == "m")
     found = named(one.stage, Named((Edit(place, m, 5.0, "takes m for μ"),), 40.0), one, data)
     count = int(one.checked.sum())
-    assert found.sentence.startswith(f"impulse: your program takes m for μ. It is wrong in {count}")
+    assert found.sentence.startswith(
+        f"impulse: your program takes m for μ. This step is wrong in {count}"
+    )
     assert f"of {count} scenes, given your own earlier values (off by up to" in found.sentence
     assert found.remedy == "impact.impulse should be -μ·(1 + ẽ)·Ṽ·n; yours is -m·(1 + ẽ)·Ṽ·n"
     assert (found.edit, found.bits, found.wrong) == ("takes m for μ", 40.0, count)
@@ -92,7 +94,7 @@ def test_the_nearest_mistake_is_no_name():
     edit = Edit(norm(symbol("V", vector=True)), symbol("x"), 1.0, "takes x")
     found = located(one.stage, Located(edit, 0.02), one, data)
     assert (found.kind, found.edit) == ("nearest", None)
-    assert "The nearest, that it takes x, leaves 2% of the evidence" in found.sentence
+    assert "The nearest, that your program takes x, explains 98% of the error" in found.sentence
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The verdict for a person."""
+"""The verdict as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The verdict: a candidate's answers beside the truth, counted and measured.
+"""The verdict: a candidate's answers compared with the truth, counted and measured.
 
 `compare` judges one answer, `verdict` all of them. The verdict is a pydantic model, so that it is
 written and read as JSON by a schema; `longball.judge.text` writes it for a person.
@@ -45,7 +45,7 @@ from longball.model.schema import FOLDER, published, text
 
 @dataclass(frozen=True)
 class Measured:
-    """One quantity of an answer beside the truth; lengths of vectors."""
+    """The error of one quantity of an answer. Errors and sizes of vectors are lengths."""
 
     quantity: str
     expected: Value
@@ -65,16 +65,15 @@ class Measured:
 
 @dataclass(frozen=True)
 class Comparison:
-    """One answer beside the truth."""
+    """One answer compared with the truth."""
 
     case: Case  # what was asked
     answer: Answer | None  # None if there was none
-    # Whether there is a truth to judge by: the case has one, and not just in bits that double
-    # precision does not have. A fragile case is judged if its outcome was hit; one whose outcome
-    # hangs on errors that pass, if it was not refused.
+    # True if the case has an outcome that doubles can decide. A fragile case is judged only if the
+    # outcomes agree, and one whose outcome lies within the tolerance unless it was refused.
     judged: bool
     measured: tuple[Measured, ...] = ()  # every quantity that both sides have
-    # Quantities of the truth, or ``outcome``, that were left out; what need not be told, too.
+    # Quantities of the truth, or ``outcome``, that the answer leaves out, optional ones included.
     missing: tuple[str, ...] = ()
     faults: tuple[Fault, ...] = ()  # what is wrong; what is missing is not wrong
 
@@ -102,7 +101,7 @@ class Comparison:
 
     @property
     def lacking(self) -> tuple[str, ...]:
-        """Return the required quantities that are missing."""
+        """The required quantities that are missing."""
         return tuple(name for name in self.missing if name not in OPTIONAL)
 
 
@@ -121,7 +120,7 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         points = worst_points(case.scene, answer.path)
         answer, slack = landed(case.scene, answer)
     truth = case.expected
-    # Beside another outcome it is no wonder that a quantity is not there.
+    # If the outcome is wrong, quantities that are missing are not reported as well.
     wrong = answer.outcome not in (None, truth.outcome)
     if wrong and FRAGILE in case.flags:
         return Comparison(case, answer, judged=False)
@@ -191,7 +190,7 @@ class Row(Frozen):
     )
     median_ulps: float | None
     digits_right: float | None = Field(
-        description="of the case with the worst share of its attainable digits; null if every "
+        description="of the case that falls most short of its attainable digits; null if every "
         "expected value is zero"
     )
     digits_attainable: float | None = Field(description="of the same case")
@@ -253,7 +252,7 @@ class Unsolved(Frozen):
 
 
 class Verdict(Frozen):
-    """A candidate's answers beside the truth."""
+    """A candidate's answers compared with the truth."""
 
     status: Literal["PASSED", "PARTIAL", "FAILED"]
     passed: bool
@@ -265,7 +264,7 @@ class Verdict(Frozen):
         description="when it was judged, UTC",
     )
     profile: str
-    truth: str = Field(description="where what counts as true comes from")
+    truth: str = Field(description="source of the true results")
     would_pass_at: float | None = Field(
         description="the tolerance of the profile converged at which nothing would be wrong; null "
         "if none helps, or nothing is wrong"
@@ -276,7 +275,9 @@ class Verdict(Frozen):
     right: int = Field(description="judged, and nothing wrong")
     rows: list[Row]
     outcomes: list[Confusion]
-    contacts_missed: list[str] = Field(description="ids: the ball was met, the candidate says not")
+    contacts_missed: list[str] = Field(
+        description="ids of scenes with a contact that the answer denies"
+    )
     contacts_invented: list[str]
     failures: list[Failure] = Field(description="the worst first")
     missing: list[Missing]
@@ -294,7 +295,7 @@ class Verdict(Frozen):
     )
     diagnosis: Diagnosis | None = Field(default=None, description="where, by how much, and why")
     convergence: ConvergenceReport | None = Field(
-        default=None, description="what a family of time steps told"
+        default=None, description="result of a family of time steps"
     )
     sampling: Sampling | None = Field(
         default=None, description="how the candidate draws its at-bats"
@@ -341,9 +342,10 @@ def verdict(
     diagnosis: Diagnosis | None = None,
     seconds: float | None = None,
 ) -> Verdict:
-    """Return the verdict on a candidate, whose answers were held against `truth` by a `profile`.
+    """Build the verdict on a candidate.
 
-    If `partial`, scenes and quantities may be left out.
+    `truth` names the source of the true results, and `profile` the accuracy that is asked for. If
+    `partial`, scenes and quantities may be left out.
     """
     judged = [c for c in comparisons if c.judged and c.answer and not (c.refused or c.empty)]
     failures = sorted((_failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
@@ -394,7 +396,10 @@ def verdict(
 
 
 def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
-    """Return the least error that would have to be allowed, rounded up to two digits."""
+    """Return the smallest tolerance at which every answer passes, rounded up to two digits.
+
+    None if an outcome or a word is wrong.
+    """
     errors = [fault.error for c in judged for fault in c.faults]
     known = [error for error in errors if error is not None]
     if len(known) < len(errors) or not known:
@@ -407,7 +412,7 @@ _MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False
 
 
 def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
-    """Return if ball and bat met by the case, and by the answer; None where that is open."""
+    """Return two flags: ball and bat touch by the case, and by the answer; None where that is open."""
     assert comparison.answer is not None
     truth = comparison.case.expected
     expected = _MET.get(truth.outcome or "", True if truth.impact else None)
@@ -445,7 +450,7 @@ def _rows(judged: Iterable[Comparison]) -> Iterator[Row]:
 def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measured]]) -> Row:
     measured = [m for _, m in group]
     worst, most = max(group, key=lambda pair: pair[1].error)
-    # JSON knows no infinity.
+    # JSON has no infinity.
     ulps = [min(m.error / math.ulp(m.size), sys.float_info.max) for m in measured if m.size]
     known = [m for m in measured if m.size]
     digits = [[right_digits(x, m.size) for x in (m.error, m.attainable)] for m in known]

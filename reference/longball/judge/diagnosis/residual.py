@@ -1,7 +1,7 @@
-"""Residuals of a candidate, stage by stage: its values less those that its earlier values give.
+"""Residuals of each stage: the candidate's values minus those that follow from its earlier values.
 
 All that flies a ball for the diagnosis is in this module: flights of any edited law, all scenes at
-once, by fixed steps of an eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving
+once, by equal steps of an eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving
 Ordinary Differential Equations I*, Sec. II.5; the coefficients are SciPy's).
 """
 
@@ -42,19 +42,19 @@ from longball.model.arrays import Array
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import at as value_at
 
-# Relative error of a value that no formula makes wrong: the rounding of an implementation's own
-# hundred steps, and of ours.
+# Relative error of a right value: the rounding of an implementation's own hundred steps, and of
+# ours.
 ROUNDING = 1e-12
-# Relative error below which an edit need not explain: a careful integrator's own (RK4 at 1 ms
+# Relative error that no edit needs to explain: a careful integrator's own (RK4 at 1 ms
 # leaves 1e-11 of a landing, adaptive methods at 1e-10 about 1e-9).
 NOISE = 2.5e-10
 
 
 class Stepping(NamedTuple):
-    """Equal steps of a flight. One that needs more than `most` takes longer steps.
+    """Equal steps of a flight: each at most `longest`, but no more than `most` of them.
 
-    If they are `exact`, flights that meet a kink or a jump of the law, or steep parts of it, are
-    flown again by `_flown_exactly`.
+    If they are `exact`, flights across a kink, a jump, or a steep part of the law are flown again
+    by `_flown_exactly`.
     """
 
     longest: float  # s
@@ -62,22 +62,20 @@ class Stepping(NamedTuple):
     exact: bool = False
 
 
-# The fine steps miss the landing of 400 batted balls by 4e-13 of it; steps of twice the length tell
-# their error. The coarse steps give the effect of an edit to better than a thousandth for nine
-# edits in ten.
+# The fine steps have a relative error of 4e-13 at the landing of 400 batted balls, and DOUBLE steps
+# estimate it. The coarse steps give the effect of nine edits in ten to better than a thousandth.
 FINE, EQUAL, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.2, 400), Stepping(0.4, 200)
 MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
-# Flights that need at most so many steps are flown together; so are those that need at most a power
-# of it.
+# Flights are grouped by their steps, at most 36, 36², and so on: short ones do not wait for long
+# ones.
 TOGETHER = 36
-# Relative errors: of an equal step beyond which a flight is flown again, of each step that is taken
-# then, and of all of them.
-STEEP, CAREFUL, TOTAL = 1e-11, 1e-12, 3e-11
+STEEP = 1e-11  # relative error of an equal step beyond which a flight is flown again
+CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each step then, and of the whole flight
 # A step across a kink or a jump of the law is cut this share of itself before and beyond it, until
 # it is shorter than LEAST of the flight.
 BESIDE, LEAST = 1 / 512, 1e-11
 BISECTIONS = 11  # that find the place of a kink
-CUTS = 150  # steps besides the equal ones: some laws jump to and fro wherever a ball goes
+CUTS = 150  # further steps: an edited law may switch wherever a ball goes
 
 Index = NDArray[np.integer[Any]]  # numbers of scenes
 
@@ -102,15 +100,16 @@ class Data:
         Half a unit in the last digit written, of quantities not written in full: absolute and
         relative.
     slips
-        A function that finds what those roundings do to each number of a stage.
+        A function that propagates the rounding of the written digits through a stage.
     granted
         The error of a quantity that passes, in its SI unit.
     ways
-        How the candidate flies a stage, by its name: from a stage and columns to quantities and
-        their doubt. Stages without one are flown exactly.
+        The candidate's integrators by the names of stages, as far as they are known: functions from
+        a stage and columns to quantities and their errors. Other stages are flown exactly.
     blind
-        Scenes in which the chain does not make the truth from the truth, by the stage's name and
-        kind, such as balls that graze a jump of the law; nothing is compared there.
+        Scenes in which the right chain does not reproduce the true value from the true earlier
+        values, by the stage's name and kind, such as balls that graze a jump of the law. They are
+        not compared.
     flights
         Flights that were flown, by stage and columns: a cache.
     """
@@ -150,7 +149,7 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     scenes = [case.scene for case in cases]
     tops = given["fence.position"][2] - given["fence.clearance"]
     chords_at = _fences(scenes, given["fence.position"], tops)
-    # The margin of another pitch is another one, of which the truth tells nothing.
+    # The true margin is that of the true pitch: it says nothing of another one.
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
     columns = {**inputs(scenes), **switches(scenes), **left_out(scenes), **chords_at}
@@ -186,7 +185,7 @@ def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
 
 
 def _with_air(scene: Any) -> Any:
-    """A scene with the default air in place of none, as a program has it that overlooks a null."""
+    """A scene with the default air in place of null, as a program has it that overlooks a null."""
     return scene.model_copy(update={"air": Air()}) if getattr(scene, "air", 0) is None else scene
 
 
@@ -261,7 +260,7 @@ FORMED = (
     "air.wind", "air.spin_decay_length", "air.density_scale_height", "earth", "fence",
     "bat.friction",
 )  # fmt: skip
-# What tells a form, in words.
+# The words for a form, by the key that tells it.
 FORMS = {
     "above": "above a height", "roughness": "logarithmic", "temperature": "weather",
     "polyline": "a polyline", "radius": "a circle",
@@ -306,7 +305,7 @@ def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Arra
 AT_CORNER = 1e-9  # m: chords whose distances differ by less meet at the place
 
 
-# --- what follows ---------------------------------------------------------------------------------
+# --- flights --------------------------------------------------------------------------------------
 
 Columns = Mapping[str, Any]
 
@@ -317,7 +316,7 @@ def take(columns: Columns, some: Index) -> dict[str, Any]:
 
 
 def evenly(some: Index, most: int) -> Index:
-    """At most so many of some scenes, evenly spread."""
+    """At most `most` of some scenes, evenly spaced."""
     if len(some) <= most:
         return some
     return np.asarray(some[np.linspace(0, len(some) - 1, most).round().astype(int)])
@@ -334,7 +333,7 @@ class Launched:
     Attributes
     ----------
     y
-        Place, velocity, and the path through the air; a column a ball.
+        Place, velocity, and the path through the air: shape (7, balls).
     spin
         At the start.
     duration
@@ -421,7 +420,7 @@ def flown(balls: Launched, duration: Array, limits: Stepping = FINE) -> Array:
 
 
 def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, Array]:
-    """The states of balls after some time, and their relative doubt; 0 of flights by equal steps.
+    """The states of balls after some time, and their relative errors; 0 of flights by equal steps.
 
     The number of a flight's steps does not depend on the other flights.
     """
@@ -475,11 +474,13 @@ def _error(y: Array, slopes: Array, h: Array) -> Array:
 def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Array, Array]:
     """Fly balls by steps as long as their error allows, which end at kinks and jumps of the law.
 
-    Times and steps are shares of the duration. A step across a kink is not taken: the cubic between
-    its ends tells where the kink is, and the next goals are just before that place and just beyond
-    it. The step from one to the other is cut in the same way, until it is too short to matter.
+    Times and steps are fractions of the duration. A step across a kink is rejected: bisection on
+    the cubic between its ends locates the kink, and the next targets are just before it and just
+    beyond. The short step between those may be divided in the same way, until it is shorter than
+    `LEAST`.
 
-    Also their relative doubt, which is HUGE for a ball that does not arrive in `CUTS` more steps.
+    Return also their relative errors, which are HUGE for a ball that does not arrive in `CUTS` more
+    steps.
     """
     y, t, whole = balls.y, np.zeros(len(longest)), longest
     before, beyond = np.zeros_like(t), np.zeros_like(t)  # the last kink that was found
@@ -533,8 +534,9 @@ def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope
     return low
 
 
-# From the rates, a state, its time, a step, what the step before has left (None at first) and the
-# length of a whole step: the next state, and what this step leaves.
+# A step of a scheme: from the rates, a state, its time, the length of the step, what the step
+# before has carried over (None at first) and the length of a whole step, to the next state and what
+# is carried over, such as an old acceleration. A last step may be shorter than a whole one.
 Step = Callable[..., tuple[Array, Any]]
 
 
@@ -586,18 +588,20 @@ def _with_doubt(
 
 @dataclass(frozen=True)
 class Followed:
-    """A stage beside the candidate's values.
+    """The residuals of a stage, with what is allowed.
 
     Attributes
     ----------
     stage
-        Which.
+        The stage.
     some
         The scenes that have it.
     off
-        Obtained less predicted, a row a number; NaN where nothing is given.
+        Residuals: obtained minus predicted, shape (numbers, scenes); NaN where nothing is given. Of
+        an event they are the event function at the candidate's own value, which should be 0.
     tolerance, floor
-        Of each number: below the first it is right, and below the second it need not be explained.
+        A number whose residual is below the first is right. Below the second, the noise, no edit
+        needs to explain it.
     scale
         The size that an error is relative to.
     """
@@ -643,7 +647,7 @@ def compared(
     stage: Stage, data: Data, columns: Columns, some: Index, rough: bool = False,
     limits: Stepping = FINE,
 ) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
-    """A stage beside the candidate's values in some scenes, and its own values.
+    """The residuals of a stage in some scenes, and the values that the stage predicts.
 
     The error of the flights is found by flying them again with twice the step. A `rough` law has
     jumps or kinks.
@@ -669,7 +673,7 @@ def compared(
         off = np.where(np.isfinite(given) & ~np.isfinite(off), HUGE, off)
         unsure = np.abs(predicted - np.atleast_2d(again[quantity]))
         unsure = np.nan_to_num(unsure)
-        if rough:  # where a step ends near a kink both errors may be small by chance
+        if rough:  # two steppings may agree by chance near a kink: most of the scenes count
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
         absolute, relative = data.cut.get(quantity, (0.0, 0.0))
         short = absolute + relative * np.abs(given) if stage.kind != "event" else 0.0
@@ -694,8 +698,8 @@ def is_rough(stage: Stage) -> bool:
 def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, ...]:
     """The chain of some scenes: its stages, without switches that are the same in all.
 
-    Flights have one law, which loses the switches that are the same in all flights: an edit of it
-    is one in each of them.
+    All flights share one law, which loses only the switches that are the same in all of them: an
+    edit of the law is made in every flight.
     """
     told = [
         stage
@@ -732,7 +736,8 @@ def begun(data: Data) -> dict[str, Any]:
         columns[node.data] = np.where(np.isfinite(told), told, data.expected[quantity])
     both = [columns[OWN[name].data] for name in ("landing.time", "contact.time")]
     told, since = data.given["landing.hang_time"], both[0] - np.nan_to_num(both[1])
-    # Of two times that contradict each other the flight lasts the one that is nearer to the truth.
+    # If landing.time - contact.time contradicts landing.hang_time, the one nearer to the truth
+    # counts.
     true = data.expected["landing.hang_time"]
     nearer = np.abs(told - true) <= np.abs(since - true)
     columns["hang_time"] = np.where(nearer | ~np.isfinite(since), told, since)
@@ -766,11 +771,12 @@ def seen(chain: Sequence[Stage], data: Data) -> Data:
 def follow(
     chain: Iterable[Stage], data: Data, unknown: Index | None = None, only: Index | None = None
 ) -> tuple[dict[str, Any], list[Followed]]:
-    """Follow the candidate's values from stage to stage; its own values with what stands for them.
+    """Compute the residuals of all stages in order.
 
-    Where the candidate gives no value, the one that follows from the stages before stands for it.
-    In `unknown` scenes the pitch does not follow, and nothing that starts from its velocity does.
-    `only` some scenes are followed, or all.
+    Return the columns and the residuals. The columns have the candidate's values or, where it gives
+    none, those that follow from the stages before. In `unknown` scenes the velocity of the ball at
+    the bat does not follow, and stages that need it are left out. `only` some scenes are followed,
+    or all.
     """
     columns = begun(data)
     found = []

@@ -1,7 +1,9 @@
-"""The search for the cheapest edit that makes every number that the candidate made.
+"""Search for the cheapest edit of a stage that reproduces the candidate's numbers.
 
-The chain is the only thing that changes: an edit that is accepted is applied to it, and later
-stages inherit the mistake.
+An accepted edit is applied to the chain, so that later stages inherit the mistake. The search has
+three phases: edits are ranked by their first-order effects, the best are computed in a few
+*screening* scenes, and what survives is verified in all scenes. `c` is the free number of an edit,
+and a *floor* the noise of a number: what no edit needs to explain.
 """
 
 from __future__ import annotations
@@ -59,31 +61,30 @@ from longball.judge.fresh import random_scenes
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
 
-# Scenes in which an edit is tried first: those that are most and least wrong, and right ones.
+# Screening scenes: wrong ones, from the worst to the least, and right ones.
 WRONG, RIGHT = 10, 10
-# Scenes in which it has to hold.
+# Scenes in which an edit is verified.
 MOST_WRONG, MOST_RIGHT = 60, 30
-TWINS = 5  # edits that come to the same at a stage, of which one may explain other stages too
+TWINS = 5  # edits that are equal at a stage, of which one may explain other stages too
 PROBES = 40  # scenes, moved at random, in which equal edits are found
-TIMES = 3  # and so often the first scenes
-NEAR = 16  # edits that schemes are tried beside
-HALF = 0.6  # of the cost of the errors, what an edit may leave in the first scenes
-NEARER = 0.97  # and what it may leave if steps are to explain the rest
-# Of what an edit moves, what long steps leave in it, and what a candidate's own steps do.
+TIMES = 3  # copies of the screening scenes among them
+NEAR = 16  # edits beside which integration schemes are tried
+# Fractions of the initial cost in the screening scenes. An edit that leaves more than HALF is
+# dropped; one that leaves more than NEARER is not even kept for `NEAR`.
+HALF, NEARER = 0.6, 0.97
+# Error of an edit's effect, relative to it, by long steps, and by a candidate's own steps.
 STEPS, OWN_STEPS = 1e-3, 0.05
-NEARLY = 0.05  # of the size of a number, what long steps may leave in a scene of the first
-
-
-LOST = 1e12  # floors: what an edit leaves that makes no number
+NEARLY = 0.05  # relative error of long steps, below which a scene may be a screening scene
+LOST = 1e12  # floors: the residual of an edit whose value is not finite
 
 
 @dataclass(frozen=True)
 class Named:
-    """Edits that explain a stage: one, or two together; and others that no scene tells from it."""
+    """One edit, or a pair, that explains a stage."""
 
     edits: tuple[Edit, ...]
     evidence: float  # bits beyond chance
-    same: tuple[Edit, ...] = ()
+    same: tuple[Edit, ...] = ()  # edits that give equal numbers in all scenes at hand
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ class Located:
     """A stage that no edit explains; the one that comes nearest, if it is better than chance."""
 
     nearest: Edit | None = None
-    left: float = 1.0  # of the cost of the errors, what that leaves
+    left: float = 1.0  # fraction of the initial cost that remains with `nearest`
     near: tuple[Edit, ...] = ()  # edits that leave least in the first scenes
 
 
@@ -127,15 +128,15 @@ def _median(x: Any) -> float:
 
 
 class Effort(NamedTuple):
-    """Numbers of edits of a stage."""
+    """Budget of a search: the number of edits that reach each phase."""
 
-    foreseen: int  # the cheapest, of which first-order effects are computed
-    tried: int  # in the first scenes, those whose effects fit best
-    held: int  # against all scenes
+    foreseen: int  # ranked by their first-order effects: the cheapest ones
+    tried: int  # computed in the screening scenes
+    held: int  # verified in all scenes
 
 
 ALONE, BESIDE_ANOTHER = Effort(10000, 100, 16), Effort(5000, 50, 16)
-# Edits that are tried with a second one. A law takes a flight for each trial.
+# Edits that are tried with a second one; few of flights, since each trial integrates them.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
 
@@ -161,7 +162,21 @@ class _Pair(NamedTuple):
 
 @dataclass
 class Explanation:
-    """One stage whose errors are to be explained."""
+    """The search for what explains the errors of one stage.
+
+    Attributes
+    ----------
+    all
+        The scenes in which an edit is verified.
+    base, null_all
+        Their residuals without an edit, and the cost of those in bits.
+    few
+        Positions in `all` of the screening scenes; `near` has their values.
+    off, roughly, null
+        Residuals in the screening scenes, what they are compared with there, and their cost.
+    own_error
+        The error of long steps in the screening scenes.
+    """
 
     chain: tuple[Stage, ...]
     stage: Stage
@@ -180,7 +195,7 @@ class Explanation:
         self.all = np.concatenate([evenly(order, MOST_WRONG), evenly(right, MOST_RIGHT)])
         self.base = base = self._compared(stage, self.all)
         self.null_all = cost(_in_floors(base))
-        # First come scenes that long steps fly well.
+        # Screening uses long steps, in scenes that these fly well.
         is_wrong = np.isin(self.all, wrong)
         every = np.arange(len(self.all))
         coarse = self._off(stage, every, limits=COARSE)[0]
@@ -192,8 +207,10 @@ class Explanation:
         ])  # fmt: skip
         own = take(self.columns, self.all[few])
         self.near = Values({**own, "spin": own[stage.spins]})
-        # Their own errors cancel, but where without an edit the law has no value, as below a wind's
-        # ground. They leave a share of what an edit moves, which is the error if it explains it.
+        # The error of long steps is found once, without an edit, and subtracted from every trial.
+        # What remains of it grows with the effect of the edit, which is the residual itself if the
+        # edit is right: a fraction of the residual is allowed. Where the law has no value without
+        # an edit, as below a wind's ground, the error is taken as 0.
         steps = STEPS if stage.kind == "flight" else 0.0
         if self.data.way(stage) is not None:
             steps = OWN_STEPS
@@ -225,7 +242,7 @@ class Explanation:
     def _off(
         self, stage: Stage, some: Index, c: Array | None = None, limits: Stepping = FINE
     ) -> Array:
-        """Errors of a stage in some of `all` scenes, for each row of the free numbers."""
+        """Residuals of a stage in some of `all` scenes: shape (rows of c, numbers, scenes)."""
         c = np.zeros((1, 0)) if c is None else c
         columns = take(self.columns, np.tile(self.all[some], len(c)))
         columns |= {name: np.repeat(x, len(some)) for name, x in zip(NUMBERS, c.T, strict=False)}
@@ -237,7 +254,7 @@ class Explanation:
         return np.asarray((-off if stage.kind == "event" else off).swapaxes(0, 1))
 
     def screened(self, stage: Stage) -> Callable[[Array], Array]:
-        """Errors in the first scenes as a function of the free numbers, in floors."""
+        """The function from free numbers to the residuals in the screening scenes, in floors."""
         known = np.isfinite(self.off)
 
         def flown(numbers: Array) -> Array:
@@ -246,7 +263,7 @@ class Explanation:
             huge = np.asarray((known & ~(np.abs(off) < HUGE)).any(axis=1))
             for c, left, lost in zip(numbers, r, huge, strict=True):
                 if lost.any() and self._is_explained(left, ~lost):
-                    # Shorter steps tell whether only the long ones leave the path.
+                    # Long steps may diverge where a flight does not: shorter ones decide.
                     again = self._off(stage, self.few[lost], c[None], MIDDLE)[0]
                     left[:, lost] = again / self.roughly[:, lost]
             return np.where(known & ~np.isfinite(r), LOST, r)
@@ -254,7 +271,7 @@ class Explanation:
         return flown
 
     def _is_explained(self, r: Array, some: NDArray[np.bool_]) -> bool:
-        """True if errors in some of the first scenes, which may be none, are roughly explained."""
+        """True if the errors in some of the screening scenes, or in none, are roughly explained."""
         before = cost((self.off / self.roughly)[:, some])
         return cost(r[:, some]) <= HALF * before
 
@@ -271,17 +288,20 @@ class Explanation:
 
     @np.errstate(all="ignore")
     def candidates(self) -> tuple[list[tuple[float, list[Edit]]], int]:
-        """Groups of equal edits that explain the first scenes roughly, with what they leave.
+        """Screen the edits of the stage.
 
-        Also the number of edits that were tried.
+        Return groups of equal edits with the cost that they leave in the screening scenes, the
+        cheapest in all first; and the number of edits, for the cost of searching among them.
         """
-        # Of few wrong scenes each stands there with several values.
+        # Random inputs, in which equal edits are found. Few wrong scenes are repeated, so that
+        # their random moves give several values.
         some = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
         probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, some)))
         place = str(OWN[self.stage.quantities[0]].data)
         self.beside = [
             Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
         ]
+        # The cheapest edits, ranked by the cost that their first-order effects leave.
         wrong = take(self.columns, self.followed.some[self.followed.beyond])
         options = {**wrong, "spin": wrong[self.stage.spins]}
         every = edits(self.chain, self.stage, defaults(), options)
@@ -290,11 +310,13 @@ class Explanation:
         effects = (Response if flies else Direct)(self.stage, self.near)
         starts = [self._starts(edit, effects.at) for edit in cheapest]
         errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
-        if self.stage.kind == "event":  # whose function is 0 with the right edit
+        if self.stage.kind == "event":
+            # The function is 0 at the candidate's value if the edit is right: the edit moves it by
+            # minus the residual.
             errors = -errors
         self.fits = Effects(effects, cheapest, starts, errors)
         shares = dict(zip(cheapest, self.fits.left(), strict=True))
-        # Equal edits leave the same, and follow each other.
+        # Groups of equal edits, which leave equal costs and so follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
         for edit in sorted(shares, key=shares.__getitem__):
@@ -308,9 +330,10 @@ class Explanation:
             if key not in groups and len(groups) == self.effort.tried:
                 break
             groups.setdefault(key, (stage, []))[1].append(edit)
+        # The best groups, computed in the screening scenes.
         found, last = [], math.inf
         for k, (_, group) in enumerate(groups.values()):
-            if flies and k > last + FURTHER:  # other stages cost little
+            if flies and k > last + FURTHER:  # flights are expensive
                 break
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
@@ -347,13 +370,13 @@ class Explanation:
         return all(change > FLAT * usual for change, usual in changes)
 
     def _starts(self, edit: Edit, at: Values) -> list[float]:
-        """Initial values of an edit's free number; an expression gives its median."""
+        """Initial values of an edit's free number; the median of an expression."""
         return [_median(at.of(x)) if isinstance(x, Node) else x for x in edit.starts]
 
     def settled(self, edit: Edit) -> tuple[Edit, Array, tuple[float, float]]:
-        """An edit with the roundest free number that fits.
+        """Fit the free number of an edit, and round it as far as the residuals allow.
 
-        Also what it leaves in all scenes, and the number with its bits.
+        Return the edit, its residuals in all scenes, and the number with its bits.
         """
         stage = self.edited(edit)
         (start,) = edit.starts
@@ -372,10 +395,13 @@ class Explanation:
         near = tuple(group[0] for left, group in found[:NEAR])
         alone = min((left for left, _ in found), default=self.null)
         found = [(left, group) for left, group in found if left <= HALF * self.null]
+        # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
+        # tried.
         needed = CHANCE + math.log2(1 + tried)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
         for i, (left, group) in enumerate(found[: self.effort.held]):
+            # Only the best group is worth a verification if it leaves much.
             if left > RIVAL * self.null and (adequate or i > 0):
                 continue
             edit, twins = group[0], group[1:TWINS]
@@ -388,12 +414,12 @@ class Explanation:
             saved = self.null_all - cost(r) - edit.bits
             if saved < needed:
                 continue
-            if is_adequate(r, edit.rough):
+            if is_adequate(r, edit.rough):  # rule 1: within the noise everywhere
                 possible = [e for e in (edit, *twins) if self._is_possible(self.edited(e))]
                 adequate += [(one, saved - needed) for one in possible]
             else:
                 partial.append((cost(r) + edit.bits, edit))
-        if adequate:
+        if adequate:  # rule 3: no rival
             return self._named(adequate, ask)
         partial.sort(key=lambda one: one[0])
         for edit in self._in_pairs(alone) if self.pairs else ():
@@ -406,14 +432,14 @@ class Explanation:
 
     @np.errstate(all="ignore")
     def _in_pairs(self, best: float) -> list[Edit]:
-        """First edits of the pairs that explain the first scenes, the best pair first.
+        """Edits that are worth a second one, those of the best pairs first.
 
-        The first edit of a pair is the one that explains more alone; `best` is the cost that the
-        best single edit leaves. See `Effects.pairs`.
+        Of each pair of `Effects.pairs` it is the edit that explains more alone. `best` is the cost
+        that the best single edit leaves in the screening scenes.
         """
         found: list[_Pair] = []
         for (one, a), (two, b) in self.fits.pairs(TOGETHER):
-            # What contains the other is edited before it.
+            # An edit whose place contains that of the other is applied first.
             if contains(one.place, two.place):
                 (one, a), (two, b) = (two, b), (one, a)
             stage = self.edited(two)
@@ -474,7 +500,11 @@ class Explanation:
         return Named((edit, *second.edits), second.evidence)
 
     def _named(self, adequate: Sequence[tuple[Edit, float]], ask: Ask | None) -> Named:
-        """Choose among adequate edits: the one that breaks least elsewhere, and is cheapest."""
+        """Choose among adequate edits: the one that breaks least elsewhere, then the cheapest.
+
+        Those that the candidate does not make in scenes that nobody has seen drop out, unless all
+        do.
+        """
         ranked = []
         cheapest = min(edit.bits for edit, _ in adequate)
         for edit, evidence in adequate:
@@ -509,7 +539,7 @@ class Explanation:
         return self.counted[key]
 
 
-# True if the candidate, asked for other scenes, errs there as well as an edit makes it.
+# True if an edit also makes the candidate's numbers in scenes that nobody has seen.
 Ask = Callable[[tuple[Stage, ...], Stage, Edit], bool]
 FRESH = 24  # scenes that rivals are told apart in
 
@@ -517,11 +547,9 @@ FRESH = 24  # scenes that rivals are told apart in
 def asking(
     data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]], engine: Engine[float]
 ) -> Ask | None:
-    """Ask the candidate for scenes that nobody has seen, so that they tell edits apart.
+    """Return a test of edits in random scenes, which the candidate and an engine solve.
 
-    An engine solves them, too.
-
-    None if no random scenes are like those at hand: they name nothing beyond the paper's model.
+    None if the scenes at hand have readings or keys that random scenes never have.
     """
     kinds = sorted(set(data.columns["kind"]))
     scenes = list(random_scenes(FRESH, seed=1, kinds=kinds))
@@ -551,16 +579,16 @@ def asking(
     return holds if alike else None
 
 
-# Of the cost of the errors, what an adequate edit may leave in the first scenes.
-RIVAL = 0.2
-FURTHER = 12  # edits that are tried after one that leaves no more
-BETTER = 0.8  # of what the best edit leaves there, what a pair may leave
+RIVAL = 0.2  # fraction of the initial cost that a right edit leaves in screening scenes at most
+FURTHER = 12  # groups that are computed after one that leaves no more
+BETTER = 0.8  # fraction of the cost of the best single edit that a pair may leave
 ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chosen
 TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
 NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
-RIVALS = 10.0  # bits: an edit that costs so much more than another is none
-# An event function that is below NOTHING, m, in more than ANYWHERE of the random scenes holds
-# everywhere. A ball MOVED by this distance, m, has to change it by FLAT of the usual change.
+RIVALS = 10.0  # bits: an edit that costs so much more than the cheapest is no rival
+# An edited event function is no event if it is below NOTHING, m, in more than a fraction ANYWHERE
+# of the random scenes, or if a ball MOVED by so many metres changes it by less than FLAT of the
+# change without the edit.
 NOTHING, ANYWHERE = 1e-9, 0.1
 MOVED, FLAT = 0.1, 0.3
 
@@ -588,7 +616,7 @@ STARTS = 3  # of a free number
 
 
 def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Columns moved at random, in which edits that come to the same are found."""
+    """Columns moved at random, in which equal edits are found."""
     draw = np.random.default_rng(0)
     moved: dict[str, Any] = {}
     for name, column in columns.items():
@@ -600,6 +628,8 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
             shifted = shifted + 0.05 * draw.normal(size=column.shape)
         moved[name] = shifted
     count = len(columns["kind"])
+    # Plausible states in flight: 30 m/s ahead and 10 m/s up at the launch, some 20 m about (0, 0,
+    # 30).
     launch = np.array([[30.0], [3.0], [10.0]]) * (1 + 0.5 * draw.normal(size=(3, count)))
     moved |= {
         "v0": launch, "v": 0.7 * launch + 5.0 * draw.normal(size=(3, count)),
@@ -638,7 +668,7 @@ def _renamed(stage: Stage, old: str, new: str) -> Stage:
 
 
 def _is_finite(stage: Stage, before: Stage, probe: Values) -> bool:
-    """True if what an edit made of a stage's formulas are numbers: nobody divides by 0."""
+    """True if all that an edit has made is finite in one scene at least: nobody divides by 0."""
     known = {*ordered(before.roots.values())}
     with np.errstate(all="ignore"):
         made = (x for x in ordered(stage.roots.values(), (), probe.arguments) if x not in known)
@@ -646,7 +676,7 @@ def _is_finite(stage: Stage, before: Stage, probe: Values) -> bool:
 
 
 def _fingerprint(stage: Stage, probe: Values) -> bytes:
-    """The values of a stage in seven digits of their sizes, the same in all forms of a formula."""
+    """The values of a stage on random inputs, to seven digits: those of equal formulas agree."""
     found = []
     with np.errstate(all="ignore"):
         for root in stage.roots.values():

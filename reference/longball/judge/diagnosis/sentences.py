@@ -44,7 +44,7 @@ def diagnosis(followed: Iterable[Followed], findings: Sequence[Finding], data: D
     elif first:
         sentence = f"{first} is the first step that is wrong"
     else:
-        sentence = "every step follows from the one before it"
+        sentence = "every step is consistent with your earlier values"
     clean = [row.stage for row in rows.values() if not row.wrong]
     return Diagnosis(
         sentence=sentence, first=first, stages=[*rows.values()], clean=clean,
@@ -76,9 +76,9 @@ def named(
     """The finding of an edit that explains a stage; the stage is as it was before the edit."""
     edit = joined([edit.words for edit in found.edits])
     same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
-    sentence = f"{stage.name}: your program {edit}. It is wrong {_where(one)}."
+    sentence = f"{stage.name}: your program {edit}. This step is wrong {_where(one)}."
     if same:
-        sentence += f" These give the same numbers in these scenes: {'; '.join(same)}."
+        sentence += f" No scene here tells this from: {'; '.join(same)}."
     return _finding(
         one, data, kind="named", edit=edit, sentence=sentence, scenes=scenes,
         remedy=formulas(stage, found.edits[0], data), bits=round(found.evidence, 1),
@@ -95,13 +95,13 @@ def located(
         kind: Kind = "located"
     else:
         kind = "nearest"
-        sentence += f" No single mistake explains it. The nearest, that it {found.nearest.words}, "
-        sentence += f"leaves {100 * found.left:.0f}% of the evidence against the right formula."
+        sentence += " No single mistake explains all your numbers. The nearest, that your program "
+        sentence += f"{found.nearest.words}, explains {100 * (1 - found.left):.0f}% of the error."
     right = words(_body(stage.roots["value"])) if stage.kind == "formula" else "⟨"
     return _finding(
         one, data, kind=kind, edit=None, scenes=scenes,
         sentence=" ".join((sentence, *(f"{text}." for text in seen))),
-        # A formula that readings choose is several.
+        # A formula that a reading still chooses, printed as ⟨…⟩, is no advice.
         remedy=None if "⟨" in right else f"{stage.quantities[0]} should be {right}",
     )  # fmt: skip
 
@@ -110,7 +110,7 @@ def scheme(
     stage: Stage, found: Scheme, one: Followed, data: Data, scenes: str | None = None
 ) -> Finding:
     """The finding of a stage that the candidate's steps explain, or are like."""
-    sentence = f"{stage.name}: your program {found.words}. It is wrong {_where(one)}."
+    sentence = f"{stage.name}: your program {found.words}. This step is wrong {_where(one)}."
     return _finding(
         one, data, kind="named" if found.adequate else "nearest", sentence=sentence, scenes=scenes,
         edit=found.words if found.adequate else None, bits=round(found.evidence, 1),
@@ -122,7 +122,7 @@ def digits(words: str, followed: Iterable[Followed], data: Data) -> Finding:
     """The finding that all errors are those of the digits that the candidate writes."""
     wrong = [one for one in followed if one.wrong.any()]
     worst = max(wrong, key=_worst)
-    sentence = f"Your program {words}; its errors are those of rounding."
+    sentence = f"Your program {words}: that rounding explains all its errors."
     found = _finding(worst, data, kind="named", edit=words, sentence=sentence)
     return found.model_copy(update={"stage": "all"})
 
@@ -138,7 +138,7 @@ def _where(one: Followed) -> str:
     """In how many scenes a stage is wrong, and by how much."""
     scenes = f"in {one.wrong.sum()} of {many(int(one.checked.sum()), 'scene')}"
     if (np.abs(one.off) >= HUGE).any():
-        return f"{scenes}, and is no finite number in some of them"
+        return f"{scenes}, and not finite in some of them"
     if one.stage.kind == "event":
         return scenes
     return f"{scenes}, given your own earlier values (off by up to {size(_worst(one))})"
@@ -147,17 +147,17 @@ def _where(one: Followed) -> str:
 # A stage's expressions in words; others are called by the quantity.
 _ROOTS = {
     "law": "the acceleration",
-    "zero": "the quantity that is zero there",
+    "zero": "the event function",
     "place": "the starting position",
     "velocity": "the starting velocity",
     "spin": "the starting spin",
     "duration": "the duration",
-    "spin_left": "the remaining share of the spin",
+    "spin_left": "the remaining fraction of the spin",
 }
 
 
 def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
-    """The right formula beside that of an edit: the smallest definition that contains its place."""
+    """The right formula and the edited one, of the smallest definition that contains the place."""
     for key, root in stage.roots.items():
         around = [
             node
@@ -187,7 +187,7 @@ def _body(node: Node) -> Node:
 
 
 def _equal(stage: Stage, data: Data) -> Iterable[str]:
-    """Values of a stage that equal others of the candidate's own, which differ in truth."""
+    """Quantities that equal another of the candidate's, although the true values differ."""
     block = stage.quantities[0].partition(".")[0]
     for quantity in (*stage.quantities, f"{block}.time"):
         if quantity not in data.given:
@@ -202,7 +202,7 @@ def _equal(stage: Stage, data: Data) -> Iterable[str]:
                 yield f"{quantity} equals your {other}"
 
 
-# What ends a flight, what it is to be looked for by, and its sides.
+# Of each event: the surface, what tells that it is reached, and the two sides.
 _SURFACES = {
     "plate.position": ("x = 0", "plane", "in front of", "behind"),
     "contact.position": ("the surface where ball and bat touch", "distance", "outside", "inside"),
