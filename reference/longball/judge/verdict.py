@@ -412,7 +412,7 @@ _MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False
 
 
 def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
-    """Return two flags: ball and bat touch by the case, and by the answer; None where that is open."""
+    """Return if ball and bat touch by the case, and by the answer; None where that is open."""
     assert comparison.answer is not None
     truth = comparison.case.expected
     expected = _MET.get(truth.outcome or "", True if truth.impact else None)
