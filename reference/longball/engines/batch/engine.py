@@ -21,7 +21,6 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander
-from longball.engines.variation import with_partials
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers
@@ -178,7 +177,7 @@ class Batch(ManyAtOnce):
         self, starts: Records, program: Program, changes: Array
     ) -> tuple[Records, Array]:
         """Fly records with derivatives; see `flights.fly_all_with_tangents`."""
-        code, order = kernel(with_partials(program)), self._order_of(starts)
+        code, order = kernel(program), self._order_of(starts)
         return flights.fly_all_with_tangents(code, starts, order, self.truncation, changes)
 
     def _order_of(self, starts: Records) -> int:

@@ -28,11 +28,7 @@ from longball.engines.batch.expansion import (
     RANGES,
     TIME,
     TIME_LOST,
-    TIMES,
-    WIDTH,
     Kernel,
-    Tangents,
-    aligned,
 )
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
 from longball.engines.batch.roots import (
@@ -45,6 +41,8 @@ from longball.engines.batch.roots import (
     two_values,
     value,
 )
+from longball.engines.batch.tangents import TIMES, Tangents, tangents
+from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.compiled import compiled
 from longball.model.arrays import Array, Integers
 from longball.model.trace import Program
@@ -143,11 +141,11 @@ def fly_all(
     each step of the one flight.
     """
     none = np.empty((0, 0, flights.size))
-    return _flown(kernel, flights, order, truncation, none, none, steps)
+    return _flown(kernel, flights, order, truncation, 0, none, none, steps)
 
 
 def fly_all_with_tangents(
-    kernel: Kernel,  # of a program of `with_partials`
+    kernel: Kernel,
     flights: Records,
     order: int,
     truncation: float,
@@ -161,7 +159,8 @@ def fly_all_with_tangents(
     """
     shape = TIMES, len(kernel.layout.program.variables), *changes.shape[1:]
     found = np.full(shape, math.nan)  # there may be no mark, or no bat
-    return _flown(kernel, flights, order, truncation, changes, found), found
+    code = tangents(kernel.layout.program).address
+    return _flown(kernel, flights, order, truncation, code, changes, found), found
 
 
 def _flown(
@@ -169,6 +168,7 @@ def _flown(
     flights: Records,
     order: int,
     truncation: float,
+    code: int,  # of the tangents
     changes: Array,
     found: Array,
     steps: Array | None = None,
@@ -181,10 +181,10 @@ def _flown(
     lanes = layout.allocate(order)
     rows, width = lanes.shape[1], 2 * order + 4
     steps = np.array([]) if steps is None else steps
-    tangents = Tangents(program)
+    layout_of_tangents = Tangents(program)
     count = changes.shape[1]
     _fly_all(
-        (kernel.step, layout.parameters * rows, layout.step * rows),
+        (kernel.code.address, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
         truncation,
         (starts.view(np.float64), arrivals.view(np.float64), arrivals.view(np.int64)),
@@ -197,9 +197,9 @@ def _flown(
         np.zeros(2 * WIDTH, np.int64),
         steps.ravel(),
         len(steps),
-        (kernel.tangents, count, tangents.first(rows), tangents.size),
+        (code, count, layout_of_tangents.first, layout_of_tangents.size),
         (
-            tangents.allocate(count, rows).ravel(),
+            layout_of_tangents.allocate(count).ravel(),
             changes.ravel(),
             found.ravel(),
         ),
@@ -273,7 +273,7 @@ class _Slot(NamedTuple):
 
 
 class _Tangents(NamedTuple):
-    """Tangents of the flights; see `longball.engines.batch.expansion.Tangents`."""
+    """Tangents of the flights; see `longball.engines.batch.tangents.Tangents`."""
 
     # code: address; flights: how many; each: tangents of one; sources: numbers at their start;
     # variables; first: row of the first one in the memory; size: rows of one
@@ -375,8 +375,6 @@ def _fly_all(
                     _take_out(s, lane)
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
-                for k in range(variables):
-                    x[k * s.block + lane] = step[k * WIDTH + lane]
             else:
                 _take_out(s, lane)
                 length = _settle(s, slot, time, length)
@@ -387,7 +385,7 @@ def _fly_all(
                     active[lane] = _NONE
                     continue
                 for k in range(variables):
-                    x[k * s.block + lane] = s.state[k]
+                    step[k * WIDTH + lane] = s.state[k]
 
             # What rounding takes from positions and time is made up for at the next step (Kahan).
             for k in range(s.half):
@@ -401,6 +399,12 @@ def _fly_all(
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
                     _take_tangents(t, flying[lane], lane)
+
+        # the next step begins where this one ends, whose series the tangents have needed
+        for lane in range(WIDTH):
+            if active[lane] != _NONE:
+                for k in range(variables):
+                    x[k * s.block + lane] = step[k * WIDTH + lane]
 
 
 @inner

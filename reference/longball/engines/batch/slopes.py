@@ -24,9 +24,9 @@ from longball.engines.batch.columns import (
     not_flown,
     without_size,
 )
-from longball.engines.batch.expansion import TIMES
 from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
+from longball.engines.batch.tangents import TIMES
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Touch
 from longball.engines.event import Event, Events, past
