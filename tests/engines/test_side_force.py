@@ -129,7 +129,7 @@ def test_columns_are_the_scenes_one_by_one():
     for i, value in enumerate(values.tolist()):
         alone = landing(flight(value), Batch())
         assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone[:3].tolist()
-    assert table["engine"][1] == Ivp().description  # which flew it: the compiled code does not
+    assert table["engine"][1] == Batch().description
     told = lb.solve_many(
         {
             "kind": "pitch",

@@ -298,7 +298,7 @@ class Columns(Run):
         self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
     ) -> Flights:
         """See `Run`. What the compiled code does not fly is left to be solved alone."""
-        launch = Start(0.0, start)
+        launch = Start(0.0, law.state_of(start))
         if records.flies_in_lanes(law):
             alone = without_size(events, rows)
             ends = self._flown(law, launch, events, limit, rows & ~alone)

@@ -370,7 +370,8 @@ class _Step(_Expansion):
 
         The length is NaN where no ordinary step is possible. On a vertical flight only one of the
         squares does not vanish, and the root has a corner where that falls to zero. Near rest the
-        coefficients overflow, or those of second derivatives, up to order² times as large.
+        coefficients overflow, or those of second derivatives, up to order² times as large. Nor is
+        one possible where an output behind the rates is not above zero: there the law ends.
         """
         start = [self.zeroth[name] for name in velocities]
         square = self.number(0.0)
@@ -396,6 +397,9 @@ class _Step(_Expansion):
             ordinary = self.builder.and_(ordinary, self.builder.or_(apart, ends))
             shorter = self.choose(limit, "<", length, limit, length)
             length = self.builder.select(ends, length, shorter)
+        for guard in self.program.outputs[len(self.variables) :]:
+            above = self.builder.fcmp_ordered(">", self.zeroth[guard], self.number(0.0))
+            ordinary = self.builder.and_(ordinary, above)
         length = self.builder.select(ordinary, length, self.number(math.nan))
         self.put_step(len(self.variables) + LENGTH, length)
         return length

@@ -8,8 +8,8 @@ This code is the same for all laws. It flies ordinary flights: one that comes to
 takes too many steps, or has events that its error does not decide stops as `Stop.FALLBACK`: the
 scalar engine flies it, or says why nobody can.
 
-A state is an array of as many positions as velocities, and an event is a linear function of the
-state that falls through zero.
+A state is an array of as many positions as velocities, maybe with the path behind them along which
+spin decays; an event is a linear function of the state that falls through zero.
 """
 
 from __future__ import annotations
@@ -325,6 +325,7 @@ def _fly_all(
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     lost_row, farthest_row = (variables + TIME_LOST) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
+    climb = 2 * s.half - 1  # w
     for lane in range(WIDTH):
         active[lane] = _NONE
     next_one = 0
@@ -358,7 +359,7 @@ def _fly_all(
             if not length > 0.0 or slot.mark[_STEPS] >= _MOST_STEPS:
                 slot.mark[_STOP], active[lane] = Stop.FALLBACK, _NONE
                 continue
-            rises = x[(variables - 1) * s.block + lane] > 0.0
+            rises = x[climb * s.block + lane] > 0.0
             rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_AHEAD])
             for k in range(s.half):
                 coordinate = abs(x[k * s.block + lane])
@@ -371,14 +372,14 @@ def _fly_all(
                 and time + length < slot.flight[_LIMIT]
                 and slot.flight[_REACH] == 0.0
             ):
-                if rises and step[(variables - 1) * WIDTH + lane] <= 0.0:
+                if rises and step[climb * WIDTH + lane] <= 0.0:
                     _take_out(s, lane)
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
             else:
                 _take_out(s, lane)
                 length = _settle(s, slot, time, length)
-                if slot.mark[_STOP] != Stop.FALLBACK and rises and s.state[variables - 1] <= 0.0:
+                if slot.mark[_STOP] != Stop.FALLBACK and rises and s.state[climb] <= 0.0:
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
                 if slot.mark[_STOP] >= 0:
@@ -616,6 +617,8 @@ def _evaluate(s: _Setup, lane: int, t: float) -> None:
         place, rate, lost = _moved(s, lane, i, t)
         s.state[i], s.state[s.half + i] = place, rate
         s.lost[(s.half + i) * WIDTH + lane] = lost
+    for i in range(2 * s.half, s.variables):
+        s.state[i] = value(shifted(s.work, i * s.width), s.order, t)
 
 
 @inner
@@ -647,7 +650,7 @@ def _note(s: _Setup, row: Any, time: float) -> None:
 def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
     """Mark where a ball ceases to rise within a step, if it did not do so higher before."""
     top = shifted(slot.arrival, _END + 1 + s.variables)
-    climb = shifted(s.work, (s.variables - 1) * s.width)
+    climb = shifted(s.work, (2 * s.half - 1) * s.width)
     differentiate(climb, s.order, s.slope)
     sag = downward(s.slope, s.order - 1, length)
     t = first_zero(climb, s.slope, s.order, 1.0, 0.0, 0.0, length, sag)
@@ -661,6 +664,8 @@ def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
     s.times[WIDTH + slot.lane] = t
     for i in range(s.half):
         top[1 + i], top[1 + s.half + i], _ = _moved(s, slot.lane, i, t)
+    for i in range(2 * s.half, s.variables):
+        top[1 + i] = value(shifted(s.work, i * s.width), s.order, t)
 
 
 @inner

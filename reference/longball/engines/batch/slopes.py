@@ -268,7 +268,8 @@ class JetFlights(Flights):
     def highest(self, numbers: Any) -> Start:
         """See `Flights`; the ball is highest where it ceases to rise."""
         time, state = self.mark
-        top = _moved(self.law, time, state, rate_of(state.w), lambda speeds: speeds[-1])
+        climb = self.law.variables.index("w")
+        top = _moved(self.law, time, state, rate_of(state.w), lambda speeds: speeds[climb])
         return Flights.highest(replace(self, mark=top), numbers)
 
 
@@ -332,7 +333,7 @@ class SlopeColumns(Columns):
         self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
     ) -> JetFlights:
         """See `Run`."""
-        plain, launch = _plain_law(law), Start(0.0, start)
+        plain, launch = _plain_law(law), Start(0.0, law.state_of(start))
         known = [_plain_event(event) for event in events]
         if not records.flies_in_lanes(plain):
             self.table.alone[self.table.rows] |= rows
@@ -366,13 +367,13 @@ class SlopeColumns(Columns):
         """
         plain, state = _plain_law(law), _plain_state(start.state)
         still = Start(plain_of(start.time), state)
-        program = records.general(plain).program
+        program = records.in_lanes(plain).program
         shape = TIMES, len(program.variables), self.table.inputs, len(rows)
         if not rows.any():
             return not_flown(plain, still, len(rows)), np.full(shape, math.nan)
         error, until = self.engine.flight_error, plain_of(limit)
         begun = records.records_of(plain, still, events, until, error, bat, rows)
-        strengths = records.general(law).strengths
+        strengths = records.in_lanes(law).strengths
         sources = [*start.state, *(strengths[name] for name in program.parameters)]
         changes = np.empty((len(sources), self.table.inputs, begun.size))
         whole_block = begun.ndim == 0 or rows.all()
@@ -484,7 +485,8 @@ def _norm(components: Sequence[Any]) -> Any:
 
 
 def _plain_law(law: Law[Any]) -> Law[Any]:
-    return replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
+    plain = replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
+    return records.formed(plain)
 
 
 def _plain_state(state: Any) -> Any:
