@@ -95,11 +95,11 @@ class Elementwise:
         return np.arctan2(y, x)
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
-        """Tell where ``x > 0``, of numbers without error."""
+        """Elementwise ``x > 0``, of numbers without error."""
         return x > 0.0
 
     def missing(self, x: Array) -> Any:
-        """Tell where there is no number."""
+        """Elementwise test for no number."""
         return np.isnan(x)
 
 

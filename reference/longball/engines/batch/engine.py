@@ -187,7 +187,7 @@ class Batch(ManyAtOnce):
     def _pieces(self, flight: Records, law: Law[float]) -> Iterator[Piece[float]]:
         """Yield the steps of a flight, expanded anew."""
         code = kernel(records.in_lanes(law).program)
-        arrival, way = flights.trail(code, flight, self.order, self.truncation)
+        arrival, way = flights.fly_and_record(code, flight, self.order, self.truncation)
         expand = Expander(records.general(law), self.order)
         ends = [*way[1:, 0].tolist(), arrival["time"].item()]
         if ends[-1] == way[0, 0]:  # it ends where it begins

@@ -337,15 +337,15 @@ class _Step(_Expansion):
         self.expand()
         self.variables = [name for name, _ in self.outputs]
         self.positions = [name for name, rate in self.outputs if rate.kind == "variable"]
-        # A path along which spin decays is neither, and needs no shorter step than these.
+        # A path along which spin decays is neither: its rate is a speed, whose terms are no larger.
         velocities = [rate for _, rate in self.outputs if rate.kind == "variable"]
         length = self.choose_length(velocities)
         ranges = self.take(length)
-        self.tell_clearance(ranges)
+        self.store_clearance(ranges)
         self.builder.ret(self.index(0))
 
     def step_row(self, row: int) -> Value:
-        """Return where a row of the block of the step is."""
+        """Index of a row of the block of the step."""
         start = self.builder.mul(self.index(self.layout.step), self.stride)
         return self.builder.add(start, self.index(row))
 
@@ -405,7 +405,7 @@ class _Step(_Expansion):
         return length
 
     def distance_to_zero(self, node: Node) -> tuple[Value, Value]:
-        """Return where two squares or more do not vanish, and half the distance to the zeros."""
+        """Lanes with two squares or more that are not zero; half the way to zeros of their sum."""
         one, two = self.index(1), self.index(2)
         bend, zero = self.number(0.0), self.number(0.0)
         none = ir.Constant(ir.VectorType(ir.IntType(1), WIDTH), [0] * WIDTH)
@@ -488,7 +488,7 @@ class _Step(_Expansion):
         self.put_step(lost + len(self.positions), left)
         return end
 
-    def tell_clearance(self, ranges: dict[Node, Value]) -> None:
+    def store_clearance(self, ranges: dict[Node, Value]) -> None:
         """Write 1 where every linear function certainly stays above its error, -1 elsewhere."""
         functions, count = self.arguments[1], self.arguments[4]
         size = self.index(len(self.variables) + 2)

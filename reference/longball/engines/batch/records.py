@@ -127,7 +127,7 @@ def records_of(
         line = linear(law, event.value)
         put(("events", i), line, event.size)
         if event.name == "plate":
-            columns["ahead",] = float(i)
+            columns["beyond",] = float(i)
             *along, constant = line
             before = APPROACH * abs(along[names.index("s")])
             put(("waypoint",), [*along, constant - before], 0.0)

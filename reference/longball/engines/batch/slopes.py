@@ -131,7 +131,7 @@ class ColumnJets(Jets):
         return ColumnJet(NUMBERS.angle(v, u), _quotient(u * dv - v * du, u * u + v * v))
 
     def positive(self, x: Any, error: Any, question: str) -> Any:
-        """Tell where ``x > 0``."""
+        """Elementwise ``x > 0``."""
         self.doubt_at_border(x)
         return plain_of(x) > 0.0
 
@@ -401,9 +401,9 @@ class SlopeColumns(Columns):
         end: Start,
         limit: Any,
     ) -> Start:
-        """Return when and where flights end, from their ends at fixed times.
+        """Correct derivatives at a fixed time for the shift of the event's time.
 
-        An event, a zero of g, moves by ``-(∂g/∂x)/ġ``.
+        An event, a zero of g, moves by ``dt/dx = -(∂g/∂x)/ġ``.
         """
         numbers, state, stop = self.jets, end.state, ends["stop"]
         speeds = law.rates(NUMBERS)(*map(plain_of, state))

@@ -205,7 +205,7 @@ class _Collocation(Writer):
         return self.builder.add(self.builder.mul(k, self.index(size)), more)
 
     def place(self, row: Value) -> Value:
-        """Return where a row is, of the lanes at hand."""
+        """Index of a row, of the lanes at hand."""
         return self.row(row, PARTS, self.chunk)
 
     def expanded(self, block: int, row: Value) -> Value:
@@ -214,17 +214,17 @@ class _Collocation(Writer):
         return self.load(self.array, self.place(self.builder.add(start, row)))
 
     def of_tangent(self, tangent: Value, row: Value | int) -> Value:
-        """Return where a row of a tangent is: dp/dx, and ξ at the times."""
+        """Index of a row of a tangent: dp/dx, and ξ at the times."""
         start = self.row(tangent, self.layout.size, self.layout.first)
         row = self.index(row) if isinstance(row, int) else row
         return self.place(self.builder.add(start, row))
 
     def scratch(self, row: Value) -> Value:
-        """Return where a row of `_System` is. It has the numbers of the lanes at hand alone."""
+        """Index of a row of `_System`, which has the numbers of the lanes at hand alone."""
         return self.builder.add(self.index(TIMES * PARTS), row)
 
     def block(self, a: Value, b: Value) -> list[list[Value]]:
-        """Return where the numbers of a block of the matrix are."""
+        """Indices of the numbers of a block of the matrix."""
         size = len(self.unknown)
         start = self.row(self.row(a, self.nodes, b), size * size, self.system.matrix)
         start = self.scratch(start)
@@ -234,14 +234,14 @@ class _Collocation(Writer):
         ]
 
     def slope(self, k: Value, i: int, j: int) -> Value:
-        """Return ``∂f_i/∂x_j`` at a time; None where it is zero."""
+        """Return ``∂f_i/∂x_j`` at a time; None if it is always zero."""
         if (i, j) not in self.system.entry:
             return None
         row = self.row(k, len(self.system.entry), self.system.entry[i, j])
         return self.load(self.memory, self.scratch(row))
 
     def forces(self, k: Value) -> list[Value]:
-        """Return where F is, at a time."""
+        """Indices of F at a time."""
         start = self.scratch(self.row(k, len(self.unknown), self.system.forces))
         return [self.builder.add(start, self.index(i)) for i in range(len(self.unknown))]
 
