@@ -359,6 +359,10 @@ def _fly_all(
 
         # one step of all lanes
         call(code[0], (x, s.linear, order, rows, functions, truncation))
+        if t.each > 0:
+            for k in range(variables):  # where the step begins; lanes move on before their tangents
+                for lane in range(WIDTH):
+                    t.memory[(TIMES + k) * WIDTH + lane] = x[k * s.block + lane]
         for lane in range(WIDTH):
             for k in range(TIMES):
                 s.times[k * WIDTH + lane] = math.nan
@@ -396,6 +400,8 @@ def _fly_all(
                     _load_step(s, lane)
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
+                for k in range(variables):
+                    x[k * s.block + lane] = step[k * WIDTH + lane]
             else:
                 _load_step(s, lane)
                 length = _locate_first_event(s, slot, time, length)
@@ -406,7 +412,7 @@ def _fly_all(
                     active[lane] = _NONE
                     continue
                 for k in range(variables):
-                    step[k * WIDTH + lane] = s.state[k]
+                    x[k * s.block + lane] = s.state[k]
 
             # What rounding takes from positions and time is made up for at the next step: Kahan's
             # compensated sum.
@@ -422,12 +428,6 @@ def _fly_all(
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
                     _take_tangents(t, flying[lane], lane)
-
-        # the next step begins where this one ends, whose series the tangents have needed
-        for lane in range(WIDTH):
-            if active[lane] != _NONE:
-                for k in range(variables):
-                    x[k * s.block + lane] = step[k * WIDTH + lane]
 
 
 @inner

@@ -97,9 +97,14 @@ class Tangents:
         return len(self.program.variables) + len(self.program.parameters)
 
     @property
+    def scratch(self) -> int:
+        """Row of `_System`, after `TIMES` and the state where the step begins."""
+        return TIMES + len(self.program.variables)
+
+    @property
     def first(self) -> int:
-        """Row of the first tangent, after `TIMES` and what equations (2) are solved with."""
-        return TIMES + -(-_System(self.program).size // PARTS)
+        """Row of the first tangent, after what equations (2) are solved with."""
+        return self.scratch + -(-_System(self.program).size // PARTS)
 
     @property
     def size(self) -> int:
@@ -221,7 +226,7 @@ class _Collocation(Writer):
 
     def scratch(self, row: Value) -> Value:
         """Index of a row of `_System`, which has the numbers of the lanes at hand alone."""
-        return self.builder.add(self.index(TIMES * PARTS), row)
+        return self.builder.add(self.index(self.layout.scratch * PARTS), row)
 
     def block(self, a: Value, b: Value) -> list[list[Value]]:
         """Indices of the numbers of a block of the matrix."""
@@ -284,7 +289,7 @@ class _Collocation(Writer):
         moving = [n for n in system.partials.nodes if not n.static]
         used = [n for n in moving if n.kind == "variable"]
         places = [self.program.variables.index(n.args[0]) for n in used]
-        # Positions are known to one order more, which is zero of the others' rows
+        # Positions are known to one order more.
         last = build.add(self.order, self.index(1))
         begin = [self.expanded(i, last) if i in system.mover else self.number(0.0) for i in places]
 
@@ -295,8 +300,12 @@ class _Collocation(Writer):
                 for i, total in zip(places, totals, strict=True)
             ]
 
-        found = self.repeat(self.index(0), last, begin, term)
-        state = dict(zip(used, found, strict=True))
+        totals = self.repeat(self.index(0), self.order, begin, term)
+        starts = [self.load(self.memory, self.place(self.index(TIMES + i))) for i in places]
+        state = {
+            node: self.fma(total, t, start)
+            for node, total, start in zip(used, totals, starts, strict=True)
+        }
         self.evaluate(moving, state.__getitem__, values)
         for (i, j), n in system.entry.items():
             row = self.scratch(self.row(k, len(system.entry), n))
