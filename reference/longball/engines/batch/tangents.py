@@ -425,7 +425,7 @@ class _Collocation(Writer):
         return []
 
     def through(self, k: Value, p: Value, totals: list[Value]) -> list[Value]:
-        """Return what is left of equations k without the unknowns p, by L or U."""
+        """Subtract the products with the unknowns p from the sums of equations k, by L or U."""
         (known,) = self.loaded([self.forces(p)])
         rows = self.loaded(self.block(k, p))
         return [self.less(total, row, known) for total, row in zip(totals, rows, strict=True)]
