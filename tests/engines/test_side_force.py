@@ -142,6 +142,15 @@ def test_columns_are_the_scenes_one_by_one():
     assert np.sign(told["plate.position[1]"]).tolist() == [0.0, 1.0, -1.0]
 
 
+def test_a_row_that_passes_its_direction_is_refused_alone():
+    """The lanes leave it to the scalar engine, which says why it has no answer."""
+    scene = flight(0.05, (1.0, 0.0, 0.0), (35.0, 1.0, 20.0))
+    columns = {"launch.velocity[1]": [0.0, 1.0, 1e-3]}
+    table = solve_columns(scene, columns)
+    assert table["outcome"].tolist() == ["", "landed", "landed"]
+    assert table["engine"].tolist()[1:] == [Batch().description, Ivp().description]
+
+
 def test_derivatives_know_that_its_length_does_not_matter():
     """Σ dᵢ ∂Q/∂dᵢ = 0, and ∂Q/∂C_S is that of a second solution."""
     names = [f"air.side_coefficient.direction[{i}]" for i in range(3)]
