@@ -333,6 +333,7 @@ class SlopeColumns(Columns):
         self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
     ) -> JetFlights:
         """See `Run`."""
+        # The lanes fly plain numbers, by the same records as without derivatives: same bits.
         plain, launch = _plain_law(law), Start(0.0, law.state_of(start))
         known = [_plain_event(event) for event in events]
         if not records.flies_in_lanes(plain):
@@ -341,14 +342,18 @@ class SlopeColumns(Columns):
             return JetFlights(
                 Path(()), stops, *launch, launch, launch, numbers=self.jets, law=plain
             )
+
+        # derivatives at fixed times, then at the events
         alone = without_size(known, rows)
         ends, found = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
         stops = records.stops(ends, known)
         self.table.alone[self.table.rows] |= alone | (rows & (stops == Stop.FALLBACK))
         state, mark = (self._noted(ends, found, law, which) for which in (0, 1))
         end = self._stopped(plain, events, known, ends, state, limit)
+
+        # A flight that ends where it starts goes on by the least change: a corner.
         starts = (stops != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
-        self.jets.doubt(rows & starts)  # ends where it starts, and by the least change goes on
+        self.jets.doubt(rows & starts)
         self.jets.doubt(rows & (ends["steps"] > _MOST_STEPS))
         return JetFlights(Path(()), stops, *end, launch, mark, numbers=self.jets, law=plain)
 
@@ -373,6 +378,7 @@ class SlopeColumns(Columns):
             return not_flown(plain, still, len(rows)), np.full(shape, math.nan)
         error, until = self.engine.flight_error, plain_of(limit)
         begun = records.records_of(plain, still, events, until, error, bat, rows)
+        # dp/dx of (1) in `tangents`, and ξ where the flight starts
         strengths = records.in_lanes(law).strengths
         sources = [*start.state, *(strengths[name] for name in program.parameters)]
         changes = np.empty((len(sources), self.table.inputs, begun.size))

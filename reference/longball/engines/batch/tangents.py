@@ -81,15 +81,9 @@ def gauss(nodes: int) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class Tangents:
-    """Layout of an array with the tangents of the flights in the lanes.
+    """Layout of an array with the tangents of the flights in the lanes."""
 
-    Attributes
-    ----------
-    program
-        Of the law.
-    """
-
-    program: Program
+    program: Program  # of the law
 
     @property
     def sources(self) -> int:
@@ -351,6 +345,7 @@ class _Collocation(Writer):
             found = self.repeat(self.index(0), until, begin, product)
             return [found[size * i :][:size] for i in range(size)]
 
+        # row by row, so that each block is written once, when its sum is complete
         def lower(b: Value, _: list[Value]) -> list[Value]:
             block, pivot = reduced(b, b), self.loaded(self.block(b, b))
             self.keep(self.block(a, b), _product(self, block, pivot))
@@ -374,6 +369,7 @@ class _Collocation(Writer):
         def known(row: int) -> Value:
             return self.load(self.memory, self.of_tangent(tangent, row))
 
+        # of an integral, what it would gain with its rate as it begins
         start = [known(parameters + i) for i in range(self.variables)]
         drift = {x: self.multiply(length, start[mover]) for x, mover in system.mover.items()}
 
@@ -408,6 +404,7 @@ class _Collocation(Writer):
                 for f, total in zip(force, some, strict=True)
             ]
 
+        # L y = A ξ_0 + b, then U F = y, and the sums of (2); v = w a, of what is integrated twice
         self.repeat(zero, nodes, [], forwards)
         none = [self.number(0.0)] * (2 * len(self.unknown))
         sums = self.repeat(zero, nodes, none, backwards)

@@ -196,6 +196,7 @@ class Code:
     """A function of machine code, compiled once per machine for what it is made of."""
 
     def __init__(self, name: str, program: Program, write: Callable[[Any], object]) -> None:
+        # The program's text says what is compiled; how it is, the sources in the name of the file.
         target = _target()
         code = stored(name, [program.source], lambda: _compiled(write, target))
         # owns the code
