@@ -67,6 +67,8 @@ CALLERS = {
     "engines/batch/flights.py": "engines/batch/records.py",
     "engines/batch/jit.py": "engines/batch/records.py",
     "engines/batch/roots.py": "engines/batch/records.py",
+    "engines/batch/tangents.py": "engines/batch/records.py",
+    "engines/batch/writer.py": "engines/batch/records.py",
     "engines/coefficients.py": "engines/polynomial.py",
     "engines/series.py": "engines/taylor.py",
     "engines/verlet_steps.py": "engines/verlet.py",

@@ -20,9 +20,10 @@ from longball.engines.batch import (
     solve_columns,
     solve_columns_with_restitutions,
 )
-from longball.engines.batch.expansion import WIDTH, aligned, kernel
+from longball.engines.batch.expansion import kernel
 from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER
+from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
@@ -178,7 +179,7 @@ def expand_lanes(law: Law[float], states: Any, order: int) -> Any:
         at = unowned_view(x), unowned_view(functions)
         return call(address, (at[0], at[1], order, rows, 1, 1e-14))
 
-    step(code.step, x.ravel(), functions.ravel(), order, x.shape[1])
+    step(code.code.address, x.ravel(), functions.ravel(), order, x.shape[1])
     return x
 
 

@@ -129,7 +129,7 @@ def test_columns_are_the_scenes_one_by_one():
     for i, value in enumerate(values.tolist()):
         alone = landing(flight(value), Batch())
         assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone[:3].tolist()
-    assert table["engine"][1] == Ivp().description  # which flew it: the compiled code does not
+    assert table["engine"][1] == Batch().description
     told = lb.solve_many(
         {
             "kind": "pitch",
@@ -140,6 +140,15 @@ def test_columns_are_the_scenes_one_by_one():
     )
     assert told["outcome"].tolist() == ["crossed"] * 3
     assert np.sign(told["plate.position[1]"]).tolist() == [0.0, 1.0, -1.0]
+
+
+def test_a_row_that_passes_its_direction_is_refused_alone():
+    """The lanes leave it to the scalar engine, which says why it has no answer."""
+    scene = flight(0.05, (1.0, 0.0, 0.0), (35.0, 1.0, 20.0))
+    columns = {"launch.velocity[1]": [0.0, 1.0, 1e-3]}
+    table = solve_columns(scene, columns)
+    assert table["outcome"].tolist() == ["", "landed", "landed"]
+    assert table["engine"].tolist()[1:] == [Batch().description, Ivp().description]
 
 
 def test_derivatives_know_that_its_length_does_not_matter():

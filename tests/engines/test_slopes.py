@@ -15,6 +15,7 @@ import longball as lb
 from longball import golden
 from longball.api import as_scene
 from longball.engines.batch import solve_columns, solve_columns_with_slopes
+from longball.engines.batch.tangents import gauss
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.tangent import derivatives_of
@@ -30,6 +31,10 @@ SPINNING = {
     "launch": {"position": [0, 0, 1], "velocity": [30, 1, 20], "spin": [10, -200, 30]},
     "air": {"wind": [2, 1, 0], "lift_coefficient": {"law": "rational"}},
 }
+DECAYING = SPINNING | {"air": {"lift_coefficient": {"law": "rational"}, "spin_decay_length": 150}}
+ASIDE = SPINNING | {"air": {"side_coefficient": {"value": 0.08, "direction": [0.2, 1, 0.3]}}}
+PROFILE = {"velocity": [3, 1, 0], "height": 10, "roughness": 0.03}
+CRISIS_IN_PROFILE = SPINNING | {"air": {"drag_coefficient": {"law": "crisis"}, "wind": PROFILE}}
 FENCE = [[30, 80, 4], [70, 20, 4], [60, -60, 3], [0, -90, 3]]
 FENCED = FLIGHT | {"fence": {"polyline": FENCE}}
 UPWARD = FLIGHT | {"reading": {"lift_direction": "always_up"}}
@@ -57,7 +62,8 @@ def velocities(count):
     return {f"launch.velocity[{i}]": column for i, column in enumerate(found.values())}
 
 
-AIR = ["gravity", "air.density", "air.drag_coefficient", "ball.mass"]
+AIR_ONLY = ["gravity", "air.density", "ball.mass"]
+AIR = [*AIR_ONLY, "air.drag_coefficient"]
 COMPONENTS = [f"launch.velocity[{i}]" for i in range(3)]
 TRACKED = ["launch.speed", "launch.angle", "launch.direction"]
 OF_SPIN = ["launch.spin[0]", "launch.backspin", "launch.side_spin", "launch.gyrospin"]
@@ -81,6 +87,16 @@ def test_a_parabola_has_the_derivatives_of_its_closed_form():
         assert found[f"landing.distance by {name}"].to_numpy() == pytest.approx(slope, rel=1e-13)
     assert found["derivatives"].str.contains("batch").all()
     assert found["refused"].isna().all()
+
+
+@pytest.mark.parametrize("nodes", [7, 8])
+def test_collocation_integrates_what_it_should(nodes):
+    """Up to each node polynomials of its degree, over the whole twice that (B(2K), C(K))."""
+    c, w, a = gauss(nodes)
+    for degree in range(2 * nodes):
+        assert w @ c**degree == pytest.approx(1 / (degree + 1), rel=1e-14)
+        if degree < nodes:
+            assert a @ c**degree == pytest.approx(c ** (degree + 1) / (degree + 1), abs=1e-15)
 
 
 def off(scene, columns, names, engine, every=1):
@@ -111,6 +127,18 @@ def off(scene, columns, names, engine, every=1):
         (FLIGHT, velocities(16), [*COMPONENTS, *AIR, "launch.position[2]"]),
         (FLIGHT, velocities(8), TRACKED),
         (SPINNING, velocities(8), [*COMPONENTS, *AIR, *OF_SPIN, "air.wind[0]"]),
+        (CRISIS_IN_PROFILE, velocities(6), [*COMPONENTS, *AIR_ONLY, "air.wind.roughness"]),
+        (DECAYING, velocities(6), [*TRACKED, *OF_SPIN, "air.spin_decay_length", "gravity"]),
+        (
+            DECAYING | {"reading": {"spin_decay": "nathan"}},
+            velocities(4),
+            [*COMPONENTS, "air.spin_decay_length"],
+        ),
+        (
+            ASIDE,
+            velocities(6),
+            [*TRACKED, "air.side_coefficient.value", "air.side_coefficient.direction[1]"],
+        ),
         (FENCED, velocities(8), [*TRACKED, "fence.polyline[1][0]", "fence.polyline[2][2]"]),
         (UPWARD, velocities(8), [*TRACKED, "air.lift_coefficient"]),
         (
@@ -309,6 +337,7 @@ def test_golden_scenes_have_in_columns_the_derivatives_that_they_have_alone(fami
 
     That is the attainable error of the golden case, in roundings: of a clearance of 1 mm, or of a
     ball from a bat, it is far more than the quantity. Of a flight it is up to four times as much.
+    Where the two differ by more, 30 digits tell whether it is the columns that are off.
     """
     cases = [case for case in golden.load(family) if case.condition is not None]
     faults = []
@@ -320,14 +349,17 @@ def test_golden_scenes_have_in_columns_the_derivatives_that_they_have_alone(fami
         columns = {names[0]: np.full(2, of[names[0]])}
         table, slopes = solve_columns_with_slopes(case.scene, columns, names)
         known = derivatives_of(case.scene, slopes.columns, names, Ivp())
-        faults += [
-            (case.id, quantity, name)
-            for quantity, found in slopes.columns.items()
-            if quantity in case.quantities and quantity != "contact.margin"
-            if np.isfinite(table[quantity][0])
-            for name, slope in zip(names, found[:, 0], strict=True)
-            for other in [known[quantity][name]]
-            for size in [abs(other) + case.attainable(quantity) / ROUNDING / (abs(of[name]) or 1.0)]
-            if abs(slope - other) > 0.25 * GOOD * size
-        ]
+        for quantity, found in slopes.columns.items():
+            if quantity not in case.quantities or quantity == "contact.margin":
+                continue
+            if not np.isfinite(table[quantity][0]):
+                continue
+            unit = case.attainable(quantity) / ROUNDING
+            for name, slope in zip(names, found[:, 0], strict=True):
+                other = known[quantity][name]
+                good = 0.25 * GOOD * (abs(other) + unit / (abs(of[name]) or 1.0))
+                if abs(slope - other) > good:
+                    proven = derivatives_of(case.scene, [quantity], [name], Enclosure(30))
+                    if not abs(slope - float(proven[quantity][name].value)) <= good:
+                        faults.append((case.id, quantity, name))
     assert faults == []

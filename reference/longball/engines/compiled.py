@@ -9,6 +9,11 @@ beside this module, or where that cannot be written to in the user's cache; wher
 place, each process compiles for itself. A file's name is a hash of all that the code is made of:
 sources, versions of the compilers, processor. Changed sources lead to another file, so none is ever
 out of date. A file that is not what was written is made anew.
+
+numba's own cache (``cache=True``) would be less code, but keeps neither promise. It looks at the
+age of the file that a function stands in alone, so that code stays as it was when a function that
+it calls is changed in another file; a damaged file ends in LLVM's error. Of printed code there is
+no file at all.
 """
 
 from __future__ import annotations
@@ -42,6 +47,7 @@ SOURCES = (
     "engines/batch/*.py",
     "engines/compiled.py",
     "engines/series.py",
+    "engines/variation.py",
     "model/law.py",
     "model/trace.py",
 )
@@ -204,7 +210,7 @@ def _read(name: str) -> bytes | None:
         checksum, content = whole[:32], whole[32:]
         if hashlib.sha256(content).digest() == checksum:
             return content
-    _tell()
+    _announce_compilation()
     return None
 
 
@@ -223,7 +229,7 @@ def _write(name: str, content: bytes) -> None:
 
 
 @cache
-def _tell() -> None:
-    """Say on a terminal, once, why nothing happens."""
+def _announce_compilation() -> None:
+    """Print a note on the first compilation; on terminals only."""
     if sys.stderr is not None and sys.stderr.isatty():
         print("longball: compiling (a few seconds, once per machine)", file=sys.stderr, flush=True)

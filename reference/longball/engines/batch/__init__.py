@@ -1,7 +1,8 @@
 """The batch engine: Taylor series, compiled, for one scene or for millions, with the same bits.
 
-`expansion` makes machine code of a law: the series of sixteen flights; `flights` flies records to
-their ends, whose events `roots` finds on a step's polynomials, in code that `jit` helps to compile.
+`writer` writes machine code on sixteen lanes. Of a law `expansion` makes a step, a Taylor series,
+and `tangents` its derivatives; `flights` flies records to their ends, whose events `roots` finds on
+a step's polynomials, in code that `jit` helps to compile.
 `records` writes and reads the records; `engine` makes an engine of it, for one scene at a time;
 `columns` gives the chain columns for numbers, `slopes` columns with derivatives, and `many` is what
 one calls.

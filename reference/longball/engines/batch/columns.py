@@ -95,11 +95,11 @@ class Elementwise:
         return np.arctan2(y, x)
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
-        """Tell where ``x > 0``, of numbers without error."""
+        """Elementwise ``x > 0``, of numbers without error."""
         return x > 0.0
 
     def missing(self, x: Array) -> Any:
-        """Tell where there is no number."""
+        """Elementwise test for no number."""
         return np.isnan(x)
 
 
@@ -298,7 +298,7 @@ class Columns(Run):
         self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
     ) -> Flights:
         """See `Run`. What the compiled code does not fly is left to be solved alone."""
-        launch = Start(0.0, start)
+        launch = Start(0.0, law.state_of(start))
         if records.flies_in_lanes(law):
             alone = without_size(events, rows)
             ends = self._flown(law, launch, events, limit, rows & ~alone)

@@ -21,7 +21,6 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander
-from longball.engines.variation import with_partials
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers
@@ -124,13 +123,13 @@ class Batch(ManyAtOnce):
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         if records.flies_in_lanes(law):
-            launch = Start(0.0, start)
+            launch = Start(0.0, law.state_of(start))
             flight, end = records.flown(self, law, launch, events, limit)
             stop = records.stops(end, events).item()
             if stop != Stop.FALLBACK:
                 names = {number: name for name, number in records.STOPS.items()}
                 return OneFlight(
-                    Path(self._pieces(flight, records.general(law))),
+                    Path(self._pieces(flight, law)),
                     names[stop],
                     *_plain(records.placed(end, law, events)),
                     launch,
@@ -178,7 +177,7 @@ class Batch(ManyAtOnce):
         self, starts: Records, program: Program, changes: Array
     ) -> tuple[Records, Array]:
         """Fly records with derivatives; see `flights.fly_all_with_tangents`."""
-        code, order = kernel(with_partials(program)), self._order_of(starts)
+        code, order = kernel(program), self._order_of(starts)
         return flights.fly_all_with_tangents(code, starts, order, self.truncation, changes)
 
     def _order_of(self, starts: Records) -> int:
@@ -187,8 +186,9 @@ class Batch(ManyAtOnce):
 
     def _pieces(self, flight: Records, law: Law[float]) -> Iterator[Piece[float]]:
         """Yield the steps of a flight, expanded anew."""
-        arrival, way = flights.trail(kernel(law.program), flight, self.order, self.truncation)
-        expand = Expander(law, self.order)
+        code = kernel(records.in_lanes(law).program)
+        arrival, way = flights.fly_and_record(code, flight, self.order, self.truncation)
+        expand = Expander(records.general(law), self.order)
         ends = [*way[1:, 0].tolist(), arrival["time"].item()]
         if ends[-1] == way[0, 0]:  # it ends where it begins
             begin, *state = way[0].tolist()

@@ -1,15 +1,19 @@
-"""Many flights, sixteen at a time, each to its own end.
+"""Many flights, sixteen at a time.
 
-The steps are taken for sixteen flights at once (`longball.engines.batch.expansion`). Whatever a
-flight decides, it decides alone: the first of its events within the step, found on the step's
-polynomials (`longball.engines.batch.roots`); a lane whose flight has ended takes the next one.
+All sixteen lanes take a step together (`longball.engines.batch.expansion`). Events are located lane
+by lane, on the step's polynomials (`longball.engines.batch.roots`). A lane whose flight has ended
+takes the next one.
 
 This code is the same for all laws. It flies ordinary flights: one that comes to rest, overflows,
-takes too many steps, or has events that its error does not decide stops as `Stop.FALLBACK`: the
-scalar engine flies it, or says why nobody can.
+takes too many steps, or has events that its error does not decide stops as `Stop.FALLBACK`; the
+scalar engine then solves it or raises the error.
 
-A state is an array of as many positions as velocities, and an event is a linear function of the
-state that falls through zero.
+A state is n positions followed by n velocities, maybe with the path behind them along which spin
+decays. An event is an affine function of the state that falls through zero.
+
+A pitch has a *waypoint*, the plane a distance `records.APPROACH` before the plate. A step ends
+there and the state is recorded, so that the later search for the bat can start from it. The event
+beyond it, the plate, is not searched for before.
 """
 
 from __future__ import annotations
@@ -28,11 +32,7 @@ from longball.engines.batch.expansion import (
     RANGES,
     TIME,
     TIME_LOST,
-    TIMES,
-    WIDTH,
     Kernel,
-    Tangents,
-    aligned,
 )
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
 from longball.engines.batch.roots import (
@@ -45,6 +45,8 @@ from longball.engines.batch.roots import (
     two_values,
     value,
 )
+from longball.engines.batch.tangents import TIMES, Tangents, tangents
+from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.compiled import compiled
 from longball.model.arrays import Array, Integers
 from longball.model.trace import Program
@@ -56,7 +58,7 @@ Records = NDArray[Any]
 
 
 class Stop(IntEnum):
-    """Status of a flight; one that an event has ended has the number of that event."""
+    """Status of a flight. Numbers from 0 to 99 are those of the event that ended it."""
 
     FLYING = -2
     WAYPOINT = -1  # the last step ended there
@@ -66,10 +68,10 @@ class Stop(IntEnum):
 
 
 def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
-    """Return the type of the records of where flights start and what can end them.
+    """Type of the inputs: start, strengths, bat, event functions.
 
-    Functions are linear: an array of the coefficients of the variables, the constant, and the size
-    that the error is relative to.
+    A function is an array of the coefficients of the variables, the constant, and the size that its
+    error is relative to.
     """
     size = len(program.variables) + 2
     return np.dtype(
@@ -77,8 +79,7 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
             *((name, np.float64) for name in _FLIGHT),
             # State and strengths; 0 for a force that does not act.
             *((name, np.float64) for name in (*program.variables, *program.parameters)),
-            # The components of the distance from the bat's axis; and a function at whose fall
-            # through zero a step ends, and the state is noted.
+            # The components of the distance from the bat's axis, and the waypoint's function
             *((name, np.float64, (size,)) for name in ("across", "above", "waypoint")),
             ("events", np.float64, (events, size)),  # they end a flight where they fall
         ]
@@ -90,25 +91,32 @@ _FLIGHT = (
     "error",  # of a state at the end of a flight, relative to its size
     "reach",  # m, the distance from the bat's axis at which it is touched; 0 for no bat
     "margin_error",  # m
-    "ahead",  # number of the event that lies beyond the waypoint; NaN if none does
+    "beyond",  # number of the event to skip until the waypoint is passed; NaN: none
 )  # fmt: skip
-_TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _AHEAD, _STATE = range(7)
+_TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _BEYOND, _STATE = range(7)
 # Functions, in the order of the records.
 _ACROSS, _ABOVE, _WAYPOINT, _FIRST_EVENT = range(4)
 
 
 def arrival_dtype(program: Program) -> np.dtype[Any]:
-    """Return the type of the records of how flights end."""
+    """Type of the results: status, margin, and times and states under the `PREFIXES`.
+
+    ========  =====================================================================
+    ``""``    the end
+    mark_     the waypoint; near a bat the first touch; without either the apex, if
+              the ball ceases to rise between the ends of a step
+    nearest_  near a bat, where the margin is taken
+    ========  =====================================================================
+
+    A time is NaN if there is no such point.
+    """
     names = ("time", *program.variables)
     return np.dtype(
         [
             ("stop", np.int64),  # the number of the event, or a `Stop`
             ("steps", np.int64),  # how many were taken
             ("margin", np.float64),  # of the bat, m
-            # When, s, and in what state it ends; and a mark of the way. That is where it passed the
-            # waypoint; or, near a bat, where it first touched it; or, with neither, where between
-            # the ends of a step it ceased to rise, the highest such point. Its time is NaN if it
-            # did not. Near a bat, also where the margin is taken.
+            # time, s, and state
             *((f"{prefix}{name}", np.float64) for prefix in PREFIXES for name in names),
         ]
     )
@@ -125,7 +133,7 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
     """Return flights that have no waypoint, no bat, and events that never happen."""
     flights = np.zeros(shape, flight_dtype(program, events))
     constant = len(program.variables)
-    flights["ahead"] = math.nan
+    flights["beyond"] = math.nan
     flights["waypoint"][..., constant] = flights["events"][..., constant] = math.inf
     return flights
 
@@ -143,11 +151,11 @@ def fly_all(
     each step of the one flight.
     """
     none = np.empty((0, 0, flights.size))
-    return _flown(kernel, flights, order, truncation, none, none, steps)
+    return _run(kernel, flights, order, truncation, 0, none, none, steps)
 
 
 def fly_all_with_tangents(
-    kernel: Kernel,  # of a program of `with_partials`
+    kernel: Kernel,
     flights: Records,
     order: int,
     truncation: float,
@@ -161,18 +169,21 @@ def fly_all_with_tangents(
     """
     shape = TIMES, len(kernel.layout.program.variables), *changes.shape[1:]
     found = np.full(shape, math.nan)  # there may be no mark, or no bat
-    return _flown(kernel, flights, order, truncation, changes, found), found
+    code = tangents(kernel.layout.program).address
+    return _run(kernel, flights, order, truncation, code, changes, found), found
 
 
-def _flown(
+def _run(
     kernel: Kernel,
     flights: Records,
     order: int,
     truncation: float,
+    code: int,  # of the tangents
     changes: Array,
     found: Array,
     steps: Array | None = None,
 ) -> Records:
+    """Allocate the workspace and run the compiled loop."""
     program, layout = kernel.layout.program, kernel.layout
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
@@ -181,10 +192,10 @@ def _flown(
     lanes = layout.allocate(order)
     rows, width = lanes.shape[1], 2 * order + 4
     steps = np.array([]) if steps is None else steps
-    tangents = Tangents(program)
+    layout_of_tangents = Tangents(program)
     count = changes.shape[1]
     _fly_all(
-        (kernel.step, layout.parameters * rows, layout.step * rows),
+        (kernel.code.address, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
         truncation,
         (starts.view(np.float64), arrivals.view(np.float64), arrivals.view(np.int64)),
@@ -197,9 +208,9 @@ def _flown(
         np.zeros(2 * WIDTH, np.int64),
         steps.ravel(),
         len(steps),
-        (kernel.tangents, count, tangents.first(rows), tangents.size),
+        (code, count, layout_of_tangents.first, layout_of_tangents.size),
         (
-            tangents.allocate(count, rows).ravel(),
+            layout_of_tangents.allocate(count).ravel(),
             changes.ravel(),
             found.ravel(),
         ),
@@ -207,8 +218,10 @@ def _flown(
     return arrivals.reshape(flights.shape)
 
 
-def trail(kernel: Kernel, flights: Records, order: int, truncation: float) -> tuple[Records, Array]:
-    """Fly one flight to its end; return its arrival, and its steps as `fly_all` has them."""
+def fly_and_record(
+    kernel: Kernel, flights: Records, order: int, truncation: float
+) -> tuple[Records, Array]:
+    """Fly one ball twice: first to count the steps, then to record them."""
     arrival = fly_all(kernel, flights, order, truncation)
     steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
     return fly_all(kernel, flights, order, truncation, steps), steps
@@ -223,8 +236,8 @@ _MOST_STEPS = 20_000
 _NONE = -1  # number of the flight in a lane that has none
 
 
-class _Setup(NamedTuple):
-    """Sizes, code and memory that all flights share."""
+class _Workspace(NamedTuple):
+    """Sizes and work arrays that all lanes share."""
 
     # half, variables, parameters, functions: numbers of positions, variables, parameters; and of
     # the waypoint and the events
@@ -242,7 +255,7 @@ class _Setup(NamedTuple):
     x: Any
     strengths: Any
     step: Any
-    # What rounding has taken from each position, a part of `step`; behind it what it takes next
+    # Kahan's compensation of each position, a part of `step`; behind it those of the step at hand
     lost: Any
     # Linear functions of the flights in the lanes: waypoint and events, with absolute errors
     linear: Any
@@ -264,16 +277,16 @@ _SCRATCH = 6  # rows of a workspace after those of the state
 
 
 class _Slot(NamedTuple):
-    """One flight: its records (the arrival as doubles and as integers), and its lane."""
+    """One flight: its records, and its lane."""
 
     flight: Any
-    arrival: Any
-    mark: Any
+    arrival: Any  # as doubles
+    status: Any  # the same, as integers
     lane: int
 
 
 class _Tangents(NamedTuple):
-    """Tangents of the flights; see `longball.engines.batch.expansion.Tangents`."""
+    """Tangents of the flights; see `longball.engines.batch.tangents.Tangents`."""
 
     # code: address; flights: how many; each: tangents of one; sources: numbers at their start;
     # variables; first: row of the first one in the memory; size: rows of one
@@ -304,8 +317,9 @@ def _fly_all(
     tangent_sizes: tuple[int, int, int, int],
     tangent_memory: tuple[Array, Array, Array],
 ) -> None:
+    """Fill free lanes, step all lanes, locate events lane by lane, and advance, to the last end."""
     variables, parameters, functions, order, rows, _ = sizes
-    s = _setup(code, sizes, memory, unowned_view(tangent_memory[0]))
+    s = _workspace(code, sizes, memory, unowned_view(tangent_memory[0]))
     t = _Tangents(
         tangent_sizes[0],
         record_sizes[2],
@@ -325,10 +339,12 @@ def _fly_all(
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     lost_row, farthest_row = (variables + TIME_LOST) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
+    climb = 2 * s.half - 1  # w
     for lane in range(WIDTH):
         active[lane] = _NONE
     next_one = 0
     while True:
+        # free lanes take the next flights
         busy = 0
         for lane in range(WIDTH):
             if active[lane] == _NONE and next_one < record_sizes[2]:
@@ -340,62 +356,73 @@ def _fly_all(
             busy += active[lane] != _NONE
         if busy == 0:
             return
+
+        # one step of all lanes
         call(code[0], (x, s.linear, order, rows, functions, truncation))
+        if t.each > 0:
+            for k in range(variables):  # where the step begins; lanes move on before their tangents
+                for lane in range(WIDTH):
+                    t.memory[(TIMES + k) * WIDTH + lane] = x[k * s.block + lane]
         for lane in range(WIDTH):
             for k in range(TIMES):
                 s.times[k * WIDTH + lane] = math.nan
             i = active[lane]
             if i == _NONE:
                 continue
+
+            # bookkeeping of a lane
             slot = _slot(pointers, record_sizes, i, lane)
             time, length = step[time_row + lane], step[length_row + lane]
-            if slot.mark[_STEPS] < recorded:
-                row = shifted(way, slot.mark[_STEPS] * (variables + 1))
+            if slot.status[_STEPS] < recorded:
+                row = shifted(way, slot.status[_STEPS] * (variables + 1))
                 row[0] = time
                 for k in range(variables):
                     row[1 + k] = x[k * s.block + lane]
-            slot.mark[_STEPS] += 1
-            if not length > 0.0 or slot.mark[_STEPS] >= _MOST_STEPS:
-                slot.mark[_STOP], active[lane] = Stop.FALLBACK, _NONE
+            slot.status[_STEPS] += 1
+            if not length > 0.0 or slot.status[_STEPS] >= _MOST_STEPS:
+                slot.status[_STOP], active[lane] = Stop.FALLBACK, _NONE
                 continue
-            rises = x[(variables - 1) * s.block + lane] > 0.0
-            rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_AHEAD])
+            # The mark is the apex only where neither a bat nor a waypoint takes it.
+            rises = x[climb * s.block + lane] > 0.0
+            rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_BEYOND])
             for k in range(s.half):
                 coordinate = abs(x[k * s.block + lane])
                 if coordinate > step[farthest_row + lane]:
                     step[farthest_row + lane] = coordinate
 
-            # Nothing can happen on most steps; on others the first event is searched for.
+            # The bound `CLEARANCE` proves most steps free of events; others are searched.
             if (
                 step[clearance_row + lane] > 0.0
                 and time + length < slot.flight[_LIMIT]
                 and slot.flight[_REACH] == 0.0
             ):
-                if rises and step[(variables - 1) * WIDTH + lane] <= 0.0:
-                    _take_out(s, lane)
+                if rises and step[climb * WIDTH + lane] <= 0.0:
+                    _load_step(s, lane)
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
                 for k in range(variables):
                     x[k * s.block + lane] = step[k * WIDTH + lane]
             else:
-                _take_out(s, lane)
-                length = _settle(s, slot, time, length)
-                if slot.mark[_STOP] != Stop.FALLBACK and rises and s.state[variables - 1] <= 0.0:
+                _load_step(s, lane)
+                length = _locate_first_event(s, slot, time, length)
+                if slot.status[_STOP] != Stop.FALLBACK and rises and s.state[climb] <= 0.0:
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
-                if slot.mark[_STOP] >= 0:
+                if slot.status[_STOP] >= 0:
                     active[lane] = _NONE
                     continue
                 for k in range(variables):
                     x[k * s.block + lane] = s.state[k]
 
-            # What rounding takes from positions and time is made up for at the next step (Kahan).
+            # What rounding takes from positions and time is made up for at the next step: Kahan's
+            # compensated sum.
             for k in range(s.half):
                 s.lost[k * WIDTH + lane] = s.lost[(s.half + k) * WIDTH + lane]
             passed = step[lost_row + lane] + length
             step[time_row + lane] = time + passed
             step[lost_row + lane] = passed - (time + passed - time)
 
+        # derivatives over the step
         if t.each > 0:
             call(t.code, (x, s.times, order, rows, t.each, _wanted(s)))
             for lane in range(WIDTH):
@@ -404,16 +431,16 @@ def _fly_all(
 
 
 @inner
-def _setup(
+def _workspace(
     code: tuple[int, int, int],
     sizes: tuple[int, int, int, int, int, int],
     memory: tuple[Array, Array, Array],
     times: Any,
-) -> _Setup:
+) -> _Workspace:
     variables, parameters, functions, order, rows, width = sizes
     x, work = unowned_view(memory[0]), unowned_view(memory[2])
     step, scratch = shifted(x, code[2] * WIDTH), shifted(work, variables * width)
-    return _Setup(
+    return _Workspace(
         variables // 2,
         variables,
         parameters,
@@ -459,8 +486,11 @@ def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
 
 
 @inner
-def _wanted(s: _Setup) -> float:
-    """Return the number of `TIMES` of this step, up to the last one that is needed."""
+def _wanted(s: _Workspace) -> float:
+    """Number of output times, from 1 to `TIMES`, at which tangents are needed in this step.
+
+    A double, as the last argument of all machine code is.
+    """
     wanted = 1.0
     for k in range(1, TIMES):
         for lane in range(WIDTH):
@@ -485,11 +515,11 @@ def _take_tangents(t: _Tangents, number: Integer, lane: int) -> None:
 
 
 @inner
-def _launch(s: _Setup, slot: _Slot) -> None:
+def _launch(s: _Workspace, slot: _Slot) -> None:
     """Put a flight into its lane."""
-    flight, arrival, mark, lane = slot
+    flight, arrival, status, lane = slot
     marked = shifted(arrival, _END + 1 + s.variables)
-    mark[_STOP], mark[_STEPS] = Stop.FLYING, 0
+    status[_STOP], status[_STEPS] = Stop.FLYING, 0
     arrival[_MARGIN] = -math.inf
     arrival[_END] = marked[0] = flight[_TIME]
     s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
@@ -511,15 +541,16 @@ def _launch(s: _Setup, slot: _Slot) -> None:
             target[k * WIDTH] = source[k]
         target[error * WIDTH] = source[error] * flight[_ERROR]
         source, target = shifted(source, s.variables + 2), shifted(target, (error + 1) * WIDTH)
-    if _height(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
+    # Where the waypoint is passed already, or there is none, its function never falls.
+    if _event_value(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
         marked[0] = math.nan
     else:
         s.linear[s.variables * WIDTH + lane] = math.inf
 
 
 @inner
-def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
-    """Return the value of a linear function."""
+def _event_value(s: _Workspace, number: Integer, lane: int, state: Any) -> float:
+    """Value of an event's function at a state."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
     total: float = function[s.variables * WIDTH]
     for k in range(s.variables):
@@ -528,8 +559,8 @@ def _height(s: _Setup, number: Integer, lane: int, state: Any) -> float:
 
 
 @inner
-def _take_out(s: _Setup, lane: int) -> None:
-    """Put the polynomials of the step of a lane on the workspace."""
+def _load_step(s: _Workspace, lane: int) -> None:
+    """Copy the step's polynomials of a lane to the workspace."""
     for i in range(s.variables):
         source, target = shifted(s.x, i * s.block + lane), shifted(s.work, i * s.width)
         for k in range(s.degree + 1):
@@ -542,25 +573,25 @@ def _take_out(s: _Setup, lane: int) -> None:
 
 
 @inner
-def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
-    """Note what ends a flight within a step, if anything does; return how far the step goes.
+def _locate_first_event(s: _Workspace, slot: _Slot, time: float, length: float) -> float:
+    """Find the first event in the step; return the time to advance, s.
 
-    The polynomials of the step are on the workspace, and at last the state where the flight is.
-    The first fall of each function ends the search for those of the others.
+    On entry `s.work` holds the polynomials of the step, on return `s.state` the state at the
+    returned time. Each event found shortens the interval in which the next functions are searched.
     """
-    flight, arrival, mark, lane = slot
+    flight, arrival, status, lane = slot
     stop: int = Stop.FLYING
     end = length
     if not time + length < flight[_LIMIT]:
         stop, end = Stop.TIME_LIMIT, flight[_LIMIT] - time
-    near_bat, launched = flight[_REACH] > 0.0, mark[_STEPS] <= 1
+    near_bat, launched = flight[_REACH] > 0.0, status[_STEPS] <= 1
     if near_bat:
         searched = _search_length(s, flight, end)
         if searched < end:
             stop, end = Stop.FLYING, searched
 
     # the first fall: of the waypoint's function, then of the events'
-    ahead = flight[_AHEAD] if math.isnan(arrival[_END + 1 + s.variables]) else math.nan
+    ahead = flight[_BEYOND] if math.isnan(arrival[_END + 1 + s.variables]) else math.nan
     for number in range(s.functions):
         event = number - 1
         if event == ahead:
@@ -572,10 +603,12 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
         differentiate(s.p, s.degree, s.slope)
         if number > 0 and s.p[0] <= error and (not launched or s.p[0] <= 0.0):
             if not _rises(s.p, s.degree):
-                if launched:  # from where it arrives
+                if launched:  # on the surface, and not rising: the flight ends at once
                     stop, end = event, 0.0
                     break
-            elif not launched and not near_bat:  # from a turning point
+            # Within the error of zero where a later step begins: a touch that doubles do not
+            # decide.
+            elif not launched and not near_bat:
                 stop, end = Stop.FALLBACK, 0.0
                 break
         fall = first_fall(s.p, s.slope, s.degree, end, error)
@@ -586,7 +619,7 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
             end = fall
             stop = event if number > 0 else Stop.WAYPOINT
 
-    mark[_STOP] = stop
+    status[_STOP] = stop
     if stop == Stop.FALLBACK or (near_bat and _meets_bat(s, slot, time, end, stop >= 0)):
         return end
     _evaluate(s, lane, end)
@@ -601,24 +634,26 @@ def _settle(s: _Setup, slot: _Slot, time: float, length: float) -> float:
             total += s.state[k]
         close_call = not near_bat and end > 0.0 and _is_close_call(s, slot, stop)
         if close_call or not math.isfinite(total):
-            mark[_STOP] = Stop.FALLBACK
+            status[_STOP] = Stop.FALLBACK
     return end
 
 
 @inner
-def _evaluate(s: _Setup, lane: int, t: float) -> None:
-    """Find the state at t on the step, and what rounding takes from the positions."""
+def _evaluate(s: _Workspace, lane: int, t: float) -> None:
+    """Evaluate the state at t, and the new compensations."""
     for i in range(s.half):
-        place, rate, lost = _moved(s, lane, i, t)
+        place, rate, lost = _position_at(s, lane, i, t)
         s.state[i], s.state[s.half + i] = place, rate
         s.lost[(s.half + i) * WIDTH + lane] = lost
+    for i in range(2 * s.half, s.variables):
+        s.state[i] = value(shifted(s.work, i * s.width), s.order, t)
 
 
 @inner
-def _moved(s: _Setup, lane: int, i: int, t: float) -> tuple[float, float, float]:
-    """Return a position at t on the step, its rate, and what rounding takes from the position.
+def _position_at(s: _Workspace, lane: int, i: int, t: float) -> tuple[float, float, float]:
+    """Return a position at t on the step, its rate, and the new compensation.
 
-    What it took before is made up for, as in `longball.engines.batch.expansion`.
+    The change is summed before the position is added, as in `longball.engines.batch.expansion`.
     """
     p, q = shifted(s.work, i * s.width), shifted(s.work, (s.half + i) * s.width)
     start = p[0]
@@ -632,7 +667,7 @@ def _moved(s: _Setup, lane: int, i: int, t: float) -> tuple[float, float, float]
 
 
 @inner
-def _note(s: _Setup, row: Any, time: float) -> None:
+def _note(s: _Workspace, row: Any, time: float) -> None:
     """Write a time and the state."""
     row[0] = time
     for k in range(s.variables):
@@ -640,10 +675,10 @@ def _note(s: _Setup, row: Any, time: float) -> None:
 
 
 @inner
-def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
+def _note_apex(s: _Workspace, slot: _Slot, time: float, length: float) -> None:
     """Mark where a ball ceases to rise within a step, if it did not do so higher before."""
     top = shifted(slot.arrival, _END + 1 + s.variables)
-    climb = shifted(s.work, (s.variables - 1) * s.width)
+    climb = shifted(s.work, (2 * s.half - 1) * s.width)
     differentiate(climb, s.order, s.slope)
     sag = downward(s.slope, s.order - 1, length)
     t = first_zero(climb, s.slope, s.order, 1.0, 0.0, 0.0, length, sag)
@@ -656,24 +691,27 @@ def _note_apex(s: _Setup, slot: _Slot, time: float, length: float) -> None:
     top[0] = time + t
     s.times[WIDTH + slot.lane] = t
     for i in range(s.half):
-        top[1 + i], top[1 + s.half + i], _ = _moved(s, slot.lane, i, t)
+        top[1 + i], top[1 + s.half + i], _ = _position_at(s, slot.lane, i, t)
+    for i in range(2 * s.half, s.variables):
+        top[1 + i] = value(shifted(s.work, i * s.width), s.order, t)
 
 
 @inner
 def _put_function(
-    s: _Setup, function: Any, stride: Integer, p: Any, lane: Integer, part: float
+    s: _Workspace, function: Any, stride: Integer, p: Any, lane: Integer, part: float
 ) -> bool:
-    """Put the polynomial of a linear function on the workspace.
+    """Form the polynomial of an event's function; return True.
 
-    Not if the function certainly stays above its error over a part of the step; then it returns
-    False. With a part of infinity it always does.
+    Skip it and return False if bounds prove it above its error on the fraction `part` of the step;
+    ``part = inf`` disables the shortcut.
     """
     constant = function[s.variables * stride]
     least = constant - function[(s.variables + 1) * stride]
     for i in range(s.variables):
         factor = function[i * stride]
         if factor != 0.0:
-            # How far a position gets grows at least in proportion to the time.
+            # The bound Σ |c_k| t^k is convex and 0 at t = 0: on a fraction f of the step it is at
+            # most f times its value at the end.
             reach = math.inf
             if i < s.half:
                 reach = s.step[(s.variables + RANGES + i) * WIDTH + lane]
@@ -702,14 +740,15 @@ def _rises(p: Any, degree: int) -> bool:
 
 
 # Relative, of the largest coordinate: a flight that comes back to the ground from a height keeps
-# that height's roundings, as in `longball.engines.event`; of sums in another order, twice as many.
+# that height's roundings. Twice those of `longball.engines.event`, as lanes sum in another order.
 _ROUNDING = 8 * 2.0**-53
-# Of the time limit: where an event is fallen through so slowly that this matters, it is undecided.
+# Fraction of the time limit. An event that lies this close to the limit, and is fallen through so
+# slowly that rounding could move it past, is undecided.
 _SOON = 1e-9
 
 
 @inner
-def _rounding(s: _Setup, number: Integer, lane: int) -> float:
+def _rounding(s: _Workspace, number: Integer, lane: int) -> float:
     """Return the rounding error of a linear function's value, from those of the coordinates."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
     total = 0.0
@@ -719,8 +758,8 @@ def _rounding(s: _Setup, number: Integer, lane: int) -> float:
 
 
 @inner
-def _rate(s: _Setup, number: Integer, lane: int) -> float:
-    """Return the size of the rate at which a linear function's value changes."""
+def _rate(s: _Workspace, number: Integer, lane: int) -> float:
+    """Return the size of the rate of a function of the positions, as those of most events are."""
     function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
     total = 0.0
     for k in range(s.half):
@@ -729,13 +768,13 @@ def _rate(s: _Setup, number: Integer, lane: int) -> float:
 
 
 @inner
-def _is_close_call(s: _Setup, slot: _Slot, stop: int) -> bool:
+def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
     """True if another event, or the time limit, may be as early as what stopped the flight."""
     flight, arrival, _, lane = slot
     for number in range(1, s.functions):
         error = s.linear[((number + 1) * (s.variables + 2) - 1) * WIDTH + lane]
         error = max(error, _rounding(s, number, lane))
-        if number - 1 != stop and abs(_height(s, number, lane, s.state)) <= error:
+        if number - 1 != stop and abs(_event_value(s, number, lane, s.state)) <= error:
             return True
     if stop == Stop.TIME_LIMIT:
         return False
@@ -746,18 +785,19 @@ def _is_close_call(s: _Setup, slot: _Slot, stop: int) -> bool:
 
 # --- the bat --------------------------------------------------------------------------------------
 
-# Beyond this many reaches from the bat a step is not searched but shortened: the square of the
-# distance, of which reach² is to be told apart, is rounded to 16² half ulps of reach² at most.
+# Farther than so many reaches from the bat a step is not searched but shortened: at 16 reaches
+# d² - reach² has lost log2(16²) = 8 bits.
 _FAR = 16.0
 
 
 @inner
-def _search_length(s: _Setup, flight: Any, end: float) -> float:
+def _search_length(s: _Workspace, flight: Any, end: float) -> float:
     """Return the length, s, of the part of a step that has to be searched for the bat.
 
     Puts the components of the distance to the bat's axis on the workspace.
     """
-    one, none = np.int64(1), np.int64(0)  # literals would have code of their own
+    # No literals: numba would compile the function anew for each.
+    one, none = np.int64(1), np.int64(0)
     across = shifted(flight, _STATE + s.variables + s.parameters)
     _put_function(s, across, one, s.across, none, math.inf)
     _put_function(s, shifted(across, s.variables + 2), one, s.above, none, math.inf)
@@ -770,20 +810,20 @@ def _search_length(s: _Setup, flight: Any, end: float) -> float:
     farthest: float = end * math.sqrt(x * x + z * z)
     if distance - reach > farthest:
         return end
-    # The bound grows at least in proportion to the time.
+    # To half of _FAR, where the next step is searched; convex as in `_put_function`.
     return float(end * (distance - 0.5 * _FAR * reach) / farthest)
 
 
 @inner
-def _distance(s: _Setup, t: float) -> float:
+def _distance(s: _Workspace, t: float) -> float:
     """Return the distance of the ball's centre from the bat's axis, m."""
     across, above = two_values(s.across, s.above, s.degree, t)
     return math.sqrt(across * across + above * above)
 
 
 @inner
-def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> bool:
-    r"""Follow the distance to the bat through a step; tell whether that settles how they meet.
+def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) -> bool:
+    r"""Search the step for the bat. True if that ends the flight: touched, or left to others.
 
     The distance falls to a minimum, rises to a maximum, and so on; a touching is settled at the
     first minimum that is certainly nearer than `reach`. Where the ball first touches is noted on
@@ -799,24 +839,24 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
 
     A margin within its error is left to the scalar engine.
     """
-    flight, arrival, mark, lane = slot
+    flight, arrival, status, lane = slot
     reach, error = flight[_REACH], flight[_MARGIN_ERROR]
     noted = shifted(arrival, _END + 1 + s.variables)
-    degree = _put_depth(s, reach, end)
+    degree = _put_gap(s, reach, end)
     differentiate(s.p, degree, s.slope)
     differentiate(s.slope, degree - 1, s.bend)
     bend_of_slope = curvature(s.bend, degree - 2, end)
     bend_of_depth = downward(s.slope, degree - 1, end)
     if not math.isfinite(bend_of_slope + bend_of_depth):
-        mark[_STOP] = Stop.FALLBACK
+        status[_STOP] = Stop.FALLBACK
         return True
     approaching = s.slope[0] < 0.0
-    if mark[_STEPS] <= 1:
+    if status[_STEPS] <= 1:
         gap = _distance(s, 0.0) - reach
         arrival[_MARGIN] = -gap
         if gap <= error:
             if gap != 0.0:
-                mark[_STOP] = Stop.FALLBACK
+                status[_STOP] = Stop.FALLBACK
                 return True
             if approaching:
                 _evaluate(s, lane, 0.0)
@@ -830,7 +870,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
         margin = reach - _distance(s, until)
         settled = last or turn != NEVER
         if math.isnan(turn) or (settled and abs(margin) <= error):
-            mark[_STOP] = Stop.FALLBACK
+            status[_STOP] = Stop.FALLBACK
             return True
         if settled and margin > arrival[_MARGIN]:
             arrival[_MARGIN] = margin
@@ -842,7 +882,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
             _note(s, noted, time + touch)
             s.times[WIDTH + lane] = touch
         if settled and margin > 0.0:
-            mark[_STOP], arrival[_MARGIN] = Stop.TOUCH, margin
+            status[_STOP], arrival[_MARGIN] = Stop.TOUCH, margin
             for k in range(s.variables + 1):
                 arrival[_END + k] = noted[k]
             return True
@@ -853,7 +893,7 @@ def _meets_bat(s: _Setup, slot: _Slot, time: float, end: float, last: bool) -> b
 
 
 @inner
-def _note_nearest(s: _Setup, slot: _Slot, time: float, t: float) -> None:
+def _note_nearest(s: _Workspace, slot: _Slot, time: float, t: float) -> None:
     """Note where in a step the margin is taken."""
     _evaluate(s, slot.lane, t)
     _note(s, shifted(slot.arrival, _END + 2 * (1 + s.variables)), time + t)
@@ -861,10 +901,11 @@ def _note_nearest(s: _Setup, slot: _Slot, time: float, t: float) -> None:
 
 
 @inner
-def _put_depth(s: _Setup, reach: float, end: float) -> int:
+def _put_gap(s: _Workspace, reach: float, end: float) -> int:
     """Put the polynomial ``(d² - reach²)/2`` on the workspace; return its degree.
 
-    The terms of d that stay below a hundredth of the rounding of `reach` are left out.
+    It is positive outside. The terms of d that stay below a hundredth of the rounding of `reach`
+    are left out.
     """
     p, x, z = s.p, s.across, s.above
     negligible = 1e-18 * reach

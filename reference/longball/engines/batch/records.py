@@ -6,6 +6,7 @@ A law, a state, an event hold a number of each flight, or one number for all.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,12 +46,17 @@ class Start(NamedTuple):
 def flies_in_lanes(law: Law[Any]) -> bool:
     """True if the compiled code flies under a law.
 
-    Not where the law has several forms, or a state has a path besides positions and velocities;
-    nor where nothing keeps a ball from going straight on, to where it comes to rest in a wind.
+    Not where the law changes its form on the way; nor where nothing keeps a ball from going
+    straight on, to where it comes to rest in a wind.
     """
-    if law.bends or "path" in law.variables:
+    if not all(bend.ends for bend in law.bends):
         return False
     return law.is_paper or law.gravity is not None
+
+
+def formed(law: Law[Any]) -> Law[Any]:
+    """Return a law in the form that the compiled code flies: a side force has a direction."""
+    return law.on([1] * len(law.bends)) if law.bends and flies_in_lanes(law) else law
 
 
 def general(law: Law[Any]) -> Law[Any]:
@@ -59,7 +65,27 @@ def general(law: Law[Any]) -> Law[Any]:
     So that the same compiled code serves all of the paper's scenes. A law of the extended model is
     as it is.
     """
-    return law_with({**dict.fromkeys(PAPER, 0.0), **law.strengths}) if law.is_paper else law
+    if law.is_paper:
+        return law_with({**dict.fromkeys(PAPER, 0.0), **law.strengths})
+    return formed(law)
+
+
+# The sine, squared, of the angle between the airspeed and the direction of a side force at which a
+# flight is left to the scalar engine, if a step begins there. The law ends at an angle of 1e-6
+# (`longball.model.law.ALONG`), this is one of 1e-3: a step, which goes half of the way to where the
+# sine would be zero, does not come from here to there.
+_ALONG = 2.0**-20
+
+
+def in_lanes(law: Law[Any]) -> Law[Any]:
+    """Return a law as it is flown: with outputs behind the rates that must be above zero."""
+    law = general(law)
+    if not law.bends:
+        return law
+    guards = [law.passage(bend) for bend in law.bends]
+    outputs = (*law.code.outputs, *(output for guard in guards for output in guard.outputs))
+    code = replace(law.code, outputs=outputs, parameters=guards[0].parameters)
+    return replace(law, code=code, strengths={**law.strengths, "level": _ALONG})
 
 
 class Bat(NamedTuple):
@@ -78,13 +104,13 @@ def records_of(
     bat: Bat | None = None,
     rows: Any = ...,
 ) -> Records:
-    """Return flights that start from states, as `general(law)` has them fly.
+    """Return flights that start from states, as `in_lanes(law)` has them fly.
 
     The values of the events must be linear in the state. Columns are those of all flights; of which
     the flights in `rows` are returned.
     """
-    law = general(law)
-    names = law.program.variables
+    law = in_lanes(law)
+    names = law.variables
     columns: dict[tuple[Any, ...], Any] = {
         ("time",): start.time,
         ("time_limit",): limit,
@@ -101,7 +127,7 @@ def records_of(
         line = linear(law, event.value)
         put(("events", i), line, event.size)
         if event.name == "plate":
-            columns["ahead",] = float(i)
+            columns["beyond",] = float(i)
             *along, constant = line
             before = APPROACH * abs(along[names.index("s")])
             put(("waypoint",), [*along, constant - before], 0.0)
@@ -128,12 +154,12 @@ def flown(
 ) -> tuple[Records, Records]:
     """Return flights that start from states, and their arrivals; see `records_of`."""
     starts = records_of(law, start, events, limit, flyer.flight_error, bat, rows)
-    return starts, flyer.fly_all(starts, general(law).program)
+    return starts, flyer.fly_all(starts, in_lanes(law).program)
 
 
 def linear(law: Law[Any], value: Callable[[Any], Any]) -> list[Any]:
     """Return the coefficients of a linear function of the state, and its constant."""
-    names = law.program.variables
+    names = law.variables
     along = [value(law.state(*(Dual(0.0, float(name == one)) for name in names))) for one in names]
     return [*(part.rate for part in along), along[0].value]
 
@@ -149,7 +175,7 @@ def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
 
 def noted(end: Records, law: Law[Any], prefix: str = "") -> Start:
     """Return time and state that arrivals hold under names with a prefix."""
-    time, *state = (end[prefix + name][()] for name in ("time", *law.program.variables))
+    time, *state = (end[prefix + name][()] for name in ("time", *law.variables))
     return Start(time, law.state(*state))
 
 

@@ -87,7 +87,7 @@ def first_zero(
     end: float,
     bend: float,  # an upper bound on ``-sign p''`` up to the end
 ) -> float:
-    r"""Return where ``sign p - level`` first falls to zero in [begin, end], or NEVER.
+    r"""First time in [begin, end] at which ``sign p`` falls to `level`; NEVER if it does not.
 
     Each parabola lies below the polynomial, so that its zero comes before the polynomial's:
 
@@ -139,7 +139,7 @@ _CERTAIN = 8.0
 def first_fall(p: Array, slope: Array, degree: int, end: float, error: float) -> float:
     r"""Return where p first falls through zero in [0, end], or NEVER; NaN if that is in doubt.
 
-    It is in doubt where p falls to its error, but not certainly on to below it on the other side:
+    NaN if p enters the band ±error and does not certainly leave it below:
 
         \_____/             NEVER
         --------- error

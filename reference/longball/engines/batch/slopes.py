@@ -24,9 +24,9 @@ from longball.engines.batch.columns import (
     not_flown,
     without_size,
 )
-from longball.engines.batch.expansion import TIMES
 from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
+from longball.engines.batch.tangents import TIMES
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Touch
 from longball.engines.event import Event, Events, past
@@ -131,7 +131,7 @@ class ColumnJets(Jets):
         return ColumnJet(NUMBERS.angle(v, u), _quotient(u * dv - v * du, u * u + v * v))
 
     def positive(self, x: Any, error: Any, question: str) -> Any:
-        """Tell where ``x > 0``."""
+        """Elementwise ``x > 0``."""
         self.doubt_at_border(x)
         return plain_of(x) > 0.0
 
@@ -268,7 +268,8 @@ class JetFlights(Flights):
     def highest(self, numbers: Any) -> Start:
         """See `Flights`; the ball is highest where it ceases to rise."""
         time, state = self.mark
-        top = _moved(self.law, time, state, rate_of(state.w), lambda speeds: speeds[-1])
+        climb = self.law.variables.index("w")
+        top = _moved(self.law, time, state, rate_of(state.w), lambda speeds: speeds[climb])
         return Flights.highest(replace(self, mark=top), numbers)
 
 
@@ -332,7 +333,8 @@ class SlopeColumns(Columns):
         self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
     ) -> JetFlights:
         """See `Run`."""
-        plain, launch = _plain_law(law), Start(0.0, start)
+        # The lanes fly plain numbers, by the same records as without derivatives: same bits.
+        plain, launch = _plain_law(law), Start(0.0, law.state_of(start))
         known = [_plain_event(event) for event in events]
         if not records.flies_in_lanes(plain):
             self.table.alone[self.table.rows] |= rows
@@ -340,14 +342,18 @@ class SlopeColumns(Columns):
             return JetFlights(
                 Path(()), stops, *launch, launch, launch, numbers=self.jets, law=plain
             )
+
+        # derivatives at fixed times, then at the events
         alone = without_size(known, rows)
         ends, found = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
         stops = records.stops(ends, known)
         self.table.alone[self.table.rows] |= alone | (rows & (stops == Stop.FALLBACK))
         state, mark = (self._noted(ends, found, law, which) for which in (0, 1))
         end = self._stopped(plain, events, known, ends, state, limit)
+
+        # A flight that ends where it starts goes on by the least change: a corner.
         starts = (stops != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
-        self.jets.doubt(rows & starts)  # ends where it starts, and by the least change goes on
+        self.jets.doubt(rows & starts)
         self.jets.doubt(rows & (ends["steps"] > _MOST_STEPS))
         return JetFlights(Path(()), stops, *end, launch, mark, numbers=self.jets, law=plain)
 
@@ -366,13 +372,14 @@ class SlopeColumns(Columns):
         """
         plain, state = _plain_law(law), _plain_state(start.state)
         still = Start(plain_of(start.time), state)
-        program = records.general(plain).program
+        program = records.in_lanes(plain).program
         shape = TIMES, len(program.variables), self.table.inputs, len(rows)
         if not rows.any():
             return not_flown(plain, still, len(rows)), np.full(shape, math.nan)
         error, until = self.engine.flight_error, plain_of(limit)
         begun = records.records_of(plain, still, events, until, error, bat, rows)
-        strengths = records.general(law).strengths
+        # dp/dx of (1) in `tangents`, and ξ where the flight starts
+        strengths = records.in_lanes(law).strengths
         sources = [*start.state, *(strengths[name] for name in program.parameters)]
         changes = np.empty((len(sources), self.table.inputs, begun.size))
         whole_block = begun.ndim == 0 or rows.all()
@@ -400,9 +407,9 @@ class SlopeColumns(Columns):
         end: Start,
         limit: Any,
     ) -> Start:
-        """Return when and where flights end, from their ends at fixed times.
+        """Correct derivatives at a fixed time for the shift of the event's time.
 
-        An event, a zero of g, moves by ``-(∂g/∂x)/ġ``.
+        An event, a zero of g, moves by ``dt/dx = -(∂g/∂x)/ġ``.
         """
         numbers, state, stop = self.jets, end.state, ends["stop"]
         speeds = law.rates(NUMBERS)(*map(plain_of, state))
@@ -484,7 +491,8 @@ def _norm(components: Sequence[Any]) -> Any:
 
 
 def _plain_law(law: Law[Any]) -> Law[Any]:
-    return replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
+    plain = replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
+    return records.formed(plain)
 
 
 def _plain_state(state: Any) -> Any:
