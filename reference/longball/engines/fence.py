@@ -1,10 +1,10 @@
 """The fence: where a batted ball first flies out over it, or meets it.
 
 A fence is a line of straight chords on the ground, with a height that is linear along each, or a
-circle of height 0 around the plate. A ball whose flight stays in a vertical plane heads for one
-place of it, which is known before it flies; one whose flight curves in space is followed past the
-line of every chord. A corner of the fence that two heights meet at, or where the fence ends, is
-passed on one side or the other, or it is not told.
+circle of height 0 around the plate. A ball whose flight stays in a vertical plane can only meet one
+place ahead and one behind, which are known before it flies (`stop_at`); a flight that curves in
+space is searched for crossings of every chord's line (`first_crossing`). A ball that passes over a
+vertex where the fence ends, or has two heights, within its error, is undecided.
 """
 
 from __future__ import annotations
@@ -57,12 +57,12 @@ class Chord(Generic[N]):
         return Place(height, self.segment, shorter * length, to_break, rise / length)
 
 
-# m: what stands for the way to a vertex where there is none to be missed.
+# m, the distance to a vertex, or to the fence, where there is none.
 _FAR = 1e30
 
 
 def chords(polyline: Sequence[Sequence[float]], numbers: Numbers[N]) -> list[Chord[N]]:
-    """Return the chords of a polyline of a scene; a step of the height is none."""
+    """Return the chords of a polyline; a step of the height, at one place, is no chord."""
     found = [
         (i, a, b) for i, (a, b) in enumerate(pairwise(polyline)) if tuple(a[:2]) != tuple(b[:2])
     ]
@@ -91,13 +91,15 @@ class Stop(Generic[N]):
 def stop_at(
     fence: Any, frame: Frame[N], s: N, sense: int, error: N, numbers: Numbers[N]
 ) -> Stop[N]:
-    """Return where a ball that flies from s ahead (sense 1) or back (-1) first leaves the field.
+    """First crossing of the fence by a ball that flies from s along its heading, or against it.
 
-    Far away if it does not. The `error` is that of directions, relative.
+    The `sense` is 1 or -1. Without a crossing it is at `_FAR`. The `error` is that of directions,
+    relative. Masks in place of branches let it take columns of flights.
     """
     zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
     nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
     if fence.polyline is None:
+        # |r₀ + s h| = radius for the unit heading h: s = -r₀·h ± √((r₀·h)² + radius² - r₀²)
         radius = numbers.exact(fence.radius)
         along = frame.x * frame.cos + frame.y * frame.sin
         inside = radius * radius - frame.x * frame.x - frame.y * frame.y
@@ -108,6 +110,8 @@ def stop_at(
             _seen(frame, vertex, is_open, sense, error, numbers)
             for vertex, is_open in ((chord.a, chord.open_a), (chord.b, chord.open_b))
         )
+        # Outwards is from right to left of the heading as the chords run: a on the left, b on the
+        # right. The offsets of a and b divide the chord at the crossing, without cancellation.
         hit = left_a & (left_b ^ True)
         at_b = numbers.where(near_b, one, zero)
         apart = numbers.where(hit, aside_a - aside_b, one)
@@ -181,7 +185,7 @@ def first_crossing(
     error: N,  # of a state, relative to its size
     numbers: Numbers[N],
 ) -> Crossing[N] | None:
-    """Return where a flight in space first leaves the field; None if it does not before an end."""
+    """First crossing of the fence by a flight in space; None if there is none before its end."""
     lines: list[tuple[Chord[N] | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
@@ -209,7 +213,7 @@ def first_crossing(
 
 
 def _speed(state: State[N], frame: Frame[N]) -> Any:
-    """Return the sum of the horizontal velocity's parts, m/s: no less than its magnitude."""
+    """Upper bound of the horizontal speed, m/s: ``|u| + |v|``."""
     u, v, _ = frame.velocity(state)
     return absolute(u) + absolute(v)
 
@@ -270,10 +274,12 @@ def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N])
 
 
 def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
-    """Yield when a value falls through zero on a piece, every time, and turns within its error.
+    """Yield all times at which a value falls through zero on a piece, or all but does.
 
-    Where a flight ends the piece is such a turn, within the error `at_end`; None if it goes on.
-    Each comes with whether it is a turn that may not reach zero.
+    With each comes a flag: True for a turning point within the error of zero, which the value may
+    not reach. The end of a flight counts as a turning point, with the error `at_end`; None if the
+    flight goes on. Unlike `first_fall` this needs all of them, and decides nothing: a fall through
+    the line of a chord may lie beyond the chord's ends.
     """
     start = end * 0
     if at_end is None and curve.positive(start, end) and curve(start) > 2 * error:

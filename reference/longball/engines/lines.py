@@ -19,9 +19,10 @@ from longball.model.numbers import N
 from longball.model.result import signed
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 
-# Lines that a worker process takes at a time: some hundredths of a second.
+# Lines that a worker process takes at a time: hundredths of a second, so that passing them on costs
+# little, and the last worker does not run for long alone.
 CHUNK, CHUNK_AT_ONCE = 32, 1024
-_BYTES = 1 << 17  # read at a time at most: some hundreds of lines, and twice what a pipe holds
+_BYTES = 1 << 17  # read at a time at most: hundreds of lines, and twice the buffer of a pipe
 
 Line = tuple[int, bytes]
 
@@ -89,12 +90,6 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
         yield [(n, line) for n, line in numbered if line.strip()]
 
 
-def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answer:
-    """Return the answer to a line, which is an error that names the line if it is no scene."""
-    (answer,) = _solve_chunk([(number, line)], engine)
-    return answer
-
-
 def _solve_chunk(
     chunk: list[Line],
     engine: Engine[N] | ManyAtOnce,
@@ -107,7 +102,7 @@ def _solve_chunk(
 
 @contextmanager
 def _no_collections() -> Iterator[None]:
-    """Keep Python from looking for cycles among many objects that have none, which takes long."""
+    """Turn the garbage collector off: it would search many objects for cycles that do not exist."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
@@ -124,6 +119,7 @@ def _solve_in_turn(
     change: Changes | None = None,
 ) -> Iterator[Answer]:
     """Yield the answers to lines, each as soon as the engine has it."""
+    # Lines that are no scene keep their place; the engine gets the others.
     read = [_read(line, change) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
     solved = iter(

@@ -1,7 +1,8 @@
 """Engines with smooth flights: how they fly and how they meet the bat.
 
-Such an engine gives a flight piece by piece, as smooth functions of time. All else is here, once:
-the apex of a vertical flight, the first event, the first touching of the bat.
+Such an engine computes a flight piece by piece, as smooth functions of time. The rest is here,
+once for all of them: the switches of a law, the apex of a vertical flight, the first event, the
+first touching of the bat.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ class PathEngine(Engine[N], ABC):
     def _pieces(
         self, law: Law[N], start: State[N], limit: N, events: Events[N]
     ) -> Iterator[Piece[N]]:
-        """Yield the pieces of a flight; where the law changes its form, one ends.
+        """Yield the pieces of a flight; one ends wherever the law switches to another branch.
 
         Raises `Undecided` if a flight only touches such a place, within its error; `TooLong` if it
         has more pieces than can be searched for such places within seconds.
@@ -60,6 +61,8 @@ class PathEngine(Engine[N], ABC):
         if not law.bends:
             yield from self._smooth(law, start, begin, limit, events)
             return
+        # A flight under a law with switches is a chain of smooth flights: fly on one branch up to
+        # the first threshold, change the branch there, and launch again from that state.
         law = law.in_polynomials()
         branches = branches_at(law, start, self.numbers)
         start = law.on(branches).completed(start, self.numbers)
@@ -83,11 +86,14 @@ class PathEngine(Engine[N], ABC):
                     yield piece
                     first = False
                     continue
+                # the switch: cut the piece there, and begin another on the neighbouring branch
                 time, (_, which, way, passed) = met
                 if cast(Any, time) != 0:
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
                 branches[which] += way
+                # Where the wind sets in or ends, the airspeed jumps, and with it whatever the
+                # tables depend on: their branches are looked up afresh.
                 if law.bends[which].blows:
                     branches = branches_at(law, start, self.numbers, {which: branches[which]})
                     start = law.on(branches).completed(start, self.numbers)
@@ -100,9 +106,10 @@ class PathEngine(Engine[N], ABC):
         )
 
     def _ends_of(self, form: Law[N], branches: Sequence[int], events: Events[N]) -> list[_End[N]]:
-        """Return the events that switch from these branches of a law.
+        """Return the events that switch from these branches of a law: the thresholds next to each.
 
-        Not a height at which an event ends the flight: where the two coincide, it is the event.
+        A height of the wind at which an event ends the flight is none: where the ground is the
+        height above which the wind blows, a landing is a landing.
         """
         found = []
         for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
@@ -112,7 +119,7 @@ class PathEngine(Engine[N], ABC):
                     if bend.blows and way < 0 and self._ends_all_at(level, form, events):
                         continue
                     value = form.beyond(bend, level, self.numbers)
-                    if way > 0:
+                    if way > 0:  # events fall through zero, and this value rises
                         value = partial(_negative, value)
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
                     question = bend.question
@@ -121,7 +128,10 @@ class PathEngine(Engine[N], ABC):
         return found
 
     def _ends_all_at(self, height: N, law: Law[N], events: Events[N]) -> bool:
-        """True if an event's value is zero at a height, m, wherever else the ball is."""
+        """True if an event's value is zero at a height, m, wherever else the ball is.
+
+        Dual numbers tell: the value at that height, and its rate if all else changes, are both 0.
+        """
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
         anywhere: Any = law.state(*(Dual(nothing, one) for _ in law.variables))
         values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
@@ -135,10 +145,10 @@ class PathEngine(Engine[N], ABC):
         first: bool,
         passed: _Level[N] | None,
     ) -> tuple[N, _End[N]] | None:
-        """Return the first of such events on a piece, with its time.
+        """First of the switching events on a piece, with its time.
 
-        The `first` piece under a form begins on the level that was `passed`, as another bend of the
-        same argument may have it, too.
+        The `first` piece on a branch begins on the threshold that was `passed`; another switch of
+        the same function may have that threshold, too.
         """
         found: tuple[N, _End[N]] | None = None
         for end in ends:
@@ -165,7 +175,8 @@ class PathEngine(Engine[N], ABC):
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
 
-        That is, through the air. At its apex it is at rest there, and the drag of V² has a kink.
+        A ball that moves vertically through the air comes to rest in it at its apex, where the drag
+        k V² has a kink. So it flies up and down under two laws, in which V is w and -w.
         """
         nothing = self.numbers.exact(0.0)
         try:
@@ -178,7 +189,7 @@ class PathEngine(Engine[N], ABC):
         up = down = None
         *level, wind = law.drift(nothing)
         drifts = [start.u, getattr(start, "v", nothing)] == level
-        if drifts and (start.w > wind or start.w <= wind):  # for certain
+        if drifts and (start.w > wind or start.w <= wind):  # balls may satisfy neither
             up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
         if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
@@ -216,10 +227,17 @@ class PathEngine(Engine[N], ABC):
     def touch(
         self, pitch: Flight[N], law: Law[N], bat: BatSection[N], events: Events[N], limit: N
     ) -> Touch[N]:
-        """Find how a pitch that has reached the plate meets the bat; see `Engine.touch`.
+        r"""Find how a pitch that has reached the plate meets the bat; see `Engine.touch`.
 
-        The distance to the bat falls to a minimum, rises to a maximum, and so on; a touching is
-        settled at the first minimum that is certainly nearer than `reach`, and lies before it.
+        The distance to the bat falls to a minimum, rises to a maximum, and so on. The pitch
+        touches the bat if a minimum is nearer than `reach` by more than the error; the touching
+        itself lies before the first such minimum::
+
+            d |\          /\
+              | \        /  \          /
+              |  \______/    \        /
+            --+---------------*------/----- reach
+              |                \____/
         """
         numbers = self.numbers
         error = margin_error(bat, pitch.state.z, self.flight_error, numbers)
@@ -256,12 +274,14 @@ class PathEngine(Engine[N], ABC):
     ) -> Iterator[_WayIn[N]]:
         """Yield the parts of a pitch on which it comes closer to the bat.
 
-        `touching` is when, s, and in what state the two touch at once, if they do.
+        `touching` is the time, s, and the state of a touching at the launch.
         """
         numbers = self.numbers
         ends = [past(bat.frame, bat.reach, numbers), *events]
         met = pitch.path.first(ends, limit, self.flight_error, numbers)
         search_end = limit if met is None else met.time
+        # A piece on which the ball stays farther away than it is at the plate has no minimum that
+        # matters: the margin is at least that of the plate.
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach
         pending: _WayIn[N] | None = None
@@ -276,7 +296,7 @@ class PathEngine(Engine[N], ABC):
                 pending = None
             else:
                 for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
-                    if not curve(b) >= curve(a):  # or its radius leaves that open
+                    if not curve(b) >= curve(a):  # it falls, or balls leave that open
                         if touching is None and curve(b) < 0:
                             t = zero_of(curve, a, b, TOUCHES, numbers)
                             touching = piece.begin + t, piece.at(t)
@@ -292,7 +312,7 @@ class PathEngine(Engine[N], ABC):
             raise CannotSolve(TURNS_VERTICAL)
 
 
-# A flight passes a table's node twice, or a few times more if it loops.
+# A flight passes a node of a table twice, or a few times more if it loops.
 _MOST_BRANCHES = 1000
 # Each piece is searched for the ends of the law's form, in up to a millisecond.
 _MOST_PIECES = 10_000
@@ -300,13 +320,13 @@ _MOST_PIECES = 10_000
 
 @dataclass(frozen=True)
 class _Level(Generic[N]):
-    """A level, and the program of what passes it."""
+    """A threshold, and the program of the switching function."""
 
     passage: Program
     value: N
 
     def same_as(self, other: _Level[N]) -> bool:
-        """True if it is the same level of the same: of a number with a radius, both parts."""
+        """True if function and threshold are equal; balls are, if both their parts are."""
         if self.passage.outputs != other.passage.outputs:
             return False
         numbers: Any = self.value, other.value
@@ -315,7 +335,7 @@ class _Level(Generic[N]):
 
 
 class _End(NamedTuple, Generic[N]):
-    """A switching event: its bend, its direction, and the level that is crossed."""
+    """A switching event: the number of its switch, its direction, and the threshold crossed."""
 
     event: Event[N]
     which: int
@@ -335,7 +355,7 @@ RESTS_WITH_SPIN = (
 
 
 def _apex(wind: Any) -> Event[Any]:
-    """Return where a ball that flies vertically comes to rest in an air that rises by `wind`."""
+    """Event: a ball that moves vertically comes to rest in air that rises at `wind`, m/s."""
     return Event(
         "apex",
         "the ball comes to rest",
@@ -353,8 +373,7 @@ class View(Generic[N]):
     # since, until: the part, s since the piece begins; `since` may be negative
     since: N
     until: N
-    # Of the distance to a bat that is put at the height of the pitch at the plate, m, besides what
-    # `longball.engines.contact.margin_error` counts
+    # m; error of the distance to the bat, added to `longball.engines.contact.margin_error`
     error: N
 
 
@@ -362,8 +381,8 @@ class View(Generic[N]):
 class _WayIn(Generic[N]):
     """A part of a pitch on which it comes closer to the bat.
 
-    `end` is the state at its end; `touching` when, s, and in what state the two first touch, if
-    they do; `settled` tells whether the distance turns there, or the search ends.
+    `end` is the state at its end; `touching` the time, s, and state of the first touching so far;
+    `settled` is True if the distance has a minimum at the end, or the search ends there.
     """
 
     end: State[N]

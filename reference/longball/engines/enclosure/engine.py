@@ -86,17 +86,20 @@ def _piece(
 ) -> tuple[EnclosedPiece, Start]:
     """Return the piece that a motion makes from a state on, and the core at its end."""
     structure = system.structure
+    # The core with its error, early + late t, in each component by its weight in the norm.
     families: dict[str, Any] = {}
     for name, weight, p in zip(
         structure.core.variables, structure.weights, motion.polynomials, strict=True
     ):
         error = arb_poly([arb(0, motion.early / weight), arb(0, motion.late / weight)])
         families[name] = p + error
+    # The other variables are integrals of linear combinations of it: they inherit its bound.
     for name, (rest, terms) in structure.quadratures.items():
         rate = arb_poly([system.static[rest]])
         for c, x in terms:
             rate += system.static[c] * families[x.args[0]]
         families[name] = getattr(state, name) + rate.integral()
+    # `begin` is a ball: the piece has to hold for all beginnings in it.
     length = (motion.length - 2 * begin.rad()).lower()
     core = start_of(
         [p(length) for p in motion.polynomials],
@@ -147,6 +150,7 @@ def proven(system: System, core: Start, left: arb, bits: int, has_floor: bool = 
     """
     structure = system.structure
     order = _order(bits)
+    # The midpoints of the coefficients are exact polynomials; their roundings are in the defect.
     series = _series(system, core, order)
     polynomials = {node: arb_poly([arb(c).mid() for c in row]) for node, row in series.items()}
     motion = tuple(polynomials[variable(name)] for name in structure.core.variables)
