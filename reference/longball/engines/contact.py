@@ -77,6 +77,7 @@ def margin_error(
       from the release in x + cos s and in the frame's own place: a dozen half ulps in all;
       and of the distance itself: two half ulps of `reach`.
     """
+    # The distance to the closest approach, and a height, each by the larger of two bounds.
     offset, bat_height, ball_height = (
         absolute(value) for value in (bat.height - plate_height, bat.height, plate_height)
     )

@@ -106,7 +106,7 @@ class Engine(Protocol[N]):
 class Stepped(Generic[N], ABC):
     """Protocol of engines that advance in fixed steps, as the paper does.
 
-    Its bat pushes for some of the steps instead of striking at once.
+    The contact force acts over some of the steps instead of at once (paper, Appendix B).
     """
 
     @abstractmethod

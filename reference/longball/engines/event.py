@@ -270,18 +270,23 @@ def first_met(
     for number, piece in enumerate(pieces):
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
+
+        # the error of each value
         if numbers.rounding:
             # In doubles, a coordinate's rounding error grows with its largest size so far.
             start: Any = piece.at(numbers.exact(0.0))
             rounded = _ROUNDINGS * numbers.rounding * max(1.0, abs(start.s), abs(start.z))
             for event in events:
                 errors[event.name] = max(errors[event.name], event.slope * rounded)
+
+        # the first fall of each value on this piece
         found = []
         for event in events:
             curve, off = piece.curve(event.value), errors[event.name]
             t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
             if t is not None:
                 where = piece
+                # Below zero from the start: it fell on an earlier piece, within its error there.
                 if numbers.rounding and number > 0 and not t > 0:
                     where, t = _fallen(seen, event, numbers)
                 found.append(Met(event, where.begin + t, event.place(where.at(t))))
@@ -290,6 +295,8 @@ def first_met(
         seen.append((piece, end))
         if not piece.begin + piece.length < limit:
             break
+
+    # Nothing was met in time. The values at the limit have to be certainly positive.
     if not seen:
         return None
     piece, end = seen[-1]
@@ -327,6 +334,8 @@ def _earliest(
 ) -> Met[N]:
     """Return the earliest event of a piece; raise `Undecided` if another coincides with it."""
     first = min(found, key=lambda met: met.time)
+    # At the first event all other values are still positive, by more than their errors. At a launch
+    # they are exact, and the event that is listed first wins.
     for other in events:
         if other is not first.event and not first.time <= 0:
             question = f"whether {first.event.question} before {other.question}"

@@ -118,9 +118,11 @@ def stop_at(
         share = numbers.where(hit, aside_a / apart, at_b)
         to_end = numbers.where(hit, -aside_b / apart, 1 - at_b)
         there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * share
+        # Beside an open end, the offset of the heading is how far the ball passes it.
         open_a = absolute(aside_a) if chord.open_a else far
         open_b = absolute(aside_b) if chord.open_b else far
         place = chord.place(share, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers)
+        # Of several crossings, the nearest one ahead of s.
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
         nearer = nearer & (sense * (there - first.s) < 0)
         first = Stop(
@@ -186,6 +188,8 @@ def first_crossing(
     numbers: Numbers[N],
 ) -> Crossing[N] | None:
     """First crossing of the fence by a flight in space; None if there is none before its end."""
+    # For each chord, or the circle: a function that falls through zero where a ball crosses its
+    # line outwards. Both are polynomials of the position, m², so that pieces can be searched.
     lines: list[tuple[Chord[N] | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
@@ -195,6 +199,8 @@ def first_crossing(
             (chord, lambda state, chord=chord: _inside(chord, frame.position(state)))
             for chord in chords(fence.polyline, numbers)
         ]
+    # The chords of a fence are searched piece by piece: the first crossing of a piece is the first
+    # of the flight.
     for piece in pieces:
         left = end - piece.begin
         goes_on = piece.length < left
@@ -242,6 +248,7 @@ def _on_piece(
 
     On the last piece the ball is `moved`, m, in the time by which its end may be off.
     """
+    # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
     zero = numbers.exact(0.0)
     size = _size(frame.position(piece.at(zero)))
     slope = 2 * size if chord is None else chord.length(numbers)
@@ -264,6 +271,7 @@ def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N])
     (ax, ay, _), (bx, by, _), (x, y, _) = chord.a, chord.b, position
     length, far = chord.length(numbers), numbers.exact(_FAR)
     ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+    # A crossing within the error of an end counts for both chords that meet there.
     slack = error * _size(position)
     if ahead < -slack or ahead > length + slack:
         return None

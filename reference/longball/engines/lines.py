@@ -56,6 +56,7 @@ def solve_lines(
         for chunk in _numbered(_as_they_come(lines)):
             yield from (_solve_chunk if at_once else _solve_in_turn)(chunk, engine, points, change)
         return
+    # Among several workers lines are shared in chunks of the same size, however they come.
     size = CHUNK_AT_ONCE if at_once else CHUNK
     numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
@@ -65,16 +66,14 @@ def solve_lines(
 
 
 def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
-    """Yield the lines that can be had without waiting, but for the first of them.
-
-    No more is kept of a line than shows that it is too long.
-    """
+    """Yield the lines that are available without waiting; wait only for the first of them."""
     if not isinstance(lines, BufferedIOBase):
         yield from ([line] for line in lines)
         return
     unfinished = b""
     while data := lines.read1(_BYTES):
         *whole, rest = (unfinished + data).split(b"\n")
+        # A line that is too long is an error whatever follows: keep just enough of it to see that.
         unfinished = rest[: LONGEST_LINE + 1]
         if whole:
             yield whole

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Generic, cast
 
-from longball.engines.event import Curve, Events, Met, Piece, first_met
+from longball.engines.event import Curve, Piece
 from longball.model.frame import Frame
 from longball.model.law import State
 from longball.model.numbers import N, Numbers, Vector
@@ -51,16 +51,6 @@ class Path(Generic[N]):
                     break
                 return piece.at(time - piece.begin)
         raise ValueError(f"the flight has no state at t = {float(cast(Any, time))} s")
-
-    def sample(self, times: Iterable[N]) -> list[State[N]]:
-        """Return the states at some times, s since the launch; see `at`."""
-        return [self.at(time) for time in times]
-
-    def first(
-        self, events: Events[N], limit: N, error: float, numbers: Numbers[N]
-    ) -> Met[N] | None:
-        """Return the first of several events; see `longball.engines.event.first_met`."""
-        return first_met(self.pieces(), events, limit, error, numbers)
 
 
 @dataclass(frozen=True)

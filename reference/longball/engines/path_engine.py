@@ -25,7 +25,7 @@ from longball.engines.contact import (
     margin_error,
 )
 from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
-from longball.engines.event import Event, Events, Piece, first_fall, past, zero_of
+from longball.engines.event import Event, Events, Piece, first_fall, first_met, past, zero_of
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
 from longball.model.numbers import N, absolute, doubt
@@ -179,6 +179,8 @@ class PathEngine(Engine[N], ABC):
         k V² has a kink. So it flies up and down under two laws, in which V is w and -w.
         """
         nothing = self.numbers.exact(0.0)
+
+        # at rest
         try:
             rates = law.rates(self.numbers)(*start)
         except ZeroDivisionError:
@@ -186,6 +188,8 @@ class PathEngine(Engine[N], ABC):
         if all(cast(Any, rate) == 0 for rate in rates):
             yield Rest(begin, limit, start)
             return
+
+        # vertical
         up = down = None
         *level, wind = law.drift(nothing)
         drifts = [start.u, getattr(start, "v", nothing)] == level
@@ -194,6 +198,7 @@ class PathEngine(Engine[N], ABC):
         if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
             return
+        # upwards to the apex, then downwards; or downwards at once
         if start.w > wind:
             apex = _apex(wind)
             for piece in self.steps(up, start, begin, limit, [apex, *events]):
@@ -213,7 +218,7 @@ class PathEngine(Engine[N], ABC):
     def fly(self, law: Law[N], start: State[N], events: Events[N], limit: N) -> Flight[N]:
         """Fly until the first of several events; see `Engine.fly`."""
         path = self.path(law, start, limit, events)
-        met = path.first(events, limit, self.flight_error, self.numbers)
+        met = first_met(path.pieces(), events, limit, self.flight_error, self.numbers)
         if met is None:
             return Flight(path, "time", limit, path.at(limit))
         return Flight(path, met.event.name, met.time, met.state)
@@ -240,6 +245,8 @@ class PathEngine(Engine[N], ABC):
               |                \____/
         """
         numbers = self.numbers
+
+        # the release, which must not lie in the bat
         error = margin_error(bat, pitch.state.z, self.flight_error, numbers)
         launch = pitch.path.at(numbers.exact(0.0))
         gap = bat.distance(launch, numbers) - bat.reach
@@ -247,9 +254,13 @@ class PathEngine(Engine[N], ABC):
             raise inside_bat(bat.distance(launch, numbers), bat.reach)
         if not (cast(Any, gap) == 0 or gap > error):
             numbers.positive(gap, error, STARTS_INSIDE)
+
+        # a release on the bat's surface, towards it, is the touching
         first: tuple[N, State[N]] | None = None
         if not gap > error and bat.approach(launch) < 0:
             first = numbers.exact(0.0), launch
+
+        # the minima of the distance, in order of time
         closest = -gap
         for way in self._ways_in(pitch, law, bat, events, limit, first):
             margin = bat.reach - bat.distance(way.end, numbers)
@@ -277,13 +288,18 @@ class PathEngine(Engine[N], ABC):
         `touching` is the time, s, and the state of a touching at the launch.
         """
         numbers = self.numbers
+
+        # the end of the search: behind the bat, on the ground, vertical, or the time limit
         ends = [past(bat.frame, bat.reach, numbers), *events]
-        met = pitch.path.first(ends, limit, self.flight_error, numbers)
+        met = first_met(pitch.path.pieces(), ends, limit, self.flight_error, numbers)
         search_end = limit if met is None else met.time
         # A piece on which the ball stays farther away than it is at the plate has no minimum that
         # matters: the margin is at least that of the plate.
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach
+
+        # `pending` is a part that ends with its piece: the next piece shows whether the distance
+        # goes on falling there, or has turned.
         pending: _WayIn[N] | None = None
         for view in self.views(pitch, law, bat):
             piece = view.piece

@@ -218,6 +218,7 @@ class _Printer:
 
     def ends(self) -> None:
         """Print the coefficients of order n, and the next one of each variable."""
+        # One order after the other: a variable's next coefficient is that of its rate, by n + 1.
         names = Names(self.names)
         zeroth = self.zeroth
         for name in self.program.variables:

@@ -269,7 +269,7 @@ def _source(program: Program, at_rest: bool) -> str:
     lines = [
         f"def step({', '.join(('x', 'order', 'rtol', *program.parameters))}):",
         f"    expand({', '.join(('x', 'order', *program.parameters))})",
-        f"    h = reach_of_terms(x, order, rtol, {_row(changing)})",
+        f"    h = reach_of_terms(x, order, rtol, {tuple(changing)})",
     ]
     for i, root in enumerate(series.rows):
         if root.kind != "sqrt":
@@ -277,7 +277,7 @@ def _source(program: Program, at_rest: bool) -> str:
         bend = f"bend_of_square(x[{i}])"
         parts = [series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static]
         if parts:
-            bend = f"min({bend}, square_of_rates(x, {_row(parts)}))"
+            bend = f"min({bend}, square_of_rates(x, {tuple(parts)}))"
         moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
         lines.append(f"    {moving}h = reach_of_root(h, x[{i}][0], {bend})")
     return "\n".join(
@@ -293,7 +293,3 @@ def _source(program: Program, at_rest: bool) -> str:
             "",
         ]
     )
-
-
-def _row(numbers: Sequence[int]) -> str:
-    return f"({', '.join(map(str, numbers))},)"

@@ -223,9 +223,12 @@ class Verlet(Stepped[float]):
         self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         path = Path(self._chords(law, start, limit))
+        # at once: a ball that starts on a surface, or below it, and does not rise
         for event in events:
             if _rests_on(event, start, law):
                 return Flight(path, event.name, 0.0, start)
+
+        # the first step at whose end a value is not positive; the highest point on the way
         count, before, after = 0, start, start
         top = None if start.w > 0.0 else (0.0, start)
         for done, states in self._march(law, start, limit):
@@ -238,6 +241,7 @@ class Verlet(Stepped[float]):
             top = self._higher(top, law.state(*states[:, : step + 1]), done)
             if met.any():
                 stop, time, state = self.stop_between(count, before, after, events)
+                # The last step may go beyond the limit: the flight then ends with the one before.
                 if time > limit:
                     stop, time, state = "time", (count - 1) * self.dt, before
                 return SteppedFlight(path, stop, time, state, top)
@@ -349,7 +353,8 @@ class Verlet(Stepped[float]):
     ) -> Launch[float]:
         """Push for two or three steps from the step before the contact (paper, Appendix B)."""
         air, dt, on = air_in_space(law_in), self.dt, PUSHES[self.contact_force]
-        # F̄/(2m) where it is on, m/s²
+        # F̄/(2m) where it is on, m/s². With F̄ Δt the whole impulse (paper, Sec. III.C), that is
+        # delta_v/(2 Δt).
         pushes = [tuple(each * change / (2 * dt) for change in delta_v) for each in on]
         position, velocity = frame.position(touch.before), frame.velocity(touch.before)
         force = air(position, velocity)
@@ -358,6 +363,7 @@ class Verlet(Stepped[float]):
             position, velocity, force = plain_step(
                 position, velocity, force, *push, dt, *TREATMENTS[self.forces], air
             )
+            # A ball that is down before it is free has landed.
             count, after = touch.step + done, SpaceState(*position, *velocity)
             self._require_finite(after)
             if ground.value(after) <= 0.0:
@@ -611,6 +617,7 @@ def print_law(program: Program) -> str:
     positions, velocities = _halves(program.variables)
     dimensions = range(len(velocities))
     names = Names()
+    # the law, as `longball.model.trace` prints it
     lines = [line for node in program.nodes if (line := names.define(node))]
     unpack = [
         f"{', '.join(each)}, = {name}"
@@ -627,6 +634,8 @@ def print_law(program: Program) -> str:
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)
 
+    # The state is (positions, velocities, path): the path through the air counts as a position,
+    # whose rate is the airspeed.
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
     path = [2 * both] * (len(positions) - both)

@@ -73,11 +73,6 @@ def throw(run: Run) -> Pitch:
     return Pitch(frame, law, start, flight, crossed)
 
 
-def solve_pitches(run: Run) -> None:
-    """Solve pitch scenes."""
-    run.conclude("crossed", throw(run).crossed)
-
-
 @dataclass(frozen=True)
 class Approach:
     """A pitch, the bat, and how they meet."""
@@ -92,7 +87,8 @@ def approach_bat(run: Run) -> Approach | None:
     pitch, numbers, scene = throw(run), run.numbers, run.scene
     if not run.some(pitch.crossed):
         return None
-    # z_b = z'_b + σ_b (paper, Sec. III.A)
+    # z_b = z'_b + σ_b: the batter swings at the height of the pitch at the plate, but for an offset
+    # (paper, Sec. III.A)
     height = pitch.flight.state.z + numbers.exact(scene.swing.height_offset)
     reach = numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius)
     bat = BatSection(pitch.frame, height, reach)
@@ -200,14 +196,9 @@ def _launch_error(run: Run, contact: ContactState) -> Number:
     return 5 * _contact_error(run, contact) * (sqrt(dot(ball, ball)) + sqrt(dot(bat, bat)))
 
 
-def solve_at_bats(run: Run) -> None:
-    """Solve whole at-bats."""
-    finish(run, meet_bat(run))
-
-
 CHAINS: dict[str, Callable[[Run], None]] = {
     "flight": solve_flights,
-    "pitch": solve_pitches,
+    "pitch": lambda run: run.conclude("crossed", throw(run).crossed),
     "impact": solve_impacts,
-    "at-bat": solve_at_bats,
+    "at-bat": lambda run: finish(run, meet_bat(run)),
 }

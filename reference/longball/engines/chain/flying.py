@@ -70,6 +70,7 @@ def spin_at(
     """
     if frame.spin is None:
         return None
+    # Which branch of the spin's decay holds depends on the state: its error may leave that open.
     off = state.z * 0 if error is None else error * (1 + abs(state.z))
     left = arrived(law, state, numbers, off).spin_left(state, numbers)
     return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left

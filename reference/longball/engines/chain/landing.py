@@ -50,6 +50,7 @@ def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
         down = Flight(Path(()), "ground", run.numbers.exact(0.0), start)
         _come_down(run, ball, down, outcome, rows)
     elif run.scene.fence is None:
+        # A pitch has not touched the ground, so that a batted ball starts above it.
         if hasattr(run.scene, "launch"):
             rows = _land_from_below(run, ball, outcome, rows)
         if not run.some(rows):
@@ -104,6 +105,8 @@ def _come_down(
     `fair` is given for a ball that has left the field: then the place where it did decides.
     """
     numbers, scene, launch, frame = run.numbers, run.scene, ball.launch, ball.frame
+
+    # the end of the flight
     run.follow(frame, flight, launch.time, rows)
     rows = _in_time(run, ball, flight, rows)
     aloft: Outcome = "home_run" if outcome == "home_run" else "airborne"
@@ -112,6 +115,7 @@ def _come_down(
     if not run.some(rows):
         return
 
+    # the landing
     _rise(run, ball, flight, rows)
     state: Any = flight.state
     x, y, z = position = frame.position(state)
@@ -131,6 +135,7 @@ def _come_down(
     if hasattr(state, "path") and scene.reading.spin_decay == "path":
         run.record("landing.path", state.path, rows)
 
+    # fair or foul
     if fair is not None:
         run.record("landing.fair", fair, rows)
     elif scene.fence is not None:
@@ -194,6 +199,7 @@ def _stays_aloft(run: Run, ball: Batted, rows: Mask) -> Mask:
     )
     if not loops:
         return rows & False
+    # all compared without dividing by V_H + V, which may be zero
     height = run.ground(start).value(start)
     slow2 = start.u * start.u + start.w * start.w
     fast2 = slow2 if law.gravity is None else slow2 + 2 * law.gravity * height
@@ -265,6 +271,7 @@ def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
     """Fly to the ground, and follow the flight, which leaves its plane, past the fence."""
     frame, numbers = ball.frame, run.numbers
     flight = _fly_down(run, ball, ball.start, run.time_limit, rows)
+    # An error δ of a state moves the time of a landing by δ/|w|; the time limit is exact.
     error = numbers.exact(_flight_error(run))
     (x, y, z), w = frame.position(flight.state), frame.velocity(flight.state)[2]
     off = error * (1 + abs(x) + abs(y) + abs(z))
