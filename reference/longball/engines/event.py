@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, Protocol
 
 from longball.model.frame import Frame
 from longball.model.law import State, in_plane
-from longball.model.numbers import N, Numbers, Undecided, absolute
+from longball.model.numbers import N, Numbers, Undecided, absolute, doubt
 
 
 class Event(NamedTuple, Generic[N]):
@@ -347,4 +347,4 @@ def _earliest(
 
 def _require_positive(x: N, error: N, question: str, numbers: Numbers[N]) -> None:
     if not numbers.positive(x, error, question):
-        raise Undecided(f"{question} cannot be decided: the two coincide")
+        raise Undecided(doubt(x, error, question, numbers))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from io import BufferedIOBase
 from itertools import islice
 from typing import Any, NamedTuple, cast
@@ -92,20 +91,14 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
 def _solve_chunk(
     chunk: list[Line],
     engine: Engine[N] | ManyAtOnce,
-    points: int | None = None,
-    change: Changes | None = None,
+    points: int | None,
+    change: Changes | None,
 ) -> list[Answer]:
-    with _no_collections():
-        return list(_solve_in_turn(chunk, engine, points, change))
-
-
-@contextmanager
-def _no_collections() -> Iterator[None]:
-    """Turn the garbage collector off: it would search many objects for cycles that do not exist."""
+    # The garbage collector would search many objects for cycles that do not exist.
     was_enabled = gc.isenabled()
     gc.disable()
     try:
-        yield
+        return list(_solve_in_turn(chunk, engine, points, change))
     finally:
         if was_enabled:
             gc.enable()
@@ -114,8 +107,8 @@ def _no_collections() -> Iterator[None]:
 def _solve_in_turn(
     chunk: list[Line],
     engine: Engine[N] | ManyAtOnce,
-    points: int | None = None,
-    change: Changes | None = None,
+    points: int | None,
+    change: Changes | None,
 ) -> Iterator[Answer]:
     """Yield the answers to lines, each as soon as the engine has it."""
     # Lines that are no scene keep their place; the engine gets the others.

@@ -238,10 +238,10 @@ class PathEngine(Engine[N], ABC):
         touches the bat if a minimum is nearer than `reach` by more than the error; the touching
         itself lies before the first such minimum::
 
-            d |\          /\
-              | \        /  \          /
+              |\          /\
+            d | \        /  \          /
               |  \______/    \        /
-            --+---------------*------/----- reach
+        reach-+---------------*------/-----
               |                \____/
         """
         numbers = self.numbers
@@ -262,19 +262,21 @@ class PathEngine(Engine[N], ABC):
 
         # the minima of the distance, in order of time
         closest = -gap
-        for way in self._ways_in(pitch, law, bat, events, limit, first):
-            margin = bat.reach - bat.distance(way.end, numbers)
+        for part in self._approaches(pitch, law, bat, events, limit, first):
+            margin = bat.reach - bat.distance(part.end, numbers)
             if margin > closest:
                 closest = margin
             elif not margin <= closest:  # of two numbers with radii neither may be the larger
                 closest = (margin + closest + absolute(margin - closest)) / 2
-            if way.settled and not abs(margin) > error + way.error:
-                return Touch(margin, None, doubt=doubt(margin, error + way.error, TOUCHES, numbers))
-            if way.settled and margin > error and way.touching is not None:
-                return Touch(margin, True, *way.touching)
+            if part.settled and not abs(margin) > error + part.error:
+                return Touch(
+                    margin, None, doubt=doubt(margin, error + part.error, TOUCHES, numbers)
+                )
+            if part.settled and margin > error and part.touching is not None:
+                return Touch(margin, True, *part.touching)
         return Touch(closest, False)
 
-    def _ways_in(
+    def _approaches(
         self,
         pitch: Flight[N],
         law: Law[N],
@@ -282,7 +284,7 @@ class PathEngine(Engine[N], ABC):
         events: Events[N],
         limit: N,
         touching: tuple[N, State[N]] | None,
-    ) -> Iterator[_WayIn[N]]:
+    ) -> Iterator[_Approach[N]]:
         """Yield the parts of a pitch on which it comes closer to the bat.
 
         `touching` is the time, s, and the state of a touching at the launch.
@@ -300,7 +302,7 @@ class PathEngine(Engine[N], ABC):
 
         # `pending` is a part that ends with its piece: the next piece shows whether the distance
         # goes on falling there, or has turned.
-        pending: _WayIn[N] | None = None
+        pending: _Approach[N] | None = None
         for view in self.views(pitch, law, bat):
             piece = view.piece
             left = search_end - piece.begin
@@ -317,7 +319,7 @@ class PathEngine(Engine[N], ABC):
                             t = zero_of(curve, a, b, TOUCHES, numbers)
                             touching = piece.begin + t, piece.at(t)
                         settled = b is not end or over
-                        pending = _WayIn(piece.at(b), touching, view.error, settled)
+                        pending = _Approach(piece.at(b), touching, view.error, settled)
                         yield pending
                     elif pending is not None and not pending.settled:
                         yield replace(pending, settled=True)  # it turned where the pieces join
@@ -394,7 +396,7 @@ class View(Generic[N]):
 
 
 @dataclass(frozen=True)
-class _WayIn(Generic[N]):
+class _Approach(Generic[N]):
     """A part of a pitch on which it comes closer to the bat.
 
     `end` is the state at its end; `touching` the time, s, and state of the first touching so far;

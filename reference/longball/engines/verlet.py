@@ -252,10 +252,10 @@ class Verlet(Stepped[float]):
         rises = columns.w > 0.0
         for k in np.flatnonzero(rises[:-1] & ~rises[1:]).tolist():
             before, after = (_row(columns, i) for i in (k, k + 1))
-            share = _share(before.w, after.w)
-            state = _between(before, after, share)
+            fraction = _fraction_to_zero(before.w, after.w)
+            state = _between(before, after, fraction)
             if top is None or state.z > top[1].z:
-                top = (done + k + share) * self.dt, state
+                top = (done + k + fraction) * self.dt, state
         return top
 
     def stop_between(
@@ -263,12 +263,12 @@ class Verlet(Stepped[float]):
     ) -> tuple[str, float, State[float]]:
         """First event in step number `count`: its name, time, s, and the state."""
         ends = [(event, event.value(before), event.value(after)) for event in events]
-        met = [(_share(a, b), event) for event, a, b in ends if b <= 0.0]
-        share, event = min(met, key=lambda each: each[0])
+        met = [(_fraction_to_zero(a, b), event) for event, a, b in ends if b <= 0.0]
+        fraction, event = min(met, key=lambda each: each[0])
         if event.name == "ground" and self.landing == "first_below":
             return event.name, count * self.dt, after
-        state = _between(before, after, share)
-        return event.name, (count - 1 + share) * self.dt, event.place(state)
+        state = _between(before, after, fraction)
+        return event.name, (count - 1 + fraction) * self.dt, event.place(state)
 
     @_QUIET
     def touch(
@@ -479,9 +479,9 @@ def _aloft(law: Law[float], state: Any) -> Any:
 Value = TypeVar("Value", float, Array)
 
 
-def interpolate(before: Value, after: Value, share: float) -> Value:
-    """Return the value at a share of the way from one step to the next."""
-    return before + share * (after - before)
+def interpolate(before: Value, after: Value, fraction: float) -> Value:
+    """Return the value at a fraction of the way from one step to the next."""
+    return before + fraction * (after - before)
 
 
 def _row(columns: State[Array], row: int) -> State[float]:
@@ -490,14 +490,14 @@ def _row(columns: State[Array], row: int) -> State[float]:
     return found
 
 
-def _between(before: State[float], after: State[float], share: float) -> State[float]:
+def _between(before: State[float], after: State[float], fraction: float) -> State[float]:
     state: State[float] = type(before)(
-        *(interpolate(a, b, share) for a, b in zip(before, after, strict=True))
+        *(interpolate(a, b, fraction) for a, b in zip(before, after, strict=True))
     )
     return state
 
 
-def _share(before: float, after: float) -> float:
+def _fraction_to_zero(before: float, after: float) -> float:
     """Fraction of a step after which a value has fallen to zero, on a line."""
     # A ball that is set free below the ground, or launched on it, is there at once.
     return max(0.0, before / (before - after)) if after != before else 0.0
@@ -545,7 +545,7 @@ class ChordCurve:
 
     def zero(self, a: float, b: float) -> float:
         """See `longball.engines.event.Curve.zero`."""
-        return interpolate(a, b, _share(self(a), self(b)))
+        return interpolate(a, b, _fraction_to_zero(self(a), self(b)))
 
 
 def line_touch(before: State[float], bat: BatSection[float], root: AppendixBRoot) -> float | None:

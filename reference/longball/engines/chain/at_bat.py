@@ -74,7 +74,7 @@ def throw(run: Run) -> Pitch:
 
 
 @dataclass(frozen=True)
-class Approach:
+class BatEncounter:
     """A pitch, the bat, and how they meet."""
 
     pitch: Pitch
@@ -82,7 +82,7 @@ class Approach:
     touch: Touch[Any]
 
 
-def approach_bat(run: Run) -> Approach | None:
+def approach_bat(run: Run) -> BatEncounter | None:
     """Fly the pitch, place the bat and search for the contact; None if no pitch is at the plate."""
     pitch, numbers, scene = throw(run), run.numbers, run.scene
     if not run.some(pitch.crossed):
@@ -96,7 +96,7 @@ def approach_bat(run: Run) -> Approach | None:
     if lift_is_always_up(run, pitch.law):
         events.append(vertical(pitch.start, numbers))
     touch = run.touch(pitch.flight, pitch.law, bat, events, pitch.crossed)
-    return Approach(pitch, bat, touch)
+    return BatEncounter(pitch, bat, touch)
 
 
 def meet_bat(run: Run) -> ContactState | None:

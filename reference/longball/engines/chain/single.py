@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from longball.engines.chain.at_bat import CHAINS, Approach, approach_bat, finish, meet_bat
+from longball.engines.chain.at_bat import CHAINS, BatEncounter, approach_bat, finish, meet_bat
 from longball.engines.chain.collision import MODEL, ContactState, Model
 from longball.engines.chain.run import Run
 from longball.engines.digits import to_digits
@@ -148,7 +148,7 @@ def quantities_of(scene: Scene, engine: Engine[Any]) -> dict[str, Any]:
     return run.answer
 
 
-def approach_of(scene: AtBatScene, engine: Engine[Any]) -> Approach | None:
+def approach_of(scene: AtBatScene, engine: Engine[Any]) -> BatEncounter | None:
     """Return the approach of pitch and bat; None if the pitch does not reach the plate.
 
     Raises `CannotSolve` or `InvalidScene` or `Undecided`.
