@@ -12,7 +12,7 @@ import pytest
 from longball.engines import ENGINES, create
 from longball.engines.batch import Batch
 from longball.engines.ivp import Ivp
-from longball.engines.lines import solve_line, solve_lines
+from longball.engines.lines import solve_lines
 from longball.engines.parallel import in_parallel
 from longball.model.scene import parse_scene
 from longball.model.schema import FOLDER, schemas, text
@@ -48,7 +48,7 @@ def test_scenes_and_results_obey_the_schemas(validators):
     for line in SCENES:
         if line.startswith(b"{"):
             scene.validate(json.loads(line))
-        result.validate(json.loads(solve_line(1, line, Ivp()).text))
+        result.validate(json.loads(next(solve_lines([line], Ivp())).text))
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_scenes_and_results_obey_the_schemas(validators):
 )
 def test_the_schema_refuses_what_the_code_refuses(scene: dict, validators):
     assert not validators[0].is_valid(scene)
-    assert solve_line(1, json.dumps(scene).encode(), Ivp()).failure is not None
+    assert next(solve_lines([json.dumps(scene).encode()], Ivp())).failure is not None
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ ERRORS = [
 )
 @pytest.mark.sampled(every=2)
 def test_an_error_has_a_code_of_its_sort(code: str, engine: str, line: str):
-    result = solve_line(1, line.encode(), create(engine))
+    result = next(solve_lines([line.encode()], create(engine)))
     assert json.loads(result.text)["code"] == code
     assert result.failure.startswith("line 1: ")
 
@@ -160,7 +160,7 @@ MANY = [
 
 def test_lines_at_once_have_the_answers_of_one_by_one():
     engine = Batch()
-    alone = [solve_line(n, line, engine) for n, line in enumerate(MANY, 1) if line]
+    alone = [next(solve_lines([b""] * n + [line], engine)) for n, line in enumerate(MANY) if line]
     assert sum(result.failure is not None for result in alone) > 1
     assert list(solve_lines(BytesIO(b"\n".join(MANY)), engine)) == alone
     assert list(solve_lines(MANY, engine, workers=2)) == alone

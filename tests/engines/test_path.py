@@ -9,7 +9,7 @@ import pytest
 from longball.engines.batch import Batch
 from longball.engines.chain import solve_with_path, solve_with_points
 from longball.engines.enclosure import Enclosure
-from longball.engines.event import ground, plate, vertical
+from longball.engines.event import first_met, ground, plate, vertical
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.path import Flight, Leg, Part, Path, Rest, Trajectory
@@ -323,13 +323,11 @@ def test_every_engine_has_the_path(engine, error):
         assert_same(found, wanted.at(t), error)
 
 
-def test_a_path_is_sampled_and_asked_for_another_event():
+def test_a_path_is_asked_for_another_event():
     """Beyond the event that ended the flight, too: a wall 20 m away, on the same path."""
     flight = flown("batted", IVP)
-    times = [0.0, 0.5, 1.0]
-    assert flight.path.sample(times) == [flight.path.at(t) for t in times]
     ahead = plate(Frame(20.0, 0.0, -1.0, 0.0), flight.path.at(0.0), DOUBLES)
-    met = flight.path.first([ahead], LIMIT, IVP.flight_error, DOUBLES)
+    met = first_met(flight.path.pieces(), [ahead], LIMIT, IVP.flight_error, DOUBLES)
     assert (met.event.name, met.state.s) == ("plate", 20.0)
     assert_same(met.state, flight.path.at(met.time))
 

@@ -40,6 +40,7 @@ def create(name: str, **options: object) -> Engine[Any]:
     module, attribute = ENGINES[name]
     with naming_extras():
         family = getattr(import_module(module), attribute)
+    # The options of an engine are the fields of its class, with their types.
     takes = [field.name for field in fields(family)]
     types = get_type_hints(family) if options else {}
     for option in options:
@@ -62,6 +63,7 @@ def of_type(kind: Any, option: str, value: Any) -> Any:
 
     Raises `TypeError` if it is of another kind: `bool`, `int`, `float`, or one of them or None.
     """
+    # Options of another type, such as names, are checked by the engine itself.
     kinds = get_args(kind) or (kind,)  # float | None
     for wanted, sort, what in _KINDS:
         if wanted in kinds and not (value is None and type(None) in kinds):

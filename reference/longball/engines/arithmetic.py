@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Arithmetic:
-    """As much arithmetic as an event is made of, from ``a + b``, ``-a`` and ``a * b``."""
+    """The operations of event functions, derived from ``a + b``, ``-a`` and ``a * b``."""
 
     __slots__ = ()
 
@@ -61,7 +61,8 @@ def _dual(x: Any) -> Dual:
     return x if isinstance(x, Dual) else Dual(x, 0 * x)
 
 
-# As much of a number system as a traced law asks for, over arrays of doubles.
+# The functions that a traced law calls, over arrays of doubles. The unit vector of a vector without
+# length is zero, as in the other number systems (`longball.model.numbers.ratio`).
 ARRAYS: Any = SimpleNamespace(
     functions={
         "sqrt": np.sqrt,

@@ -1,4 +1,4 @@
-"""The branches of a law that are valid in a state."""
+"""Branches of a law with switches: which ones are valid in a state."""
 
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ def branches_at(
     numbers: Numbers[N],
     known: Mapping[int, int] = MappingProxyType({}),
 ) -> list[int]:
-    """Return the branch of each term with several, in a state; on a level, that which it enters.
+    """Branch of each switch of a law in a state; on a threshold, the branch that is entered.
 
-    The wind's first, on which airspeeds depend; forms that are `known` stay.
+    Branches that are `known` stay.
 
-    Raises `Undecided` if a radius leaves open on which side of a level a state is.
+    Raises `Undecided` if a ball leaves open on which side of a threshold a state is.
     """
     return _branches(law, state, numbers, known, range(len(law.bends)), 1, state.z * 0)
 
 
 def arrived(law: Law[N], state: State[N], numbers: Numbers[N], error: N) -> Law[N]:
-    """Return the law in the form by which the spin goes in a state that a flight has come to.
+    """Return the law on the branch by which the spin decays in a state that a flight has reached.
 
-    On a level it is that of the branch that the flight came by. Other branches are the first ones.
+    On a threshold, that is the branch on which the flight came. Switches that do not matter to the
+    spin are left on their first branches.
 
-    Raises `Undecided` if the state is within an `error` of a level.
+    Raises `Undecided` if the state is within an `error` of a threshold.
     """
     if not law.bends:
         return law
@@ -41,9 +42,9 @@ def arrived(law: Law[N], state: State[N], numbers: Numbers[N], error: N) -> Law[
 
 
 def require_law(law: Law[N], branches: Sequence[Any], time: Any) -> None:
-    """Require that a law goes on in its branches, which it has at a time, s since the launch.
+    """Raise `CannotSolve` if a side force has no direction on these branches.
 
-    Raises `CannotSolve` where a side force has no direction.
+    The time, s since the launch, is for the message.
     """
     for bend, branch in zip(law.bends, branches, strict=True):
         if bend.ends and branch == 0:
@@ -65,10 +66,11 @@ def _branches(
     numbers: Numbers[N],
     known: Mapping[int, int],
     asked: Collection[int],
-    sense: int,  # on a level: 1 to the branch that the flight enters, -1 to that which it leaves
-    error: N,  # of what passes the levels
+    sense: int,  # on a threshold: 1 for the branch that the flight enters, -1 for the one it leaves
+    error: N,  # of the switching functions
 ) -> list[int]:
     branches = [known.get(which, 0) for which in range(len(law.bends))]
+    # The wind's switch first: the others depend on the airspeed.
     for which, bend in sorted(enumerate(law.bends), key=lambda numbered: not numbered[1].blows):
         if which in known or which not in asked:
             continue
@@ -77,9 +79,12 @@ def _branches(
         for level in bend.levels:
             value = form.beyond(bend, level, numbers)
             there, off = value(state), error
+            # Exactly on the threshold, the direction in which the flight passes it decides. It is
+            # exact, too: a state that lies there was put there.
             if cast(Any, there) == 0:
                 moving: Any = map(Dual, state, form.rates(numbers)(*state))
                 there, off = sense * value(law.state(*moving)).rate, error * 0
             question = f"whether {bend.question}"
+            # The thresholds rise, so that the branch is the number of those below the value.
             branches[which] += numbers.positive(there, off, question)
     return branches

@@ -1,9 +1,9 @@
 """Answers with proven errors: an engine's doubles, and how far each is off at most.
 
-The enclosure engine solves the scene again in balls that hold the truth. A double's error is at
-most the distance to the far side of the ball, whatever engine the double is from. So a ball need
-not be small next to the double: it is enough that it is small next to the double's error, for which
-some 84 bits mostly do.
+The enclosure engine solves the scene again in balls that contain the true values. A double's error
+is at most the distance to the far side of the ball, whatever engine the double is from. So a ball
+need not be small next to the double: it only has to be small next to the double's error, for which
+84 bits are mostly enough.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from longball.model.scene import InvalidScene, Scene
 # Digits of the enclosure, tried in turn; it works with 64 bits more (`enclosure.balls`).
 DIGITS = (6, 20, 40, 60)
 
-# A ball does not matter if it is less than half an ulp, relative to the length of a vector.
+# More digits are no use once a ball is below half an ulp, relative to the length of a vector.
 _NOTHING = 2.0**-53
 
 _RADIUS = Context(prec=2, rounding=ROUND_CEILING)
@@ -65,6 +65,8 @@ def certify(scene: Scene, result: Result) -> Result:
         return result
     reason = ""
     found: Result | None = None
+    # More digits until smaller balls would hardly lower the errors. A proof that was found stays,
+    # even if one with more digits fails.
     for digits in DIGITS:
         engine = Enclosure(digits)
         try:
@@ -101,12 +103,14 @@ def _with_errors(result: Result, truth: dict[str, Any]) -> tuple[Result, bool]:
             if given != proven:
                 raise _Refuted(f"{name} is proven to be {proven}, not {given}")
             continue
+        # numbers and vectors: a number is a vector of one component
         one = not isinstance(proven, tuple)
         pairs = [*zip([given] if one else given, [proven] if one else proven, strict=True)]
         numbers = tuple(Certified(value=float(x), radius=_radius(float(x), b)) for x, b in pairs)
         certain[name] = numbers[0] if one else numbers
         small = _NOTHING * math.hypot(*map(float, numbers))
         tight &= all(b.rad() <= max(small, float(abs(b.mid() - float(x)))) for x, b in pairs)
+    # no number without a proof
     certified = quantities.rewritten(result, certain)
     for name, number in quantities.numbers(certified):
         if not isinstance(number, Certified | int):

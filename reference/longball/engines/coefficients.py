@@ -1,8 +1,8 @@
-"""Polynomials as sequences of their coefficients: what is compiled once it is worth it.
+"""Polynomials as sequences of their coefficients: functions that are compiled when it pays.
 
 This source runs in a namespace of its own (`longball.engines.compiled.Code`): on lists of numbers
-as it is, and on arrays of doubles when it is compiled. What is found is written into arrays that
-are handed in: compiled code takes as long to make one as to sum a polynomial.
+as it is, and on arrays of doubles when it is compiled. Results are written into arrays that are
+passed in: compiled code takes as long to make an array as to sum a polynomial.
 """
 
 from __future__ import annotations
@@ -20,16 +20,18 @@ _CLOSE = 1e-6
 
 
 def values(x: Any, h: float, found: Any) -> None:
-    """Find the values of polynomials, the rows of `x`, at `h`."""
+    """Evaluate polynomials, the rows of `x`, at `h`."""
     for i in range(len(x)):
         found[i] = x[i][0] + _change(x[i], h)
 
 
 def advance(x: Any, h: float, low: Any, end: Any, lost: Any) -> None:
-    """Sum polynomials, the rows of `x`, at `h`: values, rounded, and what they lack of the true.
+    """Evaluate polynomials, the rows of `x`, at `h`: rounded values, and their rounding errors.
 
-    `low` is what their values at 0 lack.
+    `low` has the rounding errors of the values at 0.
     """
+    # Knuth's sum of two numbers: over dozens of steps only the errors of the changes add up, which
+    # are smaller than the values.
     for i in range(len(x)):
         change = _change(x[i], h) + low[i]
         start = x[i][0]
@@ -83,7 +85,8 @@ def shifted(p: Any, begin: float) -> Any:
 def stays_high(p: Any, end: float) -> bool:
     """True if p certainly stays above p(0)/2 > 0 on [0, end].
 
-    From ``p(t) = p_0 + t (p_1 + t (…))``, with the least that each bracket can be.
+    A bound from below: in ``p(t) = p_0 + t (p_1 + t (…))``, each bracket is at least its constant
+    plus ``min(0, least of the next one) · end``.
     """
     least = 0.0
     for k in range(len(p) - 1, 0, -1):
@@ -92,9 +95,9 @@ def stays_high(p: Any, end: float) -> bool:
 
 
 def zero(p: Any, left: float, right: float) -> float:
-    """Return the zero of p in [left, right], given that p only rises there, or only falls.
+    """Return the zero of p in [left, right], where p is monotonic.
 
-    Newton's method, by halves where it would leave the interval.
+    Newton's method, with a bisection where it would leave the bracket.
     """
     height = value(p, left)
     if height == 0.0:
@@ -120,9 +123,10 @@ def zero(p: Any, left: float, right: float) -> float:
 
 
 def turning_points(p: Any, end: float) -> Any:
-    """Return where p may turn in (0, end), in rising order.
+    """Candidate turning points of p in (0, end), in rising order.
 
-    The interval is halved until the slope p' certainly has no zero in a part, or one at most.
+    The interval is halved until the slope p' certainly has no zero in a part, or one at most: by
+    its Taylor series at the middle, whose first term, or the first of its rate, exceeds the rest.
     """
     slope = p[1:].copy()
     for k in range(len(slope)):
@@ -137,14 +141,17 @@ def turning_points(p: Any, end: float) -> Any:
         for k in range(len(q) - 1, 0, -1):
             change = (change + abs(q[k])) * half
             bend = bend * half + (k * abs(q[k]) if k > 1 else 0.0)
+        # no zero of the slope: its value in the middle exceeds all that it can change by
         if abs(q[0]) > change * (1.0 + 4 * len(q) * _ROUNDING):
             continue
+        # one zero at most: the slope is monotonic, and the signs at the ends decide
         if len(q) > 1 and abs(q[1]) >= bend:
             first, last = value(slope, left), value(slope, right)
             if first != 0.0 and last != 0.0 and (first > 0.0) != (last > 0.0):
                 points.append(zero(slope, left, right))
             elif last == 0.0 and right < end:
                 points.append(right)
+        # several, but so close that it does not matter which of them is reported
         elif half < _CLOSE * end:
             points.append(left + half)
         else:

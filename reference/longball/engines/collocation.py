@@ -243,7 +243,7 @@ class Collocation:
         shortest, failed = self.tolerance * (end - begin), False
         length = self._first_length(dynamics, start, end - begin)
         while begin < end:
-            # The last is longer by its rounding, so that it does not end before the limit.
+            # The last step is longer by its rounding, so that it does not end before the limit.
             length = min(length, (end - begin) * (1 + 4 * self.context.eps))
             segment, needed = self._step(dynamics, begin, length / 2, state, fastest)
             change = self._change_of_length(needed)
@@ -251,7 +251,7 @@ class Collocation:
                 yield segment
                 begin, state = begin + length, segment.end
                 fastest = max(fastest, self._speed(dynamics, state))
-                # What made a step fail is often still ahead.
+                # What made a step fail is often still ahead: do not grow at once.
                 length *= min(1.0, change) if failed else change
                 failed = False
             elif length > shortest:
@@ -298,10 +298,13 @@ class Collocation:
         All others change the velocity by less than the tolerance. If Newton's method fails, there
         is no step, and no number would do.
         """
+        # Newton's method in doubles; its factored Jacobian serves the refinement, too
         rough = self._roughly(dynamics, start, float(half))
         if rough is None:
             return None, math.inf
         guess, jacobian = rough
+
+        # refinement: residuals in full, corrections by the Jacobian factored in doubles
         found = [list(map(self.context.mpf, row)) for row in guess.tolist()]
         before = None
         while True:
@@ -318,9 +321,11 @@ class Collocation:
             )
             if half * largest <= _SOLVED * self.tolerance * fastest_here:
                 break
+            # Each round gains about a dozen digits; less than two show that it does not converge.
             if before is not None and largest * 100 > before:
                 return None, math.inf
             before = largest
+            # Scaled: with hundreds of digits, residuals are below the range of doubles.
             scaled = np.array([float(r / largest) for r in residual])
             correction = scipy.linalg.lu_solve(jacobian, scaled).reshape(guess.shape).tolist()
             found = [
@@ -394,7 +399,7 @@ class Collocation:
         if not matter or matter[-1] <= self._enough:
             return matter[-1] if matter else 0
         last = max(sizes[-_IDLE:]) / speed
-        # As many as it takes the coefficients to fall on to the tolerance.
+        # The number at which they reach the tolerance if they fall on as ρ^-k, k = 1, 2, …
         log = self.context.log
         return float(len(sizes) * log(self.tolerance) / log(last)) if last < 1 else math.inf
 
@@ -430,6 +435,7 @@ class Collocation:
             factored = scipy.linalg.lu_factor(jacobian)
             correction = scipy.linalg.lu_solve(factored, residual).reshape(found.shape)
             found = found + correction
+            # The change of the velocity that the rates make in half the step.
             change = half * np.abs(correction).max()
             if change <= _ROUGHLY * np.abs(values[free]).max():
                 return found, factored
@@ -488,17 +494,17 @@ class SegmentCurve:
         return series
 
     def positive(self, a: Mpf, b: Mpf) -> bool:
-        """True if the value is certainly positive: all |P_k| <= 1 on the segment."""
+        """See `Curve.positive`: a sum of |c_k| bounds the rest, as all |P_k| <= 1."""
         first, *others = self._in_doubles(map(self.value, self.segment.at_nodes))
         # The slack is far more than the rounding of doubles: no graze is passed over.
         return bool(first > (1 + 1e-9) * np.abs(others).sum())
 
     def turns(self, a: Mpf, b: Mpf) -> list[Mpf]:
-        """Return where in (a, b) the value turns, in rising order.
+        """See `Curve.turns`.
 
         Doubles find all zeros of its rate at once, as the eigenvalues of a matrix; each is then
-        made precise. Two of them nearer to each other than `_NEAR` are lost; between them the
-        value changes by its cube, a part in 1e21.
+        made precise. Two that are nearer to each other than `_NEAR` are missed; between them the
+        value changes by the cube of that, a part in 1e21.
         """
         segment = self.segment
         rates = map(self._rate, segment.at_nodes, segment.rates_at_nodes)
@@ -515,12 +521,12 @@ class SegmentCurve:
         return sorted(t for t in turns if t is not None and a < t < b)
 
     def zero(self, a: Mpf, b: Mpf) -> Mpf:
-        """Return where the value is zero, given that from a to b it falls through zero."""
+        """See `Curve.zero`; a value that is not positive at a is zero there."""
         zero = self._change_of_sign(self, a, b)
         return a if zero is None else zero
 
     def _change_of_sign(self, function: Callable[[Mpf], Mpf], low: Mpf, high: Mpf) -> Mpf | None:
-        """Return where a function is zero between two times; None if nowhere.
+        """Time between two at which a function changes its sign; None if it does not.
 
         Inverse quadratic interpolation where three points allow it, else bisection (Chandrupatla,
         Advances in Engineering Software 28, 145 (1997)): a dozen evaluations for fifty digits.
@@ -531,6 +537,8 @@ class SegmentCurve:
             return x2 if f2 == 0 else x1
         if (f1 > 0) == (f2 > 0):
             return None
+        # (mpmath's own bracketing solvers stop by the size of the function, which says nothing of
+        # the time where that is as flat as at a graze.)
         resolution = 16 * self.segment.context.eps * self.segment.half
         share = self.segment.context.mpf(0.5)
         while True:

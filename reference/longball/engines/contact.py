@@ -1,7 +1,7 @@
-"""Meeting the bat: the distance of a pitch from the bat's axis.
+"""The distance of a pitch from the bat's axis.
 
-The distance dips below R + r_b for a few milliseconds only, or for no time at all in a graze, so
-contact is decided where the distance is least, and the first touching lies on the way there.
+The distance dips below R + r_b for a few milliseconds only, or for no time at all in a graze. So
+contact is decided where the distance is least; the first touching lies before that.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from longball.model.scene import InvalidScene
 
 @dataclass(frozen=True)
 class BatSection(Generic[N]):
-    """The bat seen along its axis, past which a pitch flies: a circle to be touched."""
+    """The bat seen along its axis: a circle that a pitch touches or misses."""
 
     frame: Frame[N]  # of the pitch
     height: N  # of the bat's axis, m
@@ -29,22 +29,24 @@ class BatSection(Generic[N]):
         return numbers.sqrt(across * across + above * above)
 
     def offset(self, state: State[N], numbers: Numbers[N]) -> tuple[N, N]:
-        """Return the way from the bat's axis to a ball that touches it: across, above, m.
+        """Return the vector from the bat's axis to a ball that touches it: across and above, m.
 
-        Where its height, of which nothing but the rounding tells the ball from touching, is known
-        less well than its place across, it follows from that and from `reach`.
+        High above the ground, the difference of two heights has a large rounding error. There, if
+        the error alone explains why the ball is not exactly at `reach`, the offset above follows
+        from the offset across: ``above² = reach² - across²``.
         """
         across, above = self.frame.towards_x(state), state.z - self.height
+        # as many half ulps of a height as in `margin_error`
         rounding = 8 * numbers.rounding * absolute(self.height)
         off = absolute(self.distance(state, numbers) - self.reach)
         high = (absolute(self.height) > abs(self.frame.x)) & (absolute(above) > absolute(across))
         squared = (self.reach - across) * (self.reach + across)
-        told = high & (off <= rounding) & (squared > 0)
-        follows = numbers.sqrt(numbers.where(told, squared, self.reach))
-        return across, numbers.where(told, numbers.where(above > 0, follows, -follows), above)
+        better = high & (off <= rounding) & (squared > 0)
+        size = numbers.sqrt(numbers.where(better, squared, self.reach))
+        return across, numbers.where(better, numbers.where(above > 0, size, -size), above)
 
     def depth(self, state: Any) -> Any:
-        """Return ``d² - reach²``, m², of a state or of polynomials: negative in the bat."""
+        """Return ``d² - reach²``, m², of a state or of polynomials: negative inside the bat."""
         return self.beyond(self.reach, state)
 
     def beyond(self, distance: N, state: Any) -> Any:
@@ -64,17 +66,18 @@ def margin_error(
 ) -> N:
     """Return a bound on the error of the margin at the closest approach, m.
 
-    The bat is put at the height where the pitch crosses the plate, and the closest approach is
-    found on the series of that very state. So an error of the state at the plate moves ball and
-    bat together, and an error of the time moves nothing. What is left is
+    The height of the bat is that of the pitch at the plate, and the closest approach is searched
+    on the series of that same state. So an error of the state at the plate moves ball and bat
+    together, and an error of the time moves nothing. There remain
 
-    - the direction of flight at the plate, times the way from there to the closest approach.
-      Where the margin is in doubt that way is at most the bat's offset, and less than `reach` on a
-      level pitch; doubled for the curvature of either;
+    - the error of the direction of flight at the plate, times the distance from there to the
+      closest approach. Where the margin is in doubt, that distance is at most the bat's offset, and
+      less than `reach` on a level pitch; doubled for the curvature of the path and of the circle;
     - the rounding of heights in that step, in z'_b + σ_b and in z - z_b, and that of distances
       from the release in x + cos s and in the frame's own place: a dozen half ulps in all;
       and of the distance itself: two half ulps of `reach`.
     """
+    # The distance to the closest approach, and a height, each by the larger of two bounds.
     offset, bat_height, ball_height = (
         absolute(value) for value in (bat.height - plate_height, bat.height, plate_height)
     )

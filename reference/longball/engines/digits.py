@@ -17,7 +17,8 @@ from longball.model.scene import AtBatScene, Scene
 
 T = TypeVar("T")
 
-_PREC = 1000  # digits of decimal arithmetic: more than a number with its radius has
+# Digits of decimal arithmetic: more than any number with its radius has (`enclosure` allows 500).
+_PREC = 1000
 
 
 class Proving(ABC):
@@ -44,6 +45,7 @@ def to_digits(
     if none of them has the digits.
     """
     result, rest = solved(engine)
+    # Only radii can show that digits are missing.
     if not isinstance(engine, Proving):
         return result, rest
     digits = engine.digits
@@ -53,6 +55,7 @@ def to_digits(
         more, way = solved(finer)
         if more.error is not None and more.code != "undecided":  # too long in so many digits
             break
+        # The answer of a finer engine is cut to the digits that were asked for.
         short = {name: shortened(number, digits) for name, number in numbers_of(more)}
         result, rest = replaced(more, short), way
     if missed := _missed(scene, result, digits):
@@ -75,6 +78,7 @@ def _missed(scene: Scene, result: Result, digits: int) -> str:
     with localcontext(prec=_PREC):
         for name, number in numbers_of(result):
             radius = Decimal(number.radius or "Infinity")
+            # A number that may be zero has no digits: its radius counts as it is.
             at_zero = abs(Decimal(number.value)) <= radius <= Decimal(1).scaleb(-digits)
             if not (at_zero or radius <= size[name].scaleb(-digits)):
                 return f"{name}, {float(number):.6g} ± {number.radius},"
@@ -91,6 +95,7 @@ def shortened(number: Bounded, digits: int) -> Bounded:
         radius = Decimal(number.radius or "Infinity")
         with localcontext(prec=digits + 1):
             value = +whole
+        # "0 ± 3e-40" says all that "1.2e-41 ± 2.9e-40" does.
         if abs(whole) <= radius:
             value = Decimal(0)
         radius += abs(value - whole)

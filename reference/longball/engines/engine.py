@@ -30,7 +30,7 @@ class TooLong(CannotSolve):
 
 
 class OutOfRange(CannotSolve):
-    """Numbers or forces are beyond what the engine can represent or resolve."""
+    """Numbers or forces exceed what the engine can represent or resolve."""
 
     code = "out_of_range"
 
@@ -44,37 +44,33 @@ class Touch(Generic[N]):
     # time, state: first touching: s since release, and the state there; None if there is none
     time: N | None = None
     state: State[N] | None = None
-    doubt: str = ""  # what cannot be told, and why, if `touched` is None
+    doubt: str = ""  # the undecided question, and the reason, if `touched` is None
     # Description of the engine that decided it, if not the one that was asked
     decided_by: str = field(default="", kw_only=True)
+    # `state` is where the ball would leave the bat, instead of where it enters
+    leaving: bool = field(default=False, kw_only=True)
 
     @property
     def detected(self) -> State[N] | None:
-        """The state in which the ball is looked at for whether it is between the bat's ends."""
+        """The state in which the bat's ends are compared with the ball's place along the bat."""
         return self.state
-
-    @property
-    def leaving(self) -> bool:
-        """True if `state` is where the ball would leave the bat, instead of where it enters."""
-        return False
 
 
 @dataclass(frozen=True)
 class Launch(Generic[N]):
-    """A ball set free: where (m), how fast (m/s), and when (s since the start of the scene)."""
+    """Launch of a batted ball: position, m, velocity, m/s, and time, s since the scene began."""
 
     position: Vector[N]
     velocity: Vector[N]
     time: N
-    delay: N  # s, from the contact to the time at which the ball is free
-    # Whether the ball has come down before it was free; then this is the landing
-    landed: bool = False
-    spin: Vector[N] | None = None  # rad/s; None if the scene says nothing of it
+    delay: N  # s, from the contact to the launch
+    landed: bool = False  # the ball has landed before it was free: this is the landing
+    spin: Vector[N] | None = None  # rad/s; None if the scene gives none
     error: N | None = None  # of the velocity, m/s; None if it is exact, or carries its own
 
 
 class Engine(Protocol[N]):
-    """A way to compute."""
+    """A numerical method."""
 
     @property
     def description(self) -> str:
@@ -110,7 +106,7 @@ class Engine(Protocol[N]):
 class Stepped(Generic[N], ABC):
     """Protocol of engines that advance in fixed steps, as the paper does.
 
-    Its bat pushes for some of the steps instead of striking at once.
+    The contact force acts over some of the steps instead of at once (paper, Appendix B).
     """
 
     @abstractmethod

@@ -1,9 +1,9 @@
-"""Events of a flight, and the one search for them.
+"""Events of a flight, and the search that locates them.
 
-An event is where a function of the state falls through zero. A function may dip below zero and
-come back within a step, so none is looked for by its signs at the ends of steps alone: its own
-turning points divide a step into parts on which it only rises or only falls, and there the signs at
-the ends tell everything. What its error leaves open is `Undecided`, in words that name the event.
+An event occurs where a function of the state falls through zero. The function may dip below zero
+and come back within a step, so sign changes at the ends of steps are not enough. The search splits
+each step at the function's turning points; on each part it is monotonic, and the signs at the ends
+decide. A turning point within its error of zero raises `Undecided` with the event's question.
 """
 
 from __future__ import annotations
@@ -14,27 +14,27 @@ from typing import Any, Generic, NamedTuple, Protocol
 
 from longball.model.frame import Frame
 from longball.model.law import State, in_plane
-from longball.model.numbers import N, Numbers, Undecided, absolute
+from longball.model.numbers import N, Numbers, Undecided, absolute, doubt
 
 
 class Event(NamedTuple, Generic[N]):
-    """Something that a flight can reach."""
+    """A scalar function of the state, and how a flight reports its zero."""
 
     name: str  # under which a flight reports it
     question: str  # what is reached, as a clause: "the ball touches the ground"
-    # From the components of a state to what falls through zero there. It is built of + - * only,
-    # and so takes numbers and polynomials alike
+    # The function that falls through zero. It is built of + - * only, and so takes states of
+    # numbers, of polynomials and of dual numbers alike
     value: Callable[[Any], Any]
-    place: Callable[[Any], Any]  # puts a state that is within rounding of the event onto it
-    size: N  # what the error of the value is relative to, in its unit
-    slope: N | float = 1.0  # by how much the value changes at most if a coordinate does, by 1 m
+    place: Callable[[Any], Any]  # moves a state within rounding of the event exactly onto it
+    size: N  # scale of the value: its error is a state's relative error times this
+    slope: N | float = 1.0  # Lipschitz constant of the value in the coordinates, per m
 
 
 Events = Sequence[Event[N]]
 
 
 def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
-    """Return the landing of a flight that starts in a state, at a height, m."""
+    """Event: the ball descends to a height, m. The start sets the scale of the error."""
     return Event(
         "ground",
         "the ball touches the ground",
@@ -45,7 +45,7 @@ def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
 
 
 def level(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
-    """Return where a flight from a state below a height, m, rises to it."""
+    """Event: a ball that starts below a height, m, rises to it."""
     return Event(
         "level",
         "the ball rises to the height that it lands at",
@@ -56,25 +56,26 @@ def level(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
 
 
 def plate(frame: Frame[N], start: State[N], numbers: Numbers[N]) -> Event[N]:
-    """Return the crossing of the plane x = 0 by a pitch in a frame, from a state.
-
-    A pitch that flies along the plate's plane, from beside it, has an x far smaller than the way.
-    """
+    """Event: a pitch crosses the plane x = 0."""
 
     def place(state: State[N]) -> State[N]:
         return state._replace(s=-frame.x / frame.cos) if in_plane(state) else state
 
+    # x = x₀ + s cos φ. For a pitch all but parallel to the plane of the plate, cos φ ≪ 1: the path
+    # is far longer than x₀, and an error of s counts by as little.
     slope = absolute(frame.cos) if in_plane(start) else numbers.exact(1.0)
     size = slope * _size(numbers, frame.x / slope)
     return Event("plate", "the ball reaches the plate", frame.towards_x, place, size, slope)
 
 
 def vertical(start: State[N], numbers: Numbers[N]) -> Event[N]:
-    """Return where a flight that starts in a state turns vertical, u falling to zero.
+    """Event: the ball turns vertical, its horizontal velocity u falling to zero.
 
-    A ball that all but rests at first may turn while u is as small as it was.
+    Its slope is 0: u does not depend on the position.
     """
     nothing, most = numbers.exact(0.0), numbers.exact(1.0)
+    # The scale is the speed at the start, at most 1 m/s: a ball that starts all but at rest would
+    # be undecided from the start if errors were relative to 1 m/s.
     speed = absolute(start.u) + absolute(start.w)
     return Event(
         "vertical",
@@ -87,7 +88,7 @@ def vertical(start: State[N], numbers: Numbers[N]) -> Event[N]:
 
 
 def past(frame: Frame[N], reach: N, numbers: Numbers[N]) -> Event[N]:
-    """Return where a pitch has passed a bat that it touches at a distance `reach`, m."""
+    """Event: the ball is behind the bat, by the distance `reach`, m, at which the two touch."""
     return Event(
         "past",
         "the ball passes the bat",
@@ -112,18 +113,21 @@ class Curve(Protocol[N]):
         """Return the value."""
 
     def positive(self, a: N, b: N) -> bool:
-        """True only if the value certainly stays above half of its value at `a`, a positive one."""
+        """True only if the value certainly stays above value(a)/2 > 0 on [a, b].
+
+        Half, so that a value above twice its error stays above the error (`first_fall`).
+        """
 
     def turns(self, a: N, b: N) -> Sequence[N]:
-        """Return where in (a, b) the value may turn, in rising order.
+        """Candidate turning points in (a, b), in rising order.
 
-        Between two neighbours, and a and b, it only rises or only falls.
+        The value is monotonic between neighbours in ``[a, *turns, b]``.
         """
 
     def zero(self, a: N, b: N) -> N:
-        """Return where the value is zero, given that from a to b it falls through zero.
+        """Time at which the value is zero; from a to b it falls through zero.
 
-        At a it is certain on which side of zero the value is; see `zero_of`.
+        The sign of the value at a is certain: `zero_of` checks that first.
         """
 
 
@@ -146,9 +150,9 @@ class Piece(Protocol[N]):
 
 
 def zero_of(curve: Curve[N], a: N, b: N, question: str, numbers: Numbers[N]) -> N:
-    """Return where a value is zero that falls through zero from a to b; see `Curve.zero`.
+    """Locate the zero of a value that falls through zero from a to b.
 
-    Raises `Undecided`, with the question, if a radius leaves open whether it fell before a.
+    Raises `Undecided` if the value at a is a ball that contains zero: it may have fallen before a.
     """
     there = curve(a)
     if not (there > 0 or there <= 0):
@@ -158,23 +162,18 @@ def zero_of(curve: Curve[N], a: N, b: N, question: str, numbers: Numbers[N]) -> 
 
 def first_fall(
     curve: Curve[N],
-    end: N,  # until when, s since the piece begins
-    error: N,  # how far the value may be off
-    # What happens there, as a clause; None if a touch within the error is as good as none
+    end: N,
+    error: N,
     question: str | None,
     numbers: Numbers[N],
-    # Whether the piece begins with the launch, whose value is exact. It may lie on the surface:
-    # then it is an arrival, at 0, only if the value does not rise from there
     launch: bool = False,
-    # Whether such a piece lies on the surface where its value is zero within a radius
     on_surface: bool = False,
-    # Whether a value that stays on the surface from there on is an arrival
     stays: bool = True,
 ) -> N | None:
-    r"""Return when a value first falls through zero on a piece; None if it does not.
+    r"""Time, s since the piece begins, at which a value first falls through zero; None if never.
 
-    Between two turning points the value only falls or only rises, so that its sign at the right one
-    tells everything about the part before it:
+    Between two turning points the value is monotonic, so that its sign at the right one decides
+    about the part before it:
 
         \      2
          \    / \      4
@@ -185,8 +184,29 @@ def first_fall(
         --------------------\- -error
                              \       the end is below: it falls after 4
 
-    Raises `Undecided` if a turning point of the value lies within its error of zero; if a radius
-    leaves open whether the piece begins above the surface, or whether the value rises from there.
+    Parameters
+    ----------
+    end
+        s since the piece begins; the search ends there.
+    error
+        Of the value.
+    question
+        The event, as a clause; None if a touch within the error does not matter.
+    launch
+        The piece begins with the launch, whose value is exact. A launch on the surface is an
+        arrival, at 0, unless the value rises from there.
+    on_surface
+        The launch is known to lie on the surface, though its value is a ball around zero. So is a
+        state in which a law switches.
+    stays
+        A value that stays at zero is an arrival, as of a ball that rests on the ground. False for
+        switches of a law: a ball that moves along a threshold has not crossed it.
+
+    Raises
+    ------
+    Undecided
+        If a turning point of the value lies within its error of zero; if a ball leaves open whether
+        the piece begins above the surface, or whether the value rises from there.
     """
     start = numbers.exact(0.0)
     first = curve(start)
@@ -195,7 +215,7 @@ def first_fall(
     for left, right in pairwise([start, *curve.turns(start, end), end]):
         value = curve(right)
         if left is start and not first > (0 if launch else error):
-            # Of two numbers with radii neither may be the larger.
+            # Balls are only partially ordered: falls and rises may both be False.
             falls, rises = value <= first, value > first
             if not stays:
                 falls, rises = value < first, value >= first
@@ -207,7 +227,9 @@ def first_fall(
                 if not rises:
                     _require_positive(value - first, start, f"whether {question}", numbers)
                 continue
-            if not falls:  # the last piece ended on a turning point
+            # The piece before ended on a turning point within the error of zero. If the value
+            # rises now, that was a touch.
+            if not falls:
                 _require_positive(first, error, f"whether {question}", numbers)
         if value > error:
             continue
@@ -218,8 +240,13 @@ def first_fall(
     return None
 
 
+# Rounding error of a coordinate, in units of 2⁻⁵³ times the largest coordinate so far. Measured:
+# 5e-14 m in a flight that comes back from 300 m, 1.5 units.
+_ROUNDINGS = 4
+
+
 class Met(NamedTuple, Generic[N]):
-    """An event that a flight has met: when, s since the launch, and in what state."""
+    """An event located on a flight: the time, s since the launch, and the state."""
 
     event: Event[N]
     time: N
@@ -233,7 +260,7 @@ def first_met(
     error: float,  # of a state, relative to its size; 0 for numbers that carry their own
     numbers: Numbers[N],
 ) -> Met[N] | None:
-    """Return the first of several events on a flight; None if none is met in time.
+    """First of several events on a flight; None if none is met in time.
 
     Raises `Undecided` if the error leaves open whether an event is met, whether in time, or which
     of two is first.
@@ -243,17 +270,23 @@ def first_met(
     for number, piece in enumerate(pieces):
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
+
+        # the error of each value
         if numbers.rounding:
+            # In doubles, a coordinate's rounding error grows with its largest size so far.
             start: Any = piece.at(numbers.exact(0.0))
             rounded = _ROUNDINGS * numbers.rounding * max(1.0, abs(start.s), abs(start.z))
             for event in events:
                 errors[event.name] = max(errors[event.name], event.slope * rounded)
+
+        # the first fall of each value on this piece
         found = []
         for event in events:
             curve, off = piece.curve(event.value), errors[event.name]
             t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
             if t is not None:
                 where = piece
+                # Below zero from the start: it fell on an earlier piece, within its error there.
                 if numbers.rounding and number > 0 and not t > 0:
                     where, t = _fallen(seen, event, numbers)
                 found.append(Met(event, where.begin + t, event.place(where.at(t))))
@@ -262,6 +295,8 @@ def first_met(
         seen.append((piece, end))
         if not piece.begin + piece.length < limit:
             break
+
+    # Nothing was met in time. The values at the limit have to be certainly positive.
     if not seen:
         return None
     piece, end = seen[-1]
@@ -275,9 +310,10 @@ def first_met(
 def _fallen(
     seen: Sequence[tuple[Piece[N], N]], event: Event[N], numbers: Numbers[N]
 ) -> tuple[Piece[N], N]:
-    """Return where a value fell through zero that was in doubt at the end of some pieces.
+    """Locate the zero of a value that was within its error of zero at the end of some pieces.
 
-    The piece that follows tells that it did fall; where, within its error of that piece.
+    The next piece begins below zero, so that the value has fallen. Search backwards for the last
+    piece that begins above zero.
     """
     start = numbers.exact(0.0)
     for piece, end in reversed(seen):
@@ -288,11 +324,6 @@ def _fallen(
     return seen[-1]
 
 
-# Half ulps of the largest coordinate that a flight has had: those of a flight that comes back from
-# 300 m were off by 5e-14 m, which is one and a half.
-_ROUNDINGS = 4
-
-
 def _earliest(
     found: list[Met[N]],
     events: Events[N],
@@ -301,8 +332,10 @@ def _earliest(
     error: float,
     numbers: Numbers[N],
 ) -> Met[N]:
-    """Return the first of what was met on a piece, if nothing else is met within the error."""
+    """Return the earliest event of a piece; raise `Undecided` if another coincides with it."""
     first = min(found, key=lambda met: met.time)
+    # At the first event all other values are still positive, by more than their errors. At a launch
+    # they are exact, and the event that is listed first wins.
     for other in events:
         if other is not first.event and not first.time <= 0:
             question = f"whether {first.event.question} before {other.question}"
@@ -314,4 +347,4 @@ def _earliest(
 
 def _require_positive(x: N, error: N, question: str, numbers: Numbers[N]) -> None:
     if not numbers.positive(x, error, question):
-        raise Undecided(f"{question} cannot be decided: the two coincide")
+        raise Undecided(doubt(x, error, question, numbers))

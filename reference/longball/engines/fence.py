@@ -1,10 +1,10 @@
 """The fence: where a batted ball first flies out over it, or meets it.
 
 A fence is a line of straight chords on the ground, with a height that is linear along each, or a
-circle of height 0 around the plate. A ball whose flight stays in a vertical plane heads for one
-place of it, which is known before it flies; one whose flight curves in space is followed past the
-line of every chord. A corner of the fence that two heights meet at, or where the fence ends, is
-passed on one side or the other, or it is not told.
+circle of height 0 around the plate. A ball whose flight stays in a vertical plane can only meet one
+place ahead and one behind, which are known before it flies (`stop_at`); a flight that curves in
+space is searched for crossings of every chord's line (`first_crossing`). A ball that passes over a
+vertex where the fence ends, or has two heights, within its error, is undecided.
 """
 
 from __future__ import annotations
@@ -57,12 +57,12 @@ class Chord(Generic[N]):
         return Place(height, self.segment, shorter * length, to_break, rise / length)
 
 
-# m: what stands for the way to a vertex where there is none to be missed.
+# m, the distance to a vertex, or to the fence, where there is none.
 _FAR = 1e30
 
 
 def chords(polyline: Sequence[Sequence[float]], numbers: Numbers[N]) -> list[Chord[N]]:
-    """Return the chords of a polyline of a scene; a step of the height is none."""
+    """Return the chords of a polyline; a step of the height, at one place, is no chord."""
     found = [
         (i, a, b) for i, (a, b) in enumerate(pairwise(polyline)) if tuple(a[:2]) != tuple(b[:2])
     ]
@@ -91,13 +91,15 @@ class Stop(Generic[N]):
 def stop_at(
     fence: Any, frame: Frame[N], s: N, sense: int, error: N, numbers: Numbers[N]
 ) -> Stop[N]:
-    """Return where a ball that flies from s ahead (sense 1) or back (-1) first leaves the field.
+    """First crossing of the fence by a ball that flies from s along its heading, or against it.
 
-    Far away if it does not. The `error` is that of directions, relative.
+    The `sense` is 1 or -1. Without a crossing it is at `_FAR`. The `error` is that of directions,
+    relative. Masks in place of branches let it take columns of flights.
     """
     zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
     nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
     if fence.polyline is None:
+        # |r₀ + s h| = radius for the unit heading h: s = -r₀·h ± √((r₀·h)² + radius² - r₀²)
         radius = numbers.exact(fence.radius)
         along = frame.x * frame.cos + frame.y * frame.sin
         inside = radius * radius - frame.x * frame.x - frame.y * frame.y
@@ -108,15 +110,19 @@ def stop_at(
             _seen(frame, vertex, is_open, sense, error, numbers)
             for vertex, is_open in ((chord.a, chord.open_a), (chord.b, chord.open_b))
         )
+        # Outwards is from right to left of the heading as the chords run: a on the left, b on the
+        # right. The offsets of a and b divide the chord at the crossing, without cancellation.
         hit = left_a & (left_b ^ True)
         at_b = numbers.where(near_b, one, zero)
         apart = numbers.where(hit, aside_a - aside_b, one)
         share = numbers.where(hit, aside_a / apart, at_b)
         to_end = numbers.where(hit, -aside_b / apart, 1 - at_b)
         there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * share
+        # Beside an open end, the offset of the heading is how far the ball passes it.
         open_a = absolute(aside_a) if chord.open_a else far
         open_b = absolute(aside_b) if chord.open_b else far
         place = chord.place(share, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers)
+        # Of several crossings, the nearest one ahead of s.
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
         nearer = nearer & (sense * (there - first.s) < 0)
         first = Stop(
@@ -181,7 +187,9 @@ def first_crossing(
     error: N,  # of a state, relative to its size
     numbers: Numbers[N],
 ) -> Crossing[N] | None:
-    """Return where a flight in space first leaves the field; None if it does not before an end."""
+    """First crossing of the fence by a flight in space; None if there is none before its end."""
+    # For each chord, or the circle: a function that falls through zero where a ball crosses its
+    # line outwards. Both are polynomials of the position, m², so that pieces can be searched.
     lines: list[tuple[Chord[N] | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
@@ -191,6 +199,8 @@ def first_crossing(
             (chord, lambda state, chord=chord: _inside(chord, frame.position(state)))
             for chord in chords(fence.polyline, numbers)
         ]
+    # The chords of a fence are searched piece by piece: the first crossing of a piece is the first
+    # of the flight.
     for piece in pieces:
         left = end - piece.begin
         goes_on = piece.length < left
@@ -209,7 +219,7 @@ def first_crossing(
 
 
 def _speed(state: State[N], frame: Frame[N]) -> Any:
-    """Return the sum of the horizontal velocity's parts, m/s: no less than its magnitude."""
+    """Upper bound of the horizontal speed, m/s: ``|u| + |v|``."""
     u, v, _ = frame.velocity(state)
     return absolute(u) + absolute(v)
 
@@ -238,6 +248,7 @@ def _on_piece(
 
     On the last piece the ball is `moved`, m, in the time by which its end may be off.
     """
+    # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
     zero = numbers.exact(0.0)
     size = _size(frame.position(piece.at(zero)))
     slope = 2 * size if chord is None else chord.length(numbers)
@@ -260,6 +271,7 @@ def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N])
     (ax, ay, _), (bx, by, _), (x, y, _) = chord.a, chord.b, position
     length, far = chord.length(numbers), numbers.exact(_FAR)
     ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+    # A crossing within the error of an end counts for both chords that meet there.
     slack = error * _size(position)
     if ahead < -slack or ahead > length + slack:
         return None
@@ -270,10 +282,12 @@ def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N])
 
 
 def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
-    """Yield when a value falls through zero on a piece, every time, and turns within its error.
+    """Yield all times at which a value falls through zero on a piece, or all but does.
 
-    Where a flight ends the piece is such a turn, within the error `at_end`; None if it goes on.
-    Each comes with whether it is a turn that may not reach zero.
+    With each comes a flag: True for a turning point within the error of zero, which the value may
+    not reach. The end of a flight counts as a turning point, with the error `at_end`; None if the
+    flight goes on. Unlike `first_fall` this needs all of them, and decides nothing: a fall through
+    the line of a chord may lie beyond the chord's ends.
     """
     start = end * 0
     if at_end is None and curve.positive(start, end) and curve(start) > 2 * error:

@@ -3,8 +3,9 @@
     solve_ivp(right_hand_side(law), (0, limit), start, method=Taylor, law=law, dense_output=True,
               events=[ground, plate])
 
-flies a pitch to the plate, whose height there is that of the bat; and with the events ground,
-contact and closest approach it flies the same pitch to the bat. A batted ball flies to the ground.
+flies a pitch to the plate. Its height there sets the height of the bat. A second call, with the
+events ground, contact and closest approach, flies the same pitch to the bat. A batted ball flies to
+the ground.
 
 solve_ivp looks for a change of an event's sign between its steps, so that it misses a ball that
 dips and comes back within a step, and finds the event on its interpolant, whose order may be lower
@@ -38,9 +39,9 @@ METHODS = ("Taylor", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
 
 # A baseball's flight takes a dozen steps of Taylor's method and a hundred of others. Strong lift
-# can loop a ball a thousand times a second: the limit is some seconds of work.
+# can loop a ball a thousand times a second: the limit corresponds to a few seconds of computing.
 _MOST_STEPS = 20_000
-# After so many the ball may have settled to its final speed.
+# solve_ivp is interrupted after this many steps to test for terminal velocity (`_uniform`).
 _MANY_STEPS = 2_000
 
 _BEYOND = "the forces are beyond the range of double precision"
@@ -53,7 +54,7 @@ class Ivp(PathEngine[float]):
     Attributes
     ----------
     method
-        "Taylor" (`longball.engines.taylor.Taylor`), as exact as doubles are; or any of solve_ivp's
+        "Taylor" (`longball.engines.taylor.Taylor`), accurate to rounding; or any of solve_ivp's
         own methods, by name.
     rtol, atol
         Tolerances of the steps of solve_ivp's own methods, relative and absolute (m and m/s);
@@ -129,8 +130,8 @@ class Ivp(PathEngine[float]):
         time, state = begin, np.array(start, dtype=float)
         taken = 0
         while time < limit:
-            if taken > 0 and _has_settled(law, state):
-                yield _uniform(law, time, state, limit)
+            if taken > 0 and (uniform := _uniform(law, time, state, limit)):
+                yield uniform
                 return
             solution = self._integrate(law, time, state, limit, events)
             for piece in _pieces(law, solution):
@@ -152,8 +153,11 @@ class Ivp(PathEngine[float]):
         rates, taylor = right_hand_side(law), self.method == "Taylor"
         if not taylor and not np.isfinite(rates(time, state)).all():
             raise OutOfRange(_BEYOND)
-        # Of two in one step solve_ivp names the first: not the ground, which is the first here.
+        # If two terminal events occur in one step, solve_ivp keeps the first of the list. `events`
+        # begins with the ground; in reverse order another event wins.
         ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
+        # A countdown in the guise of an event: `terminal` asks it once for each time, so that it
+        # returns control after so many steps.
         left = count(_MANY_STEPS, -1)
         ends.append(terminal("many steps", lambda _: next(left), law.state))
         options = {"law": law, "until": ends} if taylor else self.tolerances
@@ -177,17 +181,18 @@ class Ivp(PathEngine[float]):
         events: Events[float],
         limit: float,
     ) -> Touch[float]:
-        """Fly the pitch to the bat, whose height the plate has told; see `Engine.touch`."""
+        """Fly the pitch again, to the bat: its height is known only now. See `Engine.touch`."""
         path = self.path(law, pitch.path.at(0.0), limit, [*events, *meeting(bat)])
         return super().touch(replace(pitch, path=path), law, bat, events, limit)
 
     def views(
         self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
     ) -> Iterator[View[float]]:
-        """Yield the pieces of a pitch; near the plate, one that is expanded at the crossing.
+        """Yield the pieces of a pitch in which to search for the contact.
 
-        The bat's height is that of the same state, so that both have the same error. Under a law
-        that changes its form near the plate there is no such piece.
+        Near the plate that is one Taylor expansion about the crossing. The bat's height comes from
+        the same state, so that bat and ball share its error, and their distance has none of it. A
+        law with switches has no such expansion.
         """
         if law.bends:
             for piece in pitch.path.pieces():
@@ -195,8 +200,8 @@ class Ivp(PathEngine[float]):
             return
         centred = self.around(law, pitch.time, pitch.state)
         speed = math.hypot(*bat.frame.velocity(pitch.state))
-        # Not much longer than it takes to get to the bat and past it: the square of the distance,
-        # of which reach² is to be told apart, starts small.
+        # Keep the expansion short: contact is a zero of d² - reach², whose rounding error grows
+        # with the largest d² on the piece.
         near = bat.distance(pitch.state, self.numbers) + _NEAR * bat.reach
         half = min(centred.length, near / speed)
         begin, end = max(0.0, pitch.time - half), pitch.time + half
@@ -216,9 +221,9 @@ class Ivp(PathEngine[float]):
         return self.flight_error * max(abs(bat.frame.x), abs(pitch.state.z))
 
     def around(self, law: Law[float], time: float, state: State[float]) -> PolynomialPiece:
-        """Return the flight around a state, s since the launch, as one piece on both sides of it.
+        """Taylor expansion of the flight about a time, s since the launch, and its state.
 
-        It begins at that time, and also holds before, for as long as it is long.
+        It is valid for its length on both sides of that time.
         """
         series, reach = Expander(law)(np.array(state, dtype=float))
         if not reach > 0:
@@ -226,19 +231,20 @@ class Ivp(PathEngine[float]):
         return PolynomialPiece(time, reach, law.state, series)
 
 
-# Times the reach of the bat: as far beyond it as a pitch is where the search looks closely.
+# The expansion at the plate extends this many reaches beyond the bat: past a bat that the ball
+# misses, and so near that d² is at most a few dozen times reach².
 _NEAR = 4.0
 
 
 def terminal(
     name: str, value: Callable[[Any], float], state: Callable[..., Any]
 ) -> Callable[[float, Array], float]:
-    """Return an event as solve_ivp takes it: where a value falls to zero, a flight ends.
+    """Wrap an event for solve_ivp: a flight ends where its value falls to zero.
 
-    It stays at zero from there, so that solve_ivp finds it at once, at the end of a step: when
-    within the step the polynomial tells. A value that begins below zero may rise first. What
-    solve_ivp asks for twice, of a state and of its interpolant, has one answer, as rounding could
-    put the two on two sides of zero.
+    Once it has been positive, the wrapped value is clipped at zero from below. Root finding then
+    returns at once, with the end of the step; the exact time is found later, on the polynomial of
+    the step. Values are cached by time: solve_ivp evaluates the end of a step twice, from the state
+    and from the interpolant, and rounding may give the two opposite signs.
     """
     known: dict[float, float] = {}
     least = -math.inf
@@ -259,8 +265,7 @@ def terminal(
 def meeting(bat: BatSection[float]) -> Iterator[Event[float]]:
     """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
 
-    A ball that touches the bat and leaves it within a step changes no sign of the first; but it
-    passes the second.
+    A ball that enters and leaves the bat within a step changes the sign only of the second.
     """
     reach, size = bat.reach, bat.reach * bat.reach
     yield Event("contact", "the ball touches the bat", bat.depth, lambda state: state, size)
@@ -274,9 +279,10 @@ def meeting(bat: BatSection[float]) -> Iterator[Event[float]]:
 
 
 def _pieces(law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
-    """Yield the steps of solve_ivp as polynomials, the last one beyond what ended it.
+    """Yield the steps of solve_ivp as polynomials.
 
-    Those of methods other than Taylor's are expanded from their states.
+    The last one extends past the event that ended the integration. Methods other than Taylor's
+    have interpolants of low order: their steps are expanded from the states in which they begin.
     """
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
         if isinstance(step, Series):
@@ -288,7 +294,7 @@ def _pieces(law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
 
 
 def _expanded(law: Law[float], time: float, state: Array, end: float) -> Iterator[PolynomialPiece]:
-    """Yield the series from a state; again where a step is longer than they reach."""
+    """Yield the series from a state; restart where a step is longer than a series reaches."""
     expand, make = Expander(law), law.state
     while time < end:
         series, reach = expand(state)
@@ -312,25 +318,16 @@ def _length(begin: float, end: float) -> float:
 _SETTLED = 1e-14  # of gravity
 
 
-def _has_settled(law: Law[float], state: Array) -> bool:
-    """True if a ball moves uniformly from here on."""
+def _uniform(law: Law[float], time: float, state: Array, limit: float) -> PolynomialPiece | None:
+    """Uniform motion up to the limit; None if the ball has not settled to it."""
+    # It may settle only under a law that is the same at all positions: height, wind, density.
     if law.gravity is None or any(
         node.kind == "variable" and node.args[0] in "syz" for node in law.program.nodes
     ):
-        return False
-    rates = law.rates(DOUBLES)(*state.tolist())
-    pushed = [
-        rate
-        for rate, node in zip(rates, law.program.outputs, strict=True)
-        if node.kind != "variable"
-    ]
-    return all(abs(rate) <= _SETTLED * law.gravity for rate in pushed)
-
-
-def _uniform(law: Law[float], time: float, state: Array, limit: float) -> PolynomialPiece:
-    rates = law.rates(DOUBLES)(*state.tolist())
-    slopes = [
-        rate if node.kind == "variable" else 0.0
-        for rate, node in zip(rates, law.program.outputs, strict=True)
-    ]
+        return None
+    slopes = []
+    for rate, node in zip(law.rates(DOUBLES)(*state.tolist()), law.program.outputs, strict=True):
+        if node.kind != "variable" and not abs(rate) <= _SETTLED * law.gravity:
+            return None
+        slopes.append(rate if node.kind == "variable" else 0.0)
     return PolynomialPiece(time, _length(time, limit), law.state, np.column_stack([state, slopes]))

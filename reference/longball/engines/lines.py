@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from io import BufferedIOBase
 from itertools import islice
 from typing import Any, NamedTuple, cast
@@ -19,9 +18,10 @@ from longball.model.numbers import N
 from longball.model.result import signed
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 
-# Lines that a worker process takes at a time: some hundredths of a second.
+# Lines that a worker process takes at a time: hundredths of a second, so that passing them on costs
+# little, and the last worker does not run for long alone.
 CHUNK, CHUNK_AT_ONCE = 32, 1024
-_BYTES = 1 << 17  # read at a time at most: some hundreds of lines, and twice what a pipe holds
+_BYTES = 1 << 17  # read at a time at most: hundreds of lines, and twice the buffer of a pipe
 
 Line = tuple[int, bytes]
 
@@ -55,6 +55,7 @@ def solve_lines(
         for chunk in _numbered(_as_they_come(lines)):
             yield from (_solve_chunk if at_once else _solve_in_turn)(chunk, engine, points, change)
         return
+    # Among several workers lines are shared in chunks of the same size, however they come.
     size = CHUNK_AT_ONCE if at_once else CHUNK
     numbered = (line for chunk in _numbered(_as_they_come(lines)) for line in chunk)
     chunks = iter(lambda: list(islice(numbered, size)), [])
@@ -64,16 +65,14 @@ def solve_lines(
 
 
 def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
-    """Yield the lines that can be had without waiting, but for the first of them.
-
-    No more is kept of a line than shows that it is too long.
-    """
+    """Yield the lines that are available without waiting; wait only for the first of them."""
     if not isinstance(lines, BufferedIOBase):
         yield from ([line] for line in lines)
         return
     unfinished = b""
     while data := lines.read1(_BYTES):
         *whole, rest = (unfinished + data).split(b"\n")
+        # A line that is too long is an error whatever follows: keep just enough of it to see that.
         unfinished = rest[: LONGEST_LINE + 1]
         if whole:
             yield whole
@@ -89,29 +88,17 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
         yield [(n, line) for n, line in numbered if line.strip()]
 
 
-def solve_line(number: int, line: bytes, engine: Engine[N] | ManyAtOnce) -> Answer:
-    """Return the answer to a line, which is an error that names the line if it is no scene."""
-    (answer,) = _solve_chunk([(number, line)], engine)
-    return answer
-
-
 def _solve_chunk(
     chunk: list[Line],
     engine: Engine[N] | ManyAtOnce,
-    points: int | None = None,
-    change: Changes | None = None,
+    points: int | None,
+    change: Changes | None,
 ) -> list[Answer]:
-    with _no_collections():
-        return list(_solve_in_turn(chunk, engine, points, change))
-
-
-@contextmanager
-def _no_collections() -> Iterator[None]:
-    """Keep Python from looking for cycles among many objects that have none, which takes long."""
+    # The garbage collector would search many objects for cycles that do not exist.
     was_enabled = gc.isenabled()
     gc.disable()
     try:
-        yield
+        return list(_solve_in_turn(chunk, engine, points, change))
     finally:
         if was_enabled:
             gc.enable()
@@ -120,10 +107,11 @@ def _no_collections() -> Iterator[None]:
 def _solve_in_turn(
     chunk: list[Line],
     engine: Engine[N] | ManyAtOnce,
-    points: int | None = None,
-    change: Changes | None = None,
+    points: int | None,
+    change: Changes | None,
 ) -> Iterator[Answer]:
     """Yield the answers to lines, each as soon as the engine has it."""
+    # Lines that are no scene keep their place; the engine gets the others.
     read = [_read(line, change) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
     solved = iter(

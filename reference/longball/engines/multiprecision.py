@@ -23,10 +23,10 @@ from longball.model.law import Law, State
 from longball.model.numbers import Single, ratio
 from longball.model.result import Bounded
 
-# Digits beyond those that are printed. What a step leaves out is 14 digits below; a flight of
-# dozens of steps stays 10 digits below, and those ten are for what an at-bat magnifies: the impact
-# makes of an error of the contact a few hundred times as much at the landing, and in a graze with a
-# margin of 1e-15 m 1e10 times as much. Rounding stays six digits below what a step leaves out.
+# Digits beyond those that are printed. The error of a step is 14 digits below them, that of a
+# flight of dozens of steps 10. Those ten allow for what an at-bat magnifies: from the contact to
+# the landing an error grows by a few hundred, and in a graze with a margin of 1e-15 m by 1e10.
+# Rounding stays six digits below the error of a step.
 _FLIGHT_GUARD = 10
 _STEP_GUARD = 14
 _ROUNDING_GUARD = 20

@@ -27,6 +27,7 @@ def in_parallel(
     are asked for, and joblib (extra ``fast``) is not installed.
     """
     workers = checked(workers)
+    # one worker needs no joblib
     try:
         from joblib import Parallel, delayed, effective_n_jobs  # slow to import
     except ImportError:
@@ -36,6 +37,7 @@ def in_parallel(
             raise
     cores, calls = effective_n_jobs(-1), iter(calls)  # cores of the cluster, if there is one
     workers = cores if workers == -1 else min(workers, cores)
+    # No more processes than calls; they may come from an endless stream, so look at the first few.
     first = list(islice(calls, workers))
     workers = max(1, len(first))
     tasks = (delayed(function)(*arguments) for arguments in chain(first, calls))
@@ -58,9 +60,9 @@ def checked(workers: object) -> int:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Hold back Ctrl-C: a process that is started here never hears it, and this one does later.
+    """Block Ctrl-C while processes are started: they inherit that, and this one gets it afterwards.
 
-    A terminal interrupts workers, too, and they would complain; it is for this process to end them.
+    A terminal sends it to all processes. Workers would print tracebacks; this process ends them.
     """
     if not hasattr(signal, "pthread_sigmask"):  # not POSIX
         yield
@@ -69,7 +71,7 @@ def _interrupts_held() -> Iterator[None]:
 
     from joblib.externals.loky.backend import resource_tracker as tracker_of_joblib
 
-    # Whoever starts one of these lets interrupts through again, so they are started before.
+    # Starting one of these trackers unblocks the signal, so they are started first.
     for tracker in (resource_tracker, tracker_of_joblib):
         tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

@@ -1,4 +1,8 @@
-"""Flights as functions of time: the state at any time, and the first event."""
+"""Flights as functions of time: the state at any time, and the first event.
+
+A flight is a chain of pieces, each a smooth function of time. They are computed when they are asked
+for, as nobody knows beforehand how far a flight goes on.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +12,16 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Generic, cast
 
-from longball.engines.event import Curve, Events, Met, Piece, first_met
+from longball.engines.event import Curve, Piece
 from longball.model.frame import Frame
 from longball.model.law import State
 from longball.model.numbers import N, Numbers, Vector
 
 
 class Path(Generic[N]):
-    """A flight from its launch on, whose pieces are computed when somebody asks for them.
+    """A flight from its launch on, whose pieces are computed when they are asked for.
 
-    They come in order of time, each beginning where the one before ends.
+    They are in order of time; each begins where the one before ends.
     """
 
     def __init__(self, pieces: Iterable[Piece[N]]) -> None:
@@ -48,29 +52,19 @@ class Path(Generic[N]):
                 return piece.at(time - piece.begin)
         raise ValueError(f"the flight has no state at t = {float(cast(Any, time))} s")
 
-    def sample(self, times: Iterable[N]) -> list[State[N]]:
-        """Return the states at some times, s since the launch; see `at`."""
-        return [self.at(time) for time in times]
-
-    def first(
-        self, events: Events[N], limit: N, error: float, numbers: Numbers[N]
-    ) -> Met[N] | None:
-        """Return the first of several events; see `longball.engines.event.first_met`."""
-        return first_met(self.pieces(), events, limit, error, numbers)
-
 
 @dataclass(frozen=True)
 class Flight(Generic[N]):
-    """A flight to its end: the way there, what stopped it, when (s since launch), in what state.
+    """A flight to its end: the path, the event that stopped it, its time, s, and the state.
 
-    `stop` is the name of an event, or "time" for the time limit.
+    `stop` is the name of the event, or "time" for the time limit.
     """
 
     path: Path[N]
     stop: str
     time: N
     state: State[N]
-    # Description of the engine that flew it, if not the one that was asked.
+    # Description of the engine that flew it, if not the one that was asked
     flown_by: str = field(default="", kw_only=True)
 
     def stopped(self, name: str) -> Any:
@@ -93,7 +87,7 @@ class Flight(Generic[N]):
             turns = [] if steady else [start, *climb.turns(start, end), end]
             for a, b in pairwise(turns):
                 if climb(a) > 0 and not climb(b) > 0:
-                    # A ball straight up comes to rest where a piece ends.
+                    # w is zero exactly where the flight of a ball straight up is cut in two.
                     t = climb.zero(a, b) if climb(b) < 0 else b
                     state = piece.at(t)
                     if found is None or state.z > found[1].z:
@@ -212,11 +206,12 @@ class Trajectory(Generic[N]):
         if not begun:
             raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
         leg = begun[-1]
-        # Less itself, a number with a radius is not zero.
+        # A ball minus itself is not zero, but a ball around zero.
         since, flight = time * 0 if time is leg.begin else time - leg.begin, leg.flight
         if since > flight.time and not time > leg.begin + flight.time:
             since = flight.time  # the end is a rounded sum
-        # Where an event stopped it, the ball is put onto that; else it may not have been flown yet.
+        # The state at an event lies exactly on it; the state at the time limit may not be computed
+        # yet.
         at_end = flight.stop != "time" and cast(Any, since) == flight.time
         state = flight.state if at_end else flight.path.at(since)
         return leg.frame.position(state), leg.frame.velocity(state)

@@ -1,7 +1,8 @@
 """Engines with smooth flights: how they fly and how they meet the bat.
 
-Such an engine gives a flight piece by piece, as smooth functions of time. All else is here, once:
-the apex of a vertical flight, the first event, the first touching of the bat.
+Such an engine computes a flight piece by piece, as smooth functions of time. The rest is here,
+once for all of them: the switches of a law, the apex of a vertical flight, the first event, the
+first touching of the bat.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from longball.engines.contact import (
     margin_error,
 )
 from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
-from longball.engines.event import Event, Events, Piece, first_fall, past, zero_of
+from longball.engines.event import Event, Events, Piece, first_fall, first_met, past, zero_of
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
 from longball.model.numbers import N, absolute, doubt
@@ -51,7 +52,7 @@ class PathEngine(Engine[N], ABC):
     def _pieces(
         self, law: Law[N], start: State[N], limit: N, events: Events[N]
     ) -> Iterator[Piece[N]]:
-        """Yield the pieces of a flight; where the law changes its form, one ends.
+        """Yield the pieces of a flight; one ends wherever the law switches to another branch.
 
         Raises `Undecided` if a flight only touches such a place, within its error; `TooLong` if it
         has more pieces than can be searched for such places within seconds.
@@ -60,6 +61,8 @@ class PathEngine(Engine[N], ABC):
         if not law.bends:
             yield from self._smooth(law, start, begin, limit, events)
             return
+        # A flight under a law with switches is a chain of smooth flights: fly on one branch up to
+        # the first threshold, change the branch there, and launch again from that state.
         law = law.in_polynomials()
         branches = branches_at(law, start, self.numbers)
         start = law.on(branches).completed(start, self.numbers)
@@ -83,11 +86,14 @@ class PathEngine(Engine[N], ABC):
                     yield piece
                     first = False
                     continue
+                # the switch: cut the piece there, and begin another on the neighbouring branch
                 time, (_, which, way, passed) = met
                 if cast(Any, time) != 0:
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
                 branches[which] += way
+                # Where the wind sets in or ends, the airspeed jumps, and with it whatever the
+                # tables depend on: their branches are looked up afresh.
                 if law.bends[which].blows:
                     branches = branches_at(law, start, self.numbers, {which: branches[which]})
                     start = law.on(branches).completed(start, self.numbers)
@@ -100,9 +106,10 @@ class PathEngine(Engine[N], ABC):
         )
 
     def _ends_of(self, form: Law[N], branches: Sequence[int], events: Events[N]) -> list[_End[N]]:
-        """Return the events that switch from these branches of a law.
+        """Return the events that switch from these branches of a law: the thresholds next to each.
 
-        Not a height at which an event ends the flight: where the two coincide, it is the event.
+        A height of the wind at which an event ends the flight is none: where the ground is the
+        height above which the wind blows, a landing is a landing.
         """
         found = []
         for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
@@ -112,7 +119,7 @@ class PathEngine(Engine[N], ABC):
                     if bend.blows and way < 0 and self._ends_all_at(level, form, events):
                         continue
                     value = form.beyond(bend, level, self.numbers)
-                    if way > 0:
+                    if way > 0:  # events fall through zero, and this value rises
                         value = partial(_negative, value)
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
                     question = bend.question
@@ -121,7 +128,10 @@ class PathEngine(Engine[N], ABC):
         return found
 
     def _ends_all_at(self, height: N, law: Law[N], events: Events[N]) -> bool:
-        """True if an event's value is zero at a height, m, wherever else the ball is."""
+        """True if an event's value is zero at a height, m, wherever else the ball is.
+
+        Dual numbers tell: the value at that height, and its rate if all else changes, are both 0.
+        """
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
         anywhere: Any = law.state(*(Dual(nothing, one) for _ in law.variables))
         values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
@@ -135,10 +145,10 @@ class PathEngine(Engine[N], ABC):
         first: bool,
         passed: _Level[N] | None,
     ) -> tuple[N, _End[N]] | None:
-        """Return the first of such events on a piece, with its time.
+        """First of the switching events on a piece, with its time.
 
-        The `first` piece under a form begins on the level that was `passed`, as another bend of the
-        same argument may have it, too.
+        The `first` piece on a branch begins on the threshold that was `passed`; another switch of
+        the same function may have that threshold, too.
         """
         found: tuple[N, _End[N]] | None = None
         for end in ends:
@@ -165,9 +175,12 @@ class PathEngine(Engine[N], ABC):
     ) -> Iterator[Piece[N]]:
         """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
 
-        That is, through the air. At its apex it is at rest there, and the drag of V² has a kink.
+        A ball that moves vertically through the air comes to rest in it at its apex, where the drag
+        k V² has a kink. So it flies up and down under two laws, in which V is w and -w.
         """
         nothing = self.numbers.exact(0.0)
+
+        # at rest
         try:
             rates = law.rates(self.numbers)(*start)
         except ZeroDivisionError:
@@ -175,14 +188,17 @@ class PathEngine(Engine[N], ABC):
         if all(cast(Any, rate) == 0 for rate in rates):
             yield Rest(begin, limit, start)
             return
+
+        # vertical
         up = down = None
         *level, wind = law.drift(nothing)
         drifts = [start.u, getattr(start, "v", nothing)] == level
-        if drifts and (start.w > wind or start.w <= wind):  # for certain
+        if drifts and (start.w > wind or start.w <= wind):  # balls may satisfy neither
             up, down = (law.straight(self.numbers.exact(sense)) for sense in (1.0, -1.0))
         if up is None or down is None:
             yield from self.steps(law, start, begin, limit, events)
             return
+        # upwards to the apex, then downwards; or downwards at once
         if start.w > wind:
             apex = _apex(wind)
             for piece in self.steps(up, start, begin, limit, [apex, *events]):
@@ -202,7 +218,7 @@ class PathEngine(Engine[N], ABC):
     def fly(self, law: Law[N], start: State[N], events: Events[N], limit: N) -> Flight[N]:
         """Fly until the first of several events; see `Engine.fly`."""
         path = self.path(law, start, limit, events)
-        met = path.first(events, limit, self.flight_error, self.numbers)
+        met = first_met(path.pieces(), events, limit, self.flight_error, self.numbers)
         if met is None:
             return Flight(path, "time", limit, path.at(limit))
         return Flight(path, met.event.name, met.time, met.state)
@@ -216,12 +232,21 @@ class PathEngine(Engine[N], ABC):
     def touch(
         self, pitch: Flight[N], law: Law[N], bat: BatSection[N], events: Events[N], limit: N
     ) -> Touch[N]:
-        """Find how a pitch that has reached the plate meets the bat; see `Engine.touch`.
+        r"""Find how a pitch that has reached the plate meets the bat; see `Engine.touch`.
 
-        The distance to the bat falls to a minimum, rises to a maximum, and so on; a touching is
-        settled at the first minimum that is certainly nearer than `reach`, and lies before it.
+        The distance to the bat falls to a minimum, rises to a maximum, and so on. The pitch
+        touches the bat if a minimum is nearer than `reach` by more than the error; the touching
+        itself lies before the first such minimum::
+
+              |\          /\
+            d | \        /  \          /
+              |  \______/    \        /
+        reach-+---------------*------/-----
+              |                \____/
         """
         numbers = self.numbers
+
+        # the release, which must not lie in the bat
         error = margin_error(bat, pitch.state.z, self.flight_error, numbers)
         launch = pitch.path.at(numbers.exact(0.0))
         gap = bat.distance(launch, numbers) - bat.reach
@@ -229,23 +254,29 @@ class PathEngine(Engine[N], ABC):
             raise inside_bat(bat.distance(launch, numbers), bat.reach)
         if not (cast(Any, gap) == 0 or gap > error):
             numbers.positive(gap, error, STARTS_INSIDE)
+
+        # a release on the bat's surface, towards it, is the touching
         first: tuple[N, State[N]] | None = None
         if not gap > error and bat.approach(launch) < 0:
             first = numbers.exact(0.0), launch
+
+        # the minima of the distance, in order of time
         closest = -gap
-        for way in self._ways_in(pitch, law, bat, events, limit, first):
-            margin = bat.reach - bat.distance(way.end, numbers)
+        for part in self._approaches(pitch, law, bat, events, limit, first):
+            margin = bat.reach - bat.distance(part.end, numbers)
             if margin > closest:
                 closest = margin
             elif not margin <= closest:  # of two numbers with radii neither may be the larger
                 closest = (margin + closest + absolute(margin - closest)) / 2
-            if way.settled and not abs(margin) > error + way.error:
-                return Touch(margin, None, doubt=doubt(margin, error + way.error, TOUCHES, numbers))
-            if way.settled and margin > error and way.touching is not None:
-                return Touch(margin, True, *way.touching)
+            if part.settled and not abs(margin) > error + part.error:
+                return Touch(
+                    margin, None, doubt=doubt(margin, error + part.error, TOUCHES, numbers)
+                )
+            if part.settled and margin > error and part.touching is not None:
+                return Touch(margin, True, *part.touching)
         return Touch(closest, False)
 
-    def _ways_in(
+    def _approaches(
         self,
         pitch: Flight[N],
         law: Law[N],
@@ -253,18 +284,25 @@ class PathEngine(Engine[N], ABC):
         events: Events[N],
         limit: N,
         touching: tuple[N, State[N]] | None,
-    ) -> Iterator[_WayIn[N]]:
+    ) -> Iterator[_Approach[N]]:
         """Yield the parts of a pitch on which it comes closer to the bat.
 
-        `touching` is when, s, and in what state the two touch at once, if they do.
+        `touching` is the time, s, and the state of a touching at the launch.
         """
         numbers = self.numbers
+
+        # the end of the search: behind the bat, on the ground, vertical, or the time limit
         ends = [past(bat.frame, bat.reach, numbers), *events]
-        met = pitch.path.first(ends, limit, self.flight_error, numbers)
+        met = first_met(pitch.path.pieces(), ends, limit, self.flight_error, numbers)
         search_end = limit if met is None else met.time
+        # A piece on which the ball stays farther away than it is at the plate has no minimum that
+        # matters: the margin is at least that of the plate.
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach
-        pending: _WayIn[N] | None = None
+
+        # `pending` is a part that ends with its piece: the next piece shows whether the distance
+        # goes on falling there, or has turned.
+        pending: _Approach[N] | None = None
         for view in self.views(pitch, law, bat):
             piece = view.piece
             left = search_end - piece.begin
@@ -276,12 +314,12 @@ class PathEngine(Engine[N], ABC):
                 pending = None
             else:
                 for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
-                    if not curve(b) >= curve(a):  # or its radius leaves that open
+                    if not curve(b) >= curve(a):  # it falls, or balls leave that open
                         if touching is None and curve(b) < 0:
                             t = zero_of(curve, a, b, TOUCHES, numbers)
                             touching = piece.begin + t, piece.at(t)
                         settled = b is not end or over
-                        pending = _WayIn(piece.at(b), touching, view.error, settled)
+                        pending = _Approach(piece.at(b), touching, view.error, settled)
                         yield pending
                     elif pending is not None and not pending.settled:
                         yield replace(pending, settled=True)  # it turned where the pieces join
@@ -292,7 +330,7 @@ class PathEngine(Engine[N], ABC):
             raise CannotSolve(TURNS_VERTICAL)
 
 
-# A flight passes a table's node twice, or a few times more if it loops.
+# A flight passes a node of a table twice, or a few times more if it loops.
 _MOST_BRANCHES = 1000
 # Each piece is searched for the ends of the law's form, in up to a millisecond.
 _MOST_PIECES = 10_000
@@ -300,13 +338,13 @@ _MOST_PIECES = 10_000
 
 @dataclass(frozen=True)
 class _Level(Generic[N]):
-    """A level, and the program of what passes it."""
+    """A threshold, and the program of the switching function."""
 
     passage: Program
     value: N
 
     def same_as(self, other: _Level[N]) -> bool:
-        """True if it is the same level of the same: of a number with a radius, both parts."""
+        """True if function and threshold are equal; balls are, if both their parts are."""
         if self.passage.outputs != other.passage.outputs:
             return False
         numbers: Any = self.value, other.value
@@ -315,7 +353,7 @@ class _Level(Generic[N]):
 
 
 class _End(NamedTuple, Generic[N]):
-    """A switching event: its bend, its direction, and the level that is crossed."""
+    """A switching event: the number of its switch, its direction, and the threshold crossed."""
 
     event: Event[N]
     which: int
@@ -335,7 +373,7 @@ RESTS_WITH_SPIN = (
 
 
 def _apex(wind: Any) -> Event[Any]:
-    """Return where a ball that flies vertically comes to rest in an air that rises by `wind`."""
+    """Event: a ball that moves vertically comes to rest in air that rises at `wind`, m/s."""
     return Event(
         "apex",
         "the ball comes to rest",
@@ -353,17 +391,16 @@ class View(Generic[N]):
     # since, until: the part, s since the piece begins; `since` may be negative
     since: N
     until: N
-    # Of the distance to a bat that is put at the height of the pitch at the plate, m, besides what
-    # `longball.engines.contact.margin_error` counts
+    # m; error of the distance to the bat, added to `longball.engines.contact.margin_error`
     error: N
 
 
 @dataclass(frozen=True)
-class _WayIn(Generic[N]):
+class _Approach(Generic[N]):
     """A part of a pitch on which it comes closer to the bat.
 
-    `end` is the state at its end; `touching` when, s, and in what state the two first touch, if
-    they do; `settled` tells whether the distance turns there, or the search ends.
+    `end` is the state at its end; `touching` the time, s, and state of the first touching so far;
+    `settled` is True if the distance has a minimum at the end, or the search ends there.
     """
 
     end: State[N]

@@ -19,16 +19,16 @@ from longball.engines.compiled import Code
 from longball.model.arrays import Array
 from longball.model.law import State
 
-# Of six digits and more that a single value would lose: a hop of a nanometre off the ground, or a
-# bat that is met a hundred kilometres up.
+# A single value this much smaller than that at the origin would lose six digits and more: in a hop
+# of a nanometre off the ground, or at a bat a hundred kilometres up.
 _FAR_SMALLER = 2.0**-20
 # s; for pieces between these a second is a unit that is about as long.
 _SHORT, _LONG = 2.0**-3, 2.0**3
-# Of the times on a piece: hundreds of roundings. Newton's method doubles the digits, so that what
-# moves by less is there.
+# Newton's method has converged when it moves by less than this fraction of a time on the piece:
+# hundreds of roundings, which one more step would square.
 _CLOSE_TIMES = 2.0**-44
 
-# A curve takes some 0.1 ms as it is, and all of it two seconds to compile.
+# A curve takes about 0.1 ms as it is; to compile all of it takes two seconds.
 COEFFICIENTS = Code(Path(coefficients.__file__).read_text("utf-8"), 5_000)
 
 
@@ -110,21 +110,22 @@ class PolynomialCurve:
         )
 
     def positive(self, a: float, b: float) -> bool:
-        """True only if the value stays above half of its value at `a`, a positive one."""
+        """See `Curve.positive`."""
         return bool(self.run.stays_high(self._from(a), (b - a) / self.unit))
 
     def turns(self, a: float, b: float) -> Sequence[float]:
-        """Return where in (a, b) the value may turn, in rising order."""
+        """See `Curve.turns`."""
         found = self.run.turning_points(self._from(a), (b - a) / self.unit) * self.unit
         return (a + found if a else found).tolist()  # type: ignore[no-any-return]
 
     def zero(self, a: float, b: float) -> float:
-        """Return where the value is zero, given that from a to b it falls through zero."""
+        """See `Curve.zero`."""
         p = self._from(a)
         if not (p[0] > 0 or self(a) > 0):
             return a  # where the piece before ended, to rounding
+        # Newton's method on the coefficients first, which is compiled.
         t: float = self.run.zero(p, 0.0, (b - a) / self.unit) * self.unit
-        # On to the zero of single values, which may be far where large coefficients cancel.
+        # Then on single values, whose zero may be far from that where large coefficients cancel.
         left, right, close = 0.0, b - a, _CLOSE_TIMES * max(abs(a), abs(b))
         for _ in range(MOST_NEWTON_STEPS):
             height, slope = self(a + t), self.run.rate(p, t / self.unit) / self.unit

@@ -26,16 +26,19 @@ def reach_of_terms(x: Any, order: int, rtol: float, changing: tuple[int, ...]) -
     """
     reach, power = inf, 0
     size, bend = total(x, 0, changing), total(x, 2, changing)
+    # the circle: |x_2| t² <= 2 |x_0|
     if size == 0.0:
         size, power = total(x, 1, changing), 1
     elif bend > 0.0:
         reach = sqrt(2.0 * size / bend)
+    # Two terms, as by symmetry every other one may be zero.
     for n in (order - 1, order):
         last = total(x, n, changing)
         if not last < inf:
             return nan
         if last > 0.0:
             reach = min(reach, (rtol * size / last) ** (1.0 / (n - power)))
+    # Each component by itself: `own` is its largest term at the reach, by Horner's rule with max.
     for i in changing:
         for n in (order - 1, order):
             last, own = abs(x[i][n]), 0.0
@@ -56,9 +59,10 @@ def total(x: Any, n: int, rows: tuple[int, ...]) -> float:
     return found
 
 
-# A square root has to stay analytic, also where its singularity is too weak to show in the terms.
-# V² ≈ V₀² + S₁ t + S₂ t² has its complex zeros near V₀/√S₂ from a place where V is least; V of a
-# vector v + a t, at V₀/|a|. A step stays within half of the farther.
+# The series of a square root converges up to the complex zeros of its argument, even where that
+# singularity is too weak to show in the last terms. V² ≈ V₀² + S₁ t + S₂ t² has them at a distance
+# of V₀/√S₂ from a time at which V is least; V of a vector v + a t, at V₀/|a|. A step stays within
+# half of the larger of the two.
 
 
 def bend_of_square(root: Any) -> float:

@@ -33,8 +33,8 @@ Rows = list[MutableSequence[Any]]
 class Recurrence:
     """The recurrence of a program whose outputs are the rates of its variables.
 
-    It is printed in two ways; the second is for a flight that starts at rest, or where another
-    size of a vector is zero. There V = V_1 t + …, and V_1 is the size of the acceleration.
+    It is printed in two ways. The second is for a flight that starts at rest, or where the size of
+    another vector is zero: there ``V = V_1 t + …``, and V_1 is the size of the acceleration.
     """
 
     program: Program
@@ -43,6 +43,8 @@ class Recurrence:
     def rows(self) -> tuple[Node, ...]:
         """The values whose coefficients are kept, the variables first."""
         kept = dict.fromkeys(map(variable, self.program.variables))
+        # The inner sums need the whole rows of their factors; of a sum of nodes, the present
+        # coefficient is enough.
         for node in self.program.nodes:
             if node.static:
                 continue
@@ -62,9 +64,9 @@ class Recurrence:
         return str(node.args[0]) if node.kind == "variable" else f"r{self.rows.index(node)}"
 
     def factors(self, node: Node) -> tuple[Node, Node] | None:
-        """Return the two nodes whose coefficients 1 … n-1 are multiplied and summed for a node.
+        """Return the two nodes whose rows the inner sum of a node multiplies; None without a sum.
 
-        Of `exp` and `log` the first factor is weighted with its order. None if there is no sum.
+        For `exp` and `log` the first factor is weighted with its order.
         """
         match node.kind:
             case "product":
@@ -156,8 +158,9 @@ class _Printer:
     def row(self, node: Node, index: str) -> str:
         return f"{self.recurrence.name(row_of(node))}[{index}]"
 
-    # The values at t = 0 are the program's own.
     def order_zero(self) -> None:
+        """Print the coefficients of order 0, and the first one of each variable."""
+        # They are the values of the program at the start.
         names = Names(self.names)
         for name in self.program.variables:
             names[variable(name)] = f"{name}[0]"
@@ -184,10 +187,12 @@ class _Printer:
             name = self.sums[node] = f"s{len(self.sums)}"
             a, b = factors
             if a is b:
+                # a_j a_k and a_k a_j are the same: half of the sum, twice
                 both.append(f"{name} += {self.row(a, 'j')} * {self.row(a, 'k')}")
                 middle.append(f"{name} += {self.row(a, 'm')} * {self.row(a, 'm')}")
                 doubled.append(f"{name} = {name} + {name}")
             else:
+                # a_j b_k and a_k b_j in one pass; the weights are the orders of a
                 weigh = node.kind in ("exp", "log")
                 near, far = (f"{i} * " if weigh else "" for i in "jk")
                 both.append(
@@ -213,6 +218,7 @@ class _Printer:
 
     def ends(self) -> None:
         """Print the coefficients of order n, and the next one of each variable."""
+        # One order after the other: a variable's next coefficient is that of its rate, by n + 1.
         names = Names(self.names)
         zeroth = self.zeroth
         for name in self.program.variables:
@@ -226,7 +232,11 @@ class _Printer:
             self.put(2, f"{name}[n + 1] = {text} / (n + 1)")
 
     def end(self, node: Node, names: Names, zeroth: Names) -> str:
-        """Print the coefficient of order n of a node; return its name."""
+        """Print the coefficient of order n of a node; return its name.
+
+        It completes the inner sum with the products that have an index of 0 or n: the formulas
+        are those of the module's docstring.
+        """
         name = f"c{len(names)}"
         inner = self.sums.get(node, "")
         match node.kind:
@@ -259,7 +269,10 @@ class _Printer:
         return name
 
     def root_from_rest(self, node: Node, name: str) -> None:
-        """Print the coefficient of a speed that is zero at the start: V_1 V_n from order n + 1."""
+        """Print the coefficient of a speed that is zero at the start.
+
+        With V_0 = 0, the equation of order n + 1 of ``V² = Σ v_i²`` has V_n as ``2 V_1 V_n``.
+        """
         parts = squares(node.args[0])
         row = self.recurrence.name(node)
         first = " + ".join(f"{self.row(p, '1')} * {self.row(p, '1')}" for p in parts)

@@ -5,8 +5,8 @@
 A step is a Taylor series of high order in time (Jorba and Zou, *Experimental Mathematics* 14
 (2005) 99), from the recurrence that the law implies (`longball.engines.series`). The series itself
 is the dense output: a state between two steps, and an event there, is as exact as the steps.
-solve_ivp's own work for a step takes five times as long as a series; a step of a solver that is
-given the events, too, goes on to where one of them changes its sign.
+solve_ivp's own work for a step takes five times as long as a series. So a step may consist of
+several series: a solver that is given the events goes on until one of them changes its sign.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from longball.model.trace import Program, squares
 
 Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is compiled
 
-# The reach of a series to 16 digits grows like the order, the work like its square. But all that
-# else is done for a step takes ten times as long as a series: orders from 38 to 46 cost the same.
+# The reach of a series to 16 digits grows like the order, the work like its square. But the rest of
+# a step takes ten times as long as a series: orders from 38 to 46 cost the same.
 ORDER = 40
 # The first terms left out are then smaller than the rounding of the velocity.
 TRUNCATION = 2.0**-54
@@ -124,7 +124,11 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         return [event(self.t, self.y) for event in self._until]
 
     def _advance(self) -> tuple[bool, str | None]:
-        """Advance by one series."""
+        """Advance by one series.
+
+        Close to rest, steps are shorter than the spacing of times: the state then moves on, and
+        the time is `waited` for until it shows.
+        """
         waited = 0.0
         for _ in range(_MOST_SHORT_STEPS):
             self._x, length = self._expand(self.y)
@@ -138,13 +142,12 @@ class Taylor(OdeSolver):  # type: ignore[misc]
                 # The difference of two times that are close is exact.
                 self.y, self.t = self._at_end(t - self.t - waited), t
                 return True, None
-            # Where a ball all but rests its steps are shorter than the spacing of times.
             self.y = self._at_end(self.direction * length)
             waited += self.direction * length
         return False, self.TOO_SMALL_STEP
 
     def _at_end(self, h: float) -> Array:
-        """Return the state at the end of a step; its rounding is made up for at the next."""
+        """Return the state at the end of a step; the next step compensates for its rounding."""
         end, self._low = advanced(self._x, h, self._low)
         return end
 
@@ -186,7 +189,7 @@ class Series(DenseOutput):  # type: ignore[misc]
 
 
 class Expander:
-    """From states to series of a law; `rtol`, that of their last terms, sets how far they reach."""
+    """Expand states into series of a law; `rtol` of the last terms decides how far they reach."""
 
     def __init__(self, law: Law[float], order: int = ORDER, rtol: float = TRUNCATION) -> None:
         self._printed = _printed(law.program)
@@ -194,12 +197,13 @@ class Expander:
         self._order, self._rtol = order, rtol
 
     def __call__(self, state: Array) -> tuple[Array, float]:
-        """Return the coefficients of the components of the state, and how far they reach, s.
+        """Return the coefficients of the components of the state, and their reach, s.
 
-        The reach is nan if numbers are beyond the range of doubles.
+        The reach is NaN if numbers exceed the range of doubles.
         """
         code, order = self._printed.step, self._order
         x, length = self._expand(code, order, state)
+        # From rest, the recurrence of a root divides by V_0 = 0: take the other one.
         if not length > 0 and any(x[root][0] == 0 for root in self._printed.roots):
             code = self._printed.step_from_rest
             x, length = self._expand(code, order, state)
@@ -223,7 +227,7 @@ class Expander:
 
 
 class _Printed(NamedTuple):
-    """The printed recurrence of a program, the number of its rows, and which are sizes."""
+    """The printed recurrence of a program, the number of its rows, and those of sizes."""
 
     rows: int
     roots: tuple[int, ...]
@@ -231,7 +235,7 @@ class _Printed(NamedTuple):
     step_from_rest: Code
 
 
-# A series takes 0.1 to 1 ms as it is, numba half a second to load, some seconds to compile one.
+# A series takes 0.1 to 1 ms as it is; numba takes half a second to load, and seconds to compile.
 _ENOUGH = 2_000
 
 
@@ -259,12 +263,13 @@ def _source(program: Program, at_rest: bool) -> str:
         if _TAKEN.fullmatch(name):
             raise ValueError(f"a variable or parameter of a law cannot be called {name}")
     series = recurrence(program)
+    # The position follows from the velocity: only what forces change sets the length of a step.
     changing = [i for i, rate in enumerate(program.outputs) if rate.kind != "variable"]
     changing = changing or list(range(len(program.outputs)))
     lines = [
         f"def step({', '.join(('x', 'order', 'rtol', *program.parameters))}):",
         f"    expand({', '.join(('x', 'order', *program.parameters))})",
-        f"    h = reach_of_terms(x, order, rtol, {_row(changing)})",
+        f"    h = reach_of_terms(x, order, rtol, {tuple(changing)})",
     ]
     for i, root in enumerate(series.rows):
         if root.kind != "sqrt":
@@ -272,7 +277,7 @@ def _source(program: Program, at_rest: bool) -> str:
         bend = f"bend_of_square(x[{i}])"
         parts = [series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static]
         if parts:
-            bend = f"min({bend}, square_of_rates(x, {_row(parts)}))"
+            bend = f"min({bend}, square_of_rates(x, {tuple(parts)}))"
         moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
         lines.append(f"    {moving}h = reach_of_root(h, x[{i}][0], {bend})")
     return "\n".join(
@@ -288,7 +293,3 @@ def _source(program: Program, at_rest: bool) -> str:
             "",
         ]
     )
-
-
-def _row(numbers: Sequence[int]) -> str:
-    return f"({', '.join(map(str, numbers))},)"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from operator import truediv
 from typing import Any
 
 from longball.model import trace
@@ -25,13 +26,14 @@ def partials(program: Program) -> tuple[tuple[trace.Node, ...], ...]:
     They are by the variables and by the parameters, in order.
     """
     known = (*program.variables, *program.parameters)
-    # Parameters, too, are something to take derivatives by.
+    # `trace.derivative` takes derivatives by variables: make the parameters variables, too.
     names = [variable(name) for name in known]
+    # A unit vector's component is x/r, whose derivative is that of the quotient.
     functions: dict[str, Callable[..., Any]] = {
         "sqrt": trace.sqrt,
         "exp": trace.exp,
         "log": trace.log,
-        "unit": _quotient,
+        "unit": truediv,
     }
     of_names = program.bind(dict(zip(known, names, strict=True)), functions)
     derived: list[dict[Any, Any]] = [{} for _ in known]
@@ -40,6 +42,7 @@ def partials(program: Program) -> tuple[tuple[trace.Node, ...], ...]:
         for output in of_names(*names[: len(program.variables)])
         for name, known_so_far in zip(names, derived, strict=True)
     ]
+    # Turn the parameters back, so that what depends on them alone is computed once for a flight.
     as_they_were = (*map(variable, program.variables), *map(parameter, program.parameters))
     again = Program(known, (), tuple(found)).bind({}, functions)(*as_they_were)
     nodes = tuple(map(trace.as_node, again))
@@ -72,7 +75,3 @@ def with_partials(program: Program) -> Program:
     """Return a program whose outputs are followed by their derivatives, as of `partials`."""
     slopes = tuple(slope for of_output in partials(program) for slope in of_output)
     return Program(program.variables, program.parameters, (*program.outputs, *slopes))
-
-
-def _quotient(a: Any, b: Any) -> Any:
-    return a / b

@@ -5,15 +5,15 @@ One step of length Δt, from position r, velocity v and acceleration a (Frenkel 
 
     v½ = v + a Δt/2        r' = r + v½ Δt        v' = v½ + a' Δt/2
 
-That defines the scheme for forces of the position. Here they depend on the velocity, and v' is not
-known when a' is asked for: six `TREATMENTS` are the ways out. Everything else is as printed:
+This is explicit if the force depends on the position only. Here it depends on the velocity, and a'
+needs the unknown v'. `TREATMENTS` lists six ways to evaluate it. Everything else is as printed:
 
 - Time is t = kΔt with k counted in whole steps, one rounding, never a sum of steps.
-- The plate (Sec. III.A): between the steps on its two sides, on the line between them. So are the
-  ground, if it is read as interpolated, and the time and velocity at either.
-- The contact (Sec. III.C) is looked for at the steps only: the ball overlaps the bat in a step and
-  is between its ends there. A contact between two steps goes unseen. The bat stands where it is
-  swung from the release on, so that a step just before the plate can find it.
+- Plate (Sec. III.A): position, velocity and time are interpolated linearly between the two steps
+  around it. The ground likewise, under ``landing="interpolated"``.
+- Contact (Sec. III.C): tested at the ends of steps only, as is whether the ball is between the
+  bat's ends; contacts between steps are missed. The bat is at its final height from the release on,
+  so a step before the plate can already touch it.
 - Appendix B: the ball goes back to the step before; from there a straight line, at that step's
   velocity, leads to where the two touch, after Δt'; normal, bat velocity and restitution are
   taken there. Then half of the averaged force acts over two whole steps from the step gone back to.
@@ -24,10 +24,10 @@ What the paper leaves open about those steps:
 - Contact force and air act together in ordinary steps. The air's part is computed afresh where the
   contact force begins and where it ends; between, it is carried or not as elsewhere.
 - The push lies across the bat and not in the pitch's vertical plane: the velocity leaves that plane
-  before the batted flight has one, so these steps are taken in space. Neither flight's launch
-  fixes a spin axis for them; the air acts in the vertical plane of the velocity it is asked for, as
-  on a ball with backspin launched that way. This joins both flights without a jump.
-- A ball that is down before these steps are over has landed.
+  before the batted flight has one, so these steps are taken in space. Drag and lift then act in the
+  vertical plane of the current velocity, as on a ball with backspin launched that way; the lift
+  axis of neither flight applies. This agrees with both flights at the ends of these steps.
+- A ball that reaches the ground during these steps has landed.
 """
 
 from __future__ import annotations
@@ -61,17 +61,16 @@ from longball.model.trace import Names, Program, run_source
 T = TypeVar("T")
 Components = tuple[float, ...]
 
-# Numbers that do not stay finite are told in an error of the engine's.
+# Overflow is reported by `_require_finite`, not by NumPy's warnings.
 _QUIET = np.errstate(all="ignore")
 
 
 class Treatment(NamedTuple):
     """Treatment of the force at a step's end, which depends on the velocity there."""
 
-    ahead: float  # it is evaluated at v + ahead · a Δt
-    # Whether it is then evaluated at the v' that it leads to, until v' no longer changes
-    iterates: bool
-    carries: bool  # whether the next step begins with it, instead of with the force at v'
+    ahead: float  # a' is evaluated at v + ahead · a Δt
+    iterates: bool  # and then at the v' that it leads to, until v' no longer changes
+    carries: bool  # the next step begins with it, instead of with the force at v'
 
 
 # One force evaluation a step if carried, two if not, about eight if iterated. With forces that
@@ -88,8 +87,8 @@ TREATMENTS: dict[VerletForces, Treatment] = {
 
 # The steps from the one gone back to at which the contact force F̄/2 is on (1) or off. Each end of
 # a step gives Δt/2 of its acceleration to the velocity (first lines), so that the impulse is a
-# quarter of F̄ Δt for each. `whole` is constant over two steps, and the next one knows nothing of
-# it. The others are accelerations like any other, with which the next step begins: on at t, t + Δt
+# quarter of F̄ Δt for each. `whole` is constant over two steps and does not enter the third. The
+# others behave like ordinary accelerations and are carried into the next step: on at t, t + Δt
 # and t + 2Δt (`carried`), at the last two of these (`late`) or at the first two (`early`).
 PUSHES: dict[ContactForce, tuple[int, ...]] = {
     "whole": (1, 1, 1),
@@ -103,6 +102,22 @@ def impulse_share(contact_force: ContactForce) -> float:
     """Impulse of a contact force over F̄ Δt, at any step Δt: 1, 5/4, 1 or 3/4."""
     on = PUSHES[contact_force]
     return (sum(on[:-1]) + sum(on[1:])) / 4
+
+
+# Steps that are taken at a time: at first a few more than a flight of the paper's steps has, so
+# that it takes one array; at most as many as fit a processor's cache.
+_FIRST_STEPS, _MOST_STEPS = 128, 4096
+
+# Steps of a flight: compiled they take about ten seconds.
+_MOST_WORK = 200_000_000
+
+# A trial flight of `_TRIAL_STEPS` long steps covers `_TRIAL_SPAN` times the time that `_MOST_WORK`
+# steps cover. If it has not ended, the real one will not either: a flight in 2,000 steps is off by
+# a few per cent at most, which the factor allows for.
+_TRIAL_STEPS, _TRIAL_SPAN = 2000, 1.1
+
+# A step takes about ten microseconds as it is; to compile it takes two seconds.
+_ENOUGH = 100_000
 
 
 OPTIONS: dict[str, tuple[str, ...]] = {
@@ -122,8 +137,6 @@ class SteppedTouch(Touch[float]):
     before: State[float]
     inside: State[float]
     ahead: float  # Δt', s
-    # Whether `state` is where the ball would leave the bat, instead of where it enters
-    leaving: bool = False  # in place of the property
 
     @property
     def detected(self) -> State[float]:
@@ -136,7 +149,10 @@ Top = tuple[float, State[float]] | None
 
 @dataclass(frozen=True)
 class SteppedFlight(Flight[float]):
-    """A flight whose highest point, on the line between two steps, was noted on the way."""
+    """A flight whose highest point, on the line between two steps, was recorded on the way.
+
+    To find it later the flight would have to be integrated again.
+    """
 
     top: Top  # s since launch, and the state; None: it only rises
 
@@ -181,7 +197,7 @@ class Verlet(Stepped[float]):
 
     @property
     def flight_error(self) -> float:
-        """0: the scheme decides by its numbers as they are, however far from the truth."""
+        """0: events are decided by the computed values; the steps' error is part of the scheme."""
         return 0.0
 
     @_QUIET
@@ -190,12 +206,13 @@ class Verlet(Stepped[float]):
     ) -> Flight[float]:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
-        An event is looked for at the steps only.
+        An event is searched at the steps only.
 
         Raises `TooLong` if the flight takes too many steps: at once where a trial with long steps
         shows it.
         """
-        if limit > (reach := _MARGIN * _MOST_WORK * self.dt):
+        # Without compiled code the steps that are allowed would take half an hour to run out.
+        if limit > (reach := _TRIAL_SPAN * _MOST_WORK * self.dt):
             trial = replace(self, dt=reach / _TRIAL_STEPS)
             with suppress(OutOfRange):  # the forces may be too strong for the long step alone
                 if trial._fly(law, start, events, reach).stop == "time":
@@ -206,9 +223,12 @@ class Verlet(Stepped[float]):
         self, law: Law[float], start: State[float], events: Events[float], limit: float
     ) -> Flight[float]:
         path = Path(self._chords(law, start, limit))
+        # at once: a ball that starts on a surface, or below it, and does not rise
         for event in events:
             if _rests_on(event, start, law):
                 return Flight(path, event.name, 0.0, start)
+
+        # the first step at whose end a value is not positive; the highest point on the way
         count, before, after = 0, start, start
         top = None if start.w > 0.0 else (0.0, start)
         for done, states in self._march(law, start, limit):
@@ -221,33 +241,34 @@ class Verlet(Stepped[float]):
             top = self._higher(top, law.state(*states[:, : step + 1]), done)
             if met.any():
                 stop, time, state = self.stop_between(count, before, after, events)
+                # The last step may go beyond the limit: the flight then ends with the one before.
                 if time > limit:
                     stop, time, state = "time", (count - 1) * self.dt, before
                 return SteppedFlight(path, stop, time, state, top)
         return SteppedFlight(path, "time", count * self.dt, after, top)
 
     def _higher(self, top: Top, columns: State[Array], done: int) -> Top:
-        """Return the highest point of some steps, the first being number `done`, or one before."""
+        """Highest point of a flight so far: in these steps, from number `done` on, or before."""
         rises = columns.w > 0.0
         for k in np.flatnonzero(rises[:-1] & ~rises[1:]).tolist():
             before, after = (_row(columns, i) for i in (k, k + 1))
-            share = _share(before.w, after.w)
-            state = _between(before, after, share)
+            fraction = _fraction_to_zero(before.w, after.w)
+            state = _between(before, after, fraction)
             if top is None or state.z > top[1].z:
-                top = (done + k + share) * self.dt, state
+                top = (done + k + fraction) * self.dt, state
         return top
 
     def stop_between(
         self, count: int, before: State[float], after: State[float], events: Events[float]
     ) -> tuple[str, float, State[float]]:
-        """Return which event is met first in step number `count`, when, and in what state."""
+        """First event in step number `count`: its name, time, s, and the state."""
         ends = [(event, event.value(before), event.value(after)) for event in events]
-        met = [(_share(a, b), event) for event, a, b in ends if b <= 0.0]
-        share, event = min(met, key=lambda each: each[0])
+        met = [(_fraction_to_zero(a, b), event) for event, a, b in ends if b <= 0.0]
+        fraction, event = min(met, key=lambda each: each[0])
         if event.name == "ground" and self.landing == "first_below":
             return event.name, count * self.dt, after
-        state = _between(before, after, share)
-        return event.name, (count - 1 + share) * self.dt, event.place(state)
+        state = _between(before, after, fraction)
+        return event.name, (count - 1 + fraction) * self.dt, event.place(state)
 
     @_QUIET
     def touch(
@@ -260,13 +281,15 @@ class Verlet(Stepped[float]):
     ) -> Touch[float]:
         """Find the first step in the bat; see `longball.engines.engine.Engine.touch`.
 
-        The margin is that of the closest step. In doubt is a ball that is in the bat at a step,
-        though Appendix B's straight line from the step before passes it by.
+        The margin is that of the closest step. If the ball is inside the bat at a step but Appendix
+        B's line from the step before misses the bat, the contact is in doubt.
         """
         start = pitch.path.at(0.0)
         closest = _distance(bat, start)
         if closest < bat.reach:
             raise inside_bat(closest, bat.reach)
+
+        # the first step inside the bat, and the closest step
         step, hit = 0, None
         for done, states in self._march(law, start, limit):
             columns = law.state(*states)
@@ -276,7 +299,8 @@ class Verlet(Stepped[float]):
             over = np.logical_or.reduce([past, *ended])[1:]
             last = 1 + int(over.argmax()) if over.any() else states.shape[1] - 1
             self._require_finite(states[:, last].tolist())
-            # A ball that is down, or vertical, is not looked at any more; one that is past is.
+            # The step in which the ball lands or turns vertical is excluded, as the pitch is over;
+            # the step that takes it past the bat is not, as it may still overlap the bat's back.
             seen = 1 + last - any(end[last] for end in ended)
             closest = min(closest, distance[:seen].min())
             inside = distance[1:seen] < bat.reach
@@ -292,6 +316,8 @@ class Verlet(Stepped[float]):
         margin = bat.reach - float(closest)
         if hit is None:
             return Touch(margin, False)
+
+        # the touching, on the line from the step before
         before, inside_state = hit
         ahead = line_touch(before, bat, self.root)
         if ahead is None:
@@ -327,7 +353,8 @@ class Verlet(Stepped[float]):
     ) -> Launch[float]:
         """Push for two or three steps from the step before the contact (paper, Appendix B)."""
         air, dt, on = air_in_space(law_in), self.dt, PUSHES[self.contact_force]
-        # F̄/(2m) where it is on, m/s²
+        # F̄/(2m) where it is on, m/s². With F̄ Δt the whole impulse (paper, Sec. III.C), that is
+        # delta_v/(2 Δt).
         pushes = [tuple(each * change / (2 * dt) for change in delta_v) for each in on]
         position, velocity = frame.position(touch.before), frame.velocity(touch.before)
         force = air(position, velocity)
@@ -336,6 +363,7 @@ class Verlet(Stepped[float]):
             position, velocity, force = plain_step(
                 position, velocity, force, *push, dt, *TREATMENTS[self.forces], air
             )
+            # A ball that is down before it is free has landed.
             count, after = touch.step + done, SpaceState(*position, *velocity)
             self._require_finite(after)
             if ground.value(after) <= 0.0:
@@ -347,10 +375,10 @@ class Verlet(Stepped[float]):
     def _march(
         self, law: Law[float], start: State[float], limit: float
     ) -> Iterator[tuple[int, Array]]:
-        """Yield the steps up to the first one not before the limit, in arrays of rising length.
+        """Integrate until the time limit; yield ``(first, states)``.
 
-        Each has a row for each component of the state. It comes with the number of the step in its
-        first column, the last one of the array before.
+        `states` has shape (components, steps + 1). Its first column is step number `first`,
+        repeated from the end of the array before. Arrays grow up to `_MOST_STEPS` columns.
 
         Raises `TooLong` if the flight takes too many steps.
         """
@@ -370,10 +398,11 @@ class Verlet(Stepped[float]):
             with suppress(*BEYOND):
                 begin = _halves(last.tolist())
                 force = march(states, *begin, force, self.dt, *treatment, _parameters(form))
-            turned = _turned(form, states)
-            passed = _left(law, branches, states[:, 1:]) | turned
+            # A step is taken on one branch of the law, whatever it passes. The first one that ends
+            # on another branch is the last of the array; the next step begins on that branch.
+            turned = _reverses_side_force(form, states)
+            passed = _has_switched(law, branches, states[:, 1:]) | turned
             if np.any(passed):
-                # The next step begins in another form of the law.
                 states = states[:, : 2 + int(np.argmax(passed))]
             yield done, states
             last, done, length = (
@@ -412,28 +441,19 @@ class Verlet(Stepped[float]):
             )
 
 
-# Steps that are taken at a time: some more than a flight of the paper's steps has, so that it takes
-# one array; and what a processor's cache holds.
-_FIRST_STEPS, _MOST_STEPS = 128, 4096
-
-# Steps of a flight: compiled they take some ten seconds.
-_MOST_WORK = 200_000_000
-
-# The steps of a trial whether those are enough, and by how much the time that they take is
-# exceeded: a flight in 2000 steps is some per cent off at most.
-_TRIAL_STEPS, _MARGIN = 2000, 1.1
-
-
 @_QUIET
-def _left(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
-    """Tell of each state, a column, whether the law has another form there."""
+def _has_switched(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
+    """True for each column whose branches of the law differ from these."""
     others = zip(_branches(law, states, ARRAYS), branches, strict=True)
     return np.any([there != now for there, now in others], axis=0)
 
 
 @_QUIET
-def _turned(form: Law[float], states: Array) -> Any:
-    """Flags of the steps in which the airspeed passes the direction of the side force."""
+def _reverses_side_force(form: Law[float], states: Array) -> Any:
+    """True for each step in which the airspeed passes the direction of the side force.
+
+    The side force then turns round between the two ends: its cross products have opposite signs.
+    """
     if "side" not in form.strengths:
         return np.zeros(states.shape[1] - 1, bool)
     aside = np.array(np.broadcast_arrays(*form.aside(form.state(*_aloft(form, states)), ARRAYS)))
@@ -441,15 +461,12 @@ def _turned(form: Law[float], states: Array) -> Any:
 
 
 def _branches(law: Law[float], state: Any, numbers: Any) -> list[Any]:
-    """Return which forms a law has in a state, or in many."""
+    """Branches of a law in a state, or in the columns of many."""
     return law.branches(_aloft(law, state), numbers)
 
 
 def _aloft(law: Law[float], state: Any) -> Any:
-    """Return a state, or many, at a height where a profile of the wind has a value.
-
-    See `print_law` for those too low.
-    """
+    """Raise states to a height at which the profile of the wind is defined; see `print_law`."""
     if ROUGHNESS not in law.strengths:
         return state
     z = law.variables.index("z")
@@ -462,9 +479,9 @@ def _aloft(law: Law[float], state: Any) -> Any:
 Value = TypeVar("Value", float, Array)
 
 
-def interpolate(before: Value, after: Value, share: float) -> Value:
-    """Return the value at a share of the way from one step to the next."""
-    return before + share * (after - before)
+def interpolate(before: Value, after: Value, fraction: float) -> Value:
+    """Return the value at a fraction of the way from one step to the next."""
+    return before + fraction * (after - before)
 
 
 def _row(columns: State[Array], row: int) -> State[float]:
@@ -473,15 +490,15 @@ def _row(columns: State[Array], row: int) -> State[float]:
     return found
 
 
-def _between(before: State[float], after: State[float], share: float) -> State[float]:
+def _between(before: State[float], after: State[float], fraction: float) -> State[float]:
     state: State[float] = type(before)(
-        *(interpolate(a, b, share) for a, b in zip(before, after, strict=True))
+        *(interpolate(a, b, fraction) for a, b in zip(before, after, strict=True))
     )
     return state
 
 
-def _share(before: float, after: float) -> float:
-    """Return the share of a step after which a value has fallen to zero, on a line."""
+def _fraction_to_zero(before: float, after: float) -> float:
+    """Fraction of a step after which a value has fallen to zero, on a line."""
     # A ball that is set free below the ground, or launched on it, is there at once.
     return max(0.0, before / (before - after)) if after != before else 0.0
 
@@ -519,7 +536,7 @@ class ChordCurve:
         return float(interpolate(before, after, t / self.chord.length))
 
     def positive(self, a: float, b: float) -> bool:
-        """True if the value is positive from a to b."""
+        """See `longball.engines.event.Curve.positive`: here exact, as the value is linear."""
         return self(a) > 0.0 and self(b) > 0.0
 
     def turns(self, a: float, b: float) -> tuple[float, ...]:
@@ -527,8 +544,8 @@ class ChordCurve:
         return ()
 
     def zero(self, a: float, b: float) -> float:
-        """Return where the value is zero, given that from a to b it falls through zero."""
-        return interpolate(a, b, _share(self(a), self(b)))
+        """See `longball.engines.event.Curve.zero`."""
+        return interpolate(a, b, _fraction_to_zero(self(a), self(b)))
 
 
 def line_touch(before: State[float], bat: BatSection[float], root: AppendixBRoot) -> float | None:
@@ -553,7 +570,7 @@ def _distance(bat: BatSection[float], state: State[Any]) -> Any:
 
 
 def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool:
-    """True if a ball for which an event is there already stays with it."""
+    """True if an event has occurred at launch and its value does not rise: it ends the flight."""
     if event.value(start) > 0.0:
         return False
     rates = law.pointwise(DOUBLES)(*start)
@@ -588,19 +605,19 @@ _SOURCE = File(__file__).with_name("verlet_steps.py").read_text(encoding="utf-8"
 
 @cache
 def steps_of(program: Program) -> Code:
-    """Return `longball.engines.verlet_steps` for a law."""
+    """Compile `longball.engines.verlet_steps` together with the functions of a law."""
     return Code(_SOURCE + print_law(program), _ENOUGH)
 
 
-# A step takes some ten microseconds as it is, and all of it two seconds to compile.
-_ENOUGH = 100_000
-
-
 def print_law(program: Program) -> str:
-    """Print the functions that the steps under a law call, in as many dimensions as it has."""
+    """Print the functions that the steps under a law call, in as many dimensions as it has.
+
+    Vectors are tuples, printed component by component: numba cannot build a tuple in a loop.
+    """
     positions, velocities = _halves(program.variables)
     dimensions = range(len(velocities))
     names = Names()
+    # the law, as `longball.model.trace` prints it
     lines = [line for node in program.nodes if (line := names.define(node))]
     unpack = [
         f"{', '.join(each)}, = {name}"
@@ -610,12 +627,15 @@ def print_law(program: Program) -> str:
         if each
     ]  # fmt: skip
     if ROUGHNESS in program.parameters:
-        # A step may end below the ground, where the profile has no value: nothing blows there.
+        # A step may end below the ground, and the logarithmic profile is undefined below -z₀. Take
+        # the wind of height 0 there, which is none.
         unpack.append(f"z = z if z > -{ROUGHNESS} else 0.0")
 
     def each(text: str) -> str:
         return "".join(text.format(i=i) + ", " for i in dimensions)
 
+    # The state is (positions, velocities, path): the path through the air counts as a position,
+    # whose rate is the airspeed.
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
     path = [2 * both] * (len(positions) - both)
@@ -660,9 +680,9 @@ plain_step: Callable[..., Any] = run_source(
 
 
 def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., Vector[float]]:
-    """Return the acceleration in the vertical plane of the velocity that it is asked for.
+    """Return the acceleration as a function of position and velocity in space.
 
-    `law_in` has the law of a flight in a frame.
+    It lies in the vertical plane of the velocity. `law_in(frame)` is the law of a flight there.
     """
 
     def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:

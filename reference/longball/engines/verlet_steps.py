@@ -46,11 +46,13 @@ def step(
 
     NaN where an implicit step does not settle.
     """
+    # v½ = v + a Δt/2, r' = r + v½ Δt, and a' at the velocity of the treatment
     felt = plus(force, 1.0, push)
     half = plus(velocity, 0.5 * dt, felt)
     position = moved(position, dt, half, parameters)
     force = accelerate(position, plus(velocity, ahead * dt, felt), parameters)
     velocity = plus(half, 0.5 * dt, plus(force, 1.0, pushed))
+    # implicit: a' at the v' that it leads to, by iteration
     if iterates:
         settled = False
         for _ in range(ROUNDS):
@@ -62,6 +64,7 @@ def step(
                 break
         if not settled:
             velocity = plus(velocity, math.nan, velocity)
+    # recomputed: the next step begins with a' at v'
     if not carries:
         force = accelerate(position, velocity, parameters)
     return position, velocity, force

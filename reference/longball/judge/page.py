@@ -175,4 +175,4 @@ def _paths(comparison: Comparison) -> Iterator[tuple[str, Array]]:
         seconds = after.begin if after else leg.flight.time
         name = "batted ball" if leg.begin else "flight" if scene.kind == "flight" else "pitch"
         times = np.linspace(0.0, seconds, 200).tolist()
-        yield name, np.array([*map(leg.frame.position, leg.flight.path.sample(times))]).T
+        yield name, np.array([*map(leg.frame.position, map(leg.flight.path.at, times))]).T

@@ -1,4 +1,4 @@
-"""The chains of all kinds of scenes: the throw, the swing, the contact, the batted flight."""
+"""Solvers for the four kinds of scenes, assembled from shared steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from longball.model.vectors import dot, minus
 
 @dataclass(frozen=True)
 class Pitch:
-    """A pitch up to the plate, or to wherever it ended before."""
+    """A pitch, flown to the plate or to an earlier end."""
 
     frame: Frame[Any]
     law: Law[Any]
@@ -31,7 +31,7 @@ class Pitch:
 
 
 def throw(run: Run) -> Pitch:
-    """Throw to the plane x = 0, and conclude the pitches that end before it."""
+    """Fly the pitch to x = 0; record the outcome of pitches that end before."""
     numbers, pitch = run.numbers, run.scene.pitch
 
     # the release, with the velocity given or towards the point aimed at
@@ -73,13 +73,8 @@ def throw(run: Run) -> Pitch:
     return Pitch(frame, law, start, flight, crossed)
 
 
-def solve_pitches(run: Run) -> None:
-    """Solve releases and plates."""
-    run.conclude("crossed", throw(run).crossed)
-
-
 @dataclass(frozen=True)
-class Approach:
+class BatEncounter:
     """A pitch, the bat, and how they meet."""
 
     pitch: Pitch
@@ -87,12 +82,13 @@ class Approach:
     touch: Touch[Any]
 
 
-def approach_bat(run: Run) -> Approach | None:
-    """Throw, put the bat where it is swung, and find how the two meet; None if no pitch arrives."""
+def approach_bat(run: Run) -> BatEncounter | None:
+    """Fly the pitch, place the bat and search for the contact; None if no pitch is at the plate."""
     pitch, numbers, scene = throw(run), run.numbers, run.scene
     if not run.some(pitch.crossed):
         return None
-    # z_b = z'_b + σ_b (paper, Sec. III.A)
+    # z_b = z'_b + σ_b: the batter swings at the height of the pitch at the plate, but for an offset
+    # (paper, Sec. III.A)
     height = pitch.flight.state.z + numbers.exact(scene.swing.height_offset)
     reach = numbers.exact(scene.ball.radius) + numbers.exact(scene.bat.radius)
     bat = BatSection(pitch.frame, height, reach)
@@ -100,13 +96,14 @@ def approach_bat(run: Run) -> Approach | None:
     if lift_is_always_up(run, pitch.law):
         events.append(vertical(pitch.start, numbers))
     touch = run.touch(pitch.flight, pitch.law, bat, events, pitch.crossed)
-    return Approach(pitch, bat, touch)
+    return BatEncounter(pitch, bat, touch)
 
 
 def meet_bat(run: Run) -> ContactState | None:
-    """Throw and swing; conclude what is not struck, and return the rest, None if nothing is left.
+    """Return the contact of the pitches that are struck; None if there are none.
 
-    The ball's restitution has no influence on what is returned.
+    The others are recorded as `missed`, `beyond_bat` or `separating`. The contact does not depend
+    on the restitution, so that P(e) can use it again for every e.
     """
     approach = approach_bat(run)
     if approach is None:
@@ -123,6 +120,8 @@ def meet_bat(run: Run) -> ContactState | None:
         frame.position(state),
         frame.velocity(state),
         spin_at(frame, pitch.law, state, numbers, numbers.exact(error)),
+        # the y by which the bat's end is decided: by Verlet's method, that of the first step inside
+        # the bat (paper, Sec. III.C)
         aside=frame.position(touch.detected)[1],
         leaving=touch.leaving,
         approach=approach,
@@ -133,18 +132,18 @@ def meet_bat(run: Run) -> ContactState | None:
 
 
 def finish(run: Run, contact: ContactState | None) -> None:
-    """Solve at-bats from the impulse on."""
+    """Apply the impulse and fly the batted ball."""
     if contact is None:
         return
     engine, touch, pitch = run.engine, contact.ball.approach.touch, contact.ball.approach.pitch
 
-    # the impulse
+    # the impulse: only the choice between grip and slide needs an error
     error = 0.0 if run.scene.bat.friction is None else _contact_error(run, contact)
     impact, parted = strike(run, contact, error)
     if not run.some(parted):
         return
 
-    # the ball set free: at once, or by a bat that pushes for some steps
+    # the launch: at the contact, or after the contact force has acted for two or three steps
     if isinstance(engine, Stepped):
         launch = engine.rebound(
             pitch.frame,
@@ -160,7 +159,7 @@ def finish(run: Run, contact: ContactState | None) -> None:
             contact.ball.position,
             impact.velocity,
             touch.time,
-            touch.time * 0,
+            touch.time * 0,  # no delay, in the shape and the numbers of the time
             spin=impact.spin,
             error=off,
         )
@@ -168,11 +167,11 @@ def finish(run: Run, contact: ContactState | None) -> None:
 
 
 def _contact_error(run: Run, contact: ContactState) -> Number:
-    """Return the relative error of velocities and directions at the contact.
+    """Relative error of velocities and directions at the contact.
 
-    Where the ball all but grazes the bat, an error of its way moves the contact around the bat by
-    as much more as it is slower towards the bat than past it; but an error δ of the margin moves it
-    by √(2 δ/reach) at most, which is the angle between a graze and a touching δ deep.
+    A shift of the path by δ, in units of the reach r, turns the normal by ``δ |v|/|v·n|``. That
+    diverges at a graze, but the normal turns by √(2 δ) at most: the angle between the normals of a
+    graze and of a contact that is δ r deep, from ``r cos θ = r (1 - δ)``.
     """
     numbers, error = run.numbers, run.engine.flight_error
     bat, pitch = contact.ball.approach.bat, contact.ball.approach.pitch
@@ -188,22 +187,18 @@ def _contact_error(run: Run, contact: ContactState) -> Number:
 def _launch_error(run: Run, contact: ContactState) -> Number:
     """Return a bound on the error of the velocity after the impulse, m/s.
 
-    The ball's own, and that of ``(1 + ẽ) (μ/m) (Ṽ·n) n``: n comes in twice, and the factors before
-    are at most two, but under readings that create energy.
+    After it, ``V⁺ = V - (1 + ẽ) (μ/m) (Ṽ·n) n``. The error of V counts once, that of n twice, with
+    a factor ``(1 + ẽ) μ/m`` of at most two: 1 + 2 · 2 = 5. The factor is larger only under readings
+    that create energy, where ẽ exceeds 1.
     """
     sqrt = run.numbers.sqrt
     ball, bat = contact.ball.velocity, contact.bat_velocity
     return 5 * _contact_error(run, contact) * (sqrt(dot(ball, ball)) + sqrt(dot(bat, bat)))
 
 
-def solve_at_bats(run: Run) -> None:
-    """Solve whole at-bats."""
-    finish(run, meet_bat(run))
-
-
 CHAINS: dict[str, Callable[[Run], None]] = {
     "flight": solve_flights,
-    "pitch": solve_pitches,
+    "pitch": lambda run: run.conclude("crossed", throw(run).crossed),
     "impact": solve_impacts,
-    "at-bat": solve_at_bats,
+    "at-bat": lambda run: finish(run, meet_bat(run)),
 }

@@ -36,7 +36,7 @@ from longball.model.vectors import dot, minus
 
 
 def solve_impacts(run: Run) -> None:
-    """Solve touchings that are given."""
+    """Solve impact scenes, in which the touching is given."""
     incoming = run.scene.incoming
     position, velocity = run.vector(incoming.position), run.vector(incoming.velocity)
     ball = Ball(position, velocity, run.spin(incoming.spin))
@@ -59,10 +59,10 @@ class Ball:
     position: Vector
     velocity: Vector
     spin: Vector | None = None
-    # Where it was along the bat, m, when that was looked at; None: as in `position`
+    # y by which the bat's end is decided, m; None: that of `position`
     aside: Number | None = None
-    leaving: bool = False  # whether it is where it would leave the bat
-    approach: Any = None  # how it came there; None: the touching is given
+    leaving: bool = False  # it is where it would leave the bat, instead of where it enters
+    approach: Any = None  # the pitch and the bat; None: the touching is given
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,11 @@ class ContactState:
 def meet(
     run: Run, ball: Ball, offset: tuple[Number, Number], inherited: float, rows: Mask
 ) -> ContactState | None:
-    """Look at balls and bats that touch; return those that approach each other, None if none do.
+    """Return the contact of balls and bats that approach each other; None if none do.
 
-    The `offset` is the way from the bat's axis to the ball's centre, m: in x, and up; `inherited`
-    the relative error of position and velocity before any rounding here.
+    Others are recorded as `beyond_bat` or `separating`. The `offset` leads from the bat's axis to
+    the ball's centre, m: in x, and up. `inherited` is the relative error of position and velocity,
+    without the rounding here.
     """
     numbers, bat = run.numbers, run.scene.bat
 
@@ -104,10 +105,12 @@ def meet(
     arm = lever_arm(ball.position[1], bat, numbers)
     moving = bat_velocity(arm, run.scene.swing, numbers)
     normal_speed = dot(minus(velocity, moving), normal)
-    # Six operations stand between the velocities and their normal part.
+    # Ṽ = V - V_b (paper, Sec. III.C). Six operations lead from the velocities to its normal part,
+    # each with a rounding of the terms.
     terms = [(v[i], normal[i]) for v in (velocity, moving) for i in (0, 2)]
     doubt = sum((abs(a * b) * (inherited + 6 * numbers.rounding) for a, b in terms), across * 0)
-    # The force is the same for n and -n; a ball that would leave the bat approaches its back.
+    # The impulse is the same for n and -n; with Appendix B's larger root the ball is where it would
+    # leave the bat, and approaches when it moves outwards.
     approach = normal_speed if ball.leaving else -normal_speed
     question = "whether ball and bat approach or separate"
     closing, separating = run.decide(approach, doubt, question, on_bat)
@@ -138,7 +141,7 @@ class Impact:
 
 
 def strike(run: Run, contact: ContactState, error: Number) -> tuple[Impact, Mask]:
-    """Apply the impulses, and write what they do. See `collide`."""
+    """Apply the impulses and record their effects; see `collide`."""
     impact, parted = run.model.collide(run, contact, error)
     for quantity in fields(Impact):
         if (value := getattr(impact, quantity.name)) is not None:
@@ -171,9 +174,10 @@ def _tell_recontact(run: Run, contact: ContactState, impact: Impact, rows: Mask)
 
 
 def collide(run: Run, contact: ContactState, error: Number) -> tuple[Impact, Mask]:
-    """Return the impulse of Appendix A, on a bat with friction the oblique one; and if they part.
+    """Return the impulse of Appendix A, or of an oblique impact, and the rows in which they part.
 
-    The `error` is that of velocities and directions, relative, before any rounding here.
+    The impact is oblique on a bat with friction. The `error` is that of velocities and directions,
+    relative, without the rounding here.
     """
     scene, numbers = run.scene, run.numbers
     pair = collision_parameters(scene.ball, scene.bat, contact.lever_arm, scene.reading, numbers)
@@ -188,18 +192,22 @@ def collide(run: Run, contact: ContactState, error: Number) -> tuple[Impact, Mas
     return impact, contact.closing
 
 
-# Between the velocities and the decisions below stand fewer operations, each on terms that are no
-# larger than those of the bounds.
+# Fewer operations lead from the velocities to the decisions below, each on terms that are no larger
+# than those of the bounds.
 _OPERATIONS = 40
-# A ball that is far heavier than the bat is gripped by an impulse that all but cancels in what it
-# does to the bat: K is all but singular. So many roundings are lost at most, some of which show.
+# For a ball far heavier than the bat K is all but singular: its determinant cancels, and the
+# impulse that grips loses as many digits. In doubles, a scene that loses over three is refused.
 _MOST_LOST = 1e3
 
 
 def _rub(
     run: Run, contact: ContactState, pair: CollisionParameters[Any], error: Number
 ) -> tuple[Impact, Mask]:
-    """Let the ball grip the bat, or slide on it; see `longball.model.derivation`."""
+    """Let the ball grip the bat, or slide on it; see `longball.model.derivation`.
+
+    The impulse that ends the slip, ``P = -K⁻¹ (…)``, grips if it lies in the cone of friction,
+    ``|P_t| <= μ P_n``. Otherwise the ball slides in one direction to the end, with P on the cone.
+    """
     scene, numbers, rows = run.scene, run.numbers, contact.closing
     ball, bat, normal = scene.ball, scene.bat, contact.normal
     mass, radius = numbers.exact(ball.mass), numbers.exact(ball.radius)

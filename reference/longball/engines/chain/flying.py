@@ -1,4 +1,4 @@
-"""Balls in the air: a flight to a surface, through the vertical if need be, and its spin."""
+"""Flights to a surface, through the vertical if necessary, and the spin at their end."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def fly(
     limit: Number,
     rows: Mask,
 ) -> Flight[Any]:
-    """Fly to a surface or the time limit, s, through the vertical if need be.
+    """Fly to a surface or the time limit, s, through the vertical if necessary.
 
     With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
     the horizontal part of the lift drives it back. It goes on without lift, straight up and down
@@ -38,6 +38,7 @@ def fly(
     if not lift_is_always_up(run, law):
         return run.fly(law, start, surfaces(start), limit, rows)
 
+    # First to the vertical, with lift; then on from there, without.
     turn, upright = vertical(start, run.numbers), start.u == 0
     leaning = rows & (upright ^ True)
     first = run.fly(law, start, [*surfaces(start), turn], limit, leaning)
@@ -50,8 +51,8 @@ def fly(
 
 
 def lift_is_always_up(run: Run, law: Law[Any]) -> bool:
-    """Return True if there is a lift without a spin, and it is always up."""
-    if law.shape.spins:  # as a bat with friction makes the ball spin
+    """Return True if lift points up whatever the ball's spin."""
+    if law.shape.spins:  # then lift follows the spin: of the scene, or from a bat with friction
         return False
     return run.scene.reading.lift_direction == "always_up" and "lift" in law.strengths
 
@@ -69,6 +70,7 @@ def spin_at(
     """
     if frame.spin is None:
         return None
+    # Which branch of the spin's decay holds depends on the state: its error may leave that open.
     off = state.z * 0 if error is None else error * (1 + abs(state.z))
     left = arrived(law, state, numbers, off).spin_left(state, numbers)
     return frame.spin[0] * left, frame.spin[1] * left, frame.spin[2] * left

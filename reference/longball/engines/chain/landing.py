@@ -20,7 +20,7 @@ from longball.model.scene import landing_height
 
 
 def solve_flights(run: Run) -> None:
-    """Solve launches and landings."""
+    """Solve flight scenes."""
     launch, nothing = run.scene.launch, run.numbers.exact(0.0)
     position, velocity = run.vector(launch.position), run.vector(launch.velocity)
     free = Launch(position, velocity, nothing, nothing, spin=run.spin(launch.spin))
@@ -29,7 +29,7 @@ def solve_flights(run: Run) -> None:
 
 @dataclass(frozen=True)
 class Batted:
-    """A ball that is set free: its launch, and frame, law and start of its flight."""
+    """A batted ball: its launch, and the frame, law and start of its flight."""
 
     launch: Launch[Any]
     frame: Frame[Any]
@@ -38,7 +38,11 @@ class Batted:
 
 
 def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
-    """Fly from launches to the ground, or to a fence; the `outcome` if the ball lands."""
+    """Fly to the ground or to a fence; a ball that lands has the given outcome.
+
+    Without a fence the ball comes down. With one, a flight in its plane meets one place of the
+    fence, known beforehand; a flight in space, or in steps, is searched for the crossing.
+    """
     frame, start = launch_frame(launch.position, launch.velocity, run.numbers, launch.spin)
     law = run.law(frame)
     ball = Batted(launch, frame, law, start)
@@ -46,6 +50,7 @@ def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
         down = Flight(Path(()), "ground", run.numbers.exact(0.0), start)
         _come_down(run, ball, down, outcome, rows)
     elif run.scene.fence is None:
+        # A pitch has not touched the ground, so that a batted ball starts above it.
         if hasattr(run.scene, "launch"):
             rows = _land_from_below(run, ball, outcome, rows)
         if not run.some(rows):
@@ -69,8 +74,8 @@ def _fly_down(run: Run, ball: Batted, start: State[Any], limit: Number, rows: Ma
 def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Mask:
     """Land the balls that are launched below the ground; return the other rows.
 
-    One that is hit to an upper deck is such a ball. A landing is a fall through the ground's
-    height: first it rises through that.
+    A ball that is hit to an upper deck is such a ball: `ground.height` is above its launch. It
+    lands when it falls through that height, and so has to rise through it first.
     """
     height, limit = landing_height(run.scene, run.numbers.exact), run.time_limit
     rise = height - ball.start.z
@@ -95,11 +100,13 @@ def _come_down(
     rows: Mask,
     fair: bool | None = None,
 ) -> None:
-    """Conclude flights that end on the ground, or with the time limit.
+    """Record landings, and the outcome of flights that end on the ground or at the time limit.
 
-    `fair` is known where the ball has left the field.
+    `fair` is given for a ball that has left the field: then the place where it did decides.
     """
     numbers, scene, launch, frame = run.numbers, run.scene, ball.launch, ball.frame
+
+    # the end of the flight
     run.follow(frame, flight, launch.time, rows)
     rows = _in_time(run, ball, flight, rows)
     aloft: Outcome = "home_run" if outcome == "home_run" else "airborne"
@@ -108,6 +115,7 @@ def _come_down(
     if not run.some(rows):
         return
 
+    # the landing
     _rise(run, ball, flight, rows)
     state: Any = flight.state
     x, y, z = position = frame.position(state)
@@ -118,7 +126,7 @@ def _come_down(
     run.record("landing.velocity", velocity, rows)
     run.record("landing.angle", numbers.angle(-w, numbers.sqrt(u * u + v * v)), rows)
     if scene.reading.distance_origin == "launch":
-        # Of the frame, which begins at the launch: no difference of places that are far away.
+        # s and y are measured from the launch: no digits cancel where the launch is far away.
         x = state.s
         y = x * 0 if in_plane(state) else state.y
     run.record("landing.distance", numbers.sqrt(x * x + y * y), rows)
@@ -127,6 +135,7 @@ def _come_down(
     if hasattr(state, "path") and scene.reading.spin_decay == "path":
         run.record("landing.path", state.path, rows)
 
+    # fair or foul
     if fair is not None:
         run.record("landing.fair", fair, rows)
     elif scene.fence is not None:
@@ -137,7 +146,7 @@ def _come_down(
 
 
 def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
-    """Record the highest point of flights that do not end in it."""
+    """Record the highest point of flights, unless they only rise."""
     top = flight.highest(run.numbers)
     if top is not None:
         time, state = top
@@ -148,7 +157,8 @@ def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
 def _in_time(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> Mask:
     """Return the rows in which it is certain whether the ball lands in the time limit.
 
-    The engine knows of the errors of its flight, but not of that of the launch.
+    The engine allows for the error of its flight, but not for that of the velocity at launch, δv,
+    which moves the ball by δv t: compare that with the height that is left.
     """
     error, state = ball.launch.error, flight.state
     if error is None:
@@ -189,6 +199,7 @@ def _stays_aloft(run: Run, ball: Batted, rows: Mask) -> Mask:
     )
     if not loops:
         return rows & False
+    # all compared without dividing by V_H + V, which may be zero
     height = run.ground(start).value(start)
     slow2 = start.u * start.u + start.w * start.w
     fast2 = slow2 if law.gravity is None else slow2 + 2 * law.gravity * height
@@ -205,7 +216,7 @@ def _stays_aloft(run: Run, ball: Batted, rows: Mask) -> Mask:
 
 
 def _when_asked(run: Run, law: Law[Any], start: State[Any]) -> Iterator[Piece[Any]]:
-    """Yield the pieces of a flight that is only flown if somebody wants to know its way."""
+    """Yield the pieces of a flight that is only computed if its path is asked for."""
     yield from run.engine.fly(law, start, (), run.time_limit).path.pieces()
 
 
@@ -219,16 +230,17 @@ def _flight_error(run: Run) -> float:
 
 
 def _heading_error(run: Run) -> float:
-    """Return the relative error of where a flight in its plane heads for.
+    """Return the relative error of the direction of a flight that stays in its plane.
 
-    The flight itself adds none; the heading of a batted ball has its pitch's error.
+    The flight itself adds none; the heading of a batted ball has the error of its pitch.
     """
     rounded: float = 8 * run.numbers.rounding
     return rounded if hasattr(run.scene, "launch") else _flight_error(run)
 
 
 def _foul(run: Run, position: Vector, what: str, rows: Mask) -> tuple[Mask, Mask]:
-    """Return the rows in which a ball is foul, and those in which it is fair: the foul line is."""
+    """Return two masks: of foul and of fair balls. A ball on the foul line is fair."""
+    # fair territory is |y| <= x, with the foul lines at 45°
     x, y, _ = position
     error = _flight_error(run) * (abs(x) + abs(y))
     return run.decide(abs(y) - x, error, f"whether the ball {what}", rows)
@@ -259,6 +271,7 @@ def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
     """Fly to the ground, and follow the flight, which leaves its plane, past the fence."""
     frame, numbers = ball.frame, run.numbers
     flight = _fly_down(run, ball, ball.start, run.time_limit, rows)
+    # An error δ of a state moves the time of a landing by δ/|w|; the time limit is exact.
     error = numbers.exact(_flight_error(run))
     (x, y, z), w = frame.position(flight.state), frame.velocity(flight.state)[2]
     off = error * (1 + abs(x) + abs(y) + abs(z))
@@ -314,7 +327,8 @@ def _meet_fence(
     run.refuse(Undecided(reason), at_vertex)
 
     # against the wall
-    # What the place is off, the ball's way makes of it by its steepness, and the top by its own.
+    # An error of the place changes the ball's height by the slope of its path, and the height of
+    # the fence by the slope of its top.
     steepness = abs(w) / numbers.sqrt(u * u + v * v) + abs(place.slope)
     over, into = run.decide(
         clearance, error * (1 + steepness), "whether the ball clears the fence", rows

@@ -33,6 +33,8 @@ Mask = Any  # bool or array of flags
 class Run:
     """A scene on its way through a chain; `longball.engines.batch.columns.Columns` has many.
 
+    The methods that take `rows` are all that a chain needs to know about masks.
+
     Attributes
     ----------
     scene
@@ -66,9 +68,9 @@ class Run:
         return bool(rows)
 
     def decide(self, x: Number, error: Number, question: str, rows: Mask) -> tuple[Mask, Mask]:
-        """Return the rows in which ``x > 0``, and those in which it is not.
+        """Return two masks: of the rows in which ``x > 0``, and of those in which it is not.
 
-        In doubt a row of columns is in neither.
+        A row of columns that is in doubt is in neither.
 
         Raises `Undecided` for one scene, in doubt.
         """
@@ -112,21 +114,21 @@ class Run:
     # --- answers ---------------------------------------------------------------------------------
 
     def record(self, name: str, value: Any, rows: Mask) -> None:
-        """Write a quantity of the results, a number or a vector: ``plate.time``."""
+        """Record a quantity of the results, a number or a vector: ``plate.time``."""
         if rows:
             self.answer[name] = value
 
     def conclude(self, outcome: Outcome, rows: Mask) -> None:
-        """Write the outcome."""
+        """Record the outcome; nothing that a chain does afterwards concerns these rows."""
         self.record("outcome", outcome, rows)
 
     def refuse(self, reason: CannotSolve | Undecided, rows: Mask) -> None:
-        """Give no answer. For one scene, raise the reason."""
+        """Mark rows as not solved; for a single scene, raise the error."""
         if rows:
             raise reason
 
     def follow(self, frame: Frame[Any], flight: Flight[Any], begin: Number, rows: Mask) -> None:
-        """Keep a flight that begins at a time, s since the start of the scene."""
+        """Append a flight to the trajectory; it begins s after the start of the scene."""
         if rows:
             self.legs.append(Leg(begin, frame, flight))
 

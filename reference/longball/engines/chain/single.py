@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from longball.engines.chain.at_bat import CHAINS, Approach, approach_bat, finish, meet_bat
+from longball.engines.chain.at_bat import CHAINS, BatEncounter, approach_bat, finish, meet_bat
 from longball.engines.chain.collision import MODEL, ContactState, Model
 from longball.engines.chain.run import Run
 from longball.engines.digits import to_digits
@@ -42,7 +42,7 @@ PARTS: dict[str, type[Any]] = {
     "plate.approach": written.Approach,
 }
 
-# The quantities that are told, not measured: their types, by name.
+# The quantities that are flags or whole numbers, not measured: their types, by name.
 DISCRETE: dict[str, type[bool] | type[int]] = {
     f"{name}.{key}": kind
     for name, block in BLOCKS.items()
@@ -67,7 +67,7 @@ def solve_once(scene: Scene, engine: Engine[Any], model: Model = MODEL) -> Resul
     return _answer(Run(scene, engine, model), CHAINS[scene.kind])
 
 
-# Starting processes takes a second or two: as long as so many scenes take some engines.
+# Starting processes takes a second or two: as long as so many scenes by the slower engines.
 _FEW = 100
 
 
@@ -114,11 +114,13 @@ def solve_with_restitutions(
 
     The pitch and its touching of the bat, which do not depend on it, are solved once.
     """
+    # the pitch, once
     run = Run(scene, engine, MODEL)
     struck: list[ContactState | None] = []
     concluded = _follow(run, lambda: struck.append(meet_bat(run)))
     if concluded is not None:
         return [concluded] * len(restitutions)
+    # the rest for each restitution, from a copy of what the pitch has recorded
     (contact,) = struck
     return [
         _answer(
@@ -146,7 +148,7 @@ def quantities_of(scene: Scene, engine: Engine[Any]) -> dict[str, Any]:
     return run.answer
 
 
-def approach_of(scene: AtBatScene, engine: Engine[Any]) -> Approach | None:
+def approach_of(scene: AtBatScene, engine: Engine[Any]) -> BatEncounter | None:
     """Return the approach of pitch and bat; None if the pitch does not reach the plate.
 
     Raises `CannotSolve` or `InvalidScene` or `Undecided`.
@@ -171,6 +173,8 @@ def _follow(run: Run, chain: Callable[[], None]) -> Result | None:
             except (InvalidScene, Undecided, CannotSolve) as error:
                 return _result(run, error)
             return _result(run) if "outcome" in run.answer else None
+        # Overflow, a division by zero, or a result that pydantic refuses: no finite answer. What
+        # was recorded is dropped, as it may have the numbers at fault.
         except (ArithmeticError, ValueError) as error:
             what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
             reason = OutOfRange(f"the numbers leave the range of the engine: {what}")

@@ -78,6 +78,7 @@ class Balls(Single[arb]):
         if not x.is_finite():
             raise OverflowError(f"a number is not finite: {x}")
         middle, radius, exponent = (int(part) for part in x.mid_rad_10exp(self.digits + 3))
+        # The rounding of the midpoint joins the radius.
         value, dropped = _shortened(middle, self.digits + 1)
         bound = radius + abs(value * 10**dropped - middle)
         # Three digits are enough of a radius; rounded up.

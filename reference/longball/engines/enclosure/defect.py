@@ -43,6 +43,7 @@ class Defect:
                     self._start[node] = abs(value[node][0] - first).upper()
             else:
                 value[node] = polynomial_of(node, value)
+        # p' - f(p), where the outputs are polynomials of their own: what remains is their error.
         self._misses = [
             value[variable(name)].derivative() - value[rate]
             for name, rate in zip(program.variables, program.outputs, strict=True)
@@ -68,6 +69,7 @@ class Defect:
         for node in self._nodes:
             if node.kind in TRANSCENDENTAL:
                 errors[node] = self._own_error(node, errors, h)
+            # Sums and products are exact in the polynomials, and only propagate errors.
             elif node.kind == "sum":
                 terms = [(self._static[c], errors[x]) for c, x in node.args[1:] if x in errors]
                 if terms:

@@ -86,17 +86,20 @@ def _piece(
 ) -> tuple[EnclosedPiece, Start]:
     """Return the piece that a motion makes from a state on, and the core at its end."""
     structure = system.structure
+    # The core with its error, early + late t, in each component by its weight in the norm.
     families: dict[str, Any] = {}
     for name, weight, p in zip(
         structure.core.variables, structure.weights, motion.polynomials, strict=True
     ):
         error = arb_poly([arb(0, motion.early / weight), arb(0, motion.late / weight)])
         families[name] = p + error
+    # The other variables are integrals of linear combinations of it: they inherit its bound.
     for name, (rest, terms) in structure.quadratures.items():
         rate = arb_poly([system.static[rest]])
         for c, x in terms:
             rate += system.static[c] * families[x.args[0]]
         families[name] = getattr(state, name) + rate.integral()
+    # `begin` is a ball: the piece has to hold for all beginnings in it.
     length = (motion.length - 2 * begin.rad()).lower()
     core = start_of(
         [p(length) for p in motion.polynomials],
@@ -147,6 +150,7 @@ def proven(system: System, core: Start, left: arb, bits: int, has_floor: bool = 
     """
     structure = system.structure
     order = _order(bits)
+    # The midpoints of the coefficients are exact polynomials; their roundings are in the defect.
     series = _series(system, core, order)
     polynomials = {node: arb_poly([arb(c).mid() for c in row]) for node, row in series.items()}
     motion = tuple(polynomials[variable(name)] for name in structure.core.variables)
@@ -206,6 +210,8 @@ def _series(system: System, core: Start, order: int) -> dict[Node, list[arb]]:
     """Return the Taylor coefficients; of a ball that stays at rest, only the first."""
     if not system.roots:
         return system.series(core.state, order, at_rest=False)
+    # The first order, which costs little, shows whether anything moves. If nothing does, a speed
+    # stays zero, and neither recurrence has a series for it.
     few = system.series(core.state, 1, at_rest=True)
     if any(few[root][0] == 0 and few[root][1] == 0 for root in system.roots):
         rates = (few[variable(name)][1] for name in system.structure.core.variables)
@@ -219,6 +225,8 @@ def _error(
     system: System, motion: Sequence[arb_poly], error: arb, defect: arb, h: arb
 ) -> tuple[arb, arb]:
     """Apply `lemmas.error_bound`, with a tube that is wide enough for it."""
+    # The bound holds as long as the solution is in the tube. It proves that it stays there if it is
+    # less than the tube's radius, which is not zero even for a start and a series without error.
     tube = 4 * (error + defect * h) + arb(2) ** -1000
     for _ in range(_TUBES):
         early, late = lemmas.error_bound(error, defect, _growth(system, motion, tube, h))
@@ -234,6 +242,7 @@ def _error(
 
 def _growth(system: System, motion: Sequence[arb_poly], tube: arb, h: arb) -> arb:
     """Bound how much an error grows from 0 to h, if it stays below `tube`."""
+    # On each part of the step, f's derivative over all states that are in the tube at its times.
     weights = system.structure.weights
     around = [arb(0, tube / weight) for weight in weights]
     for parts in _PARTS:

@@ -121,6 +121,7 @@ def logarithmic_norm(matrix: Sequence[Sequence[arb]], weights: Sequence[float]) 
 
     for n = 2 with equality (Wolkowicz & Styan, Linear Algebra Appl. 29 (1980) 471, Theorem 2.1).
     """
+    # (W J W⁻¹)_ij = J_ij w_i/w_j. Of S only the diagonal and twice the other elements are needed.
     n = len(matrix)
     mean = sum((arb(matrix[i][i]) for i in range(n)), arb(0)) / n
     squares = arb(0)
