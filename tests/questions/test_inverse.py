@@ -174,7 +174,7 @@ def test_a_direction_that_is_not_determined_is_named():
         ({"landing.distance": 100.0}, ["launch.sped"], None, "did you mean launch.speed"),
         ({"landing.distance": 100.0}, [], None, "name at least one"),
         ({"landing.distance": 100.0}, ["launch.speed"], 0.0, "must be positive"),
-        ({"landing.distance": 100.0}, ["launch.speed"], {"landing.time": 1.0}, "none is given of"),
+        ({"landing.distance": 100.0}, ["launch.speed"], {"landing.time": 1.0}, "no value for"),
         ({"landing.distance": math.nan}, ["launch.speed"], None, "needs a finite value"),
         ([[0.0, 1.0]], ["launch.speed"], None, "rows of t, x, y, z"),
         ([[-1.0, 1.0, 0.0, 2.0]], ["launch.speed"], None, "a time since the start"),

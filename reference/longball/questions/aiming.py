@@ -239,7 +239,7 @@ def _landed(scene: Scene, engine: PathEngine[Any]) -> Solution:
 
 
 def _passing(path: Path, origin: Array, away: float) -> float:
-    """Return when a ball that gets farther is at a distance from its origin, s."""
+    """Return the time at which a growing distance from the origin reaches a value, s."""
 
     def beyond(time: float) -> float:
         return math.dist(path.at(time).position[:2], origin) - away

@@ -1,8 +1,8 @@
 """Inverse problems: the scene that fits what was measured, and the launch that hits a target.
 
-Both are Gauss-Newton (`scipy.optimize.least_squares`) on the derivatives of
-`longball.engines.tangent`, which have twelve digits, so that what has been computed without an
-error is recovered to ten.
+Both use Gauss-Newton (`scipy.optimize.least_squares`) with the derivatives of
+`longball.engines.tangent`, which have about twelve digits. Measurements without noise return the
+unknowns to about ten.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ from longball.model.quantities import doubles, unknown
 from longball.model.scene import InvalidScene, Scene
 from longball.solution import error_of, real_numbers
 
-# Of the largest singular value: derivatives have twelve digits, and what they tell less of than
-# this is not determined by them.
+# Singular values below this fraction of the largest count as 0. Derivatives have about twelve
+# digits; two are a margin.
 _DETERMINED = 1e-10
 
-# Steps that are smaller, relative, are rounding.
+# Relative step below which the search ends: a smaller one is rounding.
 _CONVERGED = 1e-15
 _MOST_STEPS = 100
 
@@ -61,16 +61,16 @@ class Fit:
     value
         The numbers found, by name.
     sigma
-        Their standard errors; NaN if nothing says how good the measurements are, as no `sigma` is
-        given and there are as many unknowns.
+        Their standard errors; NaN if `sigma` is not given and there are as many unknowns as
+        measurements, so that the scatter of these is not known.
     covariance
         Of the numbers found, shape (n, n), in the order of `value`.
     residuals
-        Measured less computed in standard deviations; of points, shape (points, 3).
+        Measured minus computed, in standard deviations; of points, shape (points, 3).
     chi_squared
         The sum of their squares.
     freedom
-        How many more measurements there are than unknowns.
+        Degrees of freedom: measurements minus unknowns.
     """
 
     scene: Any  # of the kind that was given
@@ -92,12 +92,13 @@ class Fit:
             f"  {name:<26}{x:.9g}" + (f" ± {error:.2g}" if math.isfinite(error) else "")
             for (name, x), error in zip(self.value.items(), self.sigma.values(), strict=True)
         ]
-        return "\n".join([*rows, f"  chi² = {self.chi_squared:.4g} of {self.freedom} in excess"])
+        rows.append(f"  chi² = {self.chi_squared:.4g}, degrees of freedom: {self.freedom}")
+        return "\n".join(rows)
 
 
 @dataclass(frozen=True)
 class _Measured:
-    """Measurements, and how a scene's are computed."""
+    """Measured values, and the function that predicts them from a scene."""
 
     values: Array  # shape (m,)
     names: tuple[str, ...]  # of each
@@ -116,7 +117,7 @@ def fit(
     engine: str = "ivp",
     **options: Any,
 ) -> Fit:
-    """Find the numbers of a scene that fit a measurement best, by least squares.
+    """Fit numbers of a scene to measurements, by least squares.
 
     Parameters
     ----------
@@ -125,26 +126,26 @@ def fit(
         with these columns; NaN is not measured. Or numbers of the result by name, such as
         ``{"landing.distance": 118.2, "landing.hang_time": 5.3}``.
     scene
-        As `solve` takes it, with all that is known, and what the unknowns are to start from.
+        As `solve` takes it, with what is known, and values of the unknowns to start from.
     unknowns
         Numbers of the scene, such as ``air.drag_coefficient``; or ``launch.`` and an argument of
         `longball.launch`, such as ``launch.speed``.
     sigma
         Standard deviations of the measurements, in their units: one number, one for each of x, y
-        and z, or by name. If left out, they are taken as equal, and as large as the residuals say.
+        and z, or by name. If left out, they are taken as equal, and estimated from the residuals.
     engine, options
         As `solve` takes them.
 
     Raises
     ------
     InvalidScene
-        If `scene` describes none.
+        If `scene` is not a valid scene.
     ValueError
-        If the scene has no number of a name; if there are fewer measurements than unknowns, or
-        `measured` or `sigma` is none.
+        If the scene has no number of a name; if there are fewer measurements than unknowns; if
+        `measured` or `sigma` has another form.
     CannotSolve
-        If the measurements do not determine the unknowns, and along which direction; if the scene
-        to start from has no such result; if no scene near fits.
+        If the measurements do not determine the unknowns: the message gives the direction in which
+        these are free. If the scene to start from has no such result, or no scene near it fits.
 
     Examples
     --------
@@ -193,7 +194,7 @@ def fit(
 def _least_squares(
     scene: Scene, names: list[str], data: _Measured, deviations: Array, engine: PathEngine[Any]
 ) -> tuple[list[float], Array, Array]:
-    """Return the unknowns, the residuals and minus their derivatives."""
+    """Return the fitted unknowns, the residuals, and the derivatives of what is computed."""
     start = np.array([value_of(scene, name) for name in names])
 
     @cache
@@ -212,7 +213,8 @@ def _least_squares(
         except (CannotSolve, InvalidScene, Undecided, ValidationError):
             return np.full(len(deviations), math.nan)  # too far: a shorter step is taken
 
-    _lengths(names, solved(start)[1])  # what the start cannot do is said in its own words
+    # The start is solved outside `residuals`, which would hide its error.
+    _lengths(names, solved(start)[1])
     found = least_squares(
         residuals,
         start,
@@ -231,7 +233,7 @@ def _least_squares(
 
 
 def _is_settled(found: Any) -> bool:
-    """True if no step that is left makes the residuals smaller by what shows."""
+    """True if the gradient vanishes within rounding, although all steps were taken."""
     slopes = np.linalg.norm(found.jac, axis=0) * max(np.linalg.norm(found.fun), 1e-12)
     return bool((np.abs(found.grad) <= 1e-6 * slopes).all())
 
@@ -240,12 +242,12 @@ def _determined(names: list[str], jacobian: Array) -> Array:
     """Return R with R Rᵀ = (Jᵀ J)⁻¹, if measurements determine the unknowns."""
     lengths = _lengths(names, jacobian)
     _, sizes, axes = np.linalg.svd(jacobian / lengths, full_matrices=False)
-    # By steps in standard deviations of the measurements, and so in units of the unknowns:
+    # The columns have length 1 there: divided by their lengths, steps have units of the unknowns.
     open_ = axes[sizes <= _DETERMINED * sizes[0]] / lengths
     if len(open_):
         directions = "; and ".join(_direction(names, axis) for axis in open_)
         raise CannotSolve(
-            "the measurements do not determine the unknowns: they stay the same along "
+            "the measurements do not determine the unknowns: they do not change along "
             f"{directions}; fix one of these, or measure something else"
         )
     root: Array = axes.T / sizes / lengths[:, None]
@@ -257,7 +259,8 @@ def _lengths(names: list[str], jacobian: Array) -> Array:
     lengths: Array = np.linalg.norm(jacobian, axis=0)
     if without := [name for name, x in zip(names, lengths, strict=True) if not x > 0]:
         raise CannotSolve(
-            f"the measurements do not depend on {' and '.join(without)}; take it from the unknowns"
+            f"the measurements do not depend on {' and '.join(without)}; "
+            "remove it from the unknowns"
         )
     return lengths
 
@@ -337,9 +340,9 @@ def _points(scene: Scene, times: Array, engine: PathEngine[Any]) -> tuple[Array,
 
 
 def _position(way: Trajectory[Any], time: Any) -> Any:
-    """Return where the ball is; after a landing, where it would be without a ground.
+    """Return the position at a time; after the landing, as if there were no ground.
 
-    So a path may be fitted that is longer than the one to start from.
+    So measured points may lie beyond the landing of the scene to start from.
     """
     leg = [leg for leg in way.legs if not time < leg.begin][-1]
     return leg.frame.position(leg.flight.path.at(time - leg.begin))
@@ -362,7 +365,7 @@ def _of_result(given: Mapping[Any, Any]) -> _Measured:
 def _deviations(sigma: Any, data: _Measured) -> Array:
     """Return the standard deviation of every measurement."""
     if isinstance(sigma, Mapping) and (missing := [x for x in data.names if x not in sigma]):
-        raise ValueError(f"sigma: none is given of {missing[0]}")
+        raise ValueError(f"sigma: no value for {missing[0]}")
     given = [sigma[name] for name in data.names] if isinstance(sigma, Mapping) else sigma
     table = real_numbers("sigma", 1.0 if given is None else given)
     if not isinstance(sigma, Mapping):

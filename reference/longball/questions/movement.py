@@ -281,7 +281,7 @@ def movement(
 
 
 def _time_at(path: Path, end: float, x: float) -> float:
-    """Return when a pitch is at a place x, m."""
+    """Return the time at which a pitch reaches a place x, m."""
     release = path.at(path.start).position[0]
     if not release >= x > 0.0:
         raise ValueError(f"since = {x} m: the pitch is released at x = {release} m")
