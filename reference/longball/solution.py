@@ -193,16 +193,8 @@ class Solution:
 
     Its attributes are the keys of a line of results; a block that the outcome does not have is
     None. A number is a float, or with `digits` a `Bounded`, which `float` converts.
-
-    Attributes
-    ----------
-    scene
-        The scene that was solved.
-    result
-        The whole result as a model; ``result.line()`` is its line of JSON.
     """
 
-    id: str | None
     outcome: Outcome | None
     # None where the outcome does not have it: who asks for a block knows the outcome.
     plate: Plate
@@ -217,16 +209,38 @@ class Solution:
 
     def __init__(
         self,
-        scene: Scene | None,
-        result: Result,
+        scene: Scene | Callable[[], Scene] | None,
+        result: Result | dict[str, Any],
         solver: Engine[Any],
         trajectory: Trajectory[Any] | None = None,
         derivatives: Derivatives | None = None,
     ) -> None:
-        engine = result.engine and signed(result.engine)
-        self.scene, self.result = scene, result.model_copy(update={"engine": engine})
+        self._scene, self._result = scene, result
         self._solver, self._trajectory = solver, trajectory
         self._derivatives = derivatives
+
+    # Models take longer to make than a ball to fly: of thousands of solutions, few are asked.
+    @cached_property
+    def scene(self) -> Scene | None:
+        """The scene that was solved."""
+        return self._scene() if callable(self._scene) else self._scene
+
+    @property
+    def id(self) -> str | None:
+        """The id of the scene."""
+        name: str | None
+        name = self._result["id"] if isinstance(self._result, dict) else self._result.id
+        return name
+
+    @cached_property
+    def result(self) -> Result:
+        """The whole result as a model; ``result.line()`` is its line of JSON."""
+        found = self._result
+        engine = found["engine"] if isinstance(found, dict) else found.engine
+        by = {"engine": engine and signed(engine)}
+        if isinstance(found, dict):
+            return Result.model_validate(found | by)
+        return found.model_copy(update=by)
 
     def __getattr__(self, name: str) -> Any:
         # Blocks and top-level keys; the declarations above are for type checkers.
