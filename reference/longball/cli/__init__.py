@@ -1,7 +1,4 @@
-"""The command line: data on standard output, messages on standard error.
-
-Exit status: 0 success, 1 a line or a verdict failed, 2 usage error.
-"""
+"""The command line: data on standard output, messages on standard error."""
 
 from __future__ import annotations
 
@@ -39,6 +36,7 @@ COMMANDS = {
     "golden": "longball golden list",
 }
 GROUPS = ("golden",)  # commands with subcommands
+EXIT_STATUS = "Exit status: 0 success, 1 a line or a verdict failed, 2 usage error."
 
 
 def module_of(command: str) -> Any:
@@ -80,12 +78,13 @@ class Commands(TyperGroup):
                 known = one_of("the commands are", cmd_name, self.examples)
                 ctx.fail(f"no such command {cmd_name!r}{known}")
             return None
-        module, example = module_of(self.group or cmd_name), f"Example: {self.examples[cmd_name]}"
+        module = module_of(self.group or cmd_name)
+        epilog = f"Example: {self.examples[cmd_name]}\n\n{EXIT_STATUS}"
         if cmd_name in GROUPS:
             group = Commands(
                 name=cmd_name,
                 help=summary_of(cmd_name),
-                epilog=example,
+                epilog=epilog,
                 no_args_is_help=True,
                 rich_markup_mode=None,
             )
@@ -96,7 +95,7 @@ class Commands(TyperGroup):
         # The rows of the table: "golden check.seed".
         name = f"{self.group} {cmd_name}".strip()
         function = getattr(module, cmd_name, None) or getattr(module, f"{cmd_name}_")
-        return command_of(name, function, example)
+        return command_of(name, function, epilog)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is asked for, and give it what a file of settings has for it."""
@@ -159,8 +158,8 @@ def _reword(error: Any) -> None:
 
 app = typer.Typer(
     cls=Commands,
-    help="The precision reference for baseball in flight.",
-    epilog='Example: echo \'{"kind": "at-bat"}\' | longball solve',
+    help="High-accuracy reference for baseball trajectories.",
+    epilog=f'Example: echo \'{{"kind": "at-bat"}}\' | longball solve\n\n{EXIT_STATUS}',
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,

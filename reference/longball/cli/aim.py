@@ -15,9 +15,9 @@ def aim(
     set_: list[str] | None = None,
     reading: list[str] | None = None,
 ) -> None:
-    """Find the launches that land at a target or pass through it: the scenes that hit it.
+    """Find the launches that land at a target or pass through it.
 
-    The scene is a flight; its speed is kept, and angle and direction are found, by default.
+    The scene is a flight. By default its speed is fixed, and angle and direction are found.
     """
     from longball.questions.aiming import aim as aimed
 

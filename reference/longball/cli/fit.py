@@ -25,7 +25,7 @@ def fit(
     json_: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Fit the paper's distributions of speeds and places to a table of pitches."""
+    """Fit the paper's distributions of speeds and locations to a table of pitches."""
     table = chosen_table(pitches, example)
     pairs = assignments("--column", column)
     columns = parsed(Columns, {name: json_or_number(value) for name, value in pairs.items()})

@@ -39,8 +39,8 @@ def flight(
 ) -> None:
     """Compute the flight of a batted ball.
 
-    It has the spin that a published regression expects at that angle and in that direction, as
-    measured flies have in `longball measured`; --set launch.spin=… gives it another.
+    Its spin comes from a published regression on angle and direction, as in `longball measured`;
+    --set launch.spin=… sets another.
     """
     blocks: dict[str, Any] = {}
     height = SEA_LEVEL

@@ -60,9 +60,8 @@ def homerun(
 ) -> None:
     """Compute the probability of a home run.
 
-    Quadrature integrates over the distributions that samples are drawn from, and also gives dP/de.
-    It takes a second or two for each e, and minutes under the few readings where P(e) has many
-    kinks; the error then shows how far it has converged.
+    Quadrature integrates over the distributions of the samples, and also gives dP/de. It takes one
+    to two seconds for each e, and minutes for readings under which P(e) has many kinks.
     """
     if method == "quadrature":
         refuse_if(

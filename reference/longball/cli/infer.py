@@ -29,9 +29,9 @@ def infer(
     reading: list[str] | None = None,
     json_: bool = False,
 ) -> None:
-    """Find numbers of a scene from what was measured: points of a path, or a landing.
+    """Fit numbers of a scene to measurements: points of a path, or a landing.
 
-    The scene has all that is known, and where the search for the unknowns starts.
+    The scene gives the known values and the starting values of the unknowns.
     """
     from longball.questions.inverse import fit
 

@@ -38,9 +38,9 @@ def measured(
 ) -> None:
     """Predict measured pitches or batted balls, and compare.
 
-    Each row becomes a scene, in the weather of its game. A pitch begins at its release, with the
-    spin that was measured, and is compared where it crosses the front of the plate. A batted ball
-    has the spin that a published regression expects of it, and is compared in its distance.
+    Each row becomes a scene, in the weather of its game. A pitch begins at its release with its
+    measured spin, and is compared where it crosses the front of the plate. A batted ball has the
+    spin from a published regression, and its distance is compared.
     """
     source = chosen_table(table, example)
     law = model_of(model)

@@ -29,10 +29,10 @@ def parks(
     scheduler: str | None = None,
     json_: bool = False,
 ) -> None:
-    """Tell in which parks batted balls are home runs, and by how much.
+    """List the parks in which batted balls are home runs, and by how much.
 
-    Each scene is flown with the fence of each park, and at its elevation if the scene's density is
-    a weather. Without scenes the parks are listed, with some of their numbers, and their sources.
+    Each scene gets the fence of each park in turn, and the park's elevation if the scene gives a
+    weather in place of a density. Without scenes, the command lists the parks and their sources.
     """
     with refusing("--"):
         where = [park_of(name) for name in park] if park else [*every_park()]

@@ -22,10 +22,10 @@ def plot(
     engine: engines.Name = "ivp",
     quiet: bool = False,
 ) -> None:
-    """Draw the paths of a few balls, or where many come down.
+    """Draw the paths of a few balls, or a spray chart of many.
 
-    Scenes are solved. Up to 12 paths are drawn to scale, from the side and from above; more balls
-    make a spray chart with home plate at the bottom. Fences are grey.
+    Up to 12 paths are drawn to scale, from the side and from above. The spray chart of more balls
+    has home plate at the bottom. Fences are grey.
     """
     from longball.pictures import FEW, drawn, save_paths, save_spray_chart
 

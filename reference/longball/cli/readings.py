@@ -23,7 +23,7 @@ def readings(
     json_: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Print the ledger of readings, and what each one does to P(e)."""
+    """Print the ledger of readings, and the effect of each one on P(e)."""
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
     effects: dict[Readings | None, Estimate] = {}
     if samples:

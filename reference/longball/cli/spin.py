@@ -24,10 +24,11 @@ def spin(
     json_: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Compute the spin that measured pitches need for their movement, and its active share.
+    """Compute the spin that causes the movement of measured pitches, and its active share.
 
-    The force across the way gives C_L in the weather of each game, and the model's law of lift the
-    spin. Text has the medians of each type; JSON has a line for each pitch, in SI units.
+    The force perpendicular to the path gives C_L in the weather of each game, and the model's law
+    of lift gives the spin. Text output has the medians of each pitch type, JSON output a line for
+    each pitch, in SI units.
     """
     law = model_of(model)
     pitches = pitches_of(table, example, games, column, spin=True)
