@@ -73,7 +73,7 @@ def fence_block(text: str) -> Any:
         try:
             radius = value_of("fence.radius", text)
         except ValueError as error:
-            wrong_call(f"--fence {text}: {error}")
+            wrong_call(f"--fence {text}: {str(error).removeprefix(f'fence.radius={text}: ')}")
         if not isinstance(radius, str):
             return {"radius": radius}
     try:

@@ -58,19 +58,16 @@ def judge(
         (command and results, "either --results FILE or -- COMMAND, not both"),
         (
             not (command or results or samples),
-            "-- COMMAND, --results FILE or --samples FILE is needed",
+            "give -- COMMAND, --results FILE or --samples FILE",
         ),
         (
             as_csv and not command,
-            "--as-csv says what a COMMAND reads and writes; --results takes FILE.csv by itself",
+            "--as-csv is for a COMMAND; --results recognises FILE.csv by its name",
         ),
-        (column and not results, "--column names the columns of --results FILE.csv"),
-        (seed is not None and not random, "--seed is that of the scenes of --random N"),
-        (readings and (scenes or random), "--readings is that of golden cases"),
-        (
-            knob and steps,
-            "either --steps or --knob, not both: one of them takes its values in turn",
-        ),
+        (column and not results, "--column is for the columns of --results FILE.csv"),
+        (seed is not None and not random, "--seed is for the scenes of --random N"),
+        (readings and (scenes or random), "--readings is for golden cases"),
+        (knob and steps, "either --steps or --knob, not both"),
         (
             sum(map(bool, (golden, scenes, random))) > 1,
             "either --golden, --scenes or --random, not two of them",
@@ -114,10 +111,7 @@ def judge(
             found = judge.evaluate_file(results, columns, drawn)
         elif command:
             if stepped:
-                note(
-                    f"after this run, at dt = {dt:g}, come some with other steps; --steps "
-                    "FROM:TO:COUNT says which"
-                )
+                note(f"first run: dt = {dt:g}; then runs with other steps (--steps FROM:TO:COUNT)")
             # One bar for both: the scenes answered, then the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
                 sweep = replace(sweep, progress=advance) if sweep else None
@@ -153,13 +147,16 @@ def further_options(
 
     said = []
     judged = [c for c in found.comparisons if c.judged and c.answer and not c.refused]
+    # Who has to mend a program has no use for harder tests.
+    if found.verdict.status == "FAILED":
+        return ""
     if judged and isinstance(rule, Converged):
         right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
-        said.append(f"to the last digits {right} of {len(judged)} are right (--profile exact)")
+        said.append(f"at --profile exact, {right} of {len(judged)} are right")
     if judged and not others:
         tried = {case.case.family for case in found.comparisons}
         more = [name for name in reader.header().families if name not in tried]
-        said += [f"not tried: {', '.join(more)} (--golden all)"] if more else []
+        said += [f"not tested: {', '.join(more)} (--golden all)"] if more else []
     return "; ".join(said)
 
 

@@ -18,7 +18,8 @@ from longball.model.units import unit_of
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
     """Return one sentence for each fault in data that do not fit a `model`."""
-    return "; ".join(_explain_fault(dict(fault), model) for fault in error.errors())
+    sentences = (_explain_fault(dict(fault), model) for fault in error.errors())
+    return "; ".join(dict.fromkeys(sentences))
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
@@ -38,8 +39,13 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
                 here = f"the keys here are {', '.join(keys)}"
                 return f"{where}: unknown key; {here}; {key} is a key of {' and of '.join(homes)}"
             return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
+        case "missing" if isinstance(location[-1], int):
+            # One sentence for all numbers that a vector lacks.
+            vector, count = where.rpartition("[")[0], len(fault["input"])
+            form = _listed(annotation, about)
+            return f"{vector}[{count}]: is missing; {vector} must be {form}"
         case "missing":
-            form = "" if isinstance(location[-1], int) else _form_of(annotation, about)
+            form = _form_of(annotation, about)
             return f"{where}: is missing{form and f'; it is {form}'}"
         case "float_type" if fault["input"] is None and isinstance(location[-1], int):
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
