@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from longball import engines
 from longball.engines import chain
+from longball.engines.chain import BLOCKS
 from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
 from longball.engines.path import Trajectory
 from longball.extras import naming_extras
@@ -244,6 +245,11 @@ class Solution:
 
     def __getattr__(self, name: str) -> Any:
         # Blocks and top-level keys; the declarations above are for type checkers.
+        if name in BLOCKS and isinstance(self._result, dict):
+            # One block alone: most callers ask thousands of solutions for the same one.
+            block = self._result.get(name)
+            vars(self)[name] = block and BLOCKS[name].model_validate(block)
+            return vars(self)[name]
         if name in Result.model_fields:
             return getattr(self.result, name)
         raise AttributeError(f"a solution has no attribute {name!r}")
@@ -260,7 +266,7 @@ class Solution:
             blocks = chain.PARTS.items()
             known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
             raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
-        return at(self.result, name)
+        return at(self._result, name) if keys[0] in BLOCKS else at(self.result, name)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, without the quantities it does not have."""
@@ -323,7 +329,7 @@ class Solution:
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield name, value and unit of every quantity."""
         # In the order of the model, with inner blocks (plate.approach) after their own.
-        blocks = [*chain.BLOCKS]
+        blocks = [*BLOCKS]
         for name in sorted(chain.PARTS, key=lambda part: blocks.index(part.split(".")[0])):
             block = at(self.result, name)
             for key, field in type(block).model_fields.items() if block else ():
