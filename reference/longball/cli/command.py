@@ -10,6 +10,7 @@ from typer.core import TyperCommand
 
 from longball.cli.messages import note
 from longball.cli.settings import INSTEAD
+from longball.cli.usage import UsageError
 
 # What help calls the types of values; other forms stand as they are, as a|b.
 TYPES = {"str": "TEXT", "int": "N", "float": "X", "path": "FILE"}
@@ -28,7 +29,11 @@ class Command(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Parse the arguments; what they give stands for what a file gives in its place."""
         # Typer gives its parameters the values of the file and of the defaults here.
-        rest = super().parse_args(ctx, args)
+        try:
+            rest = super().parse_args(ctx, args)
+        except UsageError as error:
+            error.ctx = error.ctx or ctx  # of an option without its value it is not known
+            raise
         for names in INSTEAD:
             if any(given_by(ctx, name) == "COMMANDLINE" for name in names):
                 ctx.params |= {name: None for name in names if given_by(ctx, name) == "DEFAULT_MAP"}

@@ -28,7 +28,8 @@ def fit(
     """Fit the paper's distributions of speeds and locations to a table of pitches."""
     table = chosen_table(pitches, example)
     pairs = assignments("--column", column)
-    columns = parsed(Columns, {name: json_or_number(value) for name, value in pairs.items()})
+    values = {name: json_or_number(value) for name, value in pairs.items()}
+    columns = parsed(Columns, values, "--column ")
     classes: dict[str, Any] = {}
     if straight is not None:
         classes = {"straight": tuple(straight.split(",")), "breaking": None}

@@ -81,7 +81,7 @@ def _wind(text: str) -> list[float]:
     amount, _, word = text.strip().rpartition(" ")
     if word not in WAYS or not amount:
         ways = ", ".join(WAYS)
-        wrong_call(f"--wind {text}: say how fast and where to, as '10 mph out': {ways}")
+        wrong_call(f"--wind {text}: must be a speed and one of {ways}, such as '10 mph out'")
     # Level winds along the four directions of a field; --set air.wind takes any vector.
     speed = in_si("--wind", amount, "m/s")
     return [speed * way for way in WAYS[word]] + [0.0]

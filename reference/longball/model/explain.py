@@ -123,7 +123,11 @@ def in_our_words(message: str) -> str:
     """Reword pydantic's message on a value as the end of a sentence about it."""
     message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
     message = message.replace("a valid integer", "a whole number")
+    message = re.sub("(greater|less) than or equal to", lambda side: _BOUNDS[side[1]], message)
     return message.replace("should", "must").replace("a valid number", "a number")
+
+
+_BOUNDS = {"greater": "at least", "less": "at most"}
 
 
 # Of numbers that are likely to be in another unit if they are beyond their limits.

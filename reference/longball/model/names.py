@@ -17,8 +17,11 @@ def one_of(these_are: str, given: object, known: Iterable[str]) -> str:
     names = [*known]
     shown = f"{these_are} {', '.join(names)}"
     if hint := did_you_mean(given, names):
-        return f"{hint} {shown[0].upper()}{shown[1:]}"
+        return f"{hint} {shown[0].upper()}{shown[1:]}" if len(names) <= _MOST_NAMES else hint
     return f"; {shown}"
+
+
+_MOST_NAMES = 20  # beside one that is meant: a line of more hides it
 
 
 def did_you_mean(given: object, known: Iterable[str]) -> str:
@@ -48,8 +51,11 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
 def nearest_file(path: str | Path) -> str:
     """Return ``, did you mean NAME?`` with a file beside a path that does not exist, or ``""``."""
     folder = Path(path).parent
-    known = [file.name for file in folder.iterdir()] if folder.is_dir() else []
-    return did_you_mean(Path(path).name, known)
+    files = [*folder.iterdir()] if folder.is_dir() else []
+    # Without the endings, which are alike: missing.jsonl is not s.jsonl.
+    near = did_you_mean(Path(path).stem, {file.stem for file in files})
+    meant = [file.name for file in files if near == f", did you mean {file.stem}?"]
+    return f", did you mean {meant[0]}?" if meant else ""
 
 
 def letters(name: str) -> str:
