@@ -51,11 +51,17 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
 def nearest_file(path: str | Path) -> str:
     """Return ``, did you mean NAME?`` with a file beside a path that does not exist, or ``""``."""
     folder = Path(path).parent
-    files = [*folder.iterdir()] if folder.is_dir() else []
-    # Without the endings, which are alike: missing.jsonl is not s.jsonl.
-    near = did_you_mean(Path(path).stem, {file.stem for file in files})
-    meant = [file.name for file in files if near == f", did you mean {file.stem}?"]
-    return f", did you mean {meant[0]}?" if meant else ""
+    stem = Path(path).stem
+    # A common ending alone is no likeness: missing.jsonl is not s.jsonl.
+    known = [
+        file.name
+        for file in (folder.iterdir() if folder.is_dir() else ())
+        if difflib.SequenceMatcher(None, stem, file.stem).ratio() > _LIKENESS
+    ]
+    return did_you_mean(Path(path).name, known)
+
+
+_LIKENESS = 0.4  # of stems: fly and flies have 0.5
 
 
 def letters(name: str) -> str:
