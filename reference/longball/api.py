@@ -253,6 +253,7 @@ def solve(
     """
     # The scene comes first: of two mistakes it is the likelier one.
     asked, solver = as_scene(scene), as_engine(engine, options)
+    # Truthy texts such as "no" are mistakes.
     certify = engines.of_type(bool, "certify", certify)
     if certify and derivatives:
         raise ValueError("derivatives are not certified; engine = 'enclosure' proves them")
@@ -398,6 +399,7 @@ def home_run_probability(
 
         fitted = pitches if isinstance(pitches, FittedPitches) else load_fitted(pitches)
         at_bats = fitted.drawn_in(at_bats)
+    # Both methods integrate over the same distributions, and can be compared.
     problem = base, at_bats, restitutions
     rows: Sequence[home_run.Estimate | home_run.Integral]
     space = sampling.sample_space
@@ -426,6 +428,7 @@ def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]
     if not isinstance(switches, Mapping):
         raise TypeError(f"reading: a mapping from switches is needed; not {_of_type(switches)}")
     known = (*Reading.model_fields, *SamplingReading.model_fields)
+    # Pydantic would name the first model alone; a switch may belong to either.
     for name in switches:
         if name not in known:
             raise ValueError(f"reading: {name!r} is not a switch; they are {', '.join(known)}")

@@ -99,6 +99,7 @@ class Path:
             If a time is no number.
         """
         times = real_numbers("time", time)
+        # `~` and not the opposite comparisons, so that NaN is outside, too.
         outside = times[~((times >= self.start) & (times <= self.end))]
         if outside.size:
             raise ValueError(
@@ -132,6 +133,7 @@ class Path:
         """
         import pandas as pd
 
+        # Whoever has times looks for `at`.
         if np.ndim(points):
             raise TypeError(f"points = {points!r}: how many is asked; path.at takes times")
         count = engines.whole_number("points", points, 2)
@@ -166,6 +168,7 @@ class Path:
         position = self.at(np.linspace(self.start, self.end, _PLOTTED)).position
         axes.plot(position[:, 0], position[:, 2])
         axes.set(xlabel="x, from the plate towards the pitcher (m)", ylabel="height z (m)")
+        # To scale: an angle of launch is the angle that is seen.
         axes.set_aspect("equal", adjustable="datalim")
         return axes
 

@@ -23,6 +23,7 @@ def aim(
 
     if not target:
         wrong_call("--target: what is to be hit is needed, such as --target 110")
+    # One number is a distance, two are a point on the ground, three a point of the path.
     numbers = [in_si("--target", part, "m") for part in target.split(",")]
     scene = one_scene(source, chosen_changes(set_, None, reading))
     with answering():

@@ -30,6 +30,7 @@ def fit(
     pairs = assignments("--column", column)
     values = {name: json_or_number(value) for name, value in pairs.items()}
     columns = parsed(Columns, values, "--column ")
+    # Without --breaking, all other types break: Statcast's names would not fit the table's.
     classes: dict[str, Any] = {}
     if straight is not None:
         classes = {"straight": tuple(straight.split(",")), "breaking": None}

@@ -57,11 +57,13 @@ def flight(
     ball = _ball(
         in_si("--speed", speed, "m/s"),
         in_si("--angle", angle, "rad", "deg"),
+        # Scenes count to the left, as y does; measured bearings to right field.
         -in_si("--direction", direction, "rad", "deg"),
         {"R": 1.0, "L": -1.0, None: 0.0}[bats],
         in_si("--temperature", temperature, "K"),
         height if elevation is None else in_si("--elevation", elevation, "m"),
     )
+    # The same way as a row of a table goes, so that both have the same spin and weather.
     (scene,) = scenes(ball, model_of(model), change=change)
     if isinstance(scene, InvalidScene):
         wrong_call(str(scene).partition("is no scene: ")[2])
@@ -83,6 +85,7 @@ def _wind(text: str) -> list[float]:
         ways = ", ".join(WAYS)
         wrong_call(f"--wind {text}: must be a speed and one of {ways}, such as '10 mph out'")
     # Level winds along the four directions of a field; --set air.wind takes any vector.
+    # The speed of 10 mph out is what stands before the last word.
     speed = in_si("--wind", amount, "m/s")
     return [speed * way for way in WAYS[word]] + [0.0]
 
@@ -91,6 +94,7 @@ def _ball(
     speed: float, angle: float, bearing: float, side: float, temperature: float, elevation: float
 ) -> MeasuredFlies:
     """Return one ball as measured ones are; its bearing is positive to right field."""
+    # `not >` also refuses NaN.
     if not speed > 0.0:
         wrong_call(f"--speed: must be positive (got {speed} m/s)")
     one = {

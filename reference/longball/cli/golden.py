@@ -76,6 +76,7 @@ def write(
     """
     from longball.golden import home_runs, writer  # with them come the engines
 
+    # Names are checked first: the writer works for minutes before it comes to them.
     families = reader.header().families
     if unknown := set(family or []) - families.keys():
         name = min(unknown)
@@ -84,6 +85,7 @@ def write(
         with progress_bar("cases", 1) as advance:
             count = writer.write(folder, only=family or None, workers=workers, progress=advance)
         note(f"{count} cases in {folder}")
+    # Probabilities belong to no family.
     if part != "cases" and not family:
         with progress_bar("probabilities", 1) as advance:
             count = home_runs.write_probabilities(folder, workers=workers, progress=advance)
@@ -109,6 +111,7 @@ def coverage(
         found = covered([*reader.load("all"), *own], every, advance)
     mine = [i for i, case in enumerate(found.cases) if case.family == "own"]
     shown = found.noticed[:, mine].sum(axis=1) > 0
+    # The edits of fewest bits are the mistakes that authors make most often.
     likeliest = sorted(range(len(shown)), key=found.bits.__getitem__)
     missed = [found.told(i) for i in likeliest if not shown[i]]
     by_stage = found.by_stage(shown)
@@ -157,6 +160,7 @@ def check(
         tell(report.left_out)
     if report.confirmed:
         note(report.confirmed)
+    # The oracle knows the shipped set alone.
     if target.resolve() == reader.DATA:
         note("python -m tests.oracle_check solves them by a program that shares no line with these")
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"

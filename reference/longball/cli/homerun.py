@@ -63,6 +63,7 @@ def homerun(
     Quadrature integrates over the distributions of the samples, and also gives dP/de. It takes one
     to two seconds for each e, and minutes for readings under which P(e) has many kinks.
     """
+    # Options of samples that are silently ignored would look as if they had an effect.
     if method == "quadrature":
         refuse_if(
             (engine != "batch", f"--engine {engine}: quadrature takes the engine batch"),
@@ -75,6 +76,7 @@ def homerun(
     base = base_scene(switches["scene"], set_ or [], fence)
     if base.fence is not None and method == "quadrature":
         wrong_call("--fence: quadrature takes the distance of 150 m; take --method monte-carlo")
+    # Everything is checked before the first flight: a run may take hours.
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
     curve = figure_curve(switches["figure"])
     restitutions = parse_restitutions(e)
@@ -82,6 +84,7 @@ def homerun(
     if pitches:
         with refusing():
             at_bats = load_fitted(pitches).drawn_in(at_bats)
+    # The same seed, and so the same at-bats that the estimates are of.
     if scenes:
         write_scenes(scenes, base, at_bats, restitutions, samples, seed)
     problem, space = (base, at_bats, restitutions), sampling.sample_space
@@ -125,6 +128,7 @@ def homerun(
         print(json.dumps(data, ensure_ascii=False))
     else:
         print_probability(rows, fitted, curves, curve)
+    # After the table, which holds all the same: nobody should lose an hour's work to one at-bat.
     if failed:
         fail(f"{failed} at-bats could not be solved; they count as no home run")
 

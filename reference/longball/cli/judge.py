@@ -105,6 +105,7 @@ def judge(
         # Some programs do not know the defaults. The others get the scenes as they are written.
         if write_defaults:
             cases = [with_defaults(case) for case in cases]
+        # Options are checked by now: a program may run for an hour.
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
             columns = assignments("--column", column)
@@ -122,6 +123,7 @@ def judge(
             found = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
     if html:
         html.write_text(page.page(found), encoding="utf-8")
+    # GitHub's log shows the text, too, below the annotations.
     text = render(found.verdict, table=table).rstrip()
     if further := further_options(found, rule, golden, scenes or random):
         text += f"\n\nfurther: {further}"
@@ -196,6 +198,7 @@ def cases_of(
             cases = proven(asked, progress=advance)
         drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
         return list(cases), f"proven values of {random} random {drawn}, seed {seed}"
+    # Without a family, a first-time author is asked for the paper's model in its default reading.
     found: list[Case] = [] if golden else [*load()]
     for name in dict.fromkeys(golden or ()):
         found += proven(usual_constants(), USUAL) if name == USUAL else load(name)

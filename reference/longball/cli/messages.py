@@ -108,6 +108,7 @@ def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 @contextmanager
 def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
     """Show progress on a terminal; yield a function that takes the work done (and the total)."""
+    # In a file or a pipe a bar is noise.
     if say.quiet or not say.is_terminal:
         yield lambda done, of=total: None
         return
@@ -120,6 +121,7 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
 
         def advance(done: int, of: int = total) -> None:
             nonlocal shown
+            # Ten times a second: to draw a bar takes longer than to solve a flight.
             if done >= of or time.monotonic() > shown + 0.1:
                 bar.update(task, completed=done, total=of)
                 shown = time.monotonic()

@@ -33,6 +33,7 @@ def movement(
         clocks = [*map(clock, found["across"].tolist(), found["up"].tolist())]
         show_each(pitches, found | {"clock": np.array(clocks)})
         return
+    # Pitches of left- and right-handers break to opposite sides, and would cancel in a median.
     shown = {
         "across, in": abs(found["across"]) / INCH,
         "up, in": found["up"] / INCH,

@@ -27,6 +27,7 @@ def readings(
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
     effects: dict[Readings | None, Estimate] = {}
     if samples:
+        # The default of each switch is the same reading, and is solved once.
         switched = dict.fromkeys(found for line in lines if (found := readings_with(*line)))
         with progress_bar("readings", len(switched)) as advance:
             for done, (reading, sampling) in enumerate(switched, 1):

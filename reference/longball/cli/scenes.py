@@ -110,6 +110,7 @@ def one_scene(source: str, change: Changes) -> Scene:
     """Return the scene of a file with one; several, or none, are a wrong call."""
     with scenes_from(source) as lines:
         written = [line for line in lines if line.strip()]
+    # A search has one start.
     if len(written) != 1:
         wrong_call(f"{named(source)} has {len(written)} scenes, and one is needed")
     try:

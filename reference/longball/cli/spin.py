@@ -45,6 +45,7 @@ def spin(
         }
         show_types(pitches, shown)
     above, beyond = (found["active_share"] > 1.0).sum(), np.isnan(found["transverse"]).sum()
+    # Both are findings on the table, and no failures: the rows have their numbers, or NaN.
     if above:
         note(f"the active share of {above} pitches is above 1: they move more than their spin can")
     if beyond:
