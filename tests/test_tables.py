@@ -76,6 +76,7 @@ def test_dicts_of_one_form_have_the_answers_of_their_scenes():
     # Ten are too few to be read as columns.
     alone = [one for i in range(0, 300, 10) for one in lb.solve_many(scenes[i : i + 10])]
     together = lb.solve_many(scenes, workers=1)
+    assert [x.apex for x in together] == [x.apex for x in alone]
     assert [x.to_dict() for x in together] == [x.to_dict() for x in alone]
     assert [x.scene for x in together] == [x.scene for x in alone]
     assert sum(x.error is not None for x in together) == 11
