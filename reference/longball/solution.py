@@ -19,7 +19,7 @@ from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.model.arrays import Array
 from longball.model.explain import parts_of
-from longball.model.names import one_of
+from longball.model.names import did_you_mean, one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
 from longball.model.quantities import at
@@ -255,7 +255,8 @@ class Solution:
             return vars(self)[name]
         if name in Result.model_fields:
             return getattr(self.result, name)
-        raise AttributeError(f"a solution has no attribute {name!r}")
+        hint = "" if name.startswith("_") else did_you_mean(name, _quantities())
+        raise AttributeError(f"a solution has no attribute {name!r}{hint}")
 
     def __getitem__(self, name: str) -> Any:
         """Return a quantity by its name, such as ``landing.position[0]``; None if it is left out.
@@ -266,9 +267,7 @@ class Solution:
         # this outcome lacks.
         keys = re.sub(r"\[\d+\]", "", name).split(".")
         if not parts_of(Result, keys):
-            blocks = chain.PARTS.items()
-            known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
-            raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
+            raise ValueError(f"{name}: no result has it{one_of('they have', name, _quantities())}")
         return at(self._result, name) if keys[0] in BLOCKS else at(self.result, name)
 
     def to_dict(self) -> dict[str, Any]:
@@ -341,6 +340,11 @@ class Solution:
                 ) is not None and f"{name}.{key}" not in chain.PARTS:
                     unit = _UNIT.match(field.description or "")
                     yield f"{name}.{key}", _shown(value), unit[0] if unit else ""
+
+
+def _quantities() -> list[str]:
+    """Return the names of all quantities that results have."""
+    return [f"{name}.{key}" for name, block in chain.PARTS.items() for key in block.model_fields]
 
 
 if TYPE_CHECKING:

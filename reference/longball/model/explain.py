@@ -33,6 +33,11 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             outer = re.split(r"[.\[]", key)[0]
             if outer != key and outer in keys:  # also of a table that gives the block whole
                 return f"{where}: unknown key; put it inside {outer}"
+            from longball.model.inputs import TRACKED  # which knows scenes
+
+            if where in TRACKED:
+                made = f"lb.launch(…) and --set {where}=… make {', '.join(keys)} of it"
+                return f"{where}: unknown key; {made}"
             # A key of another block: density outside of air.
             homes = [name for name in model.model_fields if key in keys_of(model, [name])]
             if homes and not any(letters(key) == letters(name) for name in keys):
