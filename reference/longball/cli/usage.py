@@ -50,7 +50,7 @@ def _sentence(error: Any) -> str:
 
 
 def _of_value(error: Any, command: Any, parameter: Any) -> str:
-    """Say what is wrong with the value of an option or an argument."""
+    """Return the sentence on the value of an option or an argument."""
     from longball.model.explain import in_our_words
 
     is_argument = parameter.param_type_name == "argument"
