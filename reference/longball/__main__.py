@@ -107,6 +107,7 @@ def _tell(sentence: str) -> None:
 def _sentence(error: Exception) -> str:
     if isinstance(error, MissingExtra):
         return str(error)
+    # Most names of files that are not there are slips of a letter or an ending.
     if isinstance(error, FileNotFoundError) and isinstance(error.filename, str):
         from longball.model.names import nearest_file
 

@@ -181,6 +181,7 @@ def as_scene(written: object) -> Scene:
     if isinstance(written, str | bytes):
         return parse_scene(written)
     if isinstance(written, Mapping):
+        # A mapping may hold itself.
         try:
             return scene_of(plain(written))
         except RecursionError:
@@ -292,6 +293,7 @@ def solve(
     result, trajectory = chain.solve_with_path(asked, solver)
     if result.error is not None:
         raise error_of(result)
+    # The engine's own double is certified, so that it stays the same with and without a bound.
     if certify:
         from longball.engines.certify import certify as certified  # brings ball arithmetic
 
@@ -316,6 +318,7 @@ def derivatives_in(
 
 def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
     """Return the names of some inputs of a scene, checked, or of all."""
+    # True stands for all of them.
     if isinstance(names, bool):
         return [*inputs(scene)]
     return require_inputs(scene, names)
@@ -423,6 +426,7 @@ def home_run_probability(
     if not isinstance(base, AtBatScene):
         raise ValueError(f"scene: an at-bat is needed, and this is a {base.kind}")
     home_run.refuse_drawn(base)
+    # Readings of the argument replace those of the scene: both at once would be ambiguous.
     if reading:
         base = base.model_copy(update={"reading": physics})
     at_bats = home_run.paper_at_bats(sampling)

@@ -200,6 +200,7 @@ def drawn(
 def _end(result: Result) -> str | None:
     if result.outcome in ("home_run", "wall"):
         return result.outcome.replace("_", " ")
+    # Ties of the foul line are fair, as in the model.
     if result.landing is None:
         return None
     x, y, _ = map(float, result.landing.position)
@@ -266,6 +267,7 @@ def save_spray_chart(path: Path, scenes: Sequence[Drawn]) -> None:
                 f"{radius:g} m", (arc.real[0], arc.imag[0]), (4, -4), textcoords="offset points",
                 color="0.4", fontsize="small", va="top",
             )  # fmt: skip
+        # The foul lines end at the last arc.
         corner = farthest / math.sqrt(2)
         axes.plot([-corner, 0.0, corner], [corner, 0.0, corner], color="0.3", linewidth=1.0)
         _draw_fences(axes, [np.column_stack([-f[:, 1], f[:, 0]]) for f in fences.values()])

@@ -34,6 +34,7 @@ class Command(TyperCommand):
         except UsageError as error:
             error.ctx = error.ctx or ctx  # of an option without its value it is not known
             raise
+        # A COMMAND on the command line takes the place of results in the file, and so on.
         for names in INSTEAD:
             if any(given_by(ctx, name) == "COMMANDLINE" for name in names):
                 ctx.params |= {name: None for name in names if given_by(ctx, name) == "DEFAULT_MAP"}
@@ -44,6 +45,7 @@ class Command(TyperCommand):
         names = (name for name, parameter in self.named_options().items()
                  if given_by(ctx, parameter.name) == "DEFAULT_MAP"
                  and ctx.params.get(parameter.name) is not None)  # fmt: skip
+        # Values that nobody sees would be searched for in vain when a verdict surprises.
         if given := ", ".join(names):
             note(f"{self.settings} gives {given}")
         return super().invoke(ctx)

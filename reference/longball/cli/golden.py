@@ -105,6 +105,7 @@ def coverage(
     from longball.judge.diagnosis.findings import many
     from longball.judge.fresh import proven
 
+    # An edit is detected by proven answers, which golden cases have and own scenes need.
     with refusing():
         own = proven(list(read_scenes(scenes)), "own")
     with progress_bar("edits", EDITS // every) as advance:

@@ -146,6 +146,7 @@ def base_scene(
 ) -> AtBatScene:
     """Return the at-bat that options describe, with everything that is not drawn at random."""
     change = chosen_changes(values, fence)
+    # Through a line of JSON, so that options are checked as scenes are.
     with refusing():
         line = json.dumps({"id": "base", "kind": "at-bat", "reading": reading})
         found = parse_scene(line, change)
@@ -223,6 +224,7 @@ def print_probability(
     rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], chosen: Fig7Parameters
 ) -> None:
     """Print P(e) beside the paper's printed curves, and its difference from one of them."""
+    # Samples have a confidence interval, integrals an error and a derivative.
     sampled = isinstance(rows[0], Estimate)
     found = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
     beside = ("paper's caption", "text", "difference") if curves else ()
@@ -232,6 +234,7 @@ def print_probability(
         off = [f"{row.p - curves[chosen](row.e):+.4f}"] if curves else []
         table.append((f"{row.e:g}", *found_at(row), *of_paper, *off))
     show(("e", *found, *beside), table)
+    # The paper's curves and form are of its own fence; another one has nothing beside it.
     if not curves:
         return
     if fitted:

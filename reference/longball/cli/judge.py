@@ -73,6 +73,7 @@ def judge(
             "either --golden, --scenes or --random, not two of them",
         ),
     )
+    # A missing library is an error now, and not after the program has run for minutes.
     if html:
         import_module("matplotlib")  # it draws the page's pictures
     # The judge brings compiled code with it, and --help does not need it.
@@ -191,6 +192,7 @@ def cases_of(
     if scenes:
         given = [x for x in read_scenes(scenes) if not chosen or x.kind in chosen]
         return list(proven(given)), f"proven values of {scenes}"
+    # Random scenes have no stored answers: they are proven here, which takes most of the time.
     if random:
         seed = 1 if seed is None else seed
         asked = list(random_scenes(random, seed, chosen or DRAWN))

@@ -64,6 +64,7 @@ def exit_unless(passed: object) -> None:
 @contextmanager
 def failing_unless(passed: bool) -> Iterator[None]:
     """Exit with status 1 after a failed verdict is printed, even if standard output is closed."""
+    # In `finally`: if the reader has left, printing raises, and the status must still tell.
     try:
         yield
     finally:

@@ -31,6 +31,7 @@ def _workers(workers: int) -> int:
         checked(workers)
     except ValueError as error:
         raise typer.BadParameter(str(error).removeprefix("workers = ")) from None
+    # A missing library is an error now, and not after the scenes are read.
     if workers > 1:
         import_module("joblib")
     return workers
@@ -55,6 +56,7 @@ def _writable(file: Path | None) -> Path | None:
 
 def _drawable(file: Path | None) -> Path | None:
     if _writable(file) and file:
+        # Matplotlib would add an ending of its own, and the file be another than was checked.
         file = file if file.suffix else file.with_suffix(".png")
         with naming_extras():
             from matplotlib.backend_bases import FigureCanvasBase  # slow to import
@@ -65,6 +67,7 @@ def _drawable(file: Path | None) -> Path | None:
     return file
 
 
+# Formats of scenes and results, by the ending of a file's name.
 TABLES = (".csv", ".parquet")
 LINES = (".jsonl", ".ndjson", ".json", "")
 
@@ -75,6 +78,7 @@ def ending(file: str | Path) -> str:
 
 
 def _results(output: Path | None) -> Path | None:
+    # Another ending is a slip, such as .xlsx: JSON in it would be found out much later.
     if output is None or str(output) == "-":
         return None
     if ending(output) not in (*LINES, *TABLES):
@@ -325,6 +329,7 @@ def command_of(name: str, function: Callable[..., None], epilog: str) -> Any:
     def run(**values: Any) -> None:
         function(**values)
 
+    # Typer reads the signature alone. A plain function stays callable from Python and from tests.
     declared = signature(function)
     run.__signature__ = declared.replace(  # type: ignore[attr-defined]
         parameters=[
