@@ -16,132 +16,50 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from longball import (
-        convergence as convergence,
-    )
-    from longball import (
-        golden as golden,
-    )
-    from longball import (
-        judge as judge,
-    )
+    from longball import convergence, golden, judge
     from longball.api import (
-        AtBat as AtBat,
+        AtBat,
+        Flight,
+        Impact,
+        Pitch,
+        home_run_probability,
+        launch,
+        solve,
     )
-    from longball.api import (
-        Flight as Flight,
-    )
-    from longball.api import (
-        Impact as Impact,
-    )
-    from longball.api import (
-        Pitch as Pitch,
-    )
-    from longball.api import (
-        home_run_probability as home_run_probability,
-    )
-    from longball.api import (
-        launch as launch,
-    )
-    from longball.api import (
-        solve as solve,
-    )
-    from longball.engines.engine import CannotSolve as CannotSolve
-    from longball.model.air import (
-        Air as Air,
-    )
-    from longball.model.air import (
-        Weather as Weather,
-    )
-    from longball.model.numbers import Undecided as Undecided
-    from longball.model.readings import Reading as Reading
+    from longball.engines.engine import CannotSolve
+    from longball.model.air import Air, Weather
+    from longball.model.numbers import Undecided
+    from longball.model.readings import Reading
     from longball.model.scene import (
-        Ball as Ball,
+        Ball,
+        Bat,
+        Earth,
+        Fence,
+        Ground,
+        Incoming,
+        InvalidScene,
+        Launch,
+        Swing,
     )
-    from longball.model.scene import (
-        Bat as Bat,
-    )
-    from longball.model.scene import (
-        Earth as Earth,
-    )
-    from longball.model.scene import (
-        Fence as Fence,
-    )
-    from longball.model.scene import (
-        Ground as Ground,
-    )
-    from longball.model.scene import (
-        Incoming as Incoming,
-    )
-    from longball.model.scene import (
-        InvalidScene as InvalidScene,
-    )
-    from longball.model.scene import (
-        Launch as Launch,
-    )
-    from longball.model.scene import (
-        Swing as Swing,
-    )
-    from longball.pitches import (
-        fit_pitches as fit_pitches,
-    )
-    from longball.pitches import (
-        measured as measured,
-    )
-    from longball.questions.aiming import aim as aim
-    from longball.questions.inverse import fit as fit
+    from longball.pitches import fit_pitches, measured
+    from longball.questions.aiming import aim
+    from longball.questions.inverse import fit
     from longball.questions.movement import (
-        Movement as Movement,
+        Movement,
+        NineParameters,
+        clock,
+        movement,
+        nine_parameters,
     )
-    from longball.questions.movement import (
-        NineParameters as NineParameters,
-    )
-    from longball.questions.movement import (
-        clock as clock,
-    )
-    from longball.questions.movement import (
-        movement as movement,
-    )
-    from longball.questions.movement import (
-        nine_parameters as nine_parameters,
-    )
-    from longball.questions.parks import (
-        InPark as InPark,
-    )
-    from longball.questions.parks import (
-        Park as Park,
-    )
-    from longball.questions.parks import (
-        in_parks as in_parks,
-    )
-    from longball.questions.parks import (
-        park as park,
-    )
-    from longball.questions.parks import (
-        parks as parks,
-    )
-    from longball.questions.spin import (
-        SpinFromMovement as SpinFromMovement,
-    )
-    from longball.questions.spin import (
-        spin_from_movement as spin_from_movement,
-    )
-    from longball.questions.uncertainty import uncertainty as uncertainty
-    from longball.solution import (
-        Path as Path,
-    )
-    from longball.solution import (
-        Solution as Solution,
-    )
-    from longball.solution import (
-        State as State,
-    )
-    from longball.tables import solve_many as solve_many
+    from longball.questions.parks import InPark, Park, in_parks, park, parks
+    from longball.questions.spin import SpinFromMovement, spin_from_movement
+    from longball.questions.uncertainty import uncertainty
+    from longball.solution import Path, Solution, State
+    from longball.tables import solve_many
 
 __version__ = "0.1.0"
 
-# Modules of the public names, which are imported on first use: `import longball` loads no library,
-# and the command line starts in a tenth of a second. Type checkers read the imports above.
+# Where public names are, which are imported when they are first asked for.
 _HOMES = {
     "api": (
         *("AtBat", "Flight", "Impact", "Pitch"),
@@ -166,10 +84,58 @@ _HOMES = {
 }
 _PACKAGES = ("convergence", "golden", "judge")
 
-__all__ = sorted(["__version__", *_PACKAGES, *(n for names in _HOMES.values() for n in names)])
+__all__ = [
+    "Air",
+    "AtBat",
+    "Ball",
+    "Bat",
+    "CannotSolve",
+    "Earth",
+    "Fence",
+    "Flight",
+    "Ground",
+    "Impact",
+    "InPark",
+    "Incoming",
+    "InvalidScene",
+    "Launch",
+    "Movement",
+    "NineParameters",
+    "Park",
+    "Path",
+    "Pitch",
+    "Reading",
+    "Solution",
+    "SpinFromMovement",
+    "State",
+    "Swing",
+    "Undecided",
+    "Weather",
+    "__version__",
+    "aim",
+    "clock",
+    "convergence",
+    "fit",
+    "fit_pitches",
+    "golden",
+    "home_run_probability",
+    "in_parks",
+    "judge",
+    "launch",
+    "measured",
+    "movement",
+    "nine_parameters",
+    "park",
+    "parks",
+    "solve",
+    "solve_many",
+    "spin_from_movement",
+    "uncertainty",
+]
 
 
 def __getattr__(name: str) -> Any:
+    # `import longball` alone loads no library.
     if name in _PACKAGES:
         return import_module(f"longball.{name}")
     for home, names in _HOMES.items():
