@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +22,8 @@ from longball.questions.parks import park as park_of
 
 # Where a wind blows to: along x and y.
 WAYS = {"out": (1.0, 0.0), "in": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
+
+HIGHEST = 3000.0  # m, above all parks: Mexico City has 2,240
 
 
 def flight(
@@ -65,6 +68,8 @@ def flight(
     )
     # The same way as a row of a table goes, so that both have the same spin and weather.
     (scene,) = scenes(ball, model_of(model), change=change)
+    if ball.elevation[0] > HIGHEST:
+        note(f"--elevation: {ball.elevation[0]:g} m is above all parks; is it in ft?")
     if isinstance(scene, InvalidScene):
         wrong_call(str(scene).partition("is no scene: ")[2])
     for key, question in doubts(scene):
@@ -81,7 +86,8 @@ def flight(
 def _wind(text: str) -> list[float]:
     """Return the wind of a text such as 10 mph out, m/s."""
     amount, _, word = text.strip().rpartition(" ")
-    if word not in WAYS or not amount:
+    # "10 mph from left" has a word too many for a speed.
+    if word not in WAYS or not re.fullmatch(r"[-+.\deE]+\s*[^\s\d]*", amount):
         ways = ", ".join(WAYS)
         wrong_call(f"--wind {text}: must be a speed and one of {ways}, such as '10 mph out'")
     # Level winds along the four directions of a field; --set air.wind takes any vector.
