@@ -7,7 +7,7 @@ import json
 import math
 import sys
 
-# What a scene leaves out has the value of the paper's model.
+# Defaults of the paper's model.
 DEFAULTS = {
     "ball": {"mass": 0.145, "radius": 0.0366},
     "air": {"density": 1.29, "drag_coefficient": 0.4, "lift_coefficient": 0.2},
@@ -17,8 +17,8 @@ DEFAULTS = {
 }
 
 
-def filled_in(scene):
-    """Return a scene with the defaults that it leaves out."""
+def with_defaults(scene):
+    """Return a scene with all defaults."""
     whole = DEFAULTS | scene
     for name in ("ball", "air", "ground"):
         if whole[name] is not None:  # no air at all
@@ -49,7 +49,7 @@ def step(state, h, *law):
 
 
 def is_solved(scene):
-    """Tell whether a scene is a flight of the paper's model by the default reading."""
+    """True for flights of the paper's model in the default reading."""
     if scene["kind"] != "flight" or scene.get("reading") or scene.keys() & {"earth", "fence"}:
         return False
     air, launch = scene["air"] or {}, scene["launch"]
@@ -62,9 +62,9 @@ def is_solved(scene):
 
 def solve(scene, h=5e-3):
     """Fly until the ball comes down to the ground."""
-    scene = filled_in(scene)
+    scene = with_defaults(scene)
     if not is_solved(scene):
-        error = "only flights of the paper's model by the default reading are solved"
+        error = "only flights of the paper's model in the default reading are solved"
         return {"id": scene["id"], "error": error}
     state, time = [*scene["launch"]["position"], *scene["launch"]["velocity"]], 0.0
     along = math.hypot(*state[3:5])
@@ -74,12 +74,12 @@ def solve(scene, h=5e-3):
         state, time = after, time + h
         if time >= scene["time_limit"]:
             return {"id": scene["id"], "outcome": "airborne"}
-    short, long = 0.0, h
-    while long - short > 1e-15:
-        middle = (short + long) / 2
-        short, long = (middle, long) if step(state, middle, *law)[2] > ground else (short, middle)
-    x, y, z, *velocity = step(state, long, *law)
-    landing = {"time": time + long, "hang_time": time + long, "position": [x, y, z]}
+    low, high = 0.0, h
+    while high - low > 1e-15:
+        middle = (low + high) / 2
+        low, high = (middle, high) if step(state, middle, *law)[2] > ground else (low, middle)
+    x, y, z, *velocity = step(state, high, *law)
+    landing = {"time": time + high, "hang_time": time + high, "position": [x, y, z]}
     landing |= {"velocity": velocity, "distance": math.hypot(x, y)}
     return {"id": scene["id"], "outcome": "landed", "landing": landing}
 

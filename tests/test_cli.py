@@ -266,14 +266,14 @@ class TestSolve:
             (["sovle"], "no such command 'sovle', did you mean solve? The commands are solve,"),
             (
                 ["solve", "--engine", "bach"],
-                "'enclosure', 'multiprecision', 'verlet', did you mean b",
+                "enclosure, multiprecision, verlet, did you mean b",
             ),
-            (["solve", "--engine", "verne"], "'--engine': 'verne' is not one of"),
+            (["solve", "--engine", "verne"], "--engine verne: must be one of"),
             (["solve", "--egine", "ivp"], "no such option --egine, did you mean --engine?"),
             (["solve", "a.jsonl", "b.jsonl"], "b.jsonl: one too many; the command takes [SCENES|-"),
             (["golden", "chekc"], "no such command 'chekc', did you mean check?"),
             (["solve", "--fence", "Fenway"], "--fence Fenway: neither a radius in m nor a file"),
-            (["judge", "--tolerance", "x", "--", "true"], "'--tolerance': must be a number"),
+            (["judge", "--tolerance", "x", "--", "true"], "--tolerance x: must be a number"),
             (["judge", "--golden", "flight-vacum", "--", "true"], "did you mean flight-vacuum?"),
             (["judge", "--profile", "converge", "--", "true"], "did you mean converged?"),
             (["judge", "--random", "3", "--kind", "fligth", "--", "true"], "did you mean flight?"),
@@ -282,16 +282,16 @@ class TestSolve:
                 ["golden", "write", "x", "--family", "ptch"],
                 "--family ptch: there is none, did you mean",
             ),
-            (["measured", "--example", "--kind", "bat"], "'--kind': 'bat' is not one of"),
-            (["solve", "--points", "1"], "'--points': must be greater than or equal to 2"),
-            (["solve", "--points", "1000000001"], "'--points': must be less than or equal to"),
+            (["measured", "--example", "--kind", "bat"], "--kind bat: must be one of"),
+            (["solve", "--points", "1"], "--points 1: must be at least 2"),
+            (["solve", "--points", "1000000001"], "--points 1000000001: must be at most"),
             (["converge", "--scenes", "-", "--golden", "pitch", "--", "{dt}"], "not both"),
-            (["judge", "--results", "r.csv", "--as-csv"], "--as-csv says what a COMMAND reads"),
+            (["judge", "--results", "r.csv", "--as-csv"], "--as-csv is for a COMMAND"),
             (["homerun", "--fence", __file__], "neither a radius in m nor a file with the block"),
             (["solve", "--integrator", "Euler"], "Euler"),
             (["solve", "--rtol", "1e-20"], "rtol"),
-            (["converge", "--expected", "nan", "--", "true", "{dt}"], "'--expected': nan is not"),
-            (["judge", "--expected", "inf", "--", "true", "{dt}"], "'--expected': inf is not"),
+            (["converge", "--expected", "nan", "--", "true", "{dt}"], "--expected nan is not"),
+            (["judge", "--expected", "inf", "--", "true", "{dt}"], "--expected inf is not"),
             (["plot", ":b:.jsonl"], ":b:.jsonl"),
             (["converge", "--scenes", "-", "--", "true", "{dt}"], "no scenes in standard input"),
             (["solve", "--atol", "-1"], "atol"),
@@ -307,7 +307,7 @@ class TestSolve:
             (["homerun", "--reading", "cell_width=-1"], "cell_width"),
             (["homerun", "--reading", "fig7_parameters=x"], "caption, text"),
             (["homerun", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
-            (["solve", "--engine", "verlet", "--root", "middle"], "'first', 'larger'"),
+            (["solve", "--engine", "verlet", "--root", "middle"], "one of first, larger"),
             (["homerun", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
             (["solve", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
             (["solve", "--set", "pitch.speed=95mhp"], "did you mean mph?"),
@@ -319,7 +319,7 @@ class TestSolve:
                 "it changes no scene, but longball homer",
             ),
             (["solve", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
-            (["solve", "--fence", "120 feet"], "--fence 120 feet: fence.radius=120 feet: 'feet'"),
+            (["solve", "--fence", "120 feet"], "--fence 120 feet: the unit 'feet' does not fit"),
             (["plot", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
             (["measured", "--example", "--set", "bat.mess=1"], "bat.mess: no scene has this key"),
             (["homerun", "--set", "air.density.temperature=27"], "air.density.temperature: must"),
@@ -337,7 +337,7 @@ class TestSolve:
             (["golden", "write", "--part", "half", "nowhere"], "half"),
             (["golden", "write"], "DIR"),
             (["homerun", "--figure", "x.nonsense"], "x.nonsense: the endings of pictures are"),
-            (["homerun", "--csv", "/no/such/folder/p.csv"], "'--csv': /no/such/folder/p.csv"),
+            (["homerun", "--csv", "/no/such/folder/p.csv"], "--csv /no/such/folder/p.csv"),
             (["homerun", "--method", "quadrature", "--samples", "1000"], "--samples"),
             (["homerun", "--method", "quadrature", "--seed", "1"], "--seed"),
             (["homerun", "--set", "pitch.velocity=[-40,0,0]"], "pitch.velocity: it varies"),
@@ -345,7 +345,7 @@ class TestSolve:
             (["measured", "--example", "--figure", "x.nonsense"], "x.nonsense"),
             (["measured", "--example", "rows.csv"], "either --example or rows.csv"),
             (["fit", "--example", "rows.csv"], "either --example or rows.csv"),
-            (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "'--html'"),
+            (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "--html /no/such/folder"),
             (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
             (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
             (["solve", "-o", ""], "a file is needed"),
@@ -361,6 +361,10 @@ class TestSolve:
             (["fit", "--example", "--column", "speed_unit=knots"], "speed_unit"),
             (["fit", "--example", "--draw-from", "guess"], "guess"),
             (["nonsense"], "nonsense"),
+            (["solve", "--dt"], "--dt: a value is needed: verlet: the step, s"),
+            (["solve", "--certify=yes"], "--certify: it takes no value"),
+            (["flight", "--speed", "40"], "--angle is missing: Angle above the horizontal"),
+            (["--nonsense"], "no such option --nonsense; see "),
         ],
     )
     def test_a_wrong_call_says_what_is_wrong(self, called, arguments: list[str], named: str):
@@ -368,7 +372,7 @@ class TestSolve:
         assert run.returncode == 2
         assert run.stdout == ""
         assert named in run.stderr
-        assert "Traceback" not in run.stderr
+        assert all(line.startswith("longball: ") for line in run.stderr.splitlines())
 
     def test_the_source_is_not_overwritten(self, called, tmp_path: Path):
         source, link = tmp_path / "scenes.jsonl", tmp_path / "link.jsonl"
@@ -720,7 +724,7 @@ def test_infer_finds_what_was_launched(called, tmp_path):
         (
             ["infer", "--measured", "landing.distance=1 s", "--unknown", "gravity"],
             2,
-            "'s' is no unit here; the units here are m,",
+            "the unit 's' does not fit; use m,",
         ),
         (["infer", "--points", str(EXAMPLE), "--unknown", "gravity"], 1, "t, x, y, z: the table"),
         (["infer", "--points", "no.csv", "--unknown", "gravity"], 2, "no.csv: cannot be read"),

@@ -17,6 +17,8 @@ from pathlib import Path
 
 import pytest
 
+from longball.cli import COMMANDS, golden
+from longball.judge.diagnosis.search import ALONE
 from tests.test_environment import PATIENCE
 
 ROOT = Path(__file__).parent.parent
@@ -190,3 +192,15 @@ def test_the_tutorials_test_of_a_simulator_passes(tmp_path: Path):
 
 def test_there_is_something_to_try():
     assert sum(len(commands(page)) for page in PAGES) >= 5
+
+
+def test_the_page_on_trust_has_the_numbers_of_the_search():
+    page = " ".join((ROOT / "docs/truth.md").read_text(encoding="utf-8").split())
+    assert f"the {ALONE.foreseen:,} cheapest edits of a step" in page
+    assert f"the {ALONE.tried} that fit the errors best" in page
+
+
+def test_help_names_the_form_of_every_value(called):
+    """A reader of `--scenes TEXT` does not know that a file is meant."""
+    for command in (*COMMANDS, *(f"golden {name}" for name in golden.COMMANDS)):
+        assert " TEXT" not in called(*command.split(), "--help").stdout, command

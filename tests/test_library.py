@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 from decimal import Decimal
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -555,3 +556,21 @@ def test_blocks_are_exported_and_stand_in_scenes():
     scene = lb.AtBat(ball=lb.Ball(mass=0.15), bat=lb.Bat(mass=1.0), swing=lb.Swing(tilt=0.1))
     assert scene == lb.AtBat(ball={"mass": 0.15}, bat={"mass": 1.0}, swing={"tilt": 0.1})
     assert all(getattr(lb, name).__name__ == name for name in ("Air", "Reading", "Weather"))
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: lb.solve("scene.json"), "the name of a file: scene.json; pass its text"),
+        (lambda: lb.solve(Path("scenes.csv")), "the name of a file: scenes.csv"),
+        (lambda: lb.solve([{"kind": "pitch"}]), "lb.solve_many takes several"),
+        (lambda: lb.launch(speed="103 mph", angle=0.4), r"speed: must be a number in m/s \(got"),
+        (lambda: lb.launch(speed=46.0, angle=28), r"angle: .* \(got 28\); 28° are 0.4887 rad"),
+        (lambda: lb.Flight(launch={"speed": 46.0}), r"launch.speed: unknown key; lb.launch\(…\)"),
+        (lambda: lb.solve(lb.Pitch()).time, "no attribute 'time', did you mean plate.time"),
+        (lambda: lb.Solve, "has no attribute 'Solve', did you mean solve"),
+    ],
+)
+def test_what_a_newcomer_writes_gets_what_would_be_right(call, said: str):
+    with pytest.raises((ValueError, TypeError, AttributeError), match=said):
+        call()

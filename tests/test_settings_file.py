@@ -63,7 +63,7 @@ def test_what_the_command_line_gives_stands_for_what_excludes_it(called, folder)
         ("[judge]\nrandom = {n = 1}", "judge.random: must be a value, not a table"),
         ('[judge]\ncommand = "./a b"', "judge.command: must be a list of words, as ["),
         ("judge = 1", "judge: must be a table of options, [judge]"),
-        ('[judge]\ntolerance = "x"', "must be a number (in longball.toml)"),
+        ('[judge]\ntolerance = "x"', "longball.toml: judge.tolerance x: must be a number"),
         ("[judge", "longball.toml: not TOML: "),
     ],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import pickle
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -52,6 +53,42 @@ def test_an_interior_row_that_is_no_scene_has_its_error(engine: str):
     assert table.code[1] == "invalid"
     alone = lb.solve(listed(ATTACK, 3)[2], engine)
     assert table["landing.distance"][2] == alone.landing.distance
+
+
+PITCHED = {"kind": "at-bat", "pitch": {"speed": 38.0, "aim": [0, 1.7]}, "swing": {"tilt": 0.1}}
+LAUNCHED = {"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30.0, 0.0, 25]}}
+
+
+def test_dicts_of_one_form_have_the_answers_of_their_scenes():
+    """With ids or without, of two forms in turn, and with faults: each as if it were alone."""
+    scenes: list[Any] = []
+    for i in range(300):
+        scene = json.loads(json.dumps(PITCHED if i % 2 else LAUNCHED))
+        key, block = ("pitch", "aim") if i % 2 else ("launch", "velocity")
+        scene[key][block][1] += 0.001 * i
+        scenes.append(scene | ({"id": f"é{i}"} if i % 3 else {}))
+    faults = [1, "7", -1, None, True, 2**60, math.nan, np.float32(40), {}, "\ud800"]
+    for i, fault in enumerate(faults):
+        scenes[30 * i + 1]["pitch"]["speed"] = fault
+    scenes[44] |= {"launch.velocity": [30, 0, 25]}  # a column's name is no key
+    scenes[46]["id"], scenes[48]["id"], scenes[50] = "", 7, "no scene"
+
+    # Ten are too few to be read as columns.
+    alone = [one for i in range(0, 300, 10) for one in lb.solve_many(scenes[i : i + 10])]
+    together = lb.solve_many(scenes, workers=1)
+    assert [x.apex for x in together] == [x.apex for x in alone]
+    assert [x.to_dict() for x in together] == [x.to_dict() for x in alone]
+    assert [x.scene for x in together] == [x.scene for x in alone]
+    assert sum(x.error is not None for x in together) == 11
+
+
+def test_a_solution_has_the_scene_that_was_solved():
+    scenes = [json.loads(json.dumps(LAUNCHED)) for _ in range(100)]
+    solutions = lb.solve_many(scenes)
+    scenes[1]["launch"]["velocity"][0] = 10.0
+    scene = pickle.loads(pickle.dumps(solutions[1])).scene
+    assert scene.as_written() == lb.Flight(launch=LAUNCHED["launch"]).as_written()
+    assert solutions[1].path.end == solutions[0].landing.time
 
 
 SMALL = st.sampled_from([-20.0, -1.0, 0.0, 1.0, 20.0])
@@ -337,7 +374,7 @@ def test_a_cell_that_is_no_vector_is_the_error_of_its_row():
         {"kind": "flight", "launch.position": [0, 0, 1], "launch.velocity": cells}
     )
     assert table.outcome.isna().tolist() == [False, True, True, True, True]
-    assert table.error[1] == "launch.velocity[2]: is missing"
+    assert table.error[1].startswith("launch.velocity[2]: is missing")
     assert table.error[3] == "launch.velocity[2]: must be a finite number (got nan)"
     assert table.error[2] == "launch.velocity: is missing; it is [x, y, z] in m/s"
     assert table.error[4] == "launch.velocity: must be [x, y, z] in m/s, and has 4 values"

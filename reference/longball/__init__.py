@@ -141,7 +141,12 @@ def __getattr__(name: str) -> Any:
     for home, names in _HOMES.items():
         if name in names:
             return getattr(import_module(f"longball.{home}"), name)
-    raise AttributeError(f"module 'longball' has no attribute {name!r}")
+    hint = ""
+    if not name.startswith("_"):  # pickle, copy and others ask for names of that form
+        from longball.model.names import did_you_mean
+
+        hint = did_you_mean(name, __all__)
+    raise AttributeError(f"module 'longball' has no attribute {name!r}{hint}")
 
 
 def __dir__() -> list[str]:

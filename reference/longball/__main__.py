@@ -107,9 +107,13 @@ def _tell(sentence: str) -> None:
 def _sentence(error: Exception) -> str:
     if isinstance(error, MissingExtra):
         return str(error)
+    # Most names of files that are not there are slips of a letter or an ending.
     if isinstance(error, FileNotFoundError) and isinstance(error.filename, str):
         from longball.model.names import nearest_file
 
+        # Of a COMMAND: programs are looked for in the search path, and not in the folder.
+        if os.path.isfile(error.filename):
+            return f"{error.filename}: no such program; ./{error.filename} runs the file"
         return f"{error.filename}: {error.strerror}{nearest_file(error.filename)}"
     if isinstance(error, IsADirectoryError):
         return f"{error.filename}: a file is needed, and this is a folder"

@@ -6,6 +6,8 @@ lines of results have as keys. `longball.tables` solves many scenes at once.
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import (
@@ -29,9 +31,17 @@ from longball.engines.engine import Engine
 from longball.extras import naming_extras
 from longball.model import scene as models
 from longball.model.explain import explain
-from longball.model.inputs import CONTACT, OF_SPIN, OF_VELOCITY, inputs, launched, require_inputs
+from longball.model.inputs import (
+    CONTACT,
+    OF_SPIN,
+    OF_VELOCITY,
+    UNITS_OF_TRACKED,
+    inputs,
+    launched,
+    require_inputs,
+)
 from longball.model.numbers import DOUBLES, Undecided
-from longball.model.plain import plain
+from longball.model.plain import is_number, plain
 from longball.model.quantities import numbers
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import (
@@ -104,7 +114,7 @@ def launch(
     speed
         m/s, off the bat.
     angle
-        rad, above the horizontal.
+        rad, above the horizontal, from -π/2 to π/2.
     direction
         rad, from centre field to the left.
     backspin
@@ -126,9 +136,21 @@ def launch(
     >>> round(lb.solve(scene).landing.distance, 3)
     116.06
     """
+    given = {"speed": speed, "angle": angle, "direction": direction}
+    given |= {"backspin": backspin or 0.0, "side_spin": side_spin or 0.0}
+    for name, value in given.items():
+        if not is_number(value):
+            unit = UNITS_OF_TRACKED[f"launch.{name}"]
+            raise InvalidScene(f"{name}: must be a number in {unit} (got {value!r})")
     # `not >` also refuses NaN.
     if not speed > 0.0:
         raise InvalidScene(f"speed: must be positive (got {speed!r})")
+    # Degrees in place of radians would give a ball that flies somewhere, without a word.
+    if abs(angle) > math.pi / 2:
+        raise InvalidScene(
+            f"angle: must be from -π/2 to π/2 rad (got {angle!r}); {angle:g}° are "
+            f"{math.radians(angle):.4f} rad"
+        )
     # The same formulas as those of derivatives by launch.speed, in longball.model.inputs.
     tracked: dict[str, float] = dict(zip(OF_VELOCITY, (speed, angle, direction), strict=True))
     if backspin is not None or side_spin is not None:
@@ -150,17 +172,28 @@ def as_scene(written: object) -> Scene:
     """
     if isinstance(written, get_args(Scene)):
         return cast(Scene, written)
+    # A file's name is neither a scene nor a line of JSON, which begins with a brace.
+    if isinstance(written, PathLike) or (isinstance(written, str) and _FILE.fullmatch(written)):
+        raise InvalidScene(
+            f"not a scene, but the name of a file: {written}; pass its text, as of "
+            "Path(…).read_text(), or its lines to lb.solve_many"
+        )
     if isinstance(written, str | bytes):
         return parse_scene(written)
     if isinstance(written, Mapping):
+        # A mapping may hold itself.
         try:
             return scene_of(plain(written))
         except RecursionError:
             raise InvalidScene("not a scene: its blocks are nested too deeply") from None
+    several = "; lb.solve_many takes several" if isinstance(written, list | tuple) else ""
     raise TypeError(
         "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
-        f"not {_of_type(written)}"
+        f"not {_of_type(written)}{several}"
     )
+
+
+_FILE = re.compile(r"[^{}\[\]\n]*\.(jsonl?|ndjson|csv|parquet)")
 
 
 def _of_type(value: object) -> str:
@@ -253,12 +286,14 @@ def solve(
     """
     # The scene comes first: of two mistakes it is the likelier one.
     asked, solver = as_scene(scene), as_engine(engine, options)
+    # Truthy texts such as "no" are mistakes.
     certify = engines.of_type(bool, "certify", certify)
     if certify and derivatives:
         raise ValueError("derivatives are not certified; engine = 'enclosure' proves them")
     result, trajectory = chain.solve_with_path(asked, solver)
     if result.error is not None:
         raise error_of(result)
+    # The engine's own double is certified, so that it stays the same with and without a bound.
     if certify:
         from longball.engines.certify import certify as certified  # brings ball arithmetic
 
@@ -283,6 +318,7 @@ def derivatives_in(
 
 def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
     """Return the names of some inputs of a scene, checked, or of all."""
+    # True stands for all of them.
     if isinstance(names, bool):
         return [*inputs(scene)]
     return require_inputs(scene, names)
@@ -390,6 +426,7 @@ def home_run_probability(
     if not isinstance(base, AtBatScene):
         raise ValueError(f"scene: an at-bat is needed, and this is a {base.kind}")
     home_run.refuse_drawn(base)
+    # Readings of the argument replace those of the scene: both at once would be ambiguous.
     if reading:
         base = base.model_copy(update={"reading": physics})
     at_bats = home_run.paper_at_bats(sampling)
@@ -398,6 +435,7 @@ def home_run_probability(
 
         fitted = pitches if isinstance(pitches, FittedPitches) else load_fitted(pitches)
         at_bats = fitted.drawn_in(at_bats)
+    # Both methods integrate over the same distributions, and can be compared.
     problem = base, at_bats, restitutions
     rows: Sequence[home_run.Estimate | home_run.Integral]
     space = sampling.sample_space
@@ -426,6 +464,7 @@ def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]
     if not isinstance(switches, Mapping):
         raise TypeError(f"reading: a mapping from switches is needed; not {_of_type(switches)}")
     known = (*Reading.model_fields, *SamplingReading.model_fields)
+    # Pydantic would name the first model alone; a switch may belong to either.
     for name in switches:
         if name not in known:
             raise ValueError(f"reading: {name!r} is not a switch; they are {', '.join(known)}")

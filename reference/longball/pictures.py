@@ -57,6 +57,7 @@ def draw_probability(
     axes.errorbar(e, p, yerr=off, fmt="ko", markersize=4, capsize=3, label=label)
     axes.set_xlabel("coefficient of restitution e of the ball")
     axes.set_ylabel("probability of a home run P(e)")
+    # From zero, so that the eye compares probabilities and not their differences.
     axes.set_ylim(bottom=0.0)
     axes.legend(
         loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, fontsize="small", frameon=False
@@ -124,6 +125,7 @@ def _saved(
     with naming_extras():
         import matplotlib
 
+    # Files alone are written: a machine without a screen has no other backend.
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
 
@@ -181,6 +183,7 @@ def drawn(
     flights = []
     for i, leg in enumerate(trajectory.legs):
         end = leg.begin + leg.flight.time
+        # At the contact itself the velocity after it counts: stop before.
         if i + 1 < len(trajectory.legs):
             end = math.nextafter(trajectory.legs[i + 1].begin, 0.0)
         states = trajectory.sample(np.linspace(leg.begin, end, points).tolist())
@@ -197,6 +200,7 @@ def drawn(
 def _end(result: Result) -> str | None:
     if result.outcome in ("home_run", "wall"):
         return result.outcome.replace("_", " ")
+    # Ties of the foul line are fair, as in the model.
     if result.landing is None:
         return None
     x, y, _ = map(float, result.landing.position)
@@ -218,6 +222,7 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
     Dashed before the contact, solid after it; a mark where a path ends. Fences are grey, as far as
     they are near the paths: from above, and from the side where a ball comes to them.
     """
+    # Both panels have one scale, so that the same length is the same distance in both.
     every = np.vstack([points for scene in scenes for points in scene.flights])
     low, high = np.minimum(every.min(axis=0), 0.0), np.maximum(every.max(axis=0), 0.0)
     length, width, height = np.maximum(high - low, 0.05 * (high - low).max())
@@ -251,6 +256,7 @@ def save_spray_chart(path: Path, scenes: Sequence[Drawn]) -> None:
     landed = [scene for scene in scenes if scene.end is not None]
     places = np.array([scene.flights[-1][-1, :2] for scene in landed])
     fences = {fence.tobytes(): fence for s in landed if (fence := s.fence) is not None}
+    # The part of a circle behind the plate would shrink the field to half.
     ahead = [fence[np.abs(fence[:, 1]) <= fence[:, 0]] for fence in fences.values()]
     farthest = 1.08 * max(np.hypot(*x.T).max(initial=_ARC) for x in [places, *ahead])
     with _saved(path, (6.4, 5.2)) as (figure, axes):
@@ -261,6 +267,7 @@ def save_spray_chart(path: Path, scenes: Sequence[Drawn]) -> None:
                 f"{radius:g} m", (arc.real[0], arc.imag[0]), (4, -4), textcoords="offset points",
                 color="0.4", fontsize="small", va="top",
             )  # fmt: skip
+        # The foul lines end at the last arc.
         corner = farthest / math.sqrt(2)
         axes.plot([-corner, 0.0, corner], [corner, 0.0, corner], color="0.3", linewidth=1.0)
         _draw_fences(axes, [np.column_stack([-f[:, 1], f[:, 0]]) for f in fences.values()])

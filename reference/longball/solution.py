@@ -13,12 +13,13 @@ from numpy.typing import ArrayLike
 
 from longball import engines
 from longball.engines import chain
+from longball.engines.chain import BLOCKS
 from longball.engines.engine import CannotSolve, Engine, OutOfRange, TooLong
 from longball.engines.path import Trajectory
 from longball.extras import naming_extras
 from longball.model.arrays import Array
 from longball.model.explain import parts_of
-from longball.model.names import one_of
+from longball.model.names import did_you_mean, one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
 from longball.model.quantities import at
@@ -98,6 +99,7 @@ class Path:
             If a time is no number.
         """
         times = real_numbers("time", time)
+        # `~` and not the opposite comparisons, so that NaN is outside, too.
         outside = times[~((times >= self.start) & (times <= self.end))]
         if outside.size:
             raise ValueError(
@@ -131,6 +133,7 @@ class Path:
         """
         import pandas as pd
 
+        # Whoever has times looks for `at`.
         if np.ndim(points):
             raise TypeError(f"points = {points!r}: how many is asked; path.at takes times")
         count = engines.whole_number("points", points, 2)
@@ -165,6 +168,7 @@ class Path:
         position = self.at(np.linspace(self.start, self.end, _PLOTTED)).position
         axes.plot(position[:, 0], position[:, 2])
         axes.set(xlabel="x, from the plate towards the pitcher (m)", ylabel="height z (m)")
+        # To scale: an angle of launch is the angle that is seen.
         axes.set_aspect("equal", adjustable="datalim")
         return axes
 
@@ -193,16 +197,8 @@ class Solution:
 
     Its attributes are the keys of a line of results; a block that the outcome does not have is
     None. A number is a float, or with `digits` a `Bounded`, which `float` converts.
-
-    Attributes
-    ----------
-    scene
-        The scene that was solved.
-    result
-        The whole result as a model; ``result.line()`` is its line of JSON.
     """
 
-    id: str | None
     outcome: Outcome | None
     # None where the outcome does not have it: who asks for a block knows the outcome.
     plate: Plate
@@ -217,22 +213,50 @@ class Solution:
 
     def __init__(
         self,
-        scene: Scene | None,
-        result: Result,
+        scene: Scene | Callable[[], Scene] | None,
+        result: Result | dict[str, Any],
         solver: Engine[Any],
         trajectory: Trajectory[Any] | None = None,
         derivatives: Derivatives | None = None,
     ) -> None:
-        engine = result.engine and signed(result.engine)
-        self.scene, self.result = scene, result.model_copy(update={"engine": engine})
+        self._scene, self._result = scene, result
         self._solver, self._trajectory = solver, trajectory
         self._derivatives = derivatives
 
+    # Models take longer to make than a ball to fly: of thousands of solutions, few are asked.
+    @cached_property
+    def scene(self) -> Scene | None:
+        """The scene that was solved."""
+        return self._scene() if callable(self._scene) else self._scene
+
+    @property
+    def id(self) -> str | None:
+        """The id of the scene."""
+        name: str | None
+        name = self._result["id"] if isinstance(self._result, dict) else self._result.id
+        return name
+
+    @cached_property
+    def result(self) -> Result:
+        """The whole result as a model; ``result.line()`` is its line of JSON."""
+        found = self._result
+        engine = found["engine"] if isinstance(found, dict) else found.engine
+        by = {"engine": engine and signed(engine)}
+        if isinstance(found, dict):
+            return Result.model_validate(found | by)
+        return found.model_copy(update=by)
+
     def __getattr__(self, name: str) -> Any:
         # Blocks and top-level keys; the declarations above are for type checkers.
+        if name in BLOCKS and isinstance(self._result, dict):
+            # One block alone: most callers ask thousands of solutions for the same one.
+            block = self._result.get(name)
+            vars(self)[name] = block and BLOCKS[name].model_validate(block)
+            return vars(self)[name]
         if name in Result.model_fields:
             return getattr(self.result, name)
-        raise AttributeError(f"a solution has no attribute {name!r}")
+        hint = "" if name.startswith("_") else did_you_mean(name, _quantities())
+        raise AttributeError(f"a solution has no attribute {name!r}{hint}")
 
     def __getitem__(self, name: str) -> Any:
         """Return a quantity by its name, such as ``landing.position[0]``; None if it is left out.
@@ -243,10 +267,8 @@ class Solution:
         # this outcome lacks.
         keys = re.sub(r"\[\d+\]", "", name).split(".")
         if not parts_of(Result, keys):
-            blocks = chain.PARTS.items()
-            known = [f"{block}.{key}" for block, its in blocks for key in its.model_fields]
-            raise ValueError(f"{name}: no result has it{one_of('they have', name, known)}")
-        return at(self.result, name)
+            raise ValueError(f"{name}: no result has it{one_of('they have', name, _quantities())}")
+        return at(self._result, name) if keys[0] in BLOCKS else at(self.result, name)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, without the quantities it does not have."""
@@ -309,7 +331,7 @@ class Solution:
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield name, value and unit of every quantity."""
         # In the order of the model, with inner blocks (plate.approach) after their own.
-        blocks = [*chain.BLOCKS]
+        blocks = [*BLOCKS]
         for name in sorted(chain.PARTS, key=lambda part: blocks.index(part.split(".")[0])):
             block = at(self.result, name)
             for key, field in type(block).model_fields.items() if block else ():
@@ -318,6 +340,11 @@ class Solution:
                 ) is not None and f"{name}.{key}" not in chain.PARTS:
                     unit = _UNIT.match(field.description or "")
                     yield f"{name}.{key}", _shown(value), unit[0] if unit else ""
+
+
+def _quantities() -> list[str]:
+    """Return the names of all quantities that results have."""
+    return [f"{name}.{key}" for name, block in chain.PARTS.items() for key in block.model_fields]
 
 
 if TYPE_CHECKING:

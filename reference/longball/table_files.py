@@ -78,6 +78,7 @@ def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
             if unnamed := [x for name, x in pairs if not name]:
                 raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
             yield number, {name: unguarded(x) for name, x in pairs}
+    # Of a quote that is not closed: the reader is at the end of the file, the fault at its begin.
     except csv.Error as error:
         raise ValueError(f"line {begin}: {error}") from None
 

@@ -15,6 +15,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any, cast, overload
 
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from longball import engines
+from longball.alike import Alike, alike
 from longball.api import (
     as_engine,
     as_scene,
@@ -186,17 +188,23 @@ def solve_many(
         )
     # Trajectories are not kept: a million of them would fill the memory.
     with _no_collection():
-        solutions = [
-            Solution(
+        written = [*scenes]
+        solutions: dict[int, Solution] = {}
+        # The compiled code takes columns. Bounds, paths and derivatives need a scene for each.
+        if isinstance(flyer, ManyAtOnce) and not (certify or paths or derivatives):
+            solutions = _solve_alike(written, flyer, workers)
+        others = [i for i in range(len(written)) if i not in solutions]
+        solved = _asked_and_results([written[i] for i in others], solver, workers, paths)
+        for i, (asked, result) in zip(others, solved, strict=True):
+            solutions[i] = Solution(
                 asked if isinstance(asked, BaseModel) else None,
                 result,
                 flyer,
                 derivatives=_derivatives_alone(asked, result, flyer, derivatives),
             )
-            for asked, result in _asked_and_results(scenes, solver, workers, paths)
-        ]
-    _warn_of_repeated(solution.id for solution in solutions)
-    return solutions
+    found = [solutions[i] for i in range(len(written))]
+    _warn_of_repeated(solution.id for solution in found)
+    return found
 
 
 @contextmanager
@@ -241,6 +249,39 @@ def _asked_and_results(
             yield scene, next(results)
 
 
+# Scenes of one form: for fewer, the corners of their columns cost more than they save.
+_FEWEST = 64
+
+
+def _solve_alike(written: Sequence[object], solver: Any, workers: int) -> dict[int, Solution]:
+    """Return the solutions, by place, of those scenes that columns can hold."""
+    from longball.engines.batch import solve_columns_as_data
+
+    solutions: dict[int, Solution] = {}
+    parts = [(group, 0, len(group.rows)) for group in alike(written)]
+    while parts:
+        group, begin, end = parts.pop()
+        if end - begin < _FEWEST:
+            continue  # each is read by itself, and says what is wrong with it
+        columns = group.columns(begin, end)
+        base = _scene_or_none(group.written(begin))
+        if base is None or not _all_valid(base, columns, (end - begin) // 4):
+            # One scene that is none costs those near it a search, and the others nothing.
+            middle = (begin + end) // 2
+            parts += [(group, begin, middle), (group, middle, end)]
+            continue
+        found = solve_columns_as_data(base, columns, solver, workers)
+        for i, data in enumerate(found, begin):
+            if data is not None:
+                made = partial(_made, group, i)
+                solutions[group.places[i]] = Solution(made, data | {"id": group.ids[i]}, solver)
+    return solutions
+
+
+def _made(group: Alike, row: int) -> Scene:
+    return as_scene(group.written(row))
+
+
 def _as_scene_or_error(written: object) -> Scene | InvalidScene:
     try:
         return as_scene(written)
@@ -252,8 +293,8 @@ def _as_scene_or_error(written: object) -> Scene | InvalidScene:
 
 # --- columns --------------------------------------------------------------------------------------
 
-# Corners of the box that columns span: with more columns there are too many to try.
-_MOST_COLUMNS = 12
+# Of the box that columns span: to try more takes longer than to read the rows.
+_MOST_CORNERS = 4096
 
 
 def _solve_table(
@@ -311,8 +352,9 @@ def _solve_as_columns(
     from longball.engines.batch import solve_columns, solve_columns_with_slopes
 
     # To build a scene for each row would take far longer than its flight.
-    base = _all_valid(fixed, varied)
-    if base is None:
+    first = {name: column.item(0) for name, column in varied.items() if column.size}
+    base = _scene_or_none(scene_of({**fixed, **first}, _json_alone))
+    if base is None or not _all_valid(base, varied, _MOST_CORNERS):
         return None
     slopes = None
     if derivatives:
@@ -459,25 +501,31 @@ def _labels(values: Iterable[Any]) -> list[Any]:
     return [None if is_missing(x) else x for x in values]
 
 
-def _all_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Scene | None:
-    """Return one of the scenes if it is certain that all of them are valid.
+def _scene_or_none(written: Mapping[str, Any]) -> Scene | None:
+    with suppress(TypeError, ValueError):
+        return as_scene(written)
+    return None
+
+
+def _all_valid(scene: Scene, varied: Mapping[str, NDArray[Any]], most_corners: int) -> bool:
+    """True if it is certain that a scene is valid with each row of some columns.
 
     Where conditions hold in convex sets of a scene's numbers (`may_be_mixed`), what holds at all
     corners of the box that the columns span holds in the box.
     """
     numeric = all(c.dtype == float and c.size and np.isfinite(c).all() for c in varied.values())
-    if not varied or not numeric or len(varied) > _MOST_COLUMNS:
-        return None
+    if not varied or not numeric or not may_be_mixed(scene):
+        return False
     # The smallest and the largest value of each column; one corner where they are equal.
     ends = [{*column[[column.argmin(), column.argmax()]].tolist()} for column in varied.values()]
-    corners = [dict(zip(varied, corner, strict=True)) for corner in product(*ends)]
+    if math.prod(map(len, ends)) > most_corners:
+        return False
     try:
-        base = as_scene(scene_of({**fixed, **corners[0]}, _json_alone))
-        for corner in corners[1:]:
-            replaced(base, corner)
-    except (TypeError, ValueError):
-        return None
-    return base if may_be_mixed(base) else None
+        for corner in product(*ends):
+            replaced(scene, dict(zip(varied, corner, strict=True)))
+    except ValueError:
+        return False
+    return True
 
 
 def _rows(

@@ -119,7 +119,7 @@ def test_a_place_for_the_step_shows_how_it_converges(called, tmp_path: Path):
     said = called("judge", *arguments, "--expected", "2", *command)
     assert said.returncode == 1
     assert said.stdout.splitlines()[0].endswith("--dt 0.004")
-    assert "after this run, at dt = 0.004, come some with other steps" in said.stderr
+    assert "first run: dt = 0.004; then runs with other steps" in said.stderr
     assert "failed because: convergence: distance: other order" in said.stdout
     assert ", but 2 in theory" in said.stdout
     assert html.read_text(encoding="utf-8").count("<img") == 2
@@ -238,12 +238,12 @@ def test_a_step_that_hangs_is_the_last_that_is_tried(called):
         (["--steps", "0.1:0.01:5", "--knob", "n=1,2,3", "--", "true", "{n}"], "not both"),
         (["--seed", "2", "--", "true"], "--random"),
         (["--golden", "pitch", "--kind", "flight", "--", "true"], "no golden case is of these"),
-        (["--readings", "--random", "3", "--", "true"], "--readings is that of golden cases"),
+        (["--readings", "--random", "3", "--", "true"], "--readings is for golden cases"),
         (["--random", "3", "--kind", "fly", "--", "true"], "flight, pitch"),
         (["--steps", "0.01:0.1:5", "--", "true", "{dt}"], "from coarse to fine"),
         (["--", "/no/such/program"], "/no/such/program"),
         (["--", ""], "longball"),
-        (["--format", "xml", "--", "true"], "'text', 'json', 'junit', 'github'"),
+        (["--format", "xml", "--", "true"], "one of text, json, junit, github"),
     ],
 )
 def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: str):
@@ -268,8 +268,8 @@ def test_the_first_command_says_what_is_left(called, tmp_path: Path):
     assert lines[0].startswith("PARTIAL ")
     assert "0 wrong" in lines[3]
     assert "and no at-bat, no impact, no pitch; --partial judges what there is" in lines[4]
-    assert lines[-1].startswith("further: to the last digits ")
-    assert "are right (--profile exact); not tried: hard, impact-oblique, fence," in lines[-1]
+    assert lines[-1].startswith("further: at --profile exact, ")
+    assert "are right; not tested: hard, impact-oblique, fence," in lines[-1]
 
 
 @pytest.mark.nightly

@@ -108,4 +108,4 @@ def test_the_command_tells_what_own_scenes_miss(called, tmp_path, monkeypatch):
     assert [one["case"] for one in told["missed"]] == ["impact-0000"]
     shown = called("golden", "coverage", own)
     assert "bat velocity:  (impact-0000)" in shown.stdout
-    assert "1 scene: 1 of 2 edits noticed" in shown.stderr
+    assert "1 scene: 1 of 2 edits detected" in shown.stderr

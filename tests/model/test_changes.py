@@ -53,9 +53,13 @@ def test_values_have_units(name: str, text: str, value: object):
     [
         ("pitch.sped", "1", "pitch.sped: no scene has this key, did you mean pitch.speed?"),
         ("ptch.speed", "1", "ptch.speed: no scene has this key, did you mean pitch?"),
-        ("pitch.speed", "95mhp", "pitch.speed=95mhp: 'mhp' is no unit here, did you mean mph?"),
-        ("pitch.speed", "95ft", "'ft' is no unit here, did you mean ft/s? The units here are m/s,"),
-        ("ball.restitution", "42%", "'%' is no unit here; it has no unit"),
+        (
+            "pitch.speed",
+            "95mhp",
+            "pitch.speed=95mhp: the unit 'mhp' does not fit, did you mean mph?",
+        ),
+        ("pitch.speed", "95ft", "the unit 'ft' does not fit, did you mean ft/s? Use m/s,"),
+        ("ball.restitution", "42%", "the unit '%' does not fit; this number has none"),
         ("pitch.speed", "1.2.3mph", "pitch.speed=1.2.3mph: could not convert"),
     ],
 )

@@ -196,7 +196,10 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             "density, drag_coefficient, lift_coefficient, side_coefficient, wind, "
             "spin_decay_length, density_scale_height",
         ),
-        ({"pitch": {"release": [1, 2]}}, "pitch.release[2]: is missing"),
+        (
+            {"pitch": {"release": [1, 2]}},
+            "pitch.release[2]: is missing; pitch.release must be [x, y, z] in m",
+        ),
         (
             {"wind": [1, 0, 0]},
             "wind: unknown key; the keys here are id, ball, reading, air, gravity, time_limit, "

@@ -173,8 +173,8 @@ def test_the_command_draws(tmp_path):
         (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 1, "the table of games: temperature"),
         (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 1, "is it in m/s?"),
         (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
-        (("--model", "best"), "", 2, "'best' is not one of 'vacuum', 'paper',"),
-        (("--engine", "best"), "", 2, "'best' is not one of 'ivp',"),
+        (("--model", "best"), "", 2, "best: must be one of vacuum, paper,"),
+        (("--engine", "best"), "", 2, "best: must be one of ivp,"),
         (("-", "--games", "nowhere.csv", *COMMAND), FLIES, 2, "nowhere.csv: cannot be read"),
     ],
 )

@@ -154,12 +154,18 @@ def test_units_wind_and_park_of_a_flight(called):
         (["--speed", "103 moh", "--angle", "28"], "did you mean mph?"),
         (["--speed", "fast", "--angle", "28"], "a number is needed"),
         (["--speed", "-3", "--angle", "28"], "must be positive"),
-        (["--speed", "40", "--angle", "28", "--wind", "out"], "say how fast and where to"),
+        (
+            ["--speed", "40", "--angle", "28", "--wind", "out"],
+            "must be a speed and one of out, in, left, right",
+        ),
         (["--speed", "40", "--angle", "28", "--park", "coors"], "did you mean Coors Field?"),
-        (["--angle", "28"], "Missing option '--speed'. Off the bat"),
-        (["--speed", "40", "--angle", "28", "--wind", "10 mph"], "say how fast and where to"),
+        (["--angle", "28"], "--speed is missing: Exit speed"),
+        (
+            ["--speed", "40", "--angle", "28", "--wind", "10 mph"],
+            "must be a speed and one of out, in, left, right",
+        ),
         (["--speed", "40", "--angle", "28", "--model", "nathn"], "did you mean nathan?"),
-        (["--speed", "40", "--angle", "28", "--bats", "S"], "not one of 'R', 'L'"),
+        (["--speed", "40", "--angle", "28", "--bats", "S"], "must be one of R, L"),
     ],
 )
 def test_a_flight_that_cannot_be_says_why(called, options, said):

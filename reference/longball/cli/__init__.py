@@ -1,12 +1,8 @@
-"""The command line: data on standard output, messages on standard error.
-
-Exit status: 0 success, 1 a line or a verdict failed, 2 usage error.
-"""
+"""The command line: data on standard output, messages on standard error."""
 
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Mapping
 from importlib import import_module
 from itertools import takewhile
@@ -17,7 +13,8 @@ import typer
 from typer.core import TyperGroup
 
 from longball import __version__
-from longball.model.names import did_you_mean, one_of
+from longball.cli.usage import in_one_voice
+from longball.model.names import one_of
 
 # The commands, each with an example. Each is a function in a module of its own, imported on demand.
 COMMANDS = {
@@ -39,6 +36,7 @@ COMMANDS = {
     "golden": "longball golden list",
 }
 GROUPS = ("golden",)  # commands with subcommands
+EXIT_STATUS = "Exit status: 0 success, 1 a line or a verdict failed, 2 usage error."
 
 
 def module_of(command: str) -> Any:
@@ -80,12 +78,13 @@ class Commands(TyperGroup):
                 known = one_of("the commands are", cmd_name, self.examples)
                 ctx.fail(f"no such command {cmd_name!r}{known}")
             return None
-        module, example = module_of(self.group or cmd_name), f"Example: {self.examples[cmd_name]}"
+        module = module_of(self.group or cmd_name)
+        epilog = f"Example: {self.examples[cmd_name]}\n\n{EXIT_STATUS}"
         if cmd_name in GROUPS:
             group = Commands(
                 name=cmd_name,
                 help=summary_of(cmd_name),
-                epilog=example,
+                epilog=epilog,
                 no_args_is_help=True,
                 rich_markup_mode=None,
             )
@@ -96,7 +95,7 @@ class Commands(TyperGroup):
         # The rows of the table: "golden check.seed".
         name = f"{self.group} {cmd_name}".strip()
         function = getattr(module, cmd_name, None) or getattr(module, f"{cmd_name}_")
-        return command_of(name, function, example)
+        return command_of(name, function, epilog)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is asked for, and give it what a file of settings has for it."""
@@ -113,54 +112,21 @@ class Commands(TyperGroup):
             ctx.default_map = {name: defaults_of(command.settings, given, options, name)}
         return name, command, rest
 
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:
+        """Read the words before the command."""
+        with in_one_voice():
+            return super().make_context(*args, **kwargs)
+
     def invoke(self, ctx: Any) -> Any:
         """Call the command that is asked for."""
-        try:
+        with in_one_voice():
             return super().invoke(ctx)
-        except typer.BadParameter as error:
-            from longball.model.explain import in_our_words
-
-            if hasattr(error, "param_type"):  # it is missing, and has no message yet
-                error.message = str(getattr(error.param, "help", ""))
-            error.message = in_our_words(error.message)
-            # The file may have given the value, and the message must say so.
-            said_by = getattr(error.ctx, "default_map", None) or {}
-            if error.param and error.param.name in said_by:
-                command: Any = error.ctx and error.ctx.command
-                file = command.settings
-                error.message = f"{error.message.removesuffix('.')} (in {file})"
-            if choice := re.fullmatch(r"'(.*)' is not one of (.*)\.", error.message):
-                hint = did_you_mean(choice[1], re.findall(r"'([^']*)'", choice[2]))
-                error.message = f"{error.message[:-1]}{hint or '.'}"
-            raise
-        except UsageError as error:
-            _reword(error)
-            raise
-
-
-# The parent of typer's errors, which is click's in one version and its own in another.
-UsageError: Any = typer.BadParameter.__mro__[1]
-
-
-def _reword(error: Any) -> None:
-    """Say in our words which option or argument there is not, and which may be meant."""
-    command = error.ctx and error.ctx.command
-    if option := getattr(error, "option_name", None):
-        names = [name for each in command.get_params(error.ctx) for name in each.opts]
-        error.message = f"no such option {option}{did_you_mean(option, names)}"
-        error.possibilities = None
-    elif unknown := re.match(r"No such command '(.*?)'", error.message):
-        known = one_of("the commands are", unknown[1], command.list_commands(error.ctx))
-        error.message, error.possibilities = f"no such command {unknown[1]!r}{known}", None
-    elif extra := re.match(r"Got unexpected extra arguments? ?\(?s?\)? \((.*)\)", error.message):
-        takes = " ".join(command.collect_usage_pieces(error.ctx)[1:]) or "options alone"
-        error.message = f"{extra[1]}: one too many; the command takes {takes}"
 
 
 app = typer.Typer(
     cls=Commands,
-    help="The precision reference for baseball in flight.",
-    epilog='Example: echo \'{"kind": "at-bat"}\' | longball solve',
+    help="High-accuracy reference for baseball trajectories.",
+    epilog=f'Example: echo \'{{"kind": "at-bat"}}\' | longball solve\n\n{EXIT_STATUS}',
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,

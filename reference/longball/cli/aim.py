@@ -15,14 +15,15 @@ def aim(
     set_: list[str] | None = None,
     reading: list[str] | None = None,
 ) -> None:
-    """Find the launches that land at a target or pass through it: the scenes that hit it.
+    """Find the launches that land at a target or pass through it.
 
-    The scene is a flight; its speed is kept, and angle and direction are found, by default.
+    The scene is a flight. By default its speed is fixed, and angle and direction are found.
     """
     from longball.questions.aiming import aim as aimed
 
     if not target:
         wrong_call("--target: what is to be hit is needed, such as --target 110")
+    # One number is a distance, two are a point on the ground, three a point of the path.
     numbers = [in_si("--target", part, "m") for part in target.split(",")]
     scene = one_scene(source, chosen_changes(set_, None, reading))
     with answering():

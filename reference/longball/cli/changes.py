@@ -73,9 +73,10 @@ def fence_block(text: str) -> Any:
         try:
             radius = value_of("fence.radius", text)
         except ValueError as error:
-            wrong_call(f"--fence {text}: {error}")
+            wrong_call(f"--fence {text}: {str(error).removeprefix(f'fence.radius={text}: ')}")
         if not isinstance(radius, str):
             return {"radius": radius}
+    # The scene's own check says what is wrong with the block; here it must be JSON alone.
     try:
         return json.loads(Path(text).read_text(encoding="utf-8"))
     except (FileNotFoundError, ValueError):

@@ -64,6 +64,7 @@ def _check_workers(client: Any, option: str) -> None:
         wrong_call(f"{option}: it has no workers, or none that answers within {PROBING:g} s")
     except (ImportError, AttributeError):
         wrong_call(f"{option}: its workers have no longball, or another version of it")
+    # Results are promised to the last bit, which other code or libraries may change.
     ours = fingerprint()
     if others := [worker for worker, code in theirs.items() if code != ours]:
         wrong_call(

@@ -10,6 +10,7 @@ from typer.core import TyperCommand
 
 from longball.cli.messages import note
 from longball.cli.settings import INSTEAD
+from longball.cli.usage import UsageError
 
 # What help calls the types of values; other forms stand as they are, as a|b.
 TYPES = {"str": "TEXT", "int": "N", "float": "X", "path": "FILE"}
@@ -28,7 +29,12 @@ class Command(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Parse the arguments; what they give stands for what a file gives in its place."""
         # Typer gives its parameters the values of the file and of the defaults here.
-        rest = super().parse_args(ctx, args)
+        try:
+            rest = super().parse_args(ctx, args)
+        except UsageError as error:
+            error.ctx = error.ctx or ctx  # of an option without its value it is not known
+            raise
+        # A COMMAND on the command line takes the place of results in the file, and so on.
         for names in INSTEAD:
             if any(given_by(ctx, name) == "COMMANDLINE" for name in names):
                 ctx.params |= {name: None for name in names if given_by(ctx, name) == "DEFAULT_MAP"}
@@ -39,6 +45,7 @@ class Command(TyperCommand):
         names = (name for name, parameter in self.named_options().items()
                  if given_by(ctx, parameter.name) == "DEFAULT_MAP"
                  and ctx.params.get(parameter.name) is not None)  # fmt: skip
+        # Values that nobody sees would be searched for in vain when a verdict surprises.
         if given := ", ".join(names):
             note(f"{self.settings} gives {given}")
         return super().invoke(ctx)

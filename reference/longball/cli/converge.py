@@ -53,6 +53,7 @@ def converge(
         for scene in (read_scenes(scenes) if scenes else golden_scenes(golden))
         if not kinds or scene.kind in kinds
     ]
+    # Files of scenes mix kinds, and a simulator may have one of them.
     if not asked:
         wrong_call(f"--kind {', '.join(kinds)}: none of the scenes is of this kind")
     # Without truth the steps are compared with each other, which hides errors that all share.
@@ -61,6 +62,7 @@ def converge(
         sweep = sweep_of(command, steps, knob, expected, progress=advance)
         assert sweep
         report, issues = sweep.run(command, asked, proofs, Limits(timeout), as_csv)
+    # A program that misbehaves does so in every line: the first ones show how.
     for issue in issues[:20]:
         tell(str(issue))
     if csv_:

@@ -25,10 +25,12 @@ def fit(
     json_: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Fit the paper's distributions of speeds and places to a table of pitches."""
+    """Fit the paper's distributions of speeds and locations to a table of pitches."""
     table = chosen_table(pitches, example)
     pairs = assignments("--column", column)
-    columns = parsed(Columns, {name: json_or_number(value) for name, value in pairs.items()})
+    values = {name: json_or_number(value) for name, value in pairs.items()}
+    columns = parsed(Columns, values, "--column ")
+    # Without --breaking, all other types break: Statcast's names would not fit the table's.
     classes: dict[str, Any] = {}
     if straight is not None:
         classes = {"straight": tuple(straight.split(",")), "breaking": None}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any, Literal
 
 import numpy as np
@@ -22,6 +23,8 @@ from longball.questions.parks import park as park_of
 # Where a wind blows to: along x and y.
 WAYS = {"out": (1.0, 0.0), "in": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
 
+HIGHEST = 3000.0  # m, above all parks: Mexico City has 2,240
+
 
 def flight(
     speed: str,
@@ -39,8 +42,8 @@ def flight(
 ) -> None:
     """Compute the flight of a batted ball.
 
-    It has the spin that a published regression expects at that angle and in that direction, as
-    measured flies have in `longball measured`; --set launch.spin=… gives it another.
+    Its spin comes from a published regression on angle and direction, as in `longball measured`;
+    --set launch.spin=… sets another.
     """
     blocks: dict[str, Any] = {}
     height = SEA_LEVEL
@@ -57,12 +60,16 @@ def flight(
     ball = _ball(
         in_si("--speed", speed, "m/s"),
         in_si("--angle", angle, "rad", "deg"),
+        # Scenes count to the left, as y does; measured bearings to right field.
         -in_si("--direction", direction, "rad", "deg"),
         {"R": 1.0, "L": -1.0, None: 0.0}[bats],
         in_si("--temperature", temperature, "K"),
         height if elevation is None else in_si("--elevation", elevation, "m"),
     )
+    # The same way as a row of a table goes, so that both have the same spin and weather.
     (scene,) = scenes(ball, model_of(model), change=change)
+    if ball.elevation[0] > HIGHEST:
+        note(f"--elevation: {ball.elevation[0]:g} m is above all parks; is it in ft?")
     if isinstance(scene, InvalidScene):
         wrong_call(str(scene).partition("is no scene: ")[2])
     for key, question in doubts(scene):
@@ -79,10 +86,12 @@ def flight(
 def _wind(text: str) -> list[float]:
     """Return the wind of a text such as 10 mph out, m/s."""
     amount, _, word = text.strip().rpartition(" ")
-    if word not in WAYS or not amount:
+    # "10 mph from left" has a word too many for a speed.
+    if word not in WAYS or not re.fullmatch(r"[-+.\deE]+\s*[^\s\d]*", amount):
         ways = ", ".join(WAYS)
-        wrong_call(f"--wind {text}: say how fast and where to, as '10 mph out': {ways}")
+        wrong_call(f"--wind {text}: must be a speed and one of {ways}, such as '10 mph out'")
     # Level winds along the four directions of a field; --set air.wind takes any vector.
+    # The speed of 10 mph out is what stands before the last word.
     speed = in_si("--wind", amount, "m/s")
     return [speed * way for way in WAYS[word]] + [0.0]
 
@@ -91,6 +100,7 @@ def _ball(
     speed: float, angle: float, bearing: float, side: float, temperature: float, elevation: float
 ) -> MeasuredFlies:
     """Return one ball as measured ones are; its bearing is positive to right field."""
+    # `not >` also refuses NaN.
     if not speed > 0.0:
         wrong_call(f"--speed: must be positive (got {speed} m/s)")
     one = {

@@ -31,7 +31,7 @@ COMMANDS = {
 
 
 def list_(folder: Path | None = None, json_: bool = False, quiet: bool = False) -> None:
-    """List the families, which other commands take as SET, with how many cases each has."""
+    """List the families, which other commands take as SET, with their sizes."""
     top = header_of(folder)
     if json_:
         print(top.model_dump_json(include={"format", "licence", "families"}))
@@ -71,11 +71,12 @@ def write(
 ) -> None:
     """Solve every case with proven bounds and write the set to DIR.
 
-    An interrupted run resumes where it stopped. The cases take some ten minutes on two cores, the
-    probabilities P(e) somewhat longer.
+    An interrupted run resumes where it stopped. The cases take about ten minutes on two cores, the
+    probabilities P(e) a little longer.
     """
     from longball.golden import home_runs, writer  # with them come the engines
 
+    # Names are checked first: the writer works for minutes before it comes to them.
     families = reader.header().families
     if unknown := set(family or []) - families.keys():
         name = min(unknown)
@@ -84,6 +85,7 @@ def write(
         with progress_bar("cases", 1) as advance:
             count = writer.write(folder, only=family or None, workers=workers, progress=advance)
         note(f"{count} cases in {folder}")
+    # Probabilities belong to no family.
     if part != "cases" and not family:
         with progress_bar("probabilities", 1) as advance:
             count = home_runs.write_probabilities(folder, workers=workers, progress=advance)
@@ -93,22 +95,24 @@ def write(
 def coverage(
     scenes: str, most: int = 20, every: int = 8, json_: bool = False, quiet: bool = False
 ) -> None:
-    """Count the mistakes that scenes of your own would show, beside the golden data.
+    """Count the mistakes that your own scenes would detect, beside the golden data.
 
-    A mistake is an edit of the model: another symbol, a sign, a factor, a term that is left out.
-    Those are counted that your scenes or the golden data show.
+    A mistake is an edit of the model, such as another symbol, a flipped sign, a factor or a missing
+    term. The counts include the edits that your scenes or the golden data detect.
     """
     from longball.cli.scenes import read_scenes
     from longball.judge.coverage import coverage as covered
     from longball.judge.diagnosis.findings import many
     from longball.judge.fresh import proven
 
+    # An edit is detected by proven answers, which golden cases have and own scenes need.
     with refusing():
         own = proven(list(read_scenes(scenes)), "own")
     with progress_bar("edits", EDITS // every) as advance:
         found = covered([*reader.load("all"), *own], every, advance)
     mine = [i for i, case in enumerate(found.cases) if case.family == "own"]
     shown = found.noticed[:, mine].sum(axis=1) > 0
+    # The edits of fewest bits are the mistakes that authors make most often.
     likeliest = sorted(range(len(shown)), key=found.bits.__getitem__)
     missed = [found.told(i) for i in likeliest if not shown[i]]
     by_stage = found.by_stage(shown)
@@ -117,12 +121,12 @@ def coverage(
         print(json.dumps({"stages": stages, "missed": missed[:most]}, ensure_ascii=False))
         return
     rows = [(name, f"{n:,}", f"{k:,}", f"{k / n:.0%}") for name, n, k in by_stage]
-    show(("stage", "edits", "noticed", ""), rows)
+    show(("stage", "edits", "detected", ""), rows)
     if missed[:most]:
-        print("\nmissed, with a golden case that notices it:")
+        print("\nmissed, with a golden case that detects it:")
     for one in missed[:most]:
         print(f"  {one['stage']}: {one['edit']} ({one['case']})")
-    note(f"{many(len(mine), 'scene')}: {int(shown.sum()):,} of {many(len(shown), 'edit')} noticed")
+    note(f"{many(len(mine), 'scene')}: {int(shown.sum()):,} of {many(len(shown), 'edit')} detected")
 
 
 EDITS = 50_000  # about as many as there are, for the bar
@@ -157,6 +161,7 @@ def check(
         tell(report.left_out)
     if report.confirmed:
         note(report.confirmed)
+    # The oracle knows the shipped set alone.
     if target.resolve() == reader.DATA:
         note("python -m tests.oracle_check solves them by a program that shares no line with these")
     found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"

@@ -60,10 +60,10 @@ def homerun(
 ) -> None:
     """Compute the probability of a home run.
 
-    Quadrature integrates over the distributions that samples are drawn from, and also gives dP/de.
-    It takes a second or two for each e, and minutes under the few readings where P(e) has many
-    kinks; the error then shows how far it has converged.
+    Quadrature integrates over the distributions of the samples, and also gives dP/de. It takes one
+    to two seconds for each e, and minutes for readings under which P(e) has many kinks.
     """
+    # Options of samples that are silently ignored would look as if they had an effect.
     if method == "quadrature":
         refuse_if(
             (engine != "batch", f"--engine {engine}: quadrature takes the engine batch"),
@@ -76,6 +76,7 @@ def homerun(
     base = base_scene(switches["scene"], set_ or [], fence)
     if base.fence is not None and method == "quadrature":
         wrong_call("--fence: quadrature takes the distance of 150 m; take --method monte-carlo")
+    # Everything is checked before the first flight: a run may take hours.
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
     curve = figure_curve(switches["figure"])
     restitutions = parse_restitutions(e)
@@ -83,6 +84,7 @@ def homerun(
     if pitches:
         with refusing():
             at_bats = load_fitted(pitches).drawn_in(at_bats)
+    # The same seed, and so the same at-bats that the estimates are of.
     if scenes:
         write_scenes(scenes, base, at_bats, restitutions, samples, seed)
     problem, space = (base, at_bats, restitutions), sampling.sample_space
@@ -126,6 +128,7 @@ def homerun(
         print(json.dumps(data, ensure_ascii=False))
     else:
         print_probability(rows, fitted, curves, curve)
+    # After the table, which holds all the same: nobody should lose an hour's work to one at-bat.
     if failed:
         fail(f"{failed} at-bats could not be solved; they count as no home run")
 
@@ -143,6 +146,7 @@ def base_scene(
 ) -> AtBatScene:
     """Return the at-bat that options describe, with everything that is not drawn at random."""
     change = chosen_changes(values, fence)
+    # Through a line of JSON, so that options are checked as scenes are.
     with refusing():
         line = json.dumps({"id": "base", "kind": "at-bat", "reading": reading})
         found = parse_scene(line, change)
@@ -220,6 +224,7 @@ def print_probability(
     rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], chosen: Fig7Parameters
 ) -> None:
     """Print P(e) beside the paper's printed curves, and its difference from one of them."""
+    # Samples have a confidence interval, integrals an error and a derivative.
     sampled = isinstance(rows[0], Estimate)
     found = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
     beside = ("paper's caption", "text", "difference") if curves else ()
@@ -229,6 +234,7 @@ def print_probability(
         off = [f"{row.p - curves[chosen](row.e):+.4f}"] if curves else []
         table.append((f"{row.e:g}", *found_at(row), *of_paper, *off))
     show(("e", *found, *beside), table)
+    # The paper's curves and form are of its own fence; another one has nothing beside it.
     if not curves:
         return
     if fitted:

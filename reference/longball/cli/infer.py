@@ -29,9 +29,9 @@ def infer(
     reading: list[str] | None = None,
     json_: bool = False,
 ) -> None:
-    """Find numbers of a scene from what was measured: points of a path, or a landing.
+    """Fit numbers of a scene to measurements: points of a path, or a landing.
 
-    The scene has all that is known, and where the search for the unknowns starts.
+    The scene gives the known values and the starting values of the unknowns.
     """
     from longball.questions.inverse import fit
 
@@ -50,11 +50,13 @@ def infer(
     if points is not None:
         from longball.pitches.table import numbers, read_table
 
+        # A column that is missing is named; the order of the others is free.
         with reading_table():
             _, table = read_table(points, ("t", "x", "y", "z"))
             data = {name: numbers(table[name]) for name in table}
     else:
         pairs = assignments("--measured", measured)
+        # Units are those of the results' keys: 390ft for landing.distance.
         with refusing("--measured "):
             data = {name: value_of(name, text, [Result]) for name, text in pairs.items()}
     scene = one_scene(source, chosen_changes(set_, None, reading))
@@ -84,5 +86,6 @@ def answering() -> Iterator[None]:
         yield
     except (CannotSolve, Undecided, InvalidScene) as error:
         fail(str(error))
+    # Last, since the exceptions above are ValueErrors, too.
     except (TypeError, ValueError) as error:
         wrong_call(str(error))

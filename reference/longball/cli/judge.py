@@ -58,24 +58,22 @@ def judge(
         (command and results, "either --results FILE or -- COMMAND, not both"),
         (
             not (command or results or samples),
-            "-- COMMAND, --results FILE or --samples FILE is needed",
+            "give -- COMMAND, --results FILE or --samples FILE",
         ),
         (
             as_csv and not command,
-            "--as-csv says what a COMMAND reads and writes; --results takes FILE.csv by itself",
+            "--as-csv is for a COMMAND; --results recognises FILE.csv by its name",
         ),
-        (column and not results, "--column names the columns of --results FILE.csv"),
-        (seed is not None and not random, "--seed is that of the scenes of --random N"),
-        (readings and (scenes or random), "--readings is that of golden cases"),
-        (
-            knob and steps,
-            "either --steps or --knob, not both: one of them takes its values in turn",
-        ),
+        (column and not results, "--column is for the columns of --results FILE.csv"),
+        (seed is not None and not random, "--seed is for the scenes of --random N"),
+        (readings and (scenes or random), "--readings is for golden cases"),
+        (knob and steps, "either --steps or --knob, not both"),
         (
             sum(map(bool, (golden, scenes, random))) > 1,
             "either --golden, --scenes or --random, not two of them",
         ),
     )
+    # A missing library is an error now, and not after the program has run for minutes.
     if html:
         import_module("matplotlib")  # it draws the page's pictures
     # The judge brings compiled code with it, and --help does not need it.
@@ -108,16 +106,14 @@ def judge(
         # Some programs do not know the defaults. The others get the scenes as they are written.
         if write_defaults:
             cases = [with_defaults(case) for case in cases]
+        # Options are checked by now: a program may run for an hour.
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
             columns = assignments("--column", column)
             found = judge.evaluate_file(results, columns, drawn)
         elif command:
             if stepped:
-                note(
-                    f"after this run, at dt = {dt:g}, come some with other steps; --steps "
-                    "FROM:TO:COUNT says which"
-                )
+                note(f"first run: dt = {dt:g}; then runs with other steps (--steps FROM:TO:COUNT)")
             # One bar for both: the scenes answered, then the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
                 sweep = replace(sweep, progress=advance) if sweep else None
@@ -128,6 +124,7 @@ def judge(
             found = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
     if html:
         html.write_text(page.page(found), encoding="utf-8")
+    # GitHub's log shows the text, too, below the annotations.
     text = render(found.verdict, table=table).rstrip()
     if further := further_options(found, rule, golden, scenes or random):
         text += f"\n\nfurther: {further}"
@@ -153,13 +150,16 @@ def further_options(
 
     said = []
     judged = [c for c in found.comparisons if c.judged and c.answer and not c.refused]
+    # Who has to mend a program has no use for harder tests.
+    if found.verdict.status == "FAILED":
+        return ""
     if judged and isinstance(rule, Converged):
         right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
-        said.append(f"to the last digits {right} of {len(judged)} are right (--profile exact)")
+        said.append(f"at --profile exact, {right} of {len(judged)} are right")
     if judged and not others:
         tried = {case.case.family for case in found.comparisons}
         more = [name for name in reader.header().families if name not in tried]
-        said += [f"not tried: {', '.join(more)} (--golden all)"] if more else []
+        said += [f"not tested: {', '.join(more)} (--golden all)"] if more else []
     return "; ".join(said)
 
 
@@ -192,6 +192,7 @@ def cases_of(
     if scenes:
         given = [x for x in read_scenes(scenes) if not chosen or x.kind in chosen]
         return list(proven(given)), f"proven values of {scenes}"
+    # Random scenes have no stored answers: they are proven here, which takes most of the time.
     if random:
         seed = 1 if seed is None else seed
         asked = list(random_scenes(random, seed, chosen or DRAWN))
@@ -199,6 +200,7 @@ def cases_of(
             cases = proven(asked, progress=advance)
         drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
         return list(cases), f"proven values of {random} random {drawn}, seed {seed}"
+    # Without a family, a first-time author is asked for the paper's model in its default reading.
     found: list[Case] = [] if golden else [*load()]
     for name in dict.fromkeys(golden or ()):
         found += proven(usual_constants(), USUAL) if name == USUAL else load(name)

@@ -38,11 +38,12 @@ def measured(
 ) -> None:
     """Predict measured pitches or batted balls, and compare.
 
-    Each row becomes a scene, in the weather of its game. A pitch begins at its release, with the
-    spin that was measured, and is compared where it crosses the front of the plate. A batted ball
-    has the spin that a published regression expects of it, and is compared in its distance.
+    Each row becomes a scene, in the weather of its game. A pitch begins at its release with its
+    measured spin, and is compared where it crosses the front of the plate. A batted ball has the
+    spin from a published regression, and its distance is compared.
     """
     source = chosen_table(table, example)
+    # All options are checked before a table of a million rows is read.
     law = model_of(model)
     names = assignments("--column", column)
     change = chosen_changes(set_, fence, reading)
@@ -72,6 +73,7 @@ def measured(
         note(question)
     if prediction.failed:
         tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
+    # A table in other units gives no prediction at all, which must not pass for success.
     if nothing := not prediction.solved.any():
         tell("no ball could be predicted: are all columns in Statcast's units, ft, mph and rpm?")
     elif figure and not prediction.compared.any():

@@ -64,6 +64,7 @@ def exit_unless(passed: object) -> None:
 @contextmanager
 def failing_unless(passed: bool) -> Iterator[None]:
     """Exit with status 1 after a failed verdict is printed, even if standard output is closed."""
+    # In `finally`: if the reader has left, printing raises, and the status must still tell.
     try:
         yield
     finally:
@@ -108,6 +109,7 @@ def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 @contextmanager
 def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
     """Show progress on a terminal; yield a function that takes the work done (and the total)."""
+    # In a file or a pipe a bar is noise.
     if say.quiet or not say.is_terminal:
         yield lambda done, of=total: None
         return
@@ -120,6 +122,7 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
 
         def advance(done: int, of: int = total) -> None:
             nonlocal shown
+            # Ten times a second: to draw a bar takes longer than to solve a flight.
             if done >= of or time.monotonic() > shown + 0.1:
                 bar.update(task, completed=done, total=of)
                 shown = time.monotonic()

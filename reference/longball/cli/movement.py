@@ -19,11 +19,12 @@ def movement(
     json_: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Compute how far the air moves measured pitches, and at which angles they cross the plate.
+    """Compute the movement of measured pitches, and their angles at the plate.
 
-    Movement is the deflection from gravity alone, from the release on, by the nine parameters of
-    each pitch: across to the catcher's left, and up. Text has the medians of each type, of sizes
-    across; JSON has a line for each pitch, in SI units, with the direction on the pitcher's clock.
+    Movement is the deflection from a flight under gravity alone, counted from the release, by the
+    nine parameters of each pitch: across to the catcher's left, and up. Text output has the medians
+    of each pitch type (absolute values for across). JSON output has a line for each pitch, in SI
+    units, with the direction on the pitcher's clock.
     """
     pitches = pitches_of(table, example, None, column, spin=False)
     since = PFX if pfx else None
@@ -32,6 +33,7 @@ def movement(
         clocks = [*map(clock, found["across"].tolist(), found["up"].tolist())]
         show_each(pitches, found | {"clock": np.array(clocks)})
         return
+    # Pitches of left- and right-handers break to opposite sides, and would cancel in a median.
     shown = {
         "across, in": abs(found["across"]) / INCH,
         "up, in": found["up"] / INCH,

@@ -31,6 +31,7 @@ def _workers(workers: int) -> int:
         checked(workers)
     except ValueError as error:
         raise typer.BadParameter(str(error).removeprefix("workers = ")) from None
+    # A missing library is an error now, and not after the scenes are read.
     if workers > 1:
         import_module("joblib")
     return workers
@@ -55,6 +56,7 @@ def _writable(file: Path | None) -> Path | None:
 
 def _drawable(file: Path | None) -> Path | None:
     if _writable(file) and file:
+        # Matplotlib would add an ending of its own, and the file be another than was checked.
         file = file if file.suffix else file.with_suffix(".png")
         with naming_extras():
             from matplotlib.backend_bases import FigureCanvasBase  # slow to import
@@ -65,6 +67,7 @@ def _drawable(file: Path | None) -> Path | None:
     return file
 
 
+# Formats of scenes and results, by the ending of a file's name.
 TABLES = (".csv", ".parquet")
 LINES = (".jsonl", ".ndjson", ".json", "")
 
@@ -75,6 +78,7 @@ def ending(file: str | Path) -> str:
 
 
 def _results(output: Path | None) -> Path | None:
+    # Another ending is a slip, such as .xlsx: JSON in it would be found out much later.
     if output is None or str(output) == "-":
         return None
     if ending(output) not in (*LINES, *TABLES):
@@ -116,14 +120,18 @@ ARGUMENTS = {
     "judge.command": (
         "[-- COMMAND …]",
         "The program to judge: it reads scenes on standard input and writes results on standard "
-        "output. If {dt} is in it, it is also run with several time steps, and its order of "
-        "convergence is measured.",
+        "output. If it contains {dt}, it is also run with several time steps, to measure its order "
+        "of convergence.",
     ),
-    "converge.command": ("-- COMMAND …{dt}…", "{dt} is replaced by the time step, s."),
+    "converge.command": (
+        "-- COMMAND …{dt}…",
+        "The program: it reads scenes on standard input and writes results on standard output. The "
+        "time step, s, replaces {dt}.",
+    ),
     "fit.pitches": ("[PITCHES.csv|-]", "One row per pitch; - reads stdin."),
     "table": ("[TABLE.csv|-]", "In Statcast's columns; - reads stdin."),
-    "folder": ("[DIR]", ""),
-    "golden write.folder": ("DIR", ""),
+    "folder": ("[DIR]", "By default the set that comes with longball."),
+    "golden write.folder": ("DIR", "Where the set is written."),
     "golden export.output": ("[FILE.zip]", "By default named by version."),
     "golden coverage.scenes": ("SCENES", "A file of scenes, or - for standard input."),
 }
@@ -132,17 +140,17 @@ ARGUMENTS = {
 # values is repeatable, and its help says so. A row that needs an import is a function.
 OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     # scenes, and what changes them
-    "reading": _option("A switch of the ledger", "NAME=OPTION"),
+    "reading": _option("Set a switch of the ledger (longball readings)", "NAME=OPTION"),
     "set": _option(
-        "A value of the scene, as pitch.speed=40, pitch.speed=95mph or launch.angle=30deg",
+        "Set a value of the scene, e.g. pitch.speed=40, pitch.speed=95mph or launch.angle=30deg",
         "BLOCK.KEY=VALUE",
     ),
     "fence": _option(
-        "What home runs fly over: a file with a scene's fence block, or a radius, as 120 or 400ft.",
+        "The fence: a file with a scene's fence block, or a radius, e.g. 120 or 400ft.",
         "FILE|RADIUS",
     ),
     # how commands run, and print
-    "engine": "What solves the scenes.",
+    "engine": "Engine.",
     "workers": _option("Parallel threads or processes; -1: one per core.", check=_workers),
     "scheduler": _option(
         "Work on the Dask cluster of this scheduler, tcp:// or tls://HOST:PORT; needs the extra "
@@ -154,43 +162,47 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "json": "Print JSON instead of text.",
     # solve, plot
     "solve.output": _option(
-        "Where results go, .jsonl, .csv or .parquet; by default, or if -, stdout.",
+        "Output file, .jsonl, .csv or .parquet; by default, or if -, stdout.",
         "FILE",
         _results,
         short="-o",
     ),
     "plot.output": _picture("The picture") | {"short": "-o"},
-    "integrator": "ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA.",
+    "integrator": _option(
+        "ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA.", "NAME"
+    ),
     "rtol": "ivp: relative tolerance of solve_ivp's methods, by default 5e-14.",
     "atol": "ivp: their absolute tolerance, m and m/s, by default 5e-14.",
     "landing_error": "batch: the error allowed at landing, m, by default 1e-13.",
     "digits": "enclosure, multiprecision: digits of numbers, by default 30, up to 500 and 290.",
     "solve.dt": "verlet: the step, s, by default 0.05.",
-    "forces": "verlet: at which velocity drag and lift are taken, by default old_carried.",
-    "landing": "verlet: where the ball lands, by default interpolated.",
-    "root": "verlet: which root of Appendix B's quadratic, by default the first.",
-    "contact_force": "verlet: when half of the contact force acts, by default whole.",
+    "forces": "verlet: velocity at which drag and lift are evaluated, by default old_carried.",
+    "landing": "verlet: position of the landing, by default interpolated.",
+    "root": "verlet: root of Appendix B's quadratic, by default the first.",
+    "contact_force": "verlet: step in which half of the contact force acts, by default whole.",
     "path": "Add the path: [[t, x, y, z, vx, vy, vz], …].",
     "points": _option(
         "Points of the path, evenly spaced in time, by default 201.", min=2, max=1_000_000
     ),
-    "certify": "Give every number with a proven error.",
+    "certify": "Add a proven error bound to every number.",
     # judge, converge
     "judge.golden": _option(
-        "Judge by one family of the golden data, by all, by quick, which is a few cases of all "
-        "that notice nearly every mistake, or by usual-constants. By default all of the paper's "
-        "model but hard",
+        "Golden cases to use: a family (longball golden list), all, quick (a small set that "
+        "detects nearly every edit) or usual-constants (gravities and air densities that other "
+        "simulators use). By default the families of the paper's model except hard",
         "SET",
     ),
-    "judge.scenes": "Judge by the scenes of this file, lines of JSON, .csv or .parquet, which are "
-    "solved first.",
+    "judge.scenes": _option(
+        "Judge by the scenes in this file, lines of JSON, .csv or .parquet. Longball first solves "
+        "them with proven bounds.",
+        "FILE",
+    ),
     "random": _option("Judge by N random scenes, drawn from --seed.", "N", min=1),
     "judge.seed": _option("Seed of the random scenes, by default 1.", min=0),
     "kind": _option("Scenes of this kind only: flight, pitch, impact or at-bat", "KIND"),
-    "readings": "Judge by golden cases of other readings as well.",
-    "write_defaults": "Write out every default of a scene but those of its reading, also where the "
-    "scene leaves it out.",
-    "partial": "Scenes and quantities may be left out.",
+    "readings": "Use golden cases of other readings as well.",
+    "write_defaults": "Add all defaults, except readings, to every scene.",
+    "partial": "Accept missing scenes and quantities.",
     "as_csv": "Send scenes to COMMAND as CSV, and read its results as CSV.",
     "results": _option(
         "Judge the results in this file, .jsonl or .csv, instead of running a COMMAND. Columns of "
@@ -198,110 +210,117 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
         "FILE",
     ),
     "judge.column": _option(
-        "Which quantity a column of the .csv holds, if its name does not say so", "COLUMN=QUANTITY"
+        "The quantity in a column of the .csv, if the column has another name", "COLUMN=QUANTITY"
     ),
-    "judge.samples": "At-bats that the program has drawn, as .jsonl: test their distributions.",
-    "profile": "How accurate the answers must be. exact: within 100 times the rounding error that "
-    "doubles cannot avoid; converged: errors below --tolerance; paper: the same as the paper's "
-    "scheme at its time step, 0.05 s or --dt.",
-    "tolerance": "The error that profile converged allows, in SI units, by default 1e-6.",
+    "judge.samples": "At-bats that the program has drawn, as .jsonl, to test their distributions.",
+    "profile": _option(
+        "Required accuracy. exact: within 100 times the unavoidable rounding error; converged: "
+        "errors below --tolerance; paper: the same as the paper's scheme at its time step, 0.05 s "
+        "or --dt.",
+        "exact|converged|paper",
+    ),
+    "tolerance": "Error that the profile converged allows, in SI units, by default 1e-6.",
     "judge.dt": "The program's time step, s. It replaces {dt} in the COMMAND.",
     "steps": _option(
-        "The time steps, s, that replace {dt} one after the other, evenly spaced in their "
-        "logarithm, at least 5. By default, a few runs choose them.",
+        "Time steps, s, that replace {dt} in turn, evenly spaced in their logarithm, at least 5. "
+        "By default, trial runs choose them.",
         "FROM:TO:COUNT",
     ),
     "knob": _option(
-        "The values that replace {NAME} in the COMMAND one after the other, from coarse to fine: "
-        "FROM:TO:COUNT, or a list with commas. For tolerances, numbers of steps and the like.",
+        "Values that replace {NAME} in the COMMAND in turn, from coarse to fine: FROM:TO:COUNT, or "
+        "a list with commas. For tolerances, numbers of steps and the like.",
         "NAME=VALUES",
     ),
-    "expected": _option("The order of convergence that the method should have.", check=_finite),
-    "timeout": _option("Longest wait for the next result, s.", min=0.001),
+    "expected": _option("Order of convergence that the method should have.", check=_finite),
+    "timeout": _option("Timeout per result, s.", min=0.001),
     "total_timeout": _option("Stop after this many seconds.", min=0.001),
-    "format": "How the verdict is printed: for people, as JSON, as JUnit's XML, or with "
-    "annotations for GitHub's Actions.",
+    "format": "Format of the verdict: text, JSON, JUnit XML, or GitHub Actions annotations.",
     "judge.table": "Print a table of the errors of each quantity.",
-    "html": _written("Write the verdict to this file as a page with pictures."),
-    "converge.scenes": "Lines of JSON, .csv or .parquet; by default golden flights and at-bats.",
+    "html": _written("Write the verdict to FILE as HTML with figures."),
+    "converge.scenes": _option(
+        "Lines of JSON, .csv or .parquet; by default golden flights and at-bats.", "FILE"
+    ),
     "converge.golden": _option(
         "Cases of one golden family instead; see longball golden list.", "SET"
     ),
-    "truth": "Errors against proven values, or among the steps themselves.",
-    "converge.csv": _written("Write the error at every step here."),
-    "converge.figure": _picture("Draw error against step here"),
+    "truth": "Measure errors against proven values, or by differences between successive steps.",
+    "converge.csv": _written("Write the error at every step to FILE."),
+    "converge.figure": _picture("Draw error against step in FILE"),
     # homerun, readings
     "homerun.samples": _option("Number of at-bats drawn.", min=1),
-    "homerun.e": "Restitutions of the ball: first:last:step, or values with commas.",
-    "homerun.csv": _written("Write the table here."),
-    "homerun.figure": _picture("Draw P(e) here"),
-    "homerun.scenes": _written("Write the sampled at-bats here, as scenes."),
-    "pitches": _option("Draw pitches from what longball fit --json wrote.", "FILE"),
-    "method": "How P(e) is computed.",
-    "homerun.engine": "What solves the at-bats.",
+    "homerun.e": _option(
+        "Restitutions of the ball: first:last:step, or values with commas.", "FIRST:LAST:STEP"
+    ),
+    "homerun.csv": _written("Write the table to FILE."),
+    "homerun.figure": _picture("Draw P(e) in FILE"),
+    "homerun.scenes": _written("Write the sampled at-bats to FILE, as scenes."),
+    "pitches": _option("Pitch distributions written by longball fit --json.", "FILE"),
+    "method": "Method: samples, or integration over their distributions.",
     "readings.samples": _option("Number of at-bats drawn; 0: the ledger only.", min=0),
     "readings.e": _option("Restitution of the ball.", min=0.0, max=1.0),
     # tables of measurements
     "example": "Take the day of pitches that comes with longball.",
-    "measured.kind": "What of the table is predicted.",
-    "model": "The model of the flight.",
-    "spin.model": "The model whose law of lift is asked.",
-    "pfx": "Count from 40 ft on, as PITCHf/x does.",
+    "measured.kind": "Predict pitches or batted balls.",
+    "model": "Model of the flight.",
+    "spin.model": "Model whose law of lift is inverted.",
+    "pfx": "Count from 40 ft, as PITCHf/x does.",
     "games": _option(
         "game_pk, temperature (°F), and elevation (ft) or park of each game; by default those of "
         "the example. Other games are played at 20 °C at sea level.",
         "GAMES.csv",
     ),
-    "column": _option("What the table calls Statcast's column NAME, as vx0=VX0", "NAME=COLUMN"),
-    "measured.scenes": _written("Write the scenes here."),
-    "measured.csv": _written("Write each prediction here, in SI units."),
-    "measured.figure": _picture("Draw the errors here"),
+    "column": _option("The table's name of Statcast's column NAME, e.g. vx0=VX0", "NAME=COLUMN"),
+    "measured.scenes": _written("Write the scenes to FILE."),
+    "measured.csv": _written("Write each prediction to FILE, in SI units."),
+    "measured.figure": _picture("Draw the errors in FILE"),
     "fit.column": lambda: _option(
-        f"How to read the table. NAME is one of {', '.join(_columns())}. Without it, Statcast's "
-        "names and units. height=null leaves heights out",
+        f"Set a column or unit of the table. NAME is one of {', '.join(_columns())}. By default, "
+        "Statcast's names and units. height=null omits heights",
         "NAME=VALUE",
     ),
-    "straight": _option("Types of pitch that are straight.", "A,B"),
-    "breaking": _option("Types that break; all others if not given.", "A,B"),
-    "bin_width": _option("km/h, of the histogram of speeds.", min=0.01),
+    "straight": _option("Pitch types that count as straight, e.g. FF,SI.", "A,B"),
+    "breaking": _option("Pitch types that count as breaking; by default all others.", "A,B"),
+    "bin_width": _option("Bin width of the histogram of speeds, km/h.", min=0.01),
     "draw_from": "The fit that homerun will draw from.",
     # flight, parks
-    "speed": 'Off the bat, as "103 mph"; a number is in m/s.',
-    "angle": "Above the horizontal; a number is in degrees.",
-    "direction": "From centre field to the left; a number is in degrees.",
-    "flight.park": _option("Whose fence and elevation; by default at sea level.", "NAME"),
-    "wind": 'As "10 mph out": out, in, left or right.',
-    "temperature": 'As "72 F"; a number is in K; by default 20 °C.',
-    "elevation": "Above the sea, instead of the park's; a number is in m.",
-    "bats": _option("The batter's side, which turns the ball's spin.", "R|L"),
-    "parks.park": _option("Only in this park", "NAME"),
+    "speed": _option('Exit speed, e.g. "103 mph"; without a unit in m/s.', "SPEED"),
+    "angle": _option("Angle above the horizontal; without a unit in degrees.", "ANGLE"),
+    "direction": _option("Angle left of centre field; without a unit in degrees.", "ANGLE"),
+    "flight.park": _option("Park that sets fence and elevation; by default sea level.", "NAME"),
+    "wind": _option('Wind, e.g. "10 mph out": out, in, left or right.', "WIND"),
+    "temperature": _option('E.g. "72 F"; without a unit in K; by default 20 °C.', "TEMPERATURE"),
+    "elevation": _option(
+        "Height above sea level, instead of the park's; without a unit in m.", "HEIGHT"
+    ),
+    "bats": _option("Batter's side; sets the sign of the side spin.", "R|L"),
+    "parks.park": _option("Only this park", "NAME"),
     # infer, aim
     "infer.points": _option("Points of the path: columns t, x, y, z, in s and m.", "POINTS.csv"),
     "measured": _option(
-        "A number of the result, as landing.distance=118.2 or landing.distance=390ft", "NAME=VALUE"
+        "A number of the result, e.g. landing.distance=118.2 or landing.distance=390ft",
+        "NAME=VALUE",
     ),
     "unknown": _option(
-        "A number to be found, as launch.speed, launch.angle, air.drag_coefficient", "NAME"
+        "A number to be found, e.g. launch.speed, launch.angle, air.drag_coefficient", "NAME"
     ),
-    "sigma": "Standard deviation of the measurements; if left out, as they scatter.",
+    "sigma": "Standard deviation of the measurements; by default estimated from their scatter.",
     "target": _option(
-        "What to hit, m or with a unit: a distance of the landing, its place, or a point on the "
-        "way.",
+        "Target, m or with a unit: distance of the landing, its position, or a point of the path.",
         "D|X,Y|X,Y,Z",
     ),
     # golden
     "part": "Only that part of the set.",
-    "family": _option("Only that family of cases, the others as DIR has them"),
+    "family": _option("Only that family of cases; the others are taken from DIR", "NAME"),
     "golden export.folder": _option("A set other than the shipped one.", "DIR"),
-    "most": _option("How many mistakes that the scenes miss are listed.", min=0),
-    "every": _option("Try one edit of so many; 1 for all, which takes minutes.", min=1),
-    "golden check.sample": _option("How many cases to solve again; by default all.", min=0),
-    "golden check.seed": _option("Chooses which ones.", min=0),
+    "most": _option("Number of missed mistakes to list.", min=0),
+    "every": _option("Try one edit in N; 1 for all, which takes minutes.", min=1),
+    "golden check.sample": _option("Number of cases to solve again; by default all.", min=0),
+    "golden check.seed": _option("Seed of the sample.", min=0),
     "independent": "Solve them also by the multiprecision engine, which shares no method.",
 }
 
 
-def command_of(name: str, function: Callable[..., None], example: str) -> Any:
+def command_of(name: str, function: Callable[..., None], epilog: str) -> Any:
     """Build a command from a function; the table has what its parameters are called and mean."""
     # Names of types are resolved in the command's module, where they are imported.
     hints = get_type_hints(function)
@@ -310,6 +329,7 @@ def command_of(name: str, function: Callable[..., None], example: str) -> Any:
     def run(**values: Any) -> None:
         function(**values)
 
+    # Typer reads the signature alone. A plain function stays callable from Python and from tests.
     declared = signature(function)
     run.__signature__ = declared.replace(  # type: ignore[attr-defined]
         parameters=[
@@ -318,7 +338,7 @@ def command_of(name: str, function: Callable[..., None], example: str) -> Any:
         ]
     )
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-    alone.command(name.rpartition(" ")[2], cls=Command, epilog=example)(run)
+    alone.command(name.rpartition(" ")[2], cls=Command, epilog=epilog)(run)
     return typer.main.get_command(alone)
 
 

@@ -29,10 +29,10 @@ def parks(
     scheduler: str | None = None,
     json_: bool = False,
 ) -> None:
-    """Tell in which parks batted balls are home runs, and by how much.
+    """List the parks in which batted balls are home runs, and by how much.
 
-    Each scene is flown with the fence of each park, and at its elevation if the scene's density is
-    a weather. Without scenes the parks are listed, with some of their numbers, and their sources.
+    Each scene gets the fence of each park in turn, and the park's elevation if the scene gives a
+    weather in place of a density. Without scenes, the command lists the parks and their sources.
     """
     with refusing("--"):
         where = [park_of(name) for name in park] if park else [*every_park()]
@@ -55,6 +55,7 @@ def parks(
                 tell(f"{name}: {found}")
                 continue
             _show(name, found, json_)
+            # A ball that one park refuses, as outside of its fence, still has an answer.
             failed += all(each.result.error for each in found)
     if not told:
         tell(f"no scenes in {named(source)}")
@@ -93,6 +94,7 @@ def _show(name: str, found: list[InPark], as_json: bool) -> None:
     out = sum(each.is_out for each in found)
     print(f"{name}: a home run in {out} of {len(found)} parks")
     rows = []
+    # By the height above the fence; parks whose fence the ball does not reach come last.
     for each in sorted(found, key=lambda each: -_order(each)):
         over = "" if each.clearance is None else f"{each.clearance:+.2f}"
         rows.append([each.park.name, str(each.result.outcome or each.result.error), over])

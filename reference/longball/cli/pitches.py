@@ -16,7 +16,7 @@ from longball.model.arrays import Array
 from longball.model.jsonl import json_line
 from longball.pitches.statcast import GAMES, MeasuredPitches, read_measured
 
-# Pitches that a worker takes at a time.
+# Pitches that a worker takes at a time: seconds of work, beside which sending them costs nothing.
 PART = 20_000
 
 

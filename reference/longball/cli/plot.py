@@ -22,10 +22,10 @@ def plot(
     engine: engines.Name = "ivp",
     quiet: bool = False,
 ) -> None:
-    """Draw the paths of a few balls, or where many come down.
+    """Draw the paths of a few balls, or a spray chart of many.
 
-    Scenes are solved. Up to 12 paths are drawn to scale, from the side and from above; more balls
-    make a spray chart with home plate at the bottom. Fences are grey.
+    Up to 12 paths are drawn to scale, from the side and from above. The spray chart of more balls
+    has home plate at the bottom. Fences are grey.
     """
     from longball.pictures import FEW, drawn, save_paths, save_spray_chart
 
@@ -46,6 +46,7 @@ def plot(
             tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
             failed += 1
     if pictured:
+        # Pitches that come down nowhere have no mark in a spray chart.
         many = len(pictured) > FEW and any(scene.end for scene in pictured)
         (save_spray_chart if many else save_paths)(output, pictured)
         note(f"the picture is in {output}")

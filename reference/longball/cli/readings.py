@@ -23,10 +23,11 @@ def readings(
     json_: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Print the ledger of readings, and what each one does to P(e)."""
+    """Print the ledger of readings, and the effect of each one on P(e)."""
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
     effects: dict[Readings | None, Estimate] = {}
     if samples:
+        # The default of each switch is the same reading, and is solved once.
         switched = dict.fromkeys(found for line in lines if (found := readings_with(*line)))
         with progress_bar("readings", len(switched)) as advance:
             for done, (reading, sampling) in enumerate(switched, 1):

@@ -86,6 +86,7 @@ def each_scene(
     with scenes_from(source) as lines:
         for number, line in enumerate(lines, 1):
             if line.strip():
+                # One bad line must not cost the others their answers.
                 try:
                     scene = parse_scene(line, change)
                 except InvalidScene as error:
@@ -101,6 +102,7 @@ def read_scenes(source: str) -> list[Scene]:
         if isinstance(scene, InvalidScene):
             wrong_call(f"{named(source)}, line {number}: {scene}")
         found.append(scene)
+    # An empty file is a slip, and a verdict on no scenes would pass.
     if not found:
         wrong_call(f"no scenes in {named(source)}")
     return found
@@ -110,6 +112,7 @@ def one_scene(source: str, change: Changes) -> Scene:
     """Return the scene of a file with one; several, or none, are a wrong call."""
     with scenes_from(source) as lines:
         written = [line for line in lines if line.strip()]
+    # A search has one start.
     if len(written) != 1:
         wrong_call(f"{named(source)} has {len(written)} scenes, and one is needed")
     try:

@@ -31,6 +31,7 @@ def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, A
         # Other tools have their tables there; a longball.toml is ours alone.
         if file.name == "pyproject.toml":
             found = found.get("tool", {}).get("longball", {})
+        # All tables are checked, also those of other commands: a slip in a name is found early.
         for name, table in found.items():
             if name not in commands:
                 wrong_call(f"{file}: {name}: no such command{one_of('they are', name, commands)}")

@@ -100,6 +100,7 @@ def solve(
             ids.add(result.id)
             for key, question in result.doubts:
                 doubtful.setdefault(key, []).append(f"scene {result.id}: {key}: {question}")
+    # A file in km/h has the same doubt in each line: one question is enough.
     for first, *others in doubtful.values():
         note(f"{first}{f' (and {len(others)} more)' if others else ''}")
     if solved == 0:
@@ -124,6 +125,7 @@ def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int]
     """Show how many lines of a file are done, unless the results go to the terminal."""
     if lines.isatty():
         note("scenes are read from the terminal, one per line of JSON; Ctrl-D ends")
+    # A bar among results on the same terminal would tear their lines.
     shown = output is not None or not sys.stdout.isatty()
     if not (say.is_terminal and shown and lines.seekable()):
         yield lambda done: None
@@ -169,6 +171,7 @@ def results_to(
         return
     if source != "-" and output.exists() and output.samefile(source):
         wrong_call(f"{output} is the file that the scenes are read from")
+    # The columns of a table are known with its last row.
     results: list[bytes] = []
     yield results.append
     from longball.table_files import write_table

@@ -24,10 +24,11 @@ def spin(
     json_: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Compute the spin that measured pitches need for their movement, and its active share.
+    """Compute the spin that causes the movement of measured pitches, and its active share.
 
-    The force across the way gives C_L in the weather of each game, and the model's law of lift the
-    spin. Text has the medians of each type; JSON has a line for each pitch, in SI units.
+    The force perpendicular to the path gives C_L in the weather of each game, and the model's law
+    of lift gives the spin. Text output has the medians of each pitch type, JSON output a line for
+    each pitch, in SI units.
     """
     law = model_of(model)
     pitches = pitches_of(table, example, games, column, spin=True)
@@ -44,6 +45,7 @@ def spin(
         }
         show_types(pitches, shown)
     above, beyond = (found["active_share"] > 1.0).sum(), np.isnan(found["transverse"]).sum()
+    # Both are findings on the table, and no failures: the rows have their numbers, or NaN.
     if above:
         note(f"the active share of {above} pitches is above 1: they move more than their spin can")
     if beyond:

@@ -17,6 +17,7 @@ def chosen_table(table: str, example: bool) -> str | Path | TextIO:
         wrong_call(f"either --example or {table}, not both")
     from longball.pitches import EXAMPLE  # brings numpy
 
+    # Standard input as a text file: pandas reads both.
     return EXAMPLE if example else sys.stdin if table == "-" else table
 
 

@@ -45,8 +45,10 @@ class Changes:
         """Return a scene, as plain data, with the changes; `InvalidScene` if they do not fit it."""
         changed = dict(data)
         for name, value in self.values:
-            if name in TRACKED and isinstance(changed.get("launch"), Mapping):
-                changed["launch"] = _launch_with(changed["launch"], name, value)
+            # A flight without a launch needs the velocity before it can have another speed.
+            launch = changed.get("launch", {} if data.get("kind") == "flight" else None)
+            if name in TRACKED and isinstance(launch, Mapping):
+                changed["launch"] = _launch_with(launch, name, value)
                 continue
             # A component: the rest of the vector stays, or is the default of the kind.
             if element := _ELEMENT.fullmatch(name):

@@ -18,7 +18,8 @@ from longball.model.units import unit_of
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
     """Return one sentence for each fault in data that do not fit a `model`."""
-    return "; ".join(_explain_fault(dict(fault), model) for fault in error.errors())
+    sentences = (_explain_fault(dict(fault), model) for fault in error.errors())
+    return "; ".join(dict.fromkeys(sentences))
 
 
 def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
@@ -32,14 +33,24 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             outer = re.split(r"[.\[]", key)[0]
             if outer != key and outer in keys:  # also of a table that gives the block whole
                 return f"{where}: unknown key; put it inside {outer}"
+            from longball.model.inputs import TRACKED  # which knows scenes
+
+            if where in TRACKED:
+                made = f"lb.launch(…) and --set {where}=… make {', '.join(keys)} of it"
+                return f"{where}: unknown key; {made}"
             # A key of another block: density outside of air.
             homes = [name for name in model.model_fields if key in keys_of(model, [name])]
             if homes and not any(letters(key) == letters(name) for name in keys):
                 here = f"the keys here are {', '.join(keys)}"
                 return f"{where}: unknown key; {here}; {key} is a key of {' and of '.join(homes)}"
             return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
+        case "missing" if isinstance(location[-1], int):
+            # One sentence for all numbers that a vector lacks.
+            vector, count = where.rpartition("[")[0], len(fault["input"])
+            form = _listed(annotation, about)
+            return f"{vector}[{count}]: is missing; {vector} must be {form}"
         case "missing":
-            form = "" if isinstance(location[-1], int) else _form_of(annotation, about)
+            form = _form_of(annotation, about)
             return f"{where}: is missing{form and f'; it is {form}'}"
         case "float_type" if fault["input"] is None and isinstance(location[-1], int):
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
@@ -117,7 +128,11 @@ def in_our_words(message: str) -> str:
     """Reword pydantic's message on a value as the end of a sentence about it."""
     message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
     message = message.replace("a valid integer", "a whole number")
+    message = re.sub("(greater|less) than or equal to", lambda side: _BOUNDS[side[1]], message)
     return message.replace("should", "must").replace("a valid number", "a number")
+
+
+_BOUNDS = {"greater": "at least", "less": "at most"}
 
 
 # Of numbers that are likely to be in another unit if they are beyond their limits.

@@ -17,8 +17,11 @@ def one_of(these_are: str, given: object, known: Iterable[str]) -> str:
     names = [*known]
     shown = f"{these_are} {', '.join(names)}"
     if hint := did_you_mean(given, names):
-        return f"{hint} {shown[0].upper()}{shown[1:]}"
+        return f"{hint} {shown[0].upper()}{shown[1:]}" if len(names) <= _MOST_NAMES else hint
     return f"; {shown}"
+
+
+_MOST_NAMES = 20  # beside one that is meant: a line of more hides it
 
 
 def did_you_mean(given: object, known: Iterable[str]) -> str:
@@ -48,8 +51,17 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
 def nearest_file(path: str | Path) -> str:
     """Return ``, did you mean NAME?`` with a file beside a path that does not exist, or ``""``."""
     folder = Path(path).parent
-    known = [file.name for file in folder.iterdir()] if folder.is_dir() else []
+    stem = Path(path).stem
+    # A common ending alone is no likeness: missing.jsonl is not s.jsonl.
+    known = [
+        file.name
+        for file in (folder.iterdir() if folder.is_dir() else ())
+        if difflib.SequenceMatcher(None, stem, file.stem).ratio() > _LIKENESS
+    ]
     return did_you_mean(Path(path).name, known)
+
+
+_LIKENESS = 0.4  # of stems: fly and flies have 0.5
 
 
 def letters(name: str) -> str:

@@ -39,8 +39,8 @@ def unit_of(description: str) -> str:
 def in_si(number: float, unit: str, si: str) -> float:
     """Return a number in an SI unit; a ValueError says that its unit is none of that quantity."""
     if unit not in UNITS.get(si, {}):
-        known = one_of("the units here are", unit, UNITS[si]) if si else "; it has no unit"
-        raise ValueError(f"{unit!r} is no unit here{known}")
+        known = one_of("use", unit, UNITS[si]) if si else "; this number has none"
+        raise ValueError(f"the unit {unit!r} does not fit{known}")
     # 72 °F = 72/1.8 K + 459.67/1.8 K.
     return number * UNITS[si][unit] + _ZEROS.get(unit, 0.0)
 

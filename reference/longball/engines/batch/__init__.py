@@ -11,6 +11,7 @@ one calls.
 from longball.engines.batch.engine import Batch
 from longball.engines.batch.many import (
     solve_columns,
+    solve_columns_as_data,
     solve_columns_with_restitutions,
     solve_columns_with_slopes,
     solve_decided_columns,
@@ -19,6 +20,7 @@ from longball.engines.batch.many import (
 __all__ = [
     "Batch",
     "solve_columns",
+    "solve_columns_as_data",
     "solve_columns_with_restitutions",
     "solve_columns_with_slopes",
     "solve_decided_columns",

@@ -284,14 +284,24 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[di
         if len(same) < FEW or not _flies_in_lanes(same[0], MODEL):
             results |= {i: chain.solve(scenes[i], solver).data() for i in places}
             continue
-        table = _solve(same[0], _columns_of(same), solver, threads)
-        for i, (outcome, parts) in zip(places, _rows(table), strict=True):
-            if outcome is None:
-                results[i] = chain.solve(scenes[i], solver).data()  # for the reason
-            else:
-                head = {"id": scenes[i].id, "outcome": outcome}
-                results[i] = {**head, **parts, "engine": solver.description}
+        found = solve_columns_as_data(same[0], _columns_of(same), solver, threads)
+        for i, data in zip(places, found, strict=True):
+            # Solved alone for the reason.
+            results[i] = data or chain.solve(scenes[i], solver).data()
+            results[i]["id"] = scenes[i].id
     return [results[i] for i in range(len(scenes))]
+
+
+def solve_columns_as_data(
+    scene: Scene, columns: Mapping[str, Array], solver: Any, threads: int = 1
+) -> list[dict[str, Any] | None]:
+    """Return the results of columns as plain data without ids; None where a scene has no answer."""
+    return [
+        None
+        if outcome is None
+        else {"id": None, "outcome": outcome, **parts, "engine": solver.description}
+        for outcome, parts in _rows(_solve(scene, columns, solver, threads))
+    ]
 
 
 def _structure(scene: Scene) -> tuple[Any, ...]:

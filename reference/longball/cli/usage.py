@@ -1,0 +1,71 @@
+"""Usage errors in one voice: where, the value that is given, and what would be right.
+
+Typer finds them, with its own words for each kind. Only the kind and the value are taken from it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+
+from longball.model.names import did_you_mean
+
+# The parent of typer's errors, which is click's in one version and its own in another.
+UsageError: Any = typer.BadParameter.__mro__[1]
+
+
+@contextmanager
+def in_one_voice() -> Iterator[None]:
+    """Print a usage error as every other error, and exit with status 2."""
+    try:
+        yield
+    except UsageError as error:
+        if type(error).__name__ == "NoArgsIsHelpError":  # its message is the help
+            raise
+        from longball.cli.messages import wrong_call  # brings the model, which help does without
+
+        wrong_call(_sentence(error))
+
+
+def _sentence(error: Any) -> str:
+    command, parameter = error.ctx and error.ctx.command, getattr(error, "param", None)
+    if parameter is not None:
+        return _of_value(error, command, parameter)
+    see_help = f"; see {error.ctx.command_path} --help" if error.ctx else ""
+    if option := getattr(error, "option_name", None):
+        known = {name: each for each in command.get_params(error.ctx) for name in each.opts}
+        if option not in known:
+            return f"no such option {option}{did_you_mean(option, known) or see_help}"
+        if "requires" in error.message:
+            return f"{option}: a value is needed: {known[option].help}".rstrip(".")
+        return f"{option}: it takes no value"
+    if extra := re.match(r"Got unexpected extra arguments? ?\(?s?\)? \((.*)\)", error.message):
+        takes = " ".join(command.collect_usage_pieces(error.ctx)[1:]) or "options alone"
+        return f"{extra[1]}: one too many; the command takes {takes}{see_help}"
+    return str(error.message)
+
+
+def _of_value(error: Any, command: Any, parameter: Any) -> str:
+    """Return the sentence on the value of an option or an argument."""
+    from longball.model.explain import in_our_words
+
+    is_argument = parameter.param_type_name == "argument"
+    where = str(parameter.metavar) if is_argument else max(parameter.opts, key=len)
+    # The file of settings may have given the value.
+    if parameter.name in (error.ctx.default_map or {}):
+        where = f"{command.settings}: {command.name}.{where.lstrip('-')}"
+    if hasattr(error, "param_type"):  # it is missing
+        return f"{where} is missing: {parameter.help}".rstrip(".")
+    # Pydantic checks numbers and words, and keeps the value. Our own checks begin with it.
+    faults: list[Any] = getattr(error.__cause__, "errors", list)()
+    given = f" {faults[0]['input']}:" if faults else ""
+    message = in_our_words(error.message).rstrip(".")
+    if choices := re.fullmatch(r"'(.*)' is not one of (.*)", message):
+        known = re.findall(r"'([^']*)'", choices[2])
+        given, message = f" {choices[1]}:", f"must be one of {', '.join(known)}"
+        message += did_you_mean(choices[1], known)
+    return f"{where}{given} {message}"
