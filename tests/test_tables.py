@@ -233,7 +233,10 @@ def test_what_is_no_number_is_refused_by_the_name_of_its_column(column, engine: 
 # --- who flew -------------------------------------------------------------------------------------
 
 LAUNCH = {"position": [0, 0, 1], "velocity": [30, 0, 25], "spin": [0, -200, 0]}
-DECAY = {"spin_decay_length": 100.0}  # what the compiled code has no variable for
+# What the compiled code does not fly: a coefficient by straight lines.
+TABLE = {
+    "drag_coefficient": {"law": "table", "of": "speed", "at": [0.0, 90.0], "values": [0.4, 0.3]}
+}
 
 
 def engines_of(columns, engine: str = "batch") -> list[str]:
@@ -244,7 +247,7 @@ def engines_of(columns, engine: str = "batch") -> list[str]:
 
 
 def test_the_engine_that_flew_is_named_alone_in_lists_and_in_columns():
-    scene = {"kind": "flight", "launch": LAUNCH, "air": DECAY}
+    scene = {"kind": "flight", "launch": LAUNCH, "air": TABLE}
     flown = lb.solve(scene, "ivp").engine
     assert lb.solve(scene, "batch").engine == flown
     assert {one.engine for one in lb.solve_many([scene] * 20)} == {flown}
@@ -277,7 +280,7 @@ def test_a_pitch_and_a_batted_ball_may_be_flown_by_different_engines():
 
 
 def test_verlet_flies_by_itself():
-    scene = {"kind": "flight", "launch": LAUNCH, "air": DECAY}
+    scene = {"kind": "flight", "launch": LAUNCH, "air": TABLE}
     assert " verlet " in lb.solve(scene, "verlet").engine
 
 

@@ -49,7 +49,7 @@ def evaluate(judge: Judge, program: list[str]) -> Evaluation:
     return judge.evaluate_command(program, GENEROUS)
 
 
-LAGGED = "flies by velocity Verlet with the force at the old velocity, which the next step begins"
+LAGGED = "errs like velocity Verlet with the force at the old velocity, which the next step begins"
 
 NIGHTLY = pytest.mark.nightly
 

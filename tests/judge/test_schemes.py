@@ -113,7 +113,7 @@ def test_a_scheme_is_named_with_its_step(step, h, name, order):
     found = explain_scheme(*wrong(flown(h, step)))
     assert found is not None
     assert found.adequate
-    assert found.words.startswith(f"flies by {name} in steps of {h:.6g} s")
+    assert found.words.startswith(f"errs like {name} in steps of {h:.6g} s")
     assert (found.order, found.step) == (order, pytest.approx(h, rel=1e-9))
 
 
@@ -125,7 +125,7 @@ def test_the_scheme_of_the_paper_is_named_with_its_last_step(landing):
     found = explain_scheme(*wrong(results))
     assert found is not None
     assert found.words.startswith(
-        "flies by velocity Verlet with the force at the old velocity, which"
+        "errs like velocity Verlet with the force at the old velocity, which"
     )
     assert ("on the chord" in found.words) == (landing == "interpolated")
     if landing == "first_below":
@@ -154,7 +154,7 @@ def test_a_law_and_a_scheme_are_found_together():
     assert found is not None
     edit, scheme = found
     assert edit is times
-    assert scheme.words.startswith("flies by explicit Euler in steps of 0.01 s")
+    assert scheme.words.startswith("errs like explicit Euler in steps of 0.01 s")
 
 
 def test_a_late_clock_is_told_and_no_scheme():

@@ -150,15 +150,14 @@ def further_options(
 
     said = []
     judged = [c for c in found.comparisons if c.judged and c.answer and not c.refused]
-    # Who has to mend a program has no use for harder tests.
-    if found.verdict.status == "FAILED":
-        return ""
     if judged and isinstance(rule, Converged):
         right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
         said.append(f"at --profile exact, {right} of {len(judged)} are right")
     if judged and not others:
         tried = {case.case.family for case in found.comparisons}
+        # Wrong defaults are common, and no other family shows them.
         more = [name for name in reader.header().families if name not in tried]
+        more.sort(key=lambda name: name != "defaults")
         said += [f"not tested: {', '.join(more)} (--golden all)"] if more else []
     return "; ".join(said)
 

@@ -256,7 +256,7 @@ class Way:
         if self.one is EXACT:
             return f"puts the end of the flight on the chord between two steps of {self.h:.6g} s"
         end = ", and ends on the chord between two of them" if self.chord else ""
-        return f"flies by {self.one.words} in steps of {self.h:.6g} s{end}"
+        return f"errs like {self.one.words} in steps of {self.h:.6g} s{end}"
 
     def __call__(
         self, stage: Stage, columns: Mapping[str, Any]

@@ -666,6 +666,7 @@ def edits(
         site = Site(root, (), here, defaults, flies, left_out)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_options(root, nodes, site)
+        yield from _of_uses(root, nodes, site)
         for form in stage.forms.get(name, ()):
             others = ordered([form], (), arguments)
             yield from _of_formula(root, form, others, frozenset(nodes), site)
@@ -695,8 +696,29 @@ def _of_options(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit
                         yield Edit(form, by, cost, text + said, starts, None, (form, node))
 
 
-# Bits of a place that is no definition with a name.
-UNNAMED = {"named": 0.0, "symbol": 0.5}
+def _of_uses(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit]:
+    """Edits in a definition where one formula uses it, which others use as well.
+
+    Programs that have no name for it write it out in each place.
+    """
+    places = math.log2(1 + len(nodes))
+    for definition in (node for node in nodes if node.op == "named"):
+        made = _meaning(definition)
+        uses = [(use, k) for use in nodes for k, arg in enumerate(use.args) if arg is definition]
+        if len(uses) < 2 or made.op not in ("product", "quotient", "sum"):
+            continue
+        for node in (x for x in ordered([made]) if x.op in ("symbol", "named")):
+            for by, bits, said, starts in _others(replace(whole, node=node, parents=(made,))):
+                other = substitute(made, node, by)
+                for use, k in uses:
+                    new = rebuilt(use, [*use.args[:k], other, *use.args[k + 1 :]])
+                    text = f"{said} in {words(use)}"
+                    yield Edit(use, new, bits + places + UNNAMED[node.op] + 2, text, starts)
+
+
+# Bits of a place that is no definition with a name. Nobody writes a switch as one: its words say
+# nothing to an author.
+UNNAMED = {"named": 0.0, "symbol": 0.5, "switch": 4.0}
 
 
 def _of_formula(

@@ -95,8 +95,9 @@ def located(
         kind: Kind = "located"
     else:
         kind = "nearest"
-        sentence += " No single mistake explains all your numbers. The nearest, that your program "
-        sentence += f"{found.nearest.words}, explains {100 * (1 - found.left):.0f}% of the error."
+        sentence += " No single edit that is tried explains all your numbers. The nearest, that "
+        sentence += f"your program {found.nearest.words}, "
+        sentence += f"explains {100 * (1 - found.left):.0f}% of the error."
     right = words(_body(stage.roots["value"])) if stage.kind == "formula" else "⟨"
     return _finding(
         one, data, kind=kind, edit=None, scenes=scenes,
