@@ -6,7 +6,6 @@ lines of results have as keys. `longball.tables` solves many scenes at once.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
@@ -36,6 +35,7 @@ from longball.model.inputs import (
     OF_SPIN,
     OF_VELOCITY,
     UNITS_OF_TRACKED,
+    angle_fault,
     inputs,
     launched,
     require_inputs,
@@ -145,12 +145,8 @@ def launch(
     # `not >` also refuses NaN.
     if not speed > 0.0:
         raise InvalidScene(f"speed: must be positive (got {speed!r})")
-    # Degrees in place of radians would give a ball that flies somewhere, without a word.
-    if abs(angle) > math.pi / 2:
-        raise InvalidScene(
-            f"angle: must be from -π/2 to π/2 rad (got {angle!r}); {angle:g}° are "
-            f"{math.radians(angle):.4f} rad"
-        )
+    if fault := angle_fault(angle):
+        raise InvalidScene(f"angle: {fault}")
     # The same formulas as those of derivatives by launch.speed, in longball.model.inputs.
     tracked: dict[str, float] = dict(zip(OF_VELOCITY, (speed, angle, direction), strict=True))
     if backspin is not None or side_spin is not None:

@@ -101,6 +101,7 @@ def test_the_spins_of_a_launch_stay_where_one_changes():
         ({"kind": "pitch"}, "launch.speed", 40.0, "launch: unknown key"),
         ({"kind": "flight", "launch": LAUNCH}, "launch.speed", -4, "speed: must be positive"),
         ({"kind": "flight", "launch": LAUNCH}, "launch.angle", "up", "must be a number in rad"),
+        ({"kind": "flight", "launch": LAUNCH}, "launch.angle", 28.0, "28° are 0.4887 rad"),
         ({"kind": "flight", "launch": {"velocity": 3}}, "launch.angle", 0.1, "must give launch.v"),
         ({"kind": "flight", "launch": 3}, "launch.angle", 0.1, "launch.angle: launch is set to 3"),
     ],

@@ -93,6 +93,20 @@ def test_the_axis_seen_by_the_catcher_is_the_one_measured():
     assert pitch.axis[0] == close(unit(seen - (seen @ along) * along), abs=1e-15)
 
 
+def test_a_cell_that_cannot_be_read_costs_its_row_and_no_other():
+    rows = [BATTED | change for change in (
+        {}, {"launch_speed": "98 mph"}, {"launch_angle": "inf"}, {"stand": "S"}, {"stand": ""}, {},
+    )]  # fmt: skip
+    flies = read_measured(table(*rows), "batted")
+    assert {each.reason: each.first_rows for each in flies.left_out} == {
+        "launch_speed is not a finite number": (2,),
+        "launch_angle is not a finite number": (3,),
+        "stand is neither R nor L": (4,),
+        "stand is missing": (5,),
+    }
+    assert flies.rows.tolist() == [1, 6]
+
+
 def test_pitches_that_cannot_be_used_are_left_out_with_the_reason():
     rows = [PITCH | change for change in (
         {}, {"pitch_type": ""}, {"spin_axis": ""}, {"plate_z": -0.1}, {"p_throws": ""},
@@ -327,8 +341,8 @@ WRONG = {
         "launch_angle: the table has no such column; its columns are stand, launch_speed",
     ),
     "odd side": (
-        table(BATTED, BATTED | {"stand": "S"}),
-        "stand: row 2 below the header has 'S', which is neither R nor L",
+        table(BATTED | {"stand": "S"}, BATTED | {"stand": ""}),
+        "stand: row 1 below the header has 'S', which is neither R nor L",
     ),
     "not a number": (
         table(BATTED | {"launch_speed": "fast"}),

@@ -179,6 +179,13 @@ def test_a_direction_that_is_not_determined_is_named():
         ([[0.0, 1.0]], ["launch.speed"], None, "rows of t, x, y, z"),
         ([[-1.0, 1.0, 0.0, 2.0]], ["launch.speed"], None, "a time since the start"),
         ({"t": [0.0], "x": [1.0]}, ["launch.speed"], None, "a column y is missing"),
+        (
+            {"landing.distance": 9e4},
+            ["launch.speed"],
+            None,
+            "no scene fits: .* misses landing.dist",
+        ),
+        ({"landing.distance": -99.0}, ["launch.speed"], None, "no scene fits"),
     ],
 )
 def test_what_is_no_measurement_is_refused(measured, unknowns, sigma, sentence):
@@ -294,6 +301,7 @@ FLIGHT = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30,
         ("infer - --measured landing.distance=90", 2, "--unknown: name a number"),
         ("infer - --points {empty} --unknown launch.speed", 1, "the table is empty"),
         ("aim - --target 300", 1, "out of reach: the ball gets"),
+        ("aim - --target -20", 2, "a distance must be positive"),
         ("aim - --target far", 2, "--target far: a number is needed"),
         ("aim - --target 90 --unknown gravity", 2, "longball: unknowns: gravity cannot be aimed"),
     ],

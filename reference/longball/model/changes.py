@@ -18,6 +18,7 @@ from longball.model.inputs import (
     OF_VELOCITY,
     TRACKED,
     UNITS_OF_TRACKED,
+    angle_fault,
     launched,
     tracks_of,
 )
@@ -72,6 +73,8 @@ def _launch_with(launch: Any, name: str, value: Any) -> dict[str, Any]:
         raise InvalidScene(f"{name}: must be a number in {UNITS_OF_TRACKED[name]} (got {value!r})")
     if name == OF_VELOCITY[0] and not value > 0.0:
         raise InvalidScene(f"{name}: must be positive (got {value!r})")
+    if name == OF_VELOCITY[1] and (fault := angle_fault(value)):
+        raise InvalidScene(f"{name}: {fault}")
     tracks = tracks_of(velocity, spin, DOUBLES, math.hypot, math.atan2)
     # A ball without spin gets the one that is set, and no other.
     without = dict.fromkeys(OF_SPIN, 0.0) if name in OF_SPIN else {}

@@ -132,6 +132,17 @@ def _combined(parts: tuple[N, ...], axes: tuple[Vector[N], ...]) -> Vector[N]:
     return x, y, z
 
 
+def angle_fault(angle: float) -> str | None:
+    """Return what is wrong with a launch angle, if anything: degrees, in place of radians.
+
+    They would give a ball that flies somewhere, without a word.
+    """
+    if abs(angle) <= math.pi / 2:
+        return None
+    radians = f"{math.radians(angle):.4f} rad"
+    return f"must be from -π/2 to π/2 rad (got {angle!r}); {angle:g}° are {radians}"
+
+
 def value_of(scene: Scene, name: str) -> float:
     """Return an input of a scene by its name, one of `TRACKED` or its path.
 
@@ -142,7 +153,9 @@ def value_of(scene: Scene, name: str) -> float:
         return of_launch[name]
     if name in TRACKED:
         # A tracked quantity of a scene that has no such vector: the message names the vector.
-        lacks = "launch.spin" if isinstance(scene, FlightScene) else "launch"
+        lacks = "launch"
+        if isinstance(scene, FlightScene):
+            lacks = "launch.spin" if name in OF_SPIN else "launch.velocity other than 0"
         raise ValueError(f"{name}: the scene has no {lacks}")
     try:
         return float(number(scene, name))

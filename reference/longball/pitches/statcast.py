@@ -19,7 +19,7 @@ for the direction of the launch (Petti's transformation, baseballwithr.wordpress
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO
@@ -40,6 +40,7 @@ from longball.pitches.table import (
     TableError,
     numbers,
     read_table,
+    readable,
     refuse_rows,
     require_degrees,
     require_usual,
@@ -234,11 +235,15 @@ def _pitches(
         frame["release_pos_y"] = RUBBER - numbers(frame["release_extension"])
     kind = texts(frame["pitch_type"])
     nothing = np.full(len(frame), np.nan)
-    hand = _side(frame["p_throws"]) if spin else nothing
+    hand, odd_hand = nothing, np.zeros(len(frame), dtype=bool)
+    if spin:
+        hand, odd_hand = _side(frame["p_throws"])
     asked = (*(_SPIN if spin else ()), "release_pos_y", *_PITCH_NUMBERS)
-    values = {name: numbers(frame[name]) for name in asked}
+    values, odd_cells = _columns(frame, asked)
     lacks = [
+        *odd_cells,
         ("pitch_type is missing", kind.isna().to_numpy(dtype=bool)),
+        ("p_throws is neither R nor L", odd_hand),
         ("p_throws is missing", np.isnan(hand) & spin),
         *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
         ("release_spin_rate is 0: not measured", values.get(_SPIN[0], nothing) == 0.0),
@@ -313,19 +318,23 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     optional = ["game_pk", "stand", "hit_distance_sc", *_PLACE]
     source, frame = read_table(table, ["launch_speed", "launch_angle"], optional, names)
     here = [name for name in ("hit_distance_sc", *_PLACE) if name in frame]
-    values = {name: numbers(frame[name]) for name in ("launch_speed", "launch_angle", *here)}
+    values, odd_cells = _columns(frame, ("launch_speed", "launch_angle", *here))
     if (odd := [name for name in _PLACE if name not in frame]) and len(odd) == 1:
         raise NoSuchColumn(f"{odd[0]}: the table has no such column, and it has the other", odd)
     nothing = np.full(len(frame), np.nan)
     require_degrees(values["launch_angle"], "launch_angle", np.pi / 2.0)
-    side = _side(frame["stand"]) if "stand" in frame else np.zeros(len(frame))
+    side, odd_side = np.zeros(len(frame)), np.zeros(len(frame), dtype=bool)
+    if "stand" in frame:
+        side, odd_side = _side(frame["stand"])
     speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
     if not (speed > SLOWEST).any():  # no row would be left: in m/s, flies are below 60
         require_usual(values["launch_speed"][~np.isnan(speed)], "launch_speed")
     x, y = (values.get(name, nothing) for name in _PLACE)
     bearing = np.arctan2(x - DRAWN_PLATE[0], DRAWN_PLATE[1] - y) if "hc_x" in here else 0.0 * speed
     lacks = [
+        *odd_cells,
         *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
+        ("stand is neither R nor L", odd_side),
         ("stand is missing", np.isnan(side)),
         ("hc_x and hc_y are 0: not measured", (x == 0.0) & (y == 0.0)),
         ("hit_distance_sc is 0: not measured", values.get("hit_distance_sc", nothing) == 0.0),
@@ -357,19 +366,28 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
 # --- both -----------------------------------------------------------------------------------------
 
 
-def _side(column: pd.Series) -> Array:
-    """Return 1 for R, -1 for L, NaN where there is nothing; a `TableError` names what else is.
+def _columns(
+    frame: pd.DataFrame, names: Iterable[str]
+) -> tuple[dict[str, Array], list[tuple[str, Flags]]]:
+    """Return the numbers of columns, and the rows in which a cell is something else."""
+    read = {name: readable(frame[name]) for name in names}
+    odd = [(f"{name} is not a finite number", odd) for name, (_, odd) in read.items()]
+    return {name: values for name, (values, _) in read.items()}, odd
 
-    Right and Left are words for the same.
+
+def _side(column: pd.Series) -> tuple[Array, Flags]:
+    """Return 1 for R, -1 for L, NaN for anything else, and mark what is something else.
+
+    Right and Left are words for the same. A `TableError` says that it has nothing but other things.
     """
     text = texts(column).replace({"Right": "R", "Left": "L"})
-    odd = text.notna() & ~text.isin(["R", "L"])
-    if odd.any():
+    odd = (text.notna() & ~text.isin(["R", "L"])).to_numpy(dtype=bool)
+    if odd.any() and odd[text.notna()].all():
         raise TableError(
             f"{column.name}: row {int(np.argmax(odd)) + 1} below the header has "
             f"{text[odd].iloc[0]!r}, which is neither R nor L"
         )
-    return np.asarray(text.map({"R": 1.0, "L": -1.0}), dtype=np.float64)
+    return np.asarray(text.map({"R": 1.0, "L": -1.0}), dtype=np.float64), odd
 
 
 def _require_usual(values: Mapping[str, Array]) -> None:

@@ -214,20 +214,40 @@ def texts(column: pd.Series) -> pd.Series:
 
 def numbers(column: pd.Series) -> Array:
     """Return the numbers of a column, NaN where there is none; a `TableError` for anything else."""
+    values, odd = readable(column)
+    if odd.any():
+        raise _not_numbers(column, odd)
+    return values
+
+
+def readable(column: pd.Series) -> tuple[Array, Flags]:
+    """Return the numbers of a column, NaN where there is none, and mark what is something else.
+
+    A `TableError` says that it has nothing but those: then the column is in another form.
+    """
     import pandas as pd
 
     values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
     text = column.notna().to_numpy(dtype=bool)
     if not pd.api.types.is_numeric_dtype(column):
         text = text & texts(column).notna().to_numpy(dtype=bool)
-    odd = np.flatnonzero((text & np.isnan(values)) | np.isinf(values))
-    if odd.size:
-        what = "is not a number" if np.isnan(values[odd[0]]) else "is not finite"
-        raise TableError(
-            f"{column.name}: row {odd[0] + 1} below the header has {column.iloc[odd[0]]!r}, "
-            f"which {what}{and_more(odd.size)}"
-        )
-    return values
+    odd = text & ~np.isfinite(values)
+    if odd.any() and odd[text].all():
+        raise _not_numbers(column, odd)
+    return np.where(odd, np.nan, values), odd
+
+
+def _not_numbers(column: pd.Series, odd: Flags) -> TableError:
+    first = int(np.argmax(odd))
+    cell = column.iloc[first]
+    what = "is not finite" if str(cell).lower().lstrip("+-") in _INFINITE else "is not a number"
+    return TableError(
+        f"{column.name}: row {first + 1} below the header has {cell!r}, "
+        f"which {what}{and_more(int(odd.sum()))}"
+    )
+
+
+_INFINITE = ("inf", "infinity")
 
 
 def select_rows(

@@ -107,6 +107,8 @@ def aim(
         )
     if not np.isfinite(place).all():
         raise ValueError(f"target = {target!r}: every number must be finite")
+    if place.size == 1 and not (place > 0).all():
+        raise ValueError(f"target = {target!r}: a distance must be positive, m")
     names = _unknowns(unknowns, place.size)
     require_inputs(asked, names)
     return _hits(asked, place.reshape(-1), names, solver)

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 from scipy.optimize import least_squares
 
 from longball.api import as_engine, as_scene, differentiable, solve
@@ -36,7 +35,7 @@ from longball.model.inputs import require_inputs, value_of, with_values
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
 from longball.model.quantities import doubles, unknown
-from longball.model.scene import InvalidScene, Scene
+from longball.model.scene import Scene
 from longball.solution import error_of, real_numbers
 
 # Singular values below this fraction of the largest count as 0. Derivatives have about twelve
@@ -46,6 +45,7 @@ _DETERMINED = 1e-10
 # Relative step below which the search ends: a smaller one is rounding.
 _CONVERGED = 1e-15
 _MOST_STEPS = 100
+_MET = 1e-6  # relative: what a fit without a freedom may miss, far above what it does miss
 
 _POINT = ("t", "x", "y", "z")
 
@@ -170,6 +170,17 @@ def fit(
         )
     x, residuals, jacobian = _least_squares(asked, names, data, deviations, solver)
 
+    # As many numbers as unknowns are met exactly, or not at all.
+    if len(names) == len(data.values):
+        missed = np.abs(residuals * deviations)
+        if (missed > _MET * np.maximum(np.abs(data.values), 1.0)).any():
+            worst = int(np.argmax(missed))
+            near = ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, x, strict=True))
+            raise CannotSolve(
+                f"no scene fits: the nearest, with {near}, misses {data.names[worst]} by "
+                f"{missed[worst]:.3g}"
+            )
+
     # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements
     root = _determined(names, jacobian)
     freedom = len(data.values) - len(names)
@@ -210,7 +221,7 @@ def _least_squares(
     def residuals(x: Array) -> Array:
         try:
             return solved(x)[0]
-        except (CannotSolve, InvalidScene, Undecided, ValidationError):
+        except (CannotSolve, Undecided, ValueError):
             return np.full(len(deviations), math.nan)  # too far: a shorter step is taken
 
     # The start is solved outside `residuals`, which would hide its error.
