@@ -311,6 +311,7 @@ def _law(drag: Node, paper_lift: Node, turned: Node) -> Node:
         },
     )
     of_air = named("drag", drag) + named("lift", lift) + named("side force", aside)
+    # Programs skip all of it where there is no air: an edit of k, say, is none in a vacuum.
     acting = switch("air", {"none": constant(0.0, ACCELERATION, True), "given": of_air})
     return acting + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
 

@@ -454,7 +454,7 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             for square, text in _mixed(b, b):
                 size = function("sqrt", square, dimension=a.dimension)
                 yield size, 3.0, f"takes {text} in the length of {words(b)}"
-        case "dot", (b, c):
+        case "dot", (b, c):  # as programs write it out, with a slip in one index or sign
             for product, text in (*_mixed(b, c), *_mixed(c, b)):
                 yield product, 3.0, f"takes {text} in {said}"
         case "sum", (_, b) if b.op == "negative":  # such as 1 - x
@@ -666,7 +666,7 @@ def edits(
         site = Site(root, (), here, defaults, flies, left_out)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_options(root, nodes, site)
-        yield from _of_uses(root, nodes, site)
+        yield from _of_uses(nodes, site)
         for form in stage.forms.get(name, ()):
             others = ordered([form], (), arguments)
             yield from _of_formula(root, form, others, frozenset(nodes), site)
@@ -696,7 +696,7 @@ def _of_options(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit
                         yield Edit(form, by, cost, text + said, starts, None, (form, node))
 
 
-def _of_uses(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit]:
+def _of_uses(nodes: Sequence[Node], whole: Site) -> Iterator[Edit]:
     """Edits in a definition where one formula uses it, which others use as well.
 
     Programs that have no name for it write it out in each place.
