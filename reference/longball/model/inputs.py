@@ -133,9 +133,9 @@ def _combined(parts: tuple[N, ...], axes: tuple[Vector[N], ...]) -> Vector[N]:
 
 
 def angle_fault(angle: float) -> str | None:
-    """Return what is wrong with a launch angle, if anything: degrees, in place of radians.
+    """Return a sentence if a launch angle cannot be in radians, and None otherwise.
 
-    They would give a ball that flies somewhere, without a word.
+    Degrees would give a ball that flies somewhere, without a word.
     """
     if abs(angle) <= math.pi / 2:
         return None
