@@ -1,15 +1,17 @@
 """Integrators in fixed steps as data, and flights by them.
 
 An integrator is a step from one state to the next: place, velocity, and the path through the air
-(`longball.judge.diagnosis.residual.Launched`).
+(`longball.judge.diagnosis.residual.Launched`). Nearly all are one function of a table of
+coefficients. Authors err in those as in formulas: `slips` edits tables.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from fractions import Fraction
+from functools import cache, cached_property, partial
 from itertools import pairwise, product
 from typing import Any
 
@@ -22,63 +24,85 @@ from longball.judge.diagnosis.residual import START, Index, Launched, Step, flow
 from longball.model.arrays import Array
 from longball.model.readings import ContactForce
 
-Rows = Sequence[Sequence[float]]
+# --- steps ----------------------------------------------------------------------------------------
 
 
-def _runge_kutta(rows: Rows, weights: Sequence[float], whose: str = "own") -> Step:
-    """An explicit Runge-Kutta method. `whose` velocity moves the ball: its own, or the step's."""
-    shares = np.array(weights) / sum(weights)
+@dataclass(frozen=True)
+class Table:
+    """The coefficients of a step of length h, in which the acceleration is found s times.
 
-    def step(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
-        slopes = [f(y, t, y)]
-        for row in rows:
-            at = y + h * sum(a * k for a, k in zip(row, slopes, strict=False) if a)
-            slopes.append(f(at, t + sum(row) * h, y))
-        new = y + h * sum(b * k for b, k in zip(shares, slopes, strict=True) if b)
-        if whose != "own":
-            ahead = {"old": 0.0, "mean": 0.5, "new": 1.0}[whose]
-            new[:3] = y[:3] + h * (y[3:6] + ahead * (new[3:6] - y[3:6]))
-        return new, None
+    Row i is the state r + h c_i v + h² Σ_j A_ij a_j, v + h Σ_j B_ij a_j, with the accelerations a_j
+    at the rows before. The last one is the end of the step (a Nyström method: Hairer, Nørsett and
+    Wanner, *Solving Ordinary Differential Equations I*, Sec. II.14).
 
-    return step
+    Attributes
+    ----------
+    c
+        Coefficients of the velocity, of shape (s + 1,), or (s + 1, n) of n balls.
+    place, velocity
+        A and B, of shape (s + 1, s), or (s + 1, s, n).
+    carries
+        True if a step begins with the last acceleration of the step before.
+    """
+
+    c: Array
+    place: Array
+    velocity: Array
+    carries: bool = False
+
+    def __call__(
+        self, f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any
+    ) -> tuple[Array, Any]:
+        """Take a step; see `longball.judge.diagnosis.residual.Step`."""
+        slopes: list[Array] = []
+        for i, (c, place, velocity) in enumerate(self._rows):
+            at = y.copy()
+            at[:3] += h * c * y[3:6]
+            for j, a in place:
+                at[:3] += h * h * a * slopes[j][3:6]
+            for j, b in velocity:
+                at[3:] += h * b * slopes[j][3:]
+            if i == len(self.c) - 1:
+                break
+            known = self.carries and i == 0 and left is not None
+            slopes.append(left if known else f(at, t + c * h, y))
+        return at, slopes[-1] if self.carries else None
+
+    @cached_property
+    def _rows(self) -> list[tuple[Any, list[tuple[int, Any]], list[tuple[int, Any]]]]:
+        """The coefficients of each row, without those that are 0."""
+        parts = [
+            [[(j, a) for j, a in enumerate(row) if np.any(a)] for row in rows]
+            for rows in (self.place, self.velocity)
+        ]
+        return list(zip(self.c, *parts, strict=True))
+
+    @property
+    def is_consistent(self) -> bool:
+        """True if a step leads to the path as h goes to 0."""
+        return bool(abs(self.c[-1] - 1.0) < 1e-12 and abs(self.velocity[-1].sum() - 1.0) < 1e-12)
 
 
-def _place_first(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
-    moved = y.copy()
-    moved[:3] += h * y[3:6]
-    new = moved + h * f(moved, t, y)
-    new[:3] = moved[:3]
-    return new, None
+def _table(
+    c: Sequence[float], place: Sequence[Sequence[float]], velocity: Sequence[Sequence[float]],
+    carries: bool = False,
+) -> Table:  # fmt: skip
+    """A table from rows without their zeros at the end."""
+    s = len(c) - 1
+    a, b = (
+        np.array([[*row, *[0.0] * (s - len(row))] for row in rows]) for rows in (place, velocity)
+    )
+    return Table(np.array(c, dtype=float), a, b, carries)
 
 
-def _straight(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
-    new = y.copy()
-    new[:3] += h * y[3:6]
-    return new, None
+def _runge_kutta(matrix: Array) -> Table:
+    """The table of an explicit Runge-Kutta method, whose last row are its weights."""
+    return Table(matrix.sum(axis=1), matrix @ matrix[:-1], matrix)
 
 
-def _leapfrog(f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any) -> tuple[Array, Any]:
-    half = y.copy()
-    half[:3] += h / 2.0 * y[3:6]
-    new = half + h * f(half, t + h / 2.0, y)
-    new[:3] = half[:3] + h / 2.0 * new[3:6]
-    return new, None
-
-
-def _verlet(
-    ahead: float, carries: bool, rounds: int,
-    f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any,
-) -> tuple[Array, Any]:  # fmt: skip
-    first = left if carries and left is not None else f(y, t, y)
-    new = y + h * first
-    new[:3] = y[:3] + h * (y[3:6] + h / 2.0 * first[3:6])
-    at = new.copy()
-    at[3:6] = y[3:6] + ahead * h * first[3:6]
-    for _ in range(rounds):
-        last = f(at, t + h, y)
-        new[3:6] = y[3:6] + h / 2.0 * (first[3:6] + last[3:6])
-        at[3:6] = new[3:6]
-    return new, last if carries else None
+def _matrix(rows: Sequence[Sequence[float]], weights: Sequence[float]) -> Array:
+    shares = [b / sum(weights) for b in weights]
+    return np.array([[*row, *[0.0] * (len(weights) - len(row))] for row in ((), *rows, shares)])
 
 
 def _adams_bashforth(
@@ -94,12 +118,27 @@ def _adams_bashforth(
 
 @dataclass(frozen=True)
 class Integrator:
-    """A step, and the order of its errors; no step is the exact path."""
+    """A step, and the order of its errors; no step is the exact path.
+
+    Attributes
+    ----------
+    words
+        Its name.
+    order
+        Of its errors; 0 if they do not vanish with the step.
+    step
+        The step.
+    matrix
+        The coefficients of a Runge-Kutta method.
+    frozen
+        Parts of the law that take the speed of the step's start.
+    """
 
     words: str
     order: int
     step: Step | None = None
-    frozen: str = ""  # what takes the speed of the step's start
+    matrix: Array | None = None
+    frozen: str = ""
 
     def law(self, stage: Stage) -> Stage:
         """A stage with the law as the steps see it."""
@@ -116,76 +155,186 @@ class Integrator:
         return replace(stage, roots={**stage.roots, "law": law})
 
 
-_HALVES: Rows = ((0.5,), (0, 0.5), (0, 0, 1))
-_CLASSICAL = (1, 2, 2, 1)
-_WHOSE = {
-    "old": ("the velocity at the step's start", 1),
-    "new": ("the velocity at the step's end", 1),
-    "mean": ("the mean of the velocities at the step's ends", 2),
-}
+def _of_runge_kutta(
+    words: str, order: int, rows: Sequence[Sequence[float]], weights: Sequence[float]
+) -> Integrator:
+    matrix = _matrix(rows, weights)
+    return Integrator(words, order, _runge_kutta(matrix), matrix)
+
+
+EXACT = Integrator("an exact path", 99)
+STRAIGHT = Integrator("a straight line", 1, _table((1,), ((),), ((),)))
+_EULER = _of_runge_kutta("explicit Euler", 1, (), (1,))
+_MIDPOINT = _of_runge_kutta("the midpoint method", 2, ((0.5,),), (0, 1))
+_HEUN = _of_runge_kutta("Heun's method", 2, ((1,),), (1, 1))
+_HALVES, _CLASSICAL = ((0.5,), (0, 0.5), (0, 0, 1)), (1, 2, 2, 1)
+_RK4 = _of_runge_kutta("RK4", 4, _HALVES, _CLASSICAL)
 _FORCES = {
     0.0: ("the force at the old velocity", 1),
     0.5: ("the force at the half-step velocity", 1),
     1.0: ("the force at a predicted velocity", 2),
 }
-EXACT = Integrator("an exact path", 99)
+_ROUNDS = 8  # after which an implicit velocity stands
 VERLET = {
     Treatment(ahead, False, carries): Integrator(
         f"velocity Verlet with {words}{', which the next step begins with' * carries}",
         order if ahead != 0.5 or carries else 2,
-        partial(_verlet, ahead, carries, 1),
+        _table((0, 1, 1), ((), (0.5,), (0.5,)), ((), (ahead,), (0.5, 0.5)), carries),
     )
     for (ahead, (words, order)), carries in product(_FORCES.items(), (False, True))
 } | {
     Treatment(1.0, True, False): Integrator(
-        "velocity Verlet with an implicit velocity", 2, partial(_verlet, 1.0, False, 8)
+        "velocity Verlet with an implicit velocity", 2,
+        _table(
+            (0, *[1] * (_ROUNDS + 1)), ((), *[(0.5,)] * (_ROUNDS + 1)),
+            ((), (1,), *[(0.5, *[0] * i, 0.5) for i in range(_ROUNDS)]),
+        ),
     )
-}
+}  # fmt: skip
+_SEMI_IMPLICIT = (
+    Integrator(
+        "semi-implicit Euler, velocity first", 1, _table((0, 1), ((), (1,)), ((), (1,)))
+    ),
+    Integrator("semi-implicit Euler, position first", 1, _table((1, 1), ((), ()), ((), (1,)))),
+    Integrator("constant acceleration over each step", 1, _table((0, 1), ((), (0.5,)), ((), (1,)))),
+    Integrator(
+        "leapfrog with the force at the old velocity", 1, _table((0.5, 1), ((), (0.5,)), ((), (1,)))
+    ),
+)  # fmt: skip
+
+
+def _rk4_moved(share: float) -> Table:
+    """RK4 whose place moves with the velocity after so much of the step's change."""
+    table = _runge_kutta(_matrix(_HALVES, _CLASSICAL))
+    return replace(table, place=np.vstack([table.place[:-1], share * table.velocity[-1]]))
+
+
 INTEGRATORS = (
-    Integrator("explicit Euler", 1, _runge_kutta((), (1,))),
-    Integrator("semi-implicit Euler, velocity first", 1, _runge_kutta((), (1,), "new")),
-    Integrator("semi-implicit Euler, position first", 1, _place_first),
-    Integrator("constant acceleration over each step", 1, _runge_kutta((), (1,), "mean")),
-    Integrator("leapfrog with the force at the old velocity", 1, _leapfrog),
-    Integrator("the midpoint method", 2, _runge_kutta(((0.5,),), (0, 1))),
-    Integrator("Heun's method", 2, _runge_kutta(((1,),), (1, 1))),
-    Integrator("Ralston's method", 2, _runge_kutta(((2 / 3,),), (1, 3))),
+    _EULER,
+    *_SEMI_IMPLICIT,
+    _MIDPOINT,
+    _HEUN,
+    _of_runge_kutta("Ralston's method", 2, ((2 / 3,),), (1, 3)),
     *VERLET.values(),
     Integrator("the Adams-Bashforth method of order 2", 2, partial(_adams_bashforth, False)),
     Integrator(
         "the Adams-Bashforth method of order 2 for the velocity", 2, partial(_adams_bashforth, True)
     ),
-    Integrator("Kutta's method of order 3", 3, _runge_kutta(((0.5,), (-1, 2)), (1, 4, 1))),
-    Integrator("Heun's method of order 3", 3, _runge_kutta(((1 / 3,), (0, 2 / 3)), (1, 0, 3))),
-    Integrator("RK4", 4, _runge_kutta(_HALVES, _CLASSICAL)),
-    Integrator(
-        "the 3/8 rule of order 4", 4,
-        _runge_kutta(((1 / 3,), (-1 / 3, 1), (1, -1, 1)), (1, 3, 3, 1)),
+    _of_runge_kutta("Kutta's method of order 3", 3, ((0.5,), (-1, 2)), (1, 4, 1)),
+    _of_runge_kutta("Heun's method of order 3", 3, ((1 / 3,), (0, 2 / 3)), (1, 0, 3)),
+    _RK4,
+    _of_runge_kutta(
+        "the 3/8 rule of order 4", 4, ((1 / 3,), (-1 / 3, 1), (1, -1, 1)), (1, 3, 3, 1)
     ),
     *(
-        Integrator(f"RK4 whose position moves with {words}", order,
-                   _runge_kutta(_HALVES, _CLASSICAL, whose))
-        for whose, (words, order) in _WHOSE.items()
+        Integrator(f"RK4 whose position moves with {words}", order, _rk4_moved(share))
+        for share, order, words in (
+            (0.0, 1, "the velocity at the step's start"),
+            (1.0, 1, "the velocity at the step's end"),
+            (0.5, 2, "the mean of the velocities at the step's ends"),
+        )
     ),
     *(
-        Integrator(f"RK4 whose {what} the speed at the step's start", 1,
-                   _runge_kutta(_HALVES, _CLASSICAL), frozen)
+        replace(_RK4, words=f"RK4 whose {what} the speed at the step's start", order=1,
+                frozen=frozen)
         for frozen, what in (("drag", "drag takes"), ("drag and lift", "drag and lift take"))
     ),
     *(
-        Integrator(f"RK4 with the weights {weights}", 2, _runge_kutta(_HALVES, weights))
+        _of_runge_kutta(f"RK4 with the weights {weights}", 2, _HALVES, weights)
         for weights in ((1, 1, 1, 1), (2, 1, 1, 2), (1, 3, 3, 1))
     ),
-    *(
-        Integrator(f"RK4 whose {words}", order, _runge_kutta(rows, _CLASSICAL))
-        for words, order, rows in (
-            ("third slope begins with the first", 2, ((0.5,), (0.5,), (0, 0, 1))),
-            ("fourth slope begins with the second", 2, ((0.5,), (0, 0.5), (0, 1))),
-            ("fourth slope begins with the first", 2, ((0.5,), (0, 0.5), (1,))),
-            ("fourth slope is in the middle of the step", 1, ((0.5,), (0, 0.5), (0, 0, 0.5))),
-        )
-    ),
 )  # fmt: skip
+
+# --- slips in a table -----------------------------------------------------------------------------
+
+_EXPLICIT = (one for how, one in VERLET.items() if not how.iterates)
+SLIPPED = (_RK4, _MIDPOINT, _HEUN, _EULER, *_SEMI_IMPLICIT, *_EXPLICIT)
+TIMES = (0.0, 2.0, 0.5, -1.0, 1.5, 3.0)  # factors of a coefficient that is wrong
+# Of all weights: 1/6 for 1/3, and what a wrong divisor of 1 + 2 + 2 + 1 makes.
+DIVIDED = (2.0, 0.5, -1.0, 6 / 4, 6 / 5, 6 / 7, 6 / 8, 3.0, 1 / 3)
+
+
+@cache
+def slips() -> tuple[Integrator, ...]:
+    """Integrators with a wrong coefficient."""
+    found = []
+    for one in SLIPPED:
+        assert isinstance(one.step, Table)
+        # Programs step place and velocity together, or apart.
+        apart = _of_table(one.step, 0 if one.matrix is None else len(one.step.c) - 1)
+        both = () if one.matrix is None else _of_matrix(one.matrix)
+        found += [
+            Integrator(f"{one.words} with {words}", int(table.is_consistent), table)
+            for table, words in (*both, *apart)
+        ]
+    return tuple(found)
+
+
+def _of_matrix(matrix: Array) -> Iterator[tuple[Table, str]]:
+    """Tables of a Runge-Kutta method with another coefficient, and what is wrong in words."""
+    last = len(matrix) - 1
+    for i, j in zip(*np.nonzero(matrix), strict=True):
+        where = "the last sum" if i == last else f"the state of k{i + 1}"
+        for other in {float(factor * matrix[i, j]) for factor in TIMES}:
+            yield _with(matrix, {(i, j): other}), _said(other, matrix[i, j], f"k{j + 1}", where)
+        for k in range(i):
+            if matrix[i, k] == 0.0:
+                moved = {(i, j): 0.0, (i, k): matrix[i, j]}
+                yield _with(matrix, moved), f"k{k + 1} for k{j + 1} in {where}"
+    for factor in DIVIDED:
+        changes = {(last, j): factor * b for j, b in enumerate(matrix[last])}
+        yield _with(matrix, changes), f"{_fraction(factor)} times its last sum"
+
+
+def _with(matrix: Array, changes: Mapping[tuple[int, int], float]) -> Table:
+    changed = matrix.copy()
+    for place, value in changes.items():
+        changed[place] = value
+    return _runge_kutta(changed)
+
+
+def _of_table(table: Table, first: int) -> Iterator[tuple[Table, str]]:
+    """Tables with another coefficient from the row `first` on, and what is wrong in words."""
+    last = len(table.c) - 1
+    for name, unit in (("c", "h v"), ("velocity", "h a{}"), ("place", "h² a{}")):
+        numbers = getattr(table, name)
+        for at in zip(*np.nonzero(numbers), strict=True):
+            i = at[0]
+            if i < first:
+                continue
+            what = unit.format(at[1] + 1 if len(at) > 1 else "")
+            whose = "velocity" if name == "velocity" else "place"
+            where = f"the {whose}" + ("" if i == last else f" of a{i + 1}")
+            for other in {float(factor * numbers[at]) for factor in TIMES}:
+                changed = numbers.copy()
+                changed[at] = other
+                yield replace(table, **{name: changed}), _said(other, numbers[at], what, where)
+
+
+def _said(new: float, old: float, what: str, where: str) -> str:
+    if not new:
+        return f"no {what} in {where}"
+    return f"{_fraction(new)} {what} for {_fraction(old)} {what} in {where}"
+
+
+def _fraction(x: float) -> str:
+    return str(Fraction(x).limit_denominator(24))
+
+
+def together(some: Sequence[Integrator], count: int) -> Integrator:
+    """Integrators as one, which flies `count` balls by each of them, one after another.
+
+    They evaluate the acceleration equally often.
+    """
+    tables = [one.step for one in some if isinstance(one.step, Table)]
+
+    def repeated(name: str) -> Array:
+        stacked = np.stack([getattr(table, name) for table in tables], axis=-1)
+        return np.repeat(stacked, count, axis=-1)
+
+    table = Table(repeated("c"), repeated("place"), repeated("velocity"), tables[0].carries)
+    return Integrator("several", min(one.order for one in some), table)
+
 
 # --- flights --------------------------------------------------------------------------------------
 
@@ -195,28 +344,30 @@ DIRECT = 2000  # steps of a flight that are taken one by one
 NODES = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
 
-def _reached(balls: Launched, one: Integrator, h: float, counts: Index) -> tuple[Array, Any, Array]:
+def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[Array, Any, Array]:
     """The states after so many steps, what the last ones leave, and the states' doubt.
 
     Errors of a method with constant steps have an expansion in powers of the step: what m and the
-    exact path (1/m = 0) give for some m gives what any other number of steps gives.
+    exact path (1/m = 0) give for some m gives what any other number of steps gives. The path of a
+    method of order 0 is no limit of its own.
     """
     if one.step is None:
         y = flown(balls, np.asarray(counts * h))
         return y, None, np.zeros_like(y)
-    most, direct = int(counts.max(initial=0)), counts <= DIRECT
+    direct = counts <= DIRECT
     short, last = stepped(balls, one.step, h, np.where(direct, counts, 0))
     if direct.all():
         return short, last, np.zeros_like(short)
     way: Array = np.asarray(counts * h, dtype=float)
     exact = flown(balls, way)
-    many = [math.ceil(most * h / node) for node in NODES]
+    many = [math.ceil(way.max() / node) for node in NODES]
     found = [stepped(balls, one.step, way / m, np.full(len(counts), m)) for m in many]
     x = np.array([0.0, *(1.0 / m for m in many)])
     target = 1.0 / np.maximum(counts, 1)
+    first = 0 if one.order else 1
 
     def drawn(states: Sequence[Array], skip: int) -> Array:
-        used = [i for i in range(len(x)) if i != skip]
+        used = [i for i in range(first, len(x)) if i != skip]
         weights = [np.prod([(target - x[k]) / (x[i] - x[k]) for k in used if k != i], axis=0)
                    for i in used]  # fmt: skip
         return np.asarray(sum(w * states[i] for w, i in zip(weights, used, strict=True)))
@@ -285,14 +436,14 @@ _PUSHED: dict[ContactForce, str] = {
 
 def straight(way: Way) -> Way:
     """A way whose last step is a straight line at the velocity of the step's start."""
-    return Way(way.one, way.h, last=Integrator("a straight line", 1, _straight))
+    return Way(way.one, way.h, last=STRAIGHT)
 
 
 def steps(
     stage: Stage,
     columns: Mapping[str, Any],
     one: Integrator,
-    h: float,
+    h: Any,
     chord: bool,
     last: Integrator | None = None,
 ) -> tuple[dict[str, Array], dict[str, Array]]:

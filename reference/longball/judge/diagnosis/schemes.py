@@ -37,8 +37,11 @@ from longball.judge.diagnosis.integrators import (
     INTEGRATORS,
     VERLET,
     Integrator,
+    Table,
     Way,
+    slips,
     steps,
+    together,
 )
 from longball.judge.diagnosis.operators import FACTORS, Edit
 from longball.judge.diagnosis.residual import (
@@ -60,6 +63,8 @@ SHORTEST = 2e-5  # s: of the steps of candidates
 # Of the size of a number: an error that steps do not make.
 ELSEWHERE = 0.9
 LOST = 1e12  # floors: what a scheme leaves that makes no number
+ALIKE = 0.3  # of the errors of order 0 that are compared: they may depend on the step so much
+MANY = 100, 24, 8  # slips that are tried again with steps that fit better
 KEPT = 8  # integrators that are tried with the steps that fit them
 # Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
 ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
@@ -79,6 +84,13 @@ ROUND_BITS, TRIED_BITS = math.log2(len(ROUND)), math.log2(2 * (len(INTEGRATORS) 
 def _nearer(one: Integrator, h: float, share: float) -> float:
     """The step with which errors are `share` times those with `h`."""
     return float(np.clip(h * share ** (1 / one.order), SHORTEST, LONGEST))
+
+
+def _shares(a: Array, b: Array) -> tuple[Array, Array]:
+    """Errors a over those of some schemes b, shape (numbers, schemes, scenes), and what is left."""
+    share = (a * b).sum(axis=(0, 2)) / np.maximum((b * b).sum(axis=(0, 2)), LEAST)
+    rest = np.square(a - share[:, None] * b).sum(axis=(0, 2))
+    return share, rest / np.maximum(np.square(a).sum(axis=(0, 2)), LEAST)
 
 
 @dataclass(frozen=True)
@@ -162,7 +174,7 @@ class Steps:
             [np.atleast_2d(found[q]) for q in self.stage.quantities if q in found]
         )
 
-    def errors(self, one: Integrator, h: float, chord: bool, some: Index) -> tuple[Array, Array]:
+    def errors(self, one: Integrator, h: Any, chord: bool, some: Index) -> tuple[Array, Array]:
         """Difference of a scheme from the exact path, and its doubt."""
         with np.errstate(all="ignore"):
             found, doubt = steps(self.stage, self.columns_of(some), one, h, chord)
@@ -189,9 +201,9 @@ class Steps:
 
     def ratio(self, one: Integrator, h: float, chord: bool = False) -> tuple[float, float]:
         """The candidate's errors over those of a scheme, and the share that is left of them."""
-        a, b = (x.ravel() for x in self._first(one, h, chord))
-        share = float(a @ b) / max(float(b @ b), LEAST)
-        return share, float(np.square(a - share * b).sum()) / max(float(a @ a), LEAST)
+        a, b = self._first(one, h, chord)
+        share, left = _shares(a[:, None], b[:, None])
+        return float(share[0]), float(left[0])
 
     def typical_ratio(self, one: Integrator, h: float) -> tuple[float, float]:
         """The same of the median scene: in a few scenes the errors of a flight nearly cancel."""
@@ -231,7 +243,8 @@ class Steps:
 
     def named(self, dt: float | None) -> Scheme | None:
         """The cheapest scheme that makes all numbers, if one does."""
-        if not self.few.size:
+        least = TRIED_BITS + (0.0 if dt else ROUND_BITS) + CHANCE
+        if not self.few.size or self.null < least:  # no scheme saves more than the errors cost
             return None
         found = self.fitting
         usual = [*ROUND, *([dt] if dt else [])]
@@ -265,18 +278,84 @@ class Steps:
             named = self._adequate(both, dt)
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt)
+        if named is None:
+            options = [
+                (one, h, chord)
+                for _, fit, one in self.slipped()
+                for h in near(fit, NEAR) for chord in (False, True)
+            ]  # fmt: skip
+            named = self._adequate(options, dt, math.log2(len(slips())))
         return named
+
+    def slipped(self) -> list[tuple[float, float, Integrator]]:
+        """Integrators with a wrong coefficient that fit, as `fitting` has them.
+
+        All fly together, each in its own steps, which follow from the errors in those before.
+        """
+        off, scale = (x[:, self.few] for x in (self.followed.off, self.followed.scale))
+        a, some = np.nan_to_num(off / scale)[:, None], [*slips()]
+        h, other = np.full(len(some), TRIALS[0]), np.full(len(some), TRIALS[1])
+        made, again = self._made(some, h), self._made(some, other)
+        sizes = [np.sqrt(np.square(x).sum(axis=(0, 2))) for x in (made, again)]
+        with np.errstate(all="ignore"):
+            orders = np.log(sizes[0] / sizes[1]) / math.log(TRIALS[0] / TRIALS[1])
+        some = [
+            replace(one, order=one.order * max(1, round(order)))
+            for one, order in zip(some, np.nan_to_num(orders), strict=True)
+        ]
+        for most in MANY:
+            share, left = _shares(a, again)
+            # Of order 0, most of the errors are the same in all steps, and the rest is linear.
+            slope = (again - made) / np.where(other == h, 1.0, other - h)[:, None]
+            by, _ = _shares(a - again, slope)
+            zero = np.array([one.order == 0 for one in some])
+            fits = (left < ROUGHLY) & np.where(zero, np.abs(share - 1.0) < ALIKE, share > 0.0)
+            new = np.array([
+                other[i] + by[i] if zero[i] else _nearer(one, other[i], max(share[i], LEAST))
+                for i, one in enumerate(some)
+            ])  # fmt: skip
+            best = [i for i in np.argsort(left, kind="stable") if fits[i]][:most]
+            if not best:
+                return []
+            some = [some[i] for i in best]
+            h, other, made = other[best], new[best].clip(SHORTEST, LONGEST), again[:, best]
+            again = self._made(some, other)
+        _, left = _shares(a, again)
+        order = np.argsort(left, kind="stable")
+        return [(float(left[i]), float(other[i]), some[i]) for i in order if left[i] < FITS]
+
+    def _made(self, some: Sequence[Integrator], h: Array) -> Array:
+        """Errors of schemes in the first scenes, each in its own steps: (numbers, schemes, scenes).
+
+        Those with equally many evaluations of the acceleration fly as one.
+        """
+        count = len(self.few)
+        made = np.zeros((len(self.followed.off), len(some), count))
+        scale = self.followed.scale[:, self.few]
+        groups: dict[Any, list[int]] = {}
+        for i, one in enumerate(some):
+            if isinstance(one.step, Table):
+                groups.setdefault((len(one.step.c), one.step.carries), []).append(i)
+        for group in groups.values():
+            every = together([some[i] for i in group], count)
+            tiled = np.tile(self.few, len(group))
+            errors, _ = self.errors(every, np.repeat(h[group], count), False, tiled)
+            made[:, group] = (errors / np.tile(scale, len(group))).reshape(-1, len(group), count)
+        return np.nan_to_num(made, nan=0.0, posinf=0.0, neginf=0.0)
+
+    def _fitted_step(self, one: Integrator, start: float) -> float:
+        def left(steps: Array) -> Array:
+            return np.array([self.left(one, abs(h), False, self.few) for (h,) in steps])
+
+        (c,), *_ = fitted(left, [(start,)])
+        return abs(float(c))
 
     def _free(
         self, found: Iterable[tuple[float, float, Integrator]]
     ) -> Iterable[tuple[Integrator, float, bool]]:
         for _, fit, one in found:
-
-            def left(steps: Array, one: Integrator = one) -> Array:
-                return np.array([self.left(one, abs(h), False, self.few) for (h,) in steps])
-
-            (c,), *_ = fitted(left, [(fit,)])
-            yield from ((one, x, False) for x, _ in rounded(abs(c)) if x > SHORTEST)
+            c = self._fitted_step(one, fit)
+            yield from ((one, x, False) for x, _ in rounded(c) if x > SHORTEST)
 
     def _holds(self, one: Integrator, h: float, chord: bool, some: Index | None = None) -> bool:
         """True if a scheme makes all numbers of the first scenes, but for those with a kink."""
@@ -286,14 +365,15 @@ class Steps:
         return bool(np.mean(made) >= (0.5 if len(some) <= 2 else MOST))
 
     def _adequate(
-        self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None
+        self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None, more: float = 0.0
     ) -> Scheme | None:
+        """The first option that makes all numbers; `more` bits are those of a slip."""
         for one, h, chord in options:
             # The shortest flights tell most of them.
             if not self._holds(one, h, chord, self.few[:2]) or not self._holds(one, h, chord):
                 continue
             r = self.left(one, h, chord, self.all)
-            bits = TRIED_BITS + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
+            bits = TRIED_BITS + more + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
             evidence = self.null - cost(r) - bits - CHANCE
             if evidence > 0 and is_adequate(r, is_rough(self.stage)):
                 alike = [
