@@ -165,6 +165,69 @@ class Response:
         return total
 
 
+class Between:
+    """The law of a flight stage along the cubics between the candidate's own ends of flights.
+
+    An edit that leads a ball far from its path has no effect of first order worth that name. But
+    whatever the law is, the integrals of a and of (T - t) a over a flight of duration T are known
+    from its ends. A cubic with those ends is near the candidate's path, so that the right edit
+    nearly makes these integrals.
+
+    Attributes
+    ----------
+    at
+        Values at the nodes of a Gauss-Legendre rule.
+    off
+        The known integrals less those of the law without an edit, shape (6, scenes).
+    """
+
+    def __init__(self, stage: Stage, known: Values, given: Array) -> None:
+        balls = launched(stage, known.columns)
+        begin, end, lasts = balls.y[:6], given[:6], balls.duration
+        self._stage, count = stage, len(lasts)
+        x, weights = np.polynomial.legendre.leggauss(NODES)
+        s = np.repeat((x + 1.0) / 2.0, count)
+        r0, v0, r1, v1, whole = (
+            np.tile(part, NODES) for part in (begin[:3], begin[3:], end[:3], end[3:], lasts)
+        )
+        went = r1 - r0
+        r = r0 + went * s * s * (3 - 2 * s) + whole * s * (1 - s) * ((1 - s) * v0 - s * v1)
+        v = 6 * s * (1 - s) * went / whole + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
+        spin = known.of(stage.roots["spin"]) + np.zeros((3, count))
+        self.at = Values(
+            {
+                **take(known.columns, np.tile(np.arange(count), NODES)),
+                "r": r, "v": v, "r0": r0, "v0": v0, "ω0": np.tile(spin, NODES), "t": s * whole,
+                "path": s * whole * np.sqrt((v * v).sum(axis=0)),
+                **{str(node.data): {"r": r, "v": v}[name] for name, node in START.items()},
+            }
+        )  # fmt: skip
+        self._many = Many(self.at)
+        self._weights = np.stack([(1.0 - x) / 2.0 * weights, weights]) / 2.0
+        self._scale = np.stack([lasts * lasts, lasts])
+        self._law = np.broadcast_to(self.at.of(stage.roots["law"]), r.shape)
+        moved = np.concatenate([end[:3] - begin[:3] - lasts * begin[3:], end[3:] - begin[3:]])
+        self.off = moved - self._integrals(self._law)
+
+    def _integrals(self, law: Array) -> Array:
+        a = law.reshape(3, NODES, -1)
+        return np.concatenate(np.einsum("pk,ikn,pn->pin", self._weights, a, self._scale))
+
+    def moved(self, changes: Sequence[Change]) -> Array:
+        """Changes of the integrals and no spin, one for each of `changes`; 0 if not of the law."""
+        total = np.zeros((len(changes), *self.off.shape))
+        root = self._stage.roots["law"]
+        here = [
+            i
+            for i, (edit, _) in enumerate(changes)
+            if contains(root, edit.place) and self._stage.takes("law", edit.by)
+        ]
+        laws = self._many.of(root, [changes[i] for i in here])
+        for i, law in zip(here, laws, strict=True):
+            total[i] = self._integrals(np.broadcast_to(law - self._law, self._law.shape))
+        return total
+
+
 class Direct:
     """Value of a formula, or of an event function, in some scenes."""
 
@@ -194,8 +257,8 @@ class Effects:
     """
 
     def __init__(
-        self, way: Response | Direct, edits: Sequence[Edit], starts: Sequence[Sequence[float]],
-        off: Array,
+        self, way: Response | Between | Direct, edits: Sequence[Edit],
+        starts: Sequence[Sequence[float]], off: Array,
     ) -> None:  # fmt: skip
         off = np.nan_to_num(off)
         rows = slice(ROWS) if off[:ROWS].any() else slice(ROWS, None)

@@ -56,7 +56,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Direct, Effects, Response
+from longball.judge.diagnosis.response import Between, Direct, Effects, Response
 from longball.judge.fresh import random_scenes
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
@@ -65,6 +65,7 @@ from longball.model.scene import AtBatScene
 WRONG, RIGHT = 10, 10
 # Scenes in which an edit is verified.
 MOST_WRONG, MOST_RIGHT = 60, 30
+FAR_OFF = 0.03  # typical relative error of a flight, beyond which no path is near the right one
 TWINS = 5  # edits that are equal at a stage, of which one may explain other stages too
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 TIMES = 3  # copies of the screening scenes among them
@@ -315,7 +316,12 @@ class Explanation:
             # minus the residual.
             errors = -errors
         self.fits = Effects(effects, cheapest, starts, errors)
-        shares = dict(zip(cheapest, self.fits.left(), strict=True))
+        left = self.fits.left()
+        if flies and _median(self.followed.relative[self.followed.beyond]) > FAR_OFF:
+            between = Between(self.stage, self.near, self._given(self.few))
+            others = Effects(between, cheapest, starts, between.off)
+            left = [min(both) for both in zip(left, others.left(), strict=True)]
+        shares = dict(zip(cheapest, left, strict=True))
         # Groups of equal edits, which leave equal costs and so follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
