@@ -1,14 +1,18 @@
 """The judge's chain as data, held to proven results of every family."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from longball import golden
+from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
-from longball.judge.cases import decidable
+from longball.judge.cases import decidable, solved
 from longball.judge.diagnosis.chain import CHAIN, LAW, OWN, SPEED, U, u
+from longball.judge.diagnosis.diagnose import prepared
 from longball.judge.diagnosis.expression import NONE, constant, norm, ordered, substitute
-from longball.judge.diagnosis.residual import data_of, follow, seen, specialised_to
+from longball.judge.diagnosis.residual import compared, data_of, follow, seen, specialised_to
 from longball.judge.quantities import values_of
 
 FAMILIES = [
@@ -88,3 +92,19 @@ def test_drag_and_lift_have_one_airspeed():
     changed = substitute(LAW, U, constant(1.0, SPEED))
     assert norm(u) in ordered([LAW])
     assert norm(u) not in ordered([changed])
+
+
+def test_every_stage_and_form_of_the_papers_scheme_follows():
+    engine = Verlet(dt=0.01)
+    scenes = [case.scene for case in golden.load("at-bat")]
+    cases = [case for case in solved(scenes, engine) if decidable(case)]
+    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
+    data, chain = prepared(cases, answers, engine)
+    _, found = follow(chain, data)
+    assert not any(one.beyond.any() for one in found)
+    (met,) = (one for one in found if one.stage.name == "contact time")
+    assert met.checked.sum() > 10
+    (form,) = met.stage.forms["value"]
+    columns, _ = follow(chain, data)
+    other, _ = compared(replace(met.stage, roots={"value": form}), data, columns, met.some)
+    assert not other.beyond.any()

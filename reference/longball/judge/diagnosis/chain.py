@@ -406,6 +406,8 @@ x, y, z = (component(place, i) for i in range(3))
 offset = named("r - axis", vector(x, constant(0.0, M), z - bat_height))
 reach = named("R + r_b", I["R"] + I["r_b"])
 lever = named("r̃", I["L"] / 2.0 - y)
+_apart = named("|r - axis|", norm(offset))
+_swung = named("ω_bat·r̃", I["ω_bat"] * lever)
 _third = I["L"] * I["L"] / 3.0
 _twelfth = I["L"] * I["L"] / 12.0
 _quarter = I["r_b"] * I["r_b"] / 4.0
@@ -731,11 +733,15 @@ CHAIN = (
     ),
     Stage(
         "normal", ("contact.normal",), "formula", {"value": unit(offset)},
-        {"value": (offset / reach,)}, _STRUCK,
+        {"value": (offset / reach, vector(x / _apart, constant(0.0), (z - bat_height) / _apart))},
+        _STRUCK,
     ),
-    _formula(
-        "bat velocity", "contact.bat_velocity",
-        I["ω_bat"] * lever * vector(_cosine_of_tilt, constant(0.0), _sine_of_tilt),
+    Stage(
+        "bat velocity", ("contact.bat_velocity",), "formula",
+        {"value": I["ω_bat"] * lever * vector(_cosine_of_tilt, constant(0.0), _sine_of_tilt)},
+        {"value": (
+            vector(_swung * _cosine_of_tilt, constant(0.0, SPEED), _swung * _sine_of_tilt),
+        )},
         _STRUCK,
     ),
     _formula("normal speed", "contact.normal_speed", dot(Ṽ, n), _STRUCK),
@@ -792,3 +798,23 @@ CHAIN = (
     _formula("time", "landing.time", _begun + hang),
     _formula("distance", "landing.distance", norm(level(landing - _origin))),
 )  # fmt: skip
+
+# --- the paper's scheme ---------------------------------------------------------------------------
+
+# There the ball meets the bat on the straight line from the last step before: |d + v τ| = R + r_b,
+# with d from the bat's axis to the ball in the (x, z) plane (Appendix B).
+last_step = symbol("t_k", S)
+_back = contact_time - last_step
+_x, _z = x - component(V, 0) * _back, z - bat_height - component(V, 2) * _back
+_v_x, _v_z = component(V, 0), component(V, 2)
+_vv = named("v·v", _v_x * _v_x + _v_z * _v_z)
+_dv = named("d·v", _x * _v_x + _z * _v_z)
+_dd = named("d·d - (R + r_b)²", _x * _x + _z * _z - reach * reach)
+_root = function("sqrt", _dv * _dv - _vv * _dd, dimension=(2, 0, -1))
+_met = Stage(
+    "contact time", ("contact.time",), "formula", {"value": last_step + _dd / (-_dv + _root)},
+    {"value": (last_step + (-_dv - _root) / _vv,)}, ("at-bat",),
+)  # fmt: skip
+CHAIN_IN_STEPS = tuple(
+    _met if (stage.name, stage.kind) == ("touching", "event") else stage for stage in CHAIN
+)

@@ -15,11 +15,11 @@ from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis import sentences as told
-from longball.judge.diagnosis.chain import Kind, Stage
+from longball.judge.diagnosis.chain import CHAIN, CHAIN_IN_STEPS, Kind, Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.findings import Diagnosis, Finding
-from longball.judge.diagnosis.integrators import BATTED, Way, straight, ways_of
+from longball.judge.diagnosis.integrators import BATTED, Way, in_steps, straight
 from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outcomes import outcome_findings
 from longball.judge.diagnosis.outputs import outputs
@@ -158,9 +158,9 @@ def prepared(
 ) -> tuple[Data, tuple[Stage, ...]]:
     """Answers as columns, and the chain that they are compared with."""
     data = data_of(cases, answers, granted)
-    chain = specialised_to(data)
     if scheme is not None:
-        data = replace(data, ways=ways_of(scheme))
+        data = in_steps(data, scheme)
+    chain = specialised_to(data, CHAIN if scheme is None else CHAIN_IN_STEPS)
     return seen(chain, data), chain
 
 

@@ -18,9 +18,18 @@ from typing import Any
 import numpy as np
 
 from longball.engines.verlet import PUSHES, TREATMENTS, Treatment, Verlet, impulse_share
-from longball.judge.diagnosis.chain import OWN, Stage
+from longball.judge.diagnosis.chain import OWN, Stage, last_step
 from longball.judge.diagnosis.expression import ordered, substitute
-from longball.judge.diagnosis.residual import START, Index, Launched, Step, flown, launched, stepped
+from longball.judge.diagnosis.residual import (
+    START,
+    Data,
+    Index,
+    Launched,
+    Step,
+    flown,
+    launched,
+    stepped,
+)
 from longball.model.arrays import Array
 from longball.model.readings import ContactForce
 
@@ -418,11 +427,13 @@ class Way:
         return steps(stage, columns, self.one, self.h, self.chord, self.last)
 
 
-def ways_of(engine: Verlet) -> dict[str, Way]:
-    """Ways of the paper's scheme: to the line between two steps, and straight on to the bat."""
+def in_steps(data: Data, engine: Verlet) -> Data:
+    """Data that the paper's scheme makes: to the line between steps, and straight on to the bat."""
     way = Way(VERLET[TREATMENTS[engine.forces]], engine.dt, chord=True)
     batted = replace(way, push=engine.contact_force)
-    return {"pitch": way, "touching": straight(way), **dict.fromkeys(BATTED, batted)}
+    ways = {"pitch": way, "touching": straight(way), **dict.fromkeys(BATTED, batted)}
+    before = np.floor(data.expected["contact.time"] / engine.dt + ON_STEP) * engine.dt
+    return replace(data, ways=ways, columns={**data.columns, str(last_step.data): before})
 
 
 BATTED = ("flight", "fence")  # stages of a batted ball's flight

@@ -461,6 +461,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             yield instead(b.args[0])
         case "where", (_, *sides):
             yield from (instead(b, where=", on both sides of its limit") for b in sides)
+        case "sqrt", (b,):
+            yield in_unit_of(a, b), 0.0, f"takes {words(b)} for its root"
         case "abs", (b,):
             yield from (instead(b), instead(-b))
         case (("sin" | "cos"), (angle,)):

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from longball.engines.engine import Engine
+from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
 from longball.judge.diagnosis.chain import OWN, Kind, Stage
@@ -36,6 +37,7 @@ from longball.judge.diagnosis.expression import (
     ordered,
     symbol,
 )
+from longball.judge.diagnosis.integrators import in_steps
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
@@ -316,12 +318,12 @@ class Explanation:
             # minus the residual.
             errors = -errors
         self.fits = Effects(effects, cheapest, starts, errors)
-        left = self.fits.left()
+        remains = self.fits.left()
         if flies and _median(self.followed.relative[self.followed.beyond]) > FAR_OFF:
             between = Between(self.stage, self.near, self._given(self.few))
             others = Effects(between, cheapest, starts, between.off)
-            left = [min(both) for both in zip(left, others.left(), strict=True)]
-        shares = dict(zip(cheapest, left, strict=True))
+            remains = [min(both) for both in zip(remains, others.left(), strict=True)]
+        shares = dict(zip(cheapest, remains, strict=True))
         # Groups of equal edits, which leave equal costs and so follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
@@ -565,7 +567,10 @@ def asking(
     def asked() -> Data:
         answers = solve(scenes)
         known = [case for case in cases if case.id in answers and decidable(case)]
-        return replace(data_of(known, answers, data.granted), ways=data.ways)
+        fresh = data_of(known, answers, data.granted)
+        if isinstance(engine, Verlet):
+            fresh = in_steps(fresh, engine)
+        return replace(fresh, ways=data.ways)
 
     # What the candidate does not tell follows from the edits that are in the chain by then.
     followed: list[tuple[tuple[Stage, ...], Mapping[str, Any]]] = []
