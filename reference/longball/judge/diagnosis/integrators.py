@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property, partial
 from itertools import pairwise, product
@@ -36,7 +36,7 @@ from longball.model.readings import ContactForce
 # --- steps ----------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Table:
     """The coefficients of a step of length h, in which the acceleration is found s times.
 
@@ -146,7 +146,7 @@ class Integrator:
     words: str
     order: int
     step: Step | None = None
-    matrix: Array | None = None
+    matrix: Array | None = field(default=None, compare=False)
     frozen: str = ""
 
     def law(self, stage: Stage) -> Stage:

@@ -537,9 +537,9 @@ def _directions(site: Site) -> Iterator[Option]:
 
 
 def _components(site: Site) -> Iterator[Option]:
-    """A vector in flight with another component in place of one of its own."""
+    """A vector with another component in place of one of its own."""
     a = site.node
-    if not (site.flies and a.vector and a.op in ("symbol", "named")):
+    if not (a.vector and a.op in ("symbol", "named")):
         return
     parts = [component(a, i) for i in range(3)]
     others = [b for b in site.pool if b.op == "component" and b not in parts]
