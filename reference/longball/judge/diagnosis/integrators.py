@@ -134,7 +134,7 @@ class Integrator:
     words
         Its name.
     order
-        Of its errors; 0 if they do not vanish with the step.
+        Of its errors; 0 if they do not vanish with the step, None if it is not known.
     step
         The step.
     matrix
@@ -144,10 +144,17 @@ class Integrator:
     """
 
     words: str
-    order: int
+    order: int | None
     step: Step | None = None
     matrix: Array | None = field(default=None, compare=False)
     frozen: str = ""
+
+    @property
+    def like(self) -> Any:
+        """A key that is the same of integrators that can fly `together`."""
+        if not isinstance(self.step, Table):
+            return self.words
+        return len(self.step.c), self.step.carries, self.order == 0, self.frozen
 
     def law(self, stage: Stage) -> Stage:
         """A stage with the law as the steps see it."""
@@ -273,7 +280,7 @@ def slips() -> tuple[Integrator, ...]:
         apart = _of_table(one.step, 0 if one.matrix is None else len(one.step.c) - 1)
         both = () if one.matrix is None else _of_matrix(one.matrix)
         found += [
-            Integrator(f"{one.words} with {words}", int(table.is_consistent), table)
+            Integrator(f"{one.words} with {words}", None if table.is_consistent else 0, table)
             for table, words in (*both, *apart)
         ]
     return tuple(found)
@@ -331,10 +338,9 @@ def _fraction(x: float) -> str:
 
 
 def together(some: Sequence[Integrator], count: int) -> Integrator:
-    """Integrators as one, which flies `count` balls by each of them, one after another.
-
-    They evaluate the acceleration equally often.
-    """
+    """Integrators that are `like` each other as one, which flies `count` balls by each in turn."""
+    if len(some) == 1:
+        return some[0]
     tables = [one.step for one in some if isinstance(one.step, Table)]
 
     def repeated(name: str) -> Array:
@@ -342,7 +348,7 @@ def together(some: Sequence[Integrator], count: int) -> Integrator:
         return np.repeat(stacked, count, axis=-1)
 
     table = Table(repeated("c"), repeated("place"), repeated("velocity"), tables[0].carries)
-    return Integrator("several", min(one.order for one in some), table)
+    return replace(some[0], words="several", step=table, matrix=None)
 
 
 # --- flights --------------------------------------------------------------------------------------
@@ -373,7 +379,7 @@ def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[A
     found = [stepped(balls, one.step, way / m, np.full(len(counts), m)) for m in many]
     x = np.array([0.0, *(1.0 / m for m in many)])
     target = 1.0 / np.maximum(counts, 1)
-    first = 0 if one.order else 1
+    first = 1 if one.order == 0 else 0
 
     def drawn(states: Sequence[Array], skip: int) -> Array:
         used = [i for i in range(first, len(x)) if i != skip]

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -37,7 +36,6 @@ from longball.judge.diagnosis.integrators import (
     INTEGRATORS,
     VERLET,
     Integrator,
-    Table,
     Way,
     slips,
     steps,
@@ -64,8 +62,7 @@ SHORTEST = 2e-5  # s: of the steps of candidates
 ELSEWHERE = 0.9
 LOST = 1e12  # floors: what a scheme leaves that makes no number
 ALIKE = 0.3  # of the errors of order 0 that are compared: they may depend on the step so much
-MANY = 100, 24, 8  # slips that are tried again with steps that fit better
-KEPT = 8  # integrators that are tried with the steps that fit them
+MANY = 100, 24, 8  # integrators that are tried again in steps that fit better
 # Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
 ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
 LIKE, MOST = 0.1, 0.8  # errors are of an order if so much is left, at most, in most scenes
@@ -83,7 +80,7 @@ ROUND_BITS, TRIED_BITS = math.log2(len(ROUND)), math.log2(2 * (len(INTEGRATORS) 
 
 def _nearer(one: Integrator, h: float, share: float) -> float:
     """The step with which errors are `share` times those with `h`."""
-    return float(np.clip(h * share ** (1 / one.order), SHORTEST, LONGEST))
+    return float(np.clip(h * share ** (1 / (one.order or 1)), SHORTEST, LONGEST))
 
 
 def _shares(a: Array, b: Array) -> tuple[Array, Array]:
@@ -101,7 +98,6 @@ class Steps:
     data: Data
     columns: Mapping[str, Any]
     followed: Followed
-    known: dict[Any, tuple[Array, Array]] = field(default_factory=dict, compare=False)
 
     @cached_property
     def few(self) -> Index:
@@ -129,16 +125,13 @@ class Steps:
         if not right.size:
             return INTEGRATORS
 
-        def largest(one: Integrator, some: Index) -> float:
-            made, doubt = self.errors(one, TRIALS[0], False, some)
-            r = np.abs(made) / (self.followed.floor[:, some] + doubt)
-            return float(np.nan_to_num(r).max(initial=0.0))
+        def largest(some: Index) -> Array:
+            made = self.made(INTEGRATORS, TRIALS[0], some)
+            floors = (self.followed.floor / self.followed.scale)[:, None, some]
+            return np.asarray((np.abs(made) / floors).max(axis=(0, 2)))
 
-        return [
-            one
-            for one in INTEGRATORS
-            if ADEQUATE * largest(one, wrong) > SHOWS * largest(one, right)
-        ]
+        enough = ADEQUATE * largest(wrong) > SHOWS * largest(right)
+        return [one for one, shows in zip(INTEGRATORS, enough, strict=True) if shows]
 
     @cached_property
     def durations(self) -> Array:
@@ -160,8 +153,7 @@ class Steps:
     @property
     def square(self) -> float:
         """The sum of the squares of the errors in the first scenes."""
-        off = self.followed.off[:, self.few] / self.followed.scale[:, self.few]
-        return float(np.square(off[np.isfinite(off)]).sum())
+        return float(np.square(self.off).sum())
 
     def columns_of(self, some: Index) -> dict[str, Any]:
         """Columns of some of the scenes."""
@@ -189,51 +181,81 @@ class Steps:
         r = (off - made) / (self.followed.floor[:, some] + doubt)
         return np.where(np.isfinite(off) & ~np.isfinite(r), LOST, r)
 
-    def _first(self, one: Integrator, h: float, chord: bool) -> tuple[Array, Array]:
-        """Errors in the first scenes, the candidate's and a scheme's, in units of their sizes."""
-        key = one.words, h, chord
-        if key not in self.known:
-            made, _ = self.errors(one, h, chord, self.few)
-            off, scale = (x[:, self.few] for x in (self.followed.off, self.followed.scale))
-            both = np.isfinite(off) & np.isfinite(made)
-            self.known[key] = np.where(both, off / scale, 0.0), np.where(both, made / scale, 0.0)
-        return self.known[key]
+    def made(self, some: Sequence[Integrator], h: Any, which: Index) -> Array:
+        """Errors that schemes make in scenes, in units of their sizes: (numbers, schemes, scenes).
 
-    def ratio(self, one: Integrator, h: float, chord: bool = False) -> tuple[float, float]:
-        """The candidate's errors over those of a scheme, and the share that is left of them."""
-        a, b = self._first(one, h, chord)
-        share, left = _shares(a[:, None], b[:, None])
-        return float(share[0]), float(left[0])
+        `h` is the step of all, or of each. Those with equally many evaluations of the acceleration
+        fly as one.
+        """
+        count, h = len(which), h + np.zeros(len(some))
+        made = np.zeros((len(self.followed.off), len(some), count))
+        groups: dict[Any, list[int]] = {}
+        for i, one in enumerate(some):
+            groups.setdefault(one.like, []).append(i)
+        for group in groups.values():
+            every = together([some[i] for i in group], count)
+            tiled = np.tile(which, len(group))
+            errors, _ = self.errors(every, np.repeat(h[group], count), False, tiled)
+            made[:, group] = errors.reshape(-1, len(group), count)
+        made /= self.followed.scale[:, None, which]
+        return np.nan_to_num(made, nan=0.0, posinf=0.0, neginf=0.0)
 
-    def typical_ratio(self, one: Integrator, h: float) -> tuple[float, float]:
-        """The same of the median scene: in a few scenes the errors of a flight nearly cancel."""
-        a, b = self._first(one, h, False)
-        share = float(np.median((a * b).sum(0) / np.maximum((b * b).sum(0), LEAST)))
-        left = np.square(a - share * b).sum(0) / np.maximum((a * a).sum(0), LEAST)
-        return share, float(np.median(left))
+    @cached_property
+    def off(self) -> Array:
+        """The candidate's errors in the first scenes, as `made` has those of schemes."""
+        off = self.followed.off[:, self.few] / self.followed.scale[:, self.few]
+        return np.nan_to_num(off)[:, None]
+
+    @cached_property
+    def trials(self) -> Sequence[Array]:
+        """Errors of all integrators in the first scenes, in the steps of the first trials."""
+        return [self.made(INTEGRATORS, h, self.few) for h in TRIALS]
+
+    def fits(
+        self, some: Sequence[Integrator], trials: Sequence[Array]
+    ) -> list[tuple[float, float, Integrator]]:
+        """Integrators with their best step and the error that they leave, the best first.
+
+        All fly together, each in steps that follow from its errors in those before, which are at
+        first those of TRIALS.
+        """
+        places = {one.words: i for i, one in enumerate(some)}
+        h, other = (np.full(len(some), step) for step in TRIALS)
+        made, again = trials
+        sizes = [np.sqrt(np.square(x).sum(axis=(0, 2))) for x in trials]
+        with np.errstate(all="ignore"):
+            orders = np.log(sizes[0] / sizes[1]) / math.log(TRIALS[0] / TRIALS[1])
+        some = [
+            one if one.order is not None else replace(one, order=max(1, round(order)))
+            for one, order in zip(some, np.nan_to_num(orders), strict=True)
+        ]
+        for most in MANY:
+            share, left = _shares(self.off, again)
+            # Of order 0, most of the errors are the same in all steps, and the rest is linear.
+            slope = (again - made) / np.where(other == h, 1.0, other - h)[:, None]
+            by, _ = _shares(self.off - again, slope)
+            zero = np.array([one.order == 0 for one in some])
+            fit = (left < ROUGHLY) & np.where(zero, np.abs(share - 1.0) < ALIKE, share > 0.0)
+            best = [i for i in np.argsort(left, kind="stable") if fit[i]][:most]
+            if not best:
+                return []
+            new = [
+                other[i] + by[i] if zero[i] else _nearer(some[i], other[i], share[i]) for i in best
+            ]
+            some = [some[i] for i in best]
+            h, other, made = other[best], np.clip(new, SHORTEST, LONGEST), again[:, best]
+            again = self.made(some, other, self.few)
+        _, left = _shares(self.off, again)
+        # What comes to the same here is called by its simplest name.
+        return sorted(
+            zip(left.tolist(), other.tolist(), some, strict=True),
+            key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words]),
+        )
 
     @cached_property
     def fitting(self) -> list[tuple[float, float, Integrator]]:
-        """Integrators with their best step and the error that they leave, the best first."""
-        found = []
-        for one, h in product(INTEGRATORS, TRIALS):
-            share, left = self.ratio(one, h)
-            if share > 0.0 and left < ROUGHLY:
-                found.append((left, _nearer(one, h, share), one))
-        found.sort(key=lambda each: each[0])
-        better: dict[str, tuple[float, float, Integrator]] = {}
-        for left, h, one in found[: 2 * KEPT]:
-            for _ in range(2 * (one.words not in better)):
-                share, left = self.ratio(one, h) if h > SHORTEST else (0.0, 1.0)
-                if not (share > 0.0 and left < ROUGHLY):
-                    break
-                h = _nearer(one, h, share)
-                better[one.words] = left, h, one
-        places = {one.words: i for i, one in enumerate(INTEGRATORS)}
-        # What comes to the same here is called by its simplest name.
-        return sorted(
-            better.values(), key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words])
-        )
+        """Integrators that fit, without a wrong coefficient."""
+        return self.fits(INTEGRATORS, self.trials)
 
     def nearest(self) -> Way | None:
         """The way whose errors are most like those of the flight, if some are."""
@@ -263,85 +285,36 @@ class Steps:
         off = self.followed.off[:, self.few]
         sizes = (float(np.nanmax(np.abs(x[:3]), initial=1e-30)) for x in (off, made))
         fit = TRIALS[1] * math.sqrt(next(sizes) / next(sizes))
-        chords = {h: self.ratio(EXACT, h, True) for h in near(fit, CHORD)}
-        best = min(chords, key=lambda h: chords[h][1], default=None)
-        if best is not None and chords[best][1] < ROUGHLY:
+        chords = {h: self._chord_leaves(h) for h in near(fit, CHORD)}
+        best = min(chords, key=lambda h: chords[h], default=None)
+        if best is not None and chords[best] < ROUGHLY:
             options.append((EXACT, best, True))
-            options += [(one, best, True) for one in INTEGRATORS if one.order > 1]
+            options += [(one, best, True) for one in INTEGRATORS if one.order and one.order > 1]
         named = self._adequate(options, dt)
         if named is None:  # chords and a method of order 2 err alike
             both = [
                 (one, h, True)
-                for _, other, one in found if one.order > 1
+                for _, other, one in found if one.order and one.order > 1
                 for h in near(other, CHORD) if max(h / fit, fit / h) < CHORD**2
             ]  # fmt: skip
             named = self._adequate(both, dt)
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt)
         if named is None:
+            trials = [self.made(slips(), h, self.few) for h in TRIALS]
             options = [
                 (one, h, chord)
-                for _, fit, one in self.slipped()
+                for left, fit, one in self.fits(slips(), trials) if left < FITS
                 for h in near(fit, NEAR) for chord in (False, True)
             ]  # fmt: skip
             named = self._adequate(options, dt, math.log2(len(slips())))
         return named
 
-    def slipped(self) -> list[tuple[float, float, Integrator]]:
-        """Integrators with a wrong coefficient that fit, as `fitting` has them.
-
-        All fly together, each in its own steps, which follow from the errors in those before.
-        """
-        off, scale = (x[:, self.few] for x in (self.followed.off, self.followed.scale))
-        a, some = np.nan_to_num(off / scale)[:, None], [*slips()]
-        h, other = np.full(len(some), TRIALS[0]), np.full(len(some), TRIALS[1])
-        made, again = self._made(some, h), self._made(some, other)
-        sizes = [np.sqrt(np.square(x).sum(axis=(0, 2))) for x in (made, again)]
-        with np.errstate(all="ignore"):
-            orders = np.log(sizes[0] / sizes[1]) / math.log(TRIALS[0] / TRIALS[1])
-        some = [
-            replace(one, order=one.order * max(1, round(order)))
-            for one, order in zip(some, np.nan_to_num(orders), strict=True)
-        ]
-        for most in MANY:
-            share, left = _shares(a, again)
-            # Of order 0, most of the errors are the same in all steps, and the rest is linear.
-            slope = (again - made) / np.where(other == h, 1.0, other - h)[:, None]
-            by, _ = _shares(a - again, slope)
-            zero = np.array([one.order == 0 for one in some])
-            fits = (left < ROUGHLY) & np.where(zero, np.abs(share - 1.0) < ALIKE, share > 0.0)
-            new = np.array([
-                other[i] + by[i] if zero[i] else _nearer(one, other[i], max(share[i], LEAST))
-                for i, one in enumerate(some)
-            ])  # fmt: skip
-            best = [i for i in np.argsort(left, kind="stable") if fits[i]][:most]
-            if not best:
-                return []
-            some = [some[i] for i in best]
-            h, other, made = other[best], new[best].clip(SHORTEST, LONGEST), again[:, best]
-            again = self._made(some, other)
-        _, left = _shares(a, again)
-        order = np.argsort(left, kind="stable")
-        return [(float(left[i]), float(other[i]), some[i]) for i in order if left[i] < FITS]
-
-    def _made(self, some: Sequence[Integrator], h: Array) -> Array:
-        """Errors of schemes in the first scenes, each in its own steps: (numbers, schemes, scenes).
-
-        Those with equally many evaluations of the acceleration fly as one.
-        """
-        count = len(self.few)
-        made = np.zeros((len(self.followed.off), len(some), count))
-        scale = self.followed.scale[:, self.few]
-        groups: dict[Any, list[int]] = {}
-        for i, one in enumerate(some):
-            if isinstance(one.step, Table):
-                groups.setdefault((len(one.step.c), one.step.carries), []).append(i)
-        for group in groups.values():
-            every = together([some[i] for i in group], count)
-            tiled = np.tile(self.few, len(group))
-            errors, _ = self.errors(every, np.repeat(h[group], count), False, tiled)
-            made[:, group] = (errors / np.tile(scale, len(group))).reshape(-1, len(group), count)
-        return np.nan_to_num(made, nan=0.0, posinf=0.0, neginf=0.0)
+    def _chord_leaves(self, h: float) -> float:
+        """The share of the errors that the chords of an exact path leave."""
+        made, _ = self.errors(EXACT, h, True, self.few)
+        _, left = _shares(self.off, np.nan_to_num(made / self.followed.scale[:, self.few])[:, None])
+        return float(left[0])
 
     def _fitted_step(self, one: Integrator, start: float) -> float:
         def left(steps: Array) -> Array:
@@ -390,12 +363,19 @@ class Steps:
         return None
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:
-        """Integrators by the share of a typical scene's errors that they leave, with a step."""
-        found = []
-        for one, h in product(INTEGRATORS, TRIALS):
-            share, left = self.typical_ratio(one, h)
-            if share > 0.0:
-                found.append((left, _nearer(one, h, share), one))
+        """Integrators by the share of the median scene's errors that they leave, with a step.
+
+        In a few scenes the errors of a flight nearly cancel.
+        """
+        found, a = [], self.off
+        for h, b in zip(TRIALS, self.trials, strict=True):
+            shares = np.median((a * b).sum(0) / np.maximum((b * b).sum(0), LEAST), axis=1)
+            rest = np.square(a - shares[:, None] * b).sum(0) / np.maximum((a * a).sum(0), LEAST)
+            lefts = np.median(rest, axis=1)
+            found += [
+                (float(left), _nearer(one, h, share), one)
+                for one, share, left in zip(INTEGRATORS, shares, lefts, strict=True) if share > 0.0
+            ]  # fmt: skip
         return sorted(found, key=lambda each: each[0])
 
     def order(self) -> Scheme | None:
@@ -496,9 +476,9 @@ def with_edit(
             search = searched(variant, followed.some[short])
             if not (search.followed.wrong.any() and (like or search.null < null)):
                 continue
-            tried = [like] if like else [Way(one, TRIALS[0]) for one in plain.possible]
-            ratios = [search.ratio(way.one, way.h) for way in tried]
-            left = min((left for share, left in ratios if share > 0.0), default=1.0)
+            tried, h = ([like.one], like.h) if like else (plain.possible, TRIALS[0])
+            share, rest = _shares(search.off, search.made(tried, h, search.few))
+            left = float(rest[share > 0.0].min(initial=1.0))
             if left < ROUGHLY:
                 ways.append((left * search.square, variant))
     ways.sort(key=lambda way: (float(f"{way[0]:.6g}"), way[1].bits))
