@@ -117,7 +117,7 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
          "restitution", "leaves out m/M_eff"),
     ],
 )  # fmt: skip
-@pytest.mark.sampled(every=5)
+@pytest.mark.sampled(every=9)
 def test_a_mistake_in_the_source_is_named_beside_the_scheme(
     name: str, right: str, wrong: str, stage: str, edit: str, tmp_path: Path
 ):

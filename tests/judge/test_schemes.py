@@ -108,7 +108,7 @@ def true(change):
         (euler, 0.0137, "explicit Euler", 1),  # a step that nobody chooses
     ],
 )
-@pytest.mark.sampled(every=4)
+@pytest.mark.sampled(every=6)
 def test_a_scheme_is_named_with_its_step(step, h, name, order):
     found = explain_scheme(*wrong(flown(h, step)))
     assert found is not None
