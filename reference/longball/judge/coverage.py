@@ -38,7 +38,6 @@ from longball.judge.diagnosis.expression import (
     Values,
     component,
     constant,
-    contains,
     norm,
     ordered,
     substitute,
@@ -47,18 +46,15 @@ from longball.judge.diagnosis.expression import (
 )
 from longball.judge.diagnosis.operators import LEFT_OUT, Edit, edits, key_of
 from longball.judge.diagnosis.residual import (
-    COARSE,
     ROUNDING,
     Data,
     Index,
     begun,
     data_of,
-    flown,
-    launched,
     take,
     values,
 )
-from longball.judge.diagnosis.response import Change, Direct, Many
+from longball.judge.diagnosis.response import Direct, Response, free
 from longball.judge.diagnosis.search import defaults
 from longball.judge.quantities import values_of
 from longball.model.arrays import Array
@@ -193,76 +189,14 @@ def _beside() -> Iterator[Edit]:
 
 # --- what they do ---------------------------------------------------------------------------------
 
-NODES = 4  # of a Gauss-Legendre rule over the time of flight, at which laws are evaluated
-
-
-class _Flown:
-    """Effects of edits on the ends of a stage's flights.
-
-    A change of the acceleration moves an end by its integrals, as if nothing else moved: right to
-    a factor near 1, where an edit is noticed by many powers of ten or not at all.
-    """
-
-    def __init__(self, stage: Stage, columns: Columns) -> None:
-        self._stage, self._roots = stage, _roots(stage)
-        count = len(columns["kind"])
-        x, weights = np.polynomial.legendre.leggauss(NODES)
-        shares = np.repeat([*(x + 1.0) / 2.0, 1.0], count)
-        on_path = take(columns, np.tile(np.arange(count), NODES + 1))
-        balls = launched(stage, on_path)
-        y = flown(balls, shares * balls.duration, COARSE)
-        self._duration = balls.duration[:count]
-        self._weights = weights[:, None] / 2.0 * self._duration
-        self._left = (1.0 - (x[:, None] + 1.0) / 2.0) * self._duration
-        self._velocity = y[3:6, -count:]
-        begun = {"r0": balls.y[:3], "v0": balls.y[3:6], "ω0": balls.spin}
-        moving = {"r": y[:3], "v": y[3:6], "t": shares * balls.duration, "path": y[6]}
-        every = {**on_path, **begun, **moving}
-        self.at = Values(take(every, np.arange(NODES * count)))
-        self._aloft = Many(self.at)
-        self._end = Many(Values(take(every, np.arange(NODES * count, (NODES + 1) * count))))
-        self._launch = Many(Values(columns))
-
-    def moved(self, changes: Sequence[Change]) -> Array:
-        """About the changes of place, velocity and spin at the end, one for each of `changes`."""
-        every = np.zeros((len(changes), 9, len(self._duration)))
-        for name, root in self._roots.items():
-            where = {"law": self._aloft, "spin_left": self._end}.get(name, self._launch)
-            here = [
-                i
-                for i, (edit, _) in enumerate(changes)
-                if contains(root, edit.place) and self._stage.takes(name, edit.new)
-            ]
-            for i, value in zip(here, where.of(root, [changes[i] for i in here]), strict=True):
-                found, change = every[i], value - where.at.of(root)
-                match name:
-                    case "law":
-                        pushed = np.broadcast_to(change, (3, NODES * len(self._duration)))
-                        pushed = pushed.reshape(3, NODES, -1) * self._weights
-                        found[3:6] += pushed.sum(axis=1)
-                        found[:3] += (pushed * self._left).sum(axis=1)
-                    case "place":
-                        found[:3] += change
-                    case "velocity":
-                        found[:3] += change * self._duration
-                        found[3:6] += change
-                    case "duration":
-                        found[:3] += change * self._velocity
-                    case "spin":
-                        found[6:] += change
-                    case "spin_left":
-                        found[6:] += change * self._launch.at.of(self._roots["spin"])
-        return every
+# Of a Gauss-Legendre rule over the time of flight, at which laws are evaluated. Effects along the
+# right path are right to a factor near 1, where an edit is noticed by many powers of ten or not at
+# all.
+NODES = 4
 
 
 # Flights that are a part of another one, by one law.
 PARTS = "touching", "fence"
-
-
-def _roots(stage: Stage) -> dict[str, Node]:
-    """The formulas of a stage in which edits are looked at."""
-    passed = {"through", "law"} if stage.name in PARTS else {"through"}
-    return {name: root for name, root in stage.roots.items() if name not in passed}
 
 
 @dataclass(frozen=True)
@@ -272,7 +206,7 @@ class _Effects:
     stage: Stage
     some: Index
     nodes: Mapping[str, frozenset[Node]]  # of each of its formulas
-    effects: _Flown | Direct
+    effects: Response | Direct
     allowed: Array  # what passes unnoticed of each number
 
     def has(self, edit: Edit) -> bool:
@@ -309,8 +243,12 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     own = take(columns, some)
     own["spin"] = own[stage.spins]
     flies = stage.kind == "flight"
-    effects = _Flown(stage, own) if flies else Direct(stage, Values(own))
-    nodes = {name: frozenset(ordered([root])) for name, root in _roots(stage).items()}
+    at = Values(own)
+    effects = Response(stage, at, answer=free, nodes=NODES) if flies else Direct(stage, at)
+    passed = {"through", "law"} if stage.name in PARTS else {"through"}
+    nodes = {
+        name: frozenset(ordered([root])) for name, root in stage.roots.items() if name not in passed
+    }
     return _Effects(stage, some, nodes, effects, np.array(rows))
 
 

@@ -7,7 +7,7 @@ flights gives these derivatives; then an edit costs one evaluation of its formul
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.expression import Evaluator, Node, Values, contains
 from longball.judge.diagnosis.operators import FREE, Edit
-from longball.judge.diagnosis.residual import COARSE, START, flown, launched, take
+from longball.judge.diagnosis.residual import COARSE, START, Launched, flown, launched, take
 from longball.model.arrays import Array
 
 NODES = 10  # of a Gauss-Legendre rule over the time of flight
@@ -78,60 +78,123 @@ class Many:
 WIDTHS = 1, 4, 16, 64  # numbers of edits that are evaluated together; the last ones are padding
 
 
+# States of launched balls after shares of their flights: shape (7, shares, balls).
+Path = Callable[[Launched, Array], Array]
+# Derivatives of the end by the states of a path after shares of the flight, place and velocity:
+# shape (6, 6, shares, balls).
+Answer = Callable[[Launched, Array, Array], Array]
+
+
+def flown_path(balls: Launched, shares: Array) -> Array:
+    """The path that balls fly by their law."""
+    every = _repeated(balls, len(shares))
+    whole = np.repeat(shares, len(balls.duration)) * every.duration
+    return flown(every, whole, COARSE).reshape(7, len(shares), -1)
+
+
+def cubic(end: Array) -> Path:
+    """The cubics between the launch and given ends of flights, places and velocities."""
+
+    def path(balls: Launched, shares: Array) -> Array:
+        s, lasts, y = shares[:, None], balls.duration, balls.y[:, None]
+        went, v0, v1 = (end - balls.y[:6])[:3, None], y[3:6], end[3:, None]
+        r = y[:3] + went * s * s * (3 - 2 * s) + lasts * s * (1 - s) * ((1 - s) * v0 - s * v1)
+        v = 6 * s * (1 - s) * went / lasts + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
+        return np.concatenate([r, v, s * lasts * np.sqrt((v * v).sum(axis=0))[None]])
+
+    return path
+
+
+def kicked(balls: Launched, y: Array, shares: Array) -> Array:
+    """How ends answer to what happens on the way, by flights from states that are kicked."""
+    moved = np.tile(y.reshape(7, 1, -1), (1, 7, 1))
+    moved[range(6), range(1, 7)] += KICK
+    every = _repeated(balls, 7 * len(shares))
+    rest = np.tile(np.repeat(1.0 - shares, len(balls.duration)), 7) * every.duration
+    ends = flown(replace(every, y=moved.reshape(7, -1)), rest, COARSE).reshape(7, 7, -1)
+    return ((ends[:6, 1:] - ends[:6, :1]) / KICK).reshape(6, 6, len(shares), -1)
+
+
+def free(balls: Launched, y: Array, shares: Array) -> Array:
+    """How the ends of balls answer that move freely after a kick."""
+    left = (1.0 - shares)[:, None] * balls.duration
+    found = np.zeros((6, 6, *left.shape))
+    found[range(6), range(6)] = 1.0
+    found[range(3), range(3, 6)] = left
+    return found
+
+
+def _repeated(balls: Launched, times: int) -> Launched:
+    return balls.some(np.tile(np.arange(len(balls.duration)), times))
+
+
 class Response:
-    """A flight stage in some scenes, and how its end depends on what happens during the flight."""
+    """First-order effects of edits on the ends of a stage's flights.
 
-    def __init__(self, stage: Stage, known: Values) -> None:
-        self.stage = stage
-        self._launch, columns = known, known.columns
-        count = len(columns["kind"])
-        x, weights = np.polynomial.legendre.leggauss(NODES)
-        shares = np.repeat([0.0, *(x + 1.0) / 2.0], count)
-        on_path = take(columns, np.tile(np.arange(count), NODES + 1))
-        balls = launched(stage, on_path)
-        duration = balls.duration
-        y = flown(balls, shares * duration, COARSE)
+    A change of the acceleration moves an end by its integral along a path, weighted by how the end
+    answers to a kick at each time. The path and the answer are those of the stage's law by default.
 
-        # The derivatives of the end, by components, by those of the state at each node.
-        kicked = np.tile(y[:, None], (1, 7, 1))
-        kicked[range(6), range(1, 7)] += KICK
-        every = launched(stage, take(on_path, np.tile(np.arange(len(shares)), 7)))
-        rest = np.tile((1.0 - shares) * duration, 7)
-        ends = flown(replace(every, y=kicked.reshape(7, -1)), rest, COARSE).reshape(7, 7, -1)
-        by_state = ((ends[:6, 1:] - ends[:6, :1]) / KICK).reshape(6, 6, NODES + 1, count)
+    With `free` balls the weights are 1 of the velocity at the end and T - t of the place. These two
+    integrals of the acceleration are known from the ends of any flight, whatever its law: where an
+    edit leads a ball far from its path, the right one nearly makes them along the `cubic` between
+    the candidate's own ends.
+
+    Attributes
+    ----------
+    at
+        Values at the nodes of a Gauss-Legendre rule.
+    """
+
+    def __init__(
+        self, stage: Stage, known: Values, path: Path = flown_path, answer: Answer = kicked,
+        nodes: int = NODES,
+    ) -> None:  # fmt: skip
+        self.stage, self._launch, columns = stage, known, known.columns
+        x, weights = np.polynomial.legendre.leggauss(nodes)
+        shares = np.array([0.0, *(x + 1.0) / 2.0, 1.0])
+        balls = launched(stage, columns)
+        self._start, self._duration = balls.y[:6], balls.duration
+        y = path(balls, shares)
+        by_state = answer(balls, y[:, :-1], shares[:-1])
         self._at_launch = {"place": by_state[:, :3, 0], "velocity": by_state[:, 3:, 0]}
-        self._during = by_state[:, 3:, 1:] * (weights[:, None] / 2.0 * duration[:count])
+        self._during = by_state[:, 3:, 1:] * (weights[:, None] / 2.0 * balls.duration)
+        self._at_end = balls.rates(y[:, -1], balls.duration)[:6]
 
         # The path, on which laws are evaluated.
-        path = replace(balls, y=y[:, count:])
-        at = {"r": path.y[:3], "v": path.y[3:6]}
-        begun = {"r0": balls.y[:3, count:], "v0": balls.y[3:6, count:]}
-        self._spin = self._launch.of(stage.roots["spin"]) + np.zeros((3, count))
-        self.at = Values(
-            {
-                **take(on_path, np.arange(count, len(shares))), **at, **begun,
-                "ω0": np.tile(self._spin, NODES),
-                "t": (shares * duration)[count:], "path": path.y[6],
-                **{str(node.data): at[name] for name, node in START.items()},
-            }
-        )  # fmt: skip
+        self._spin, count = balls.spin, len(balls.duration)
+
+        def on_path(some: slice) -> Values:
+            at = y[:, some].reshape(7, -1)
+            tiled = take(columns, np.tile(np.arange(count), at.shape[1] // count))
+            r, v, times = at[:3], at[3:6], (shares[some, None] * balls.duration).ravel()
+            begun = {"r0": balls.y[:3], "v0": balls.y[3:6], "ω0": balls.spin}
+            begun = {name: np.tile(x, len(times) // count) for name, x in begun.items()}
+            steps = {str(START["r"].data): r, str(START["v"].data): v}
+            return Values({**tiled, **begun, **steps, "r": r, "v": v, "t": times, "path": at[6]})
+
+        self.at = on_path(slice(1, -1))
         self._at_start, self._on_path = Many(known), Many(self.at)
+        self._left = Many(on_path(slice(-1, None)))
         self._turned = Evaluator([stage.roots["law"]], self.at.columns, frozenset(("ω0",)))
-        end = ends[:, 0, :count]
-        self._at_end = launched(stage, columns).rates(end, duration[:count])[:6]
-        self._left = Many(
-            Values({
-                **columns, "r": end[:3], "v": end[3:6], "t": duration[:count], "path": end[6],
-                "r0": balls.y[:3, :count], "v0": balls.y[3:6, :count], "ω0": self._spin,
-            })
-        )  # fmt: skip
+
+    def _pushed(self, law: Array) -> Array:
+        """The change of the end, shape (6, balls), by an acceleration along the path."""
+        a = np.broadcast_to(law, (3, self._during.shape[2] * self._during.shape[3]))
+        shape = self._during.shape[2:]
+        return np.asarray(np.einsum("ijkn,jkn->in", self._during, a.reshape(3, *shape)))
+
+    def off(self, end: Array) -> Array:
+        """The difference of given ends from those that the law leads `free` balls to."""
+        straight = self._start.copy()
+        straight[:3] += self._duration * self._start[3:]
+        return np.asarray(end - straight - self._pushed(self.at.of(self.stage.roots["law"])))
 
     def moved(self, changes: Sequence[Change]) -> Array:
-        """First-order changes of the state and the spin at the end, one for each of `changes`.
+        """Changes of the state and the spin at the end, one for each of `changes`.
 
         The change of the spin is that on the undisturbed path.
         """
-        total = np.zeros((len(changes), 9, self._at_end.shape[1]))
+        total = np.zeros((len(changes), 9, len(self._duration)))
         places = {"law": self._on_path, "spin_left": self._left}
         share = self._left.at.of(self.stage.roots["spin_left"])
         for name, root in self.stage.roots.items():
@@ -146,85 +209,21 @@ class Response:
             old = where.at.of(root)
             for i, value in zip(here, where.of(root, [changes[i] for i in here]), strict=True):
                 change = value - old
-                if name == "spin_left":
-                    total[i, 6:] += change * self._spin
-                    continue
-                if name == "spin":
-                    total[i, 6:] += share * change
-                    turned = np.tile(change + self._spin, NODES)
-                    change = self._turned(ω0=turned)[0] - self.at.of(self.stage.roots["law"])
-                if name in ("law", "spin"):
-                    change = np.broadcast_to(change, (3, NODES * total.shape[2]))
-                    pushed = change.reshape(3, NODES, -1)
-                    total[i, :6] += np.einsum("ijkn,jkn->in", self._during, pushed)
-                elif name in self._at_launch:
-                    change = np.broadcast_to(change, (3, total.shape[2]))
-                    total[i, :6] += np.einsum("ijn,jn->in", self._at_launch[name], change)
-                else:
-                    total[i, :6] += self._at_end * change
-        return total
-
-
-class Between:
-    """The law of a flight stage along the cubics between the candidate's own ends of flights.
-
-    An edit that leads a ball far from its path has no effect of first order worth that name. But
-    whatever the law is, the integrals of a and of (T - t) a over a flight of duration T are known
-    from its ends. A cubic with those ends is near the candidate's path, so that the right edit
-    nearly makes these integrals.
-
-    Attributes
-    ----------
-    at
-        Values at the nodes of a Gauss-Legendre rule.
-    off
-        The known integrals less those of the law without an edit, shape (6, scenes).
-    """
-
-    def __init__(self, stage: Stage, known: Values, given: Array) -> None:
-        balls = launched(stage, known.columns)
-        begin, end, lasts = balls.y[:6], given[:6], balls.duration
-        self._stage, count = stage, len(lasts)
-        x, weights = np.polynomial.legendre.leggauss(NODES)
-        s = np.repeat((x + 1.0) / 2.0, count)
-        r0, v0, r1, v1, whole = (
-            np.tile(part, NODES) for part in (begin[:3], begin[3:], end[:3], end[3:], lasts)
-        )
-        went = r1 - r0
-        r = r0 + went * s * s * (3 - 2 * s) + whole * s * (1 - s) * ((1 - s) * v0 - s * v1)
-        v = 6 * s * (1 - s) * went / whole + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
-        spin = known.of(stage.roots["spin"]) + np.zeros((3, count))
-        self.at = Values(
-            {
-                **take(known.columns, np.tile(np.arange(count), NODES)),
-                "r": r, "v": v, "r0": r0, "v0": v0, "ω0": np.tile(spin, NODES), "t": s * whole,
-                "path": s * whole * np.sqrt((v * v).sum(axis=0)),
-                **{str(node.data): {"r": r, "v": v}[name] for name, node in START.items()},
-            }
-        )  # fmt: skip
-        self._many = Many(self.at)
-        self._weights = np.stack([(1.0 - x) / 2.0 * weights, weights]) / 2.0
-        self._scale = np.stack([lasts * lasts, lasts])
-        self._law = np.broadcast_to(self.at.of(stage.roots["law"]), r.shape)
-        moved = np.concatenate([end[:3] - begin[:3] - lasts * begin[3:], end[3:] - begin[3:]])
-        self.off = moved - self._integrals(self._law)
-
-    def _integrals(self, law: Array) -> Array:
-        a = law.reshape(3, NODES, -1)
-        return np.concatenate(np.einsum("pk,ikn,pn->pin", self._weights, a, self._scale))
-
-    def moved(self, changes: Sequence[Change]) -> Array:
-        """Changes of the integrals and no spin, one for each of `changes`; 0 if not of the law."""
-        total = np.zeros((len(changes), *self.off.shape))
-        root = self._stage.roots["law"]
-        here = [
-            i
-            for i, (edit, _) in enumerate(changes)
-            if contains(root, edit.place) and self._stage.takes("law", edit.by)
-        ]
-        laws = self._many.of(root, [changes[i] for i in here])
-        for i, law in zip(here, laws, strict=True):
-            total[i] = self._integrals(np.broadcast_to(law - self._law, self._law.shape))
+                match name:
+                    case "law":
+                        total[i, :6] += self._pushed(change)
+                    case "place" | "velocity":
+                        change = np.broadcast_to(change, (3, total.shape[2]))
+                        total[i, :6] += np.einsum("ijn,jn->in", self._at_launch[name], change)
+                    case "spin_left":
+                        total[i, 6:] += change * self._spin
+                    case "spin":
+                        total[i, 6:] += share * change
+                        turned = np.tile(change + self._spin, self._during.shape[2])
+                        law = self._turned(ω0=turned)[0]
+                        total[i, :6] += self._pushed(law - self.at.of(self.stage.roots["law"]))
+                    case "duration":
+                        total[i, :6] += self._at_end * change
         return total
 
 
@@ -257,7 +256,7 @@ class Effects:
     """
 
     def __init__(
-        self, way: Response | Between | Direct, edits: Sequence[Edit],
+        self, way: Response | Direct, edits: Sequence[Edit],
         starts: Sequence[Sequence[float]], off: Array,
     ) -> None:  # fmt: skip
         off = np.nan_to_num(off)

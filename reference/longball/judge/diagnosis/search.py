@@ -58,7 +58,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Between, Direct, Effects, Response
+from longball.judge.diagnosis.response import Direct, Effects, Response, cubic, free
 from longball.judge.fresh import random_scenes
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
@@ -320,8 +320,9 @@ class Explanation:
         self.fits = Effects(effects, cheapest, starts, errors)
         remains = self.fits.left()
         if flies and _median(self.followed.relative[self.followed.beyond]) > FAR_OFF:
-            between = Between(self.stage, self.near, self._given(self.few))
-            others = Effects(between, cheapest, starts, between.off)
+            ends = self._given(self.few)[:6]
+            along = Response(self.stage, self.near, cubic(ends), free)
+            others = Effects(along, cheapest, starts, along.off(ends))
             remains = [min(both) for both in zip(remains, others.left(), strict=True)]
         shares = dict(zip(cheapest, remains, strict=True))
         # Groups of equal edits, which leave equal costs and so follow each other.
