@@ -168,10 +168,10 @@ def test_the_command_draws(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "stdin", "status", "sentence"),
     [
-        (("-", *COMMAND), "a,b\n1,2\n", 1, "the table has no such columns; its columns are a, b"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", 1, "is it in rad?"),
-        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 1, "the table of games: temperature"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 1, "is it in m/s?"),
+        (("-", *COMMAND), "a,b\n1,2\n", 2, "the table has no such columns; its columns are a, b"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", 2, "is it in rad?"),
+        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 2, "the table of games: temperature"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 2, "is it in m/s?"),
         (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
         (("--model", "best"), "", 2, "best: must be one of vacuum, paper,"),
         (("--engine", "best"), "", 2, "best: must be one of ivp,"),
@@ -250,7 +250,7 @@ def test_other_units_are_asked_about():
         ("release_spin_rate", 240, "in rpm it would lie between"),
     ):
         run = longball("-", stdin=table(row | {key: value}))
-        assert run.exit_code == 1
+        assert run.exit_code == 2
         assert said in run.stderr
     # A share of 0.3048 of what is predicted: a foot is no metre.
     fly = {"launch_speed": 103, "launch_angle": 28, "hit_distance_sc": 122}

@@ -16,7 +16,6 @@ from longball.engines.engine import CannotSolve
 from longball.model.changes import value_of
 from longball.model.numbers import Undecided
 from longball.model.result import Result
-from longball.model.scene import InvalidScene
 
 
 def infer(
@@ -84,7 +83,7 @@ def answering() -> Iterator[None]:
     """Say why there is no answer, with status 1; a misuse is a wrong call."""
     try:
         yield
-    except (CannotSolve, Undecided, InvalidScene) as error:
+    except (CannotSolve, Undecided) as error:
         fail(str(error))
     # Last, since the exceptions above are ValueErrors, too.
     except (TypeError, ValueError) as error:

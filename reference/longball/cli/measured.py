@@ -53,12 +53,12 @@ def measured(
             rows = read_measured(source, kind, games or GAMES, spin=law.spin, names=names)
         except NoSuchColumn as error:
             raise TableError(f"{error}{_instead(error.missing)}") from None
-        if scenes:
-            asked = scenes_of(rows, law, change=change)
-            lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]
-            # Rows that are no scenes are counted below, with their reasons.
-            scenes.write_text("".join(lines), encoding="utf-8")
         prediction = predict(rows, law, engine=solver, change=change)
+    if scenes:
+        asked = scenes_of(rows, law, change=change)
+        lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]
+        # Rows that are no scenes are counted below, with their reasons.
+        scenes.write_text("".join(lines), encoding="utf-8")
     if csv_:
         write_frame(as_frame(prediction), csv_)
     if figure and prediction.compared.any():

@@ -8,7 +8,7 @@ from typing import Any
 from longball import engines
 from longball.cli.changes import chosen_changes
 from longball.cli.cluster import on_cluster
-from longball.cli.messages import exit_unless, refusing, show, tell
+from longball.cli.messages import exit_unless, refusing, show, tell, wrong_call
 from longball.cli.scenes import each_scene, named
 from longball.engines.parallel import in_parallel
 from longball.model.jsonl import json_line
@@ -58,8 +58,8 @@ def parks(
             # A ball that one park refuses, as outside of its fence, still has an answer.
             failed += all(each.result.error for each in found)
     if not told:
-        tell(f"no scenes in {named(source)}")
-    exit_unless(told and not failed)
+        wrong_call(f"no scenes in {named(source)}")
+    exit_unless(not failed)
 
 
 def _answer(

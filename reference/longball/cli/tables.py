@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-from longball.cli.messages import fail, wrong_call
+from longball.cli.messages import wrong_call
 
 
 def chosen_table(table: str, example: bool) -> str | Path | TextIO:
@@ -23,13 +23,10 @@ def chosen_table(table: str, example: bool) -> str | Path | TextIO:
 
 @contextmanager
 def reading_table() -> Iterator[None]:
-    """Exit with status 1 on a bad table, or 2 on one that cannot be opened, and say why."""
+    """Make a table that cannot be used a wrong call, and say why."""
     from longball.pitches import TableError
 
     try:
         yield
     except TableError as error:
-        # A file that cannot be opened is a wrong call, one that cannot be understood a failure.
-        if isinstance(error.__cause__, OSError):
-            wrong_call(str(error))
-        fail(str(error))
+        wrong_call(str(error))

@@ -29,16 +29,22 @@ def other_separators(head: Sequence[str]) -> str:
 def decoded(data: bytes) -> str:
     """Return the text of a file: UTF-8, or UTF-16 where its first bytes say so.
 
-    A ValueError says where it is in another encoding, or what it is instead.
+    A ValueError says where it is in another encoding, or that it is no table.
     """
     if kind := binary(data):
         raise ValueError(kind)
     # Spreadsheets save "Unicode text" as UTF-16, and mark UTF-8 with EF BB BF.
     utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        return data.decode("utf-16" if utf16 else "utf-8-sig")
+        text = data.decode("utf-16" if utf16 else "utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(not_utf8(error)) from None
+    # No name of a column begins so.
+    if text.lstrip()[:1] in ("{", "["):
+        raise ValueError(
+            "JSON, where a table is needed: a head with the names of its columns, and rows below it"
+        )
+    return text
 
 
 def not_utf8(error: UnicodeDecodeError) -> str:
