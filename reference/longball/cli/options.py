@@ -116,7 +116,10 @@ ARGUMENTS = {
         "[SCENES|-]",
         "One scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
     ),
-    "parks.source": ("[SCENES|-]", "Batted balls; - reads stdin."),
+    "parks.source": (
+        "[SCENES|-]",
+        "Batted balls, as longball flight --scene prints one; - reads stdin.",
+    ),
     "judge.command": (
         "[-- COMMAND …]",
         "The program to judge: it reads scenes on standard input and writes results on standard "
@@ -292,6 +295,7 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "elevation": _option(
         "Height above sea level, instead of the park's; without a unit in m.", "HEIGHT"
     ),
+    "scene": "Print the scene instead, for longball parks, plot, aim and infer.",
     "bats": _option("Batter's side; sets the sign of the side spin.", "R|L"),
     "parks.park": _option("Only this park", "NAME"),
     # infer, aim
