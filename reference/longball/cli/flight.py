@@ -120,7 +120,7 @@ def _ball(
     }  # fmt: skip
     return MeasuredFlies(
         source="", rows_read=1, left_out=(), rows=np.array([1]), games=np.array([0]),
-        weather_unknown=0, assumed=(), measured=np.full((1, 1), math.nan), **one,
+        weather_unknown=0, assumed=(), doubts=(), measured=np.full((1, 1), math.nan), **one,
     )  # fmt: skip
 
 

@@ -29,8 +29,8 @@ def pitches_of(
         pitches = read_measured(source, "pitch", games or GAMES, spin=spin, names=names)
     assert isinstance(pitches, MeasuredPitches)
     note(f"{pitches.source}: {len(pitches)} pitches used of {pitches.rows_read} rows")
-    for omission in pitches.left_out:
-        note(f"  {omission}")
+    for told in (*pitches.left_out, *pitches.doubts):
+        note(f"  {told}")
     return pitches
 
 

@@ -47,6 +47,8 @@ from longball.pitches.table import (
     select_rows,
     texts,
     unit_that_explains,
+    unusual,
+    unusual_rows,
 )
 
 if TYPE_CHECKING:
@@ -103,6 +105,7 @@ class Rows(Arrays):
     elevation: Array
     weather_unknown: int  # for how many the usual values stand there
     assumed: tuple[str, ...]  # sentences: what stands for columns that are not in the table
+    doubts: tuple[str, ...]  # questions: what looks like another unit
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -275,7 +278,9 @@ def _pitches(
     angle = np.radians(kept["spin_axis"])
     axis = _in_our_frame(np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
     return MeasuredPitches(
-        **_common(source, frame, left_out, keep, games, ()),
+        **_common(source, frame, left_out, keep, games),
+        doubts=tuple(unusual_rows(kept, rows)),
+        assumed=(),
         labels=kind[keep].to_numpy(dtype=str),
         release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
         velocity=at_release,
@@ -327,8 +332,11 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     if "stand" in frame:
         side, odd_side = _side(frame["stand"])
     speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
-    if not (speed > SLOWEST).any():  # no row would be left: in m/s, flies are below 60
-        require_usual(values["launch_speed"][~np.isnan(speed)], "launch_speed")
+    # Before slow ones are left out: in m/s, few flies are above 60.
+    up = (angle >= LOWEST) & (angle <= HIGHEST)
+    doubt = unusual(values["launch_speed"][up & ~np.isnan(speed)], "launch_speed")
+    if doubt and not (speed[up] > SLOWEST).any():
+        raise TableError(doubt)
     x, y = (values.get(name, nothing) for name in _PLACE)
     bearing = np.arctan2(x - DRAWN_PLATE[0], DRAWN_PLATE[1] - y) if "hc_x" in here else 0.0 * speed
     lacks = [
@@ -338,12 +346,13 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
         ("stand is missing", np.isnan(side)),
         ("hc_x and hc_y are 0: not measured", (x == 0.0) & (y == 0.0)),
         ("hit_distance_sc is 0: not measured", values.get("hit_distance_sc", nothing) == 0.0),
-        ("launch_angle is not between 10° and 60°", ~((angle >= LOWEST) & (angle <= HIGHEST))),
+        ("launch_angle is not between 10° and 60°", ~up),
         ("launch_speed is not above 60 mph", ~(speed > SLOWEST)),
         ("the direction is not between the foul lines, by over 15°", ~(abs(bearing) <= WIDEST)),
     ]
     left_out, keep = select_rows(lacks, len(frame))
-    _require_usual({name: column[keep] for name, column in values.items()})
+    kept = {name: column[keep] for name, column in values.items()}
+    _require_usual(kept)
     assumed = tuple(
         f"no column {name}: {stands}"
         for name, stands in (
@@ -354,7 +363,9 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
         if name not in frame
     )
     return MeasuredFlies(
-        **_common(source, frame, left_out, keep, games, assumed),
+        **_common(source, frame, left_out, keep, games),
+        doubts=(*filter(None, [doubt]), *unusual_rows(kept, np.flatnonzero(keep) + 1)),
+        assumed=assumed,
         speed=speed[keep],
         angle=angle[keep],
         bearing=bearing[keep],
@@ -432,7 +443,6 @@ def _common(
     left_out: tuple[Omission, ...],
     keep: Flags,
     games: Any,
-    assumed: tuple[str, ...],
 ) -> dict[str, Any]:
     nothing = np.full(len(frame), np.nan)
     game = (numbers(frame["game_pk"]) if "game_pk" in frame else nothing)[keep]
@@ -449,7 +459,6 @@ def _common(
         "temperature": np.where(unknown, USUAL_TEMPERATURE, temperature),
         "elevation": np.where(unknown, SEA_LEVEL, elevation),
         "weather_unknown": int(unknown.sum()),
-        "assumed": assumed,
     }
 
 

@@ -7,7 +7,7 @@ import gzip
 import math
 import zlib
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from io import BytesIO, StringIO
 from itertools import islice
@@ -286,23 +286,56 @@ def require_usual(values: Array, name: str, column: str = "", unit: str = "") ->
 
     `name` is its name in `USUAL`; the table may have another, and another unit.
     """
+    if doubt := unusual(values, name, column, unit):
+        raise TableError(f"{doubt} The table must be in {unit or USUAL[name].unit} here")
+
+
+def unusual(values: Array, name: str, column: str = "", unit: str = "") -> str:
+    """Return a question if the median of a column is out of range; see `require_usual`."""
     usual = USUAL[name]
-    unit, si = unit or usual.unit, si_of(usual.unit)
-    lowest, highest = (in_si(x, usual.unit, si) for x in usual.range_of(values.size))
+    unit = unit or usual.unit
+    lowest, highest = bounds = usual.range_of(values.size)
     sized = lowest >= 0.0 and bool((values < 0.0).any())
     median = float(np.median(np.abs(values) if sized else values)) if values.size else np.nan
-    sizes = {other: in_si(median, other, si) for other in UNITS[si]}
-    if np.isnan(median) or lowest <= sizes[unit] <= highest:
-        return
-    # Of two names for one unit the later is the usual one.
-    fitting = {size: other for other, size in sizes.items() if lowest <= size <= highest}
-    low, high = (from_si(x, unit, si) for x in (lowest, highest))
+    if np.isnan(median) or lowest <= _converted(median, unit, usual.unit) <= highest:
+        return ""
+    low, high = (_converted(x, usual.unit, unit) for x in bounds)
     whose = "the median of its sizes" if sized else "the median"
-    raise TableError(
+    return (
         f"{column or name}: {whose} is {median:.4g}, and in {unit} it would lie between {low:.3g} "
-        f"and {high:.3g}; is it in {' or '.join(fitting.values()) or 'another unit'}? The table "
-        f"must be in {unit} here"
+        f"and {high:.3g}; is it in {_fitting(median, usual.unit, bounds)}?"
     )
+
+
+def unusual_rows(columns: Mapping[str, Array], rows: Integers) -> Iterator[str]:
+    """Yield a question for each column with a value out of its range in `USUAL`."""
+    for name, usual in USUAL.items():
+        if name not in columns:
+            continue
+        lowest, highest = usual.single
+        size = np.abs(columns[name]) if lowest >= 0.0 else columns[name]
+        odd = (size < lowest) | (size > highest)
+        if odd.any():
+            first = int(np.argmax(odd))
+            value = float(columns[name][first])
+            yield (
+                f"{name}: row {rows[first]} below the header has {value:g}, outside of what is "
+                f"usual, {lowest:g} to {highest:g} {usual.unit}; is it in "
+                f"{_fitting(value, usual.unit, usual.single)}?{and_more(int(odd.sum()))}"
+            )
+
+
+def _converted(number: float, unit: str, other: str) -> float:
+    si = si_of(unit)
+    return from_si(in_si(number, unit, si), other, si)
+
+
+def _fitting(number: float, unit: str, bounds: tuple[float, float]) -> str:
+    """Return the units in which a number would lie within bounds that are in one of them."""
+    sizes = {other: _converted(number, other, unit) for other in UNITS[si_of(unit)]}
+    # Of two names for one unit the later is the usual one.
+    fitting = {size: other for other, size in sizes.items() if bounds[0] <= size <= bounds[1]}
+    return " or ".join(fitting.values()) or "another unit"
 
 
 def require_degrees(angles: Array, name: str, largest: float) -> None:
