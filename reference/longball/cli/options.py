@@ -265,6 +265,14 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "example": "Take the day of pitches that comes with longball.",
     "measured.kind": "Predict pitches or batted balls.",
     "model": "Model of the flight.",
+    "spin.speed": _option('Speed at release, e.g. "95 mph"; without a unit in m/s.', "SPEED"),
+    "release": _option(
+        "Where it is released, from the front of the plate; x to the pitcher, y to the catcher's "
+        "left, z up.",
+        "X,Y,Z",
+    ),
+    "up": _option("Movement upwards, e.g. 16in; without a unit in m.", "LENGTH"),
+    "across": _option("Movement to the catcher's left; without a unit in m.", "LENGTH"),
     "spin.model": "Model whose law of lift is inverted.",
     "pfx": "Count from 40 ft, as PITCHf/x does.",
     "games": _option(
