@@ -291,8 +291,6 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     ),
     "straight": _option("Pitch types that count as straight, e.g. FF,SI.", "A,B"),
     "breaking": _option("Pitch types that count as breaking; by default all others.", "A,B"),
-    "bin_width": _option("Bin width of the histogram of speeds, km/h.", min=0.01),
-    "draw_from": "The fit that homerun will draw from.",
     # flight, parks
     "speed": _option('Exit speed, e.g. "103 mph"; without a unit in m/s.', "SPEED"),
     "angle": _option("Angle above the horizontal; without a unit in degrees.", "ANGLE"),
