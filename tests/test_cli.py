@@ -245,7 +245,7 @@ class TestSolve:
             table.write_text(text)
             run = called("solve", str(table), "-o", "-")
             assert (run.returncode, run.stdout) == (2, "")
-            assert f"no scenes in {table}" in run.stderr
+            assert "the table is empty" in run.stderr or f"no scenes in {table}" in run.stderr
 
     def test_workers_change_no_byte(self, called):
         lines = b"\n".join(

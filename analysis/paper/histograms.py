@@ -76,7 +76,7 @@ class AimCurve(NamedTuple):
 
 
 class Curves(NamedTuple):
-    """What the paper's analysis makes of a table of pitches."""
+    """Results of the paper's analysis of a table of pitches."""
 
     edges: Array  # m/s, of the bins
     counts: Integers  # of straight and breaking balls in each, shape (2, bins)

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import gzip
 import math
 import zlib
-from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from io import BytesIO, StringIO
-from itertools import islice
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
@@ -20,7 +16,7 @@ from pydantic import Field
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
-from longball.model.csv_files import decoded, other_separators
+from longball.model.csv_files import other_separators, read_rows
 from longball.model.names import did_you_mean, nearest_file, one_of
 from longball.model.units import UNITS, from_si, in_si, si_of
 
@@ -113,11 +109,10 @@ def read_table(
     wanted = needed | {name: its.get(name, name) for name in optional}
     for name in its.keys() - wanted.keys():
         raise TableError(f"{name}: no column that is read{one_of('they are', name, wanted)}")
-    source, frame = _frame(table, wanted.values())
-    found = [str(each) for each in frame.columns]
+    source, found, frame = _frame(table, wanted.values())
     for name in wanted.values():
         if found.count(name) > 1:
-            raise TableError(f"{name}: the table has {found.count(name)} columns of this name")
+            raise TableError(f"{source}: the column {name} is there twice")
     # A name that is given is meant, also of a column that is optional.
     if missing := [x for name, x in wanted.items() if x not in found and name in needed | its]:
         shown = ", ".join(found[:20]) + (", …" if len(found) > 20 else "")
@@ -133,19 +128,19 @@ def read_table(
     if not len(frame):
         raise TableError(f"{source}: the table has a header, and nothing below it")
     here = {name: x for name, x in wanted.items() if x in found}
-    return source, frame.set_axis(found, axis="columns")[[*here.values()]].set_axis(
-        [*here], axis="columns"
-    )
+    named = frame.set_axis([str(name) for name in frame.columns], axis="columns")
+    return source, named[[*here.values()]].set_axis([*here], axis="columns")
 
 
 @naming_extras()
 def _frame(
     table: str | Path | TextIO | pd.DataFrame, wanted: Iterable[str]
-) -> tuple[str, pd.DataFrame]:
+) -> tuple[str, list[str], pd.DataFrame]:
+    """Return the name of a table, the names of its columns, and those that are wanted at least."""
     import pandas as pd
 
     if isinstance(table, pd.DataFrame):
-        return "table", table
+        return "table", [str(name) for name in table.columns], table
     path = table if isinstance(table, str | Path) else getattr(table, "name", "table")
     source = Path(path).name
     try:
@@ -156,24 +151,19 @@ def _frame(
         raise TableError(f"{path}: cannot be read: {reason}{near}") from error
     try:
         if data.startswith(b"PAR1"):
-            return source, pd.read_parquet(BytesIO(data))
-        text = decoded(data)
-        above, head = _head(text, names := {*wanted})
-        if not names & {*head} and (hint := other_separators(head)):
-            raise ValueError(f"not a table in CSV{hint}")
-        lines = StringIO(text, newline="")
-        deque(islice(lines, above), maxlen=0)
-        # The header is read as a row: pandas would rename a column that is there twice, and take
-        # the first column for an index where rows are longer than the header.
-        rows = pd.read_csv(lines, header=None, dtype="string", na_values=_MISSING)
-    except pd.errors.EmptyDataError:
-        raise TableError(f"{source}: the table is empty") from None
-    except pd.errors.ParserError as error:
-        raise TableError(f"{source}: not a table in CSV: {str(error).strip()}") from None
+            frame = pd.read_parquet(BytesIO(data))
+            return source, [str(name) for name in frame.columns], frame
+        names = {*wanted}
+        head, rows = read_rows(data, names.__contains__)
+        # Of a table with ninety columns the cells of twenty are kept.
+        kept = [i for i, name in enumerate(head) if name in names]
+        cells = [
+            [None if i >= len(row) or row[i].strip() in _MISSING else row[i] for i in kept]
+            for _, row in rows
+        ]
     except ValueError as error:
         raise TableError(f"{source}: {error}") from None
-    header = [str(name).strip() for name in rows.iloc[0].fillna("")]
-    return source, rows.iloc[1:].set_axis(header, axis="columns").reset_index(drop=True)
+    return source, head, pd.DataFrame(cells, columns=[head[i] for i in kept], dtype="string")
 
 
 def _content(table: str | Path | TextIO) -> bytes:
@@ -186,25 +176,10 @@ def _content(table: str | Path | TextIO) -> bytes:
     return gzip.decompress(data) if data.startswith(b"\x1f\x8b") else data
 
 
-def _head(text: str, wanted: set[str]) -> tuple[int, list[str]]:
-    """Return the number of lines above the head of a table, and its cells.
-
-    The head is the row, of the first ones, that has the most of the columns that are wanted:
-    measuring devices write names and dates above it.
-    """
-    reader = csv.reader(StringIO(text, newline=""), skipinitialspace=True)
-    rows: list[tuple[int, list[str]]] = []
-    above = 0
-    with suppress(csv.Error):
-        for cells in islice(reader, _LINES_ABOVE):
-            rows.append((above, [cell.strip() for cell in cells]))
-            above = reader.line_num
-    return max(rows, key=lambda row: len(wanted & {*row[1]}), default=(0, []))
-
-
-_LINES_ABOVE = 50
-# What devices write for what they did not measure, beside what pandas knows.
-_MISSING = ["-", "--", "—"]
+# What programs and devices write for what was not measured.
+_MISSING = {
+    "", "-", "--", "—", "NA", "N/A", "n/a", "#N/A", "NaN", "nan", "<NA>", "NULL", "null", "None",
+}  # fmt: skip
 
 
 def texts(column: pd.Series) -> pd.Series:
