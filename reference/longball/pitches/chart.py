@@ -29,9 +29,8 @@ from longball.pitches.table import (
     Omission,
     TableError,
     and_more,
-    numbers,
+    read_columns,
     read_table,
-    refuse_rows,
     require_usual,
     select_rows,
     texts,
@@ -140,30 +139,50 @@ def read_pitches(
     columns, types = columns or Columns(), types or PitchTypes()
     source, frame = read_table(table, _needed(columns))
     kind = texts(frame[columns.pitch_type])
-    values = {str(name): numbers(frame[name]) for name in frame if name != columns.pitch_type}
+    values, odd = read_columns(frame, [str(name) for name in frame if name != columns.pitch_type])
+    speed = values[columns.speed] * SPEED_UNITS[columns.speed_unit]
     lacks = [(f"{columns.pitch_type} is missing", kind.isna().to_numpy(dtype=bool))]
     lacks += [
         (f"{columns.pitch_type} is {name}", (kind == name).fillna(False).to_numpy(dtype=bool))
         for name in types.left_out
     ]
+    lacks += odd
     lacks += [(f"{name} is missing", np.isnan(column)) for name, column in values.items()]
+    too_fast = f"{columns.speed} is faster in {columns.speed_unit} than any pitch: the right unit?"
+    lacks += [
+        (f"{columns.speed} is not positive", speed <= 0.0),
+        (too_fast, speed > IMPOSSIBLE_SPEED),
+    ]
+    if columns.place_unit == "cell":
+        lacks += [
+            (f"{name} is none of the cells 1 to 5", ~np.isin(values[name], range(1, 6)))
+            for name in (columns.across, columns.height)
+            if name is not None
+        ]
+    elif columns.height is not None:
+        flat = values[columns.top] <= values[columns.bottom]
+        lacks.append((f"{columns.top} is not above {columns.bottom}", flat))
     left_out, keep = select_rows(lacks, len(frame))
 
     names = tuple(str(name) for name in kind[keep])
     rows = np.flatnonzero(keep) + 1
     straight = _straight(names, rows, types, columns.pitch_type)
     kept = {name: column[keep] for name, column in values.items()}
-    speed = _speed(kept[columns.speed], rows, columns)
-    _require_usual(kept, columns)
+    require_usual(kept[columns.speed], "release_speed", columns.speed, columns.speed_unit)
+    places = {columns.across: "plate_x", columns.height: "plate_z"}
+    places |= {columns.top: "sz_top", columns.bottom: "sz_bot"}
+    for column, name in places.items():
+        if column in kept and columns.place_unit != "cell":
+            require_usual(kept[column], name, column, columns.place_unit)
     return Pitches(
         source=source,
         rows_read=len(frame),
         left_out=left_out,
         types=names,
         straight=straight,
-        speed=speed,
-        across=_across(kept[columns.across], rows, columns),
-        height=_height(kept, rows, columns),
+        speed=speed[keep],
+        across=_across(kept[columns.across], columns),
+        height=_height(kept, columns),
         columns=columns,
     )
 
@@ -198,26 +217,8 @@ def _straight(names: tuple[str, ...], rows: Integers, types: PitchTypes, column:
     return straight
 
 
-def _speed(speed: Array, rows: Integers, columns: Columns) -> Array:
-    metres_per_second = speed * SPEED_UNITS[columns.speed_unit]
-    too_fast = f"faster in {columns.speed_unit} than any pitch: is it the right unit?"
-    refuse_rows(speed <= 0.0, speed, rows, columns.speed, "a speed is positive")
-    refuse_rows(metres_per_second > IMPOSSIBLE_SPEED, speed, rows, columns.speed, too_fast)
-    return metres_per_second
-
-
-def _require_usual(kept: dict[str, Array], columns: Columns) -> None:
-    require_usual(kept[columns.speed], "release_speed", columns.speed, columns.speed_unit)
-    places = {columns.across: "plate_x", columns.height: "plate_z"}
-    places |= {columns.top: "sz_top", columns.bottom: "sz_bot"}
-    for column, name in places.items():
-        if column in kept and columns.place_unit != "cell":
-            require_usual(kept[column], name, column, columns.place_unit)
-
-
-def _across(across: Array, rows: Integers, columns: Columns) -> Array:
+def _across(across: Array, columns: Columns) -> Array:
     if columns.place_unit == "cell":
-        _refuse_no_cell(across, rows, columns.across)
         from_middle = across - 3.0
     else:
         from_middle = across * LENGTH_UNITS[columns.place_unit] / columns.cell_width
@@ -225,17 +226,11 @@ def _across(across: Array, rows: Integers, columns: Columns) -> Array:
     return 3.0 + (from_middle if columns.view == "pitcher" else -from_middle)
 
 
-def _height(kept: dict[str, Array], rows: Integers, columns: Columns) -> Array | None:
+def _height(kept: dict[str, Array], columns: Columns) -> Array | None:
     if columns.height is None:
         return None
     height = kept[columns.height]
     if columns.place_unit == "cell":
-        _refuse_no_cell(height, rows, columns.height)
         return height
     top, bottom = kept[columns.top], kept[columns.bottom]
-    refuse_rows(top <= bottom, top, rows, columns.top, f"that is not above {columns.bottom}")
     return 1.5 + 3.0 * (height - bottom) / (top - bottom)
-
-
-def _refuse_no_cell(values: Array, rows: Integers, column: str) -> None:
-    refuse_rows(~np.isin(values, range(1, 6)), values, rows, column, "a cell is 1, 2, 3, 4 or 5")

@@ -19,7 +19,7 @@ for the direction of the launch (Petti's transformation, baseballwithr.wordpress
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO
@@ -39,9 +39,8 @@ from longball.pitches.table import (
     Omission,
     TableError,
     numbers,
+    read_columns,
     read_table,
-    readable,
-    refuse_rows,
     require_degrees,
     require_usual,
     select_rows,
@@ -242,7 +241,7 @@ def _pitches(
     if spin:
         hand, odd_hand = _side(frame["p_throws"])
     asked = (*(_SPIN if spin else ()), "release_pos_y", *_PITCH_NUMBERS)
-    values, odd_cells = _columns(frame, asked)
+    values, odd_cells = read_columns(frame, asked)
     lacks = [
         *odd_cells,
         ("pitch_type is missing", kind.isna().to_numpy(dtype=bool)),
@@ -251,13 +250,15 @@ def _pitches(
         *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
         ("release_spin_rate is 0: not measured", values.get(_SPIN[0], nothing) == 0.0),
         ("plate_z is below the ground: it bounced first", values["plate_z"] < 0.0),
+        ("vy0 is not below 0: away from the plate", values["vy0"] >= 0.0),
+        (
+            "release_pos_y is behind the front of the plate",
+            values["release_pos_y"] * FOOT <= PLATE_FRONT,
+        ),
     ]
     left_out, keep = select_rows(lacks, len(frame))
     kept = {name: values.get(name, nothing)[keep] for name in (*_SPIN, *values)}
     rows = np.flatnonzero(keep) + 1
-    refuse_rows(kept["vy0"] >= 0.0, kept["vy0"], rows, "vy0", "a pitch flies towards the plate")
-    before = kept["release_pos_y"] * FOOT <= PLATE_FRONT
-    refuse_rows(before, kept["release_pos_y"], rows, "release_pos_y", "behind the plate's front")
     _require_usual(kept if spin else {name: kept[name] for name in values})
     axis = kept["spin_axis"]
     if spin:
@@ -323,7 +324,7 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     optional = ["game_pk", "stand", "hit_distance_sc", *_PLACE]
     source, frame = read_table(table, ["launch_speed", "launch_angle"], optional, names)
     here = [name for name in ("hit_distance_sc", *_PLACE) if name in frame]
-    values, odd_cells = _columns(frame, ("launch_speed", "launch_angle", *here))
+    values, odd_cells = read_columns(frame, ("launch_speed", "launch_angle", *here))
     if (odd := [name for name in _PLACE if name not in frame]) and len(odd) == 1:
         raise NoSuchColumn(f"{odd[0]}: the table has no such column, and it has the other", odd)
     nothing = np.full(len(frame), np.nan)
@@ -375,15 +376,6 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
 
 
 # --- both -----------------------------------------------------------------------------------------
-
-
-def _columns(
-    frame: pd.DataFrame, names: Iterable[str]
-) -> tuple[dict[str, Array], list[tuple[str, Flags]]]:
-    """Return the numbers of columns, and the rows in which a cell is something else."""
-    read = {name: readable(frame[name]) for name in names}
-    odd = [(f"{name} is not a finite number", odd) for name, (_, odd) in read.items()]
-    return {name: values for name, (values, _) in read.items()}, odd
 
 
 def _side(column: pd.Series) -> tuple[Array, Flags]:

@@ -1,4 +1,8 @@
-"""Tables as they are written: columns found, numbers read, rows left out with their reasons."""
+"""Tables as they are written: columns found, numbers read, rows left out with their reasons.
+
+A row that cannot be used is left out, and listed with the reason. A column that cannot be used, as
+one in another unit, refuses the table.
+"""
 
 from __future__ import annotations
 
@@ -212,6 +216,15 @@ def readable(column: pd.Series) -> tuple[Array, Flags]:
     return np.where(odd, np.nan, values), odd
 
 
+def read_columns(
+    frame: pd.DataFrame, names: Iterable[str]
+) -> tuple[dict[str, Array], list[tuple[str, Flags]]]:
+    """Return the numbers of columns, and the rows in which a cell is something else."""
+    read = {name: readable(frame[name]) for name in names}
+    odd = [(f"{name} is not a finite number", odd) for name, (_, odd) in read.items()]
+    return {name: values for name, (values, _) in read.items()}, odd
+
+
 def _not_numbers(column: pd.Series, odd: Flags) -> TableError:
     first = int(np.argmax(odd))
     cell = column.iloc[first]
@@ -244,16 +257,6 @@ def select_rows(
         reasons = "; ".join(f"{each.count} rows: {each.reason}" for each in left_out)
         raise TableError(f"no row of the table says all that is asked ({reasons})")
     return tuple(left_out), keep
-
-
-def refuse_rows(wrong: Flags, values: Array, rows: Integers, column: str, why: str) -> None:
-    """Raise a `TableError` that names the first row where a value is wrong, if any is."""
-    if wrong.any():
-        first = int(np.argmax(wrong))
-        raise TableError(
-            f"{column}: row {rows[first]} below the header has {values[first]:g}: "
-            f"{why}{and_more(int(wrong.sum()))}"
-        )
 
 
 def require_usual(values: Array, name: str, column: str = "", unit: str = "") -> None:
