@@ -21,6 +21,10 @@ from longball.pitches.statcast import RPM, SEA_LEVEL, USUAL_TEMPERATURE
 from longball.questions.movement import PFX, Movement, clock
 from longball.questions.spin import measured_spin, spin_for
 
+# Options of a single pitch, and of a table of pitches.
+_OF_ONE = ("release", "up", "across", "pfx", "set_")
+_OF_TABLE = ("example", "games", "column", "workers", "scheduler")
+
 
 def spin(
     ctx: typer.Context,
@@ -50,8 +54,13 @@ def spin(
     level, that moves so far from a flight under gravity alone.
     """
     law = model_of(model)
+    # An option that is silently ignored would look as if it had an effect.
+    idle, why = (_OF_ONE, "it goes with --speed") if speed is None else (_OF_TABLE, "of a table")
+    refuse_if(
+        (speed is not None and table != "-", "--speed: of a single pitch, without a table"),
+        *((given_by(ctx, name) == "COMMANDLINE", f"--{name.rstrip('_')}: {why}") for name in idle),
+    )
     if speed is not None:
-        refuse_if((example or table != "-", "--speed: of a single pitch, without a table"))
         thrown = {
             "speed": in_si("--speed", speed, "m/s"),
             "release": [in_si("--release", part, "m") for part in release.split(",")],
@@ -64,10 +73,6 @@ def spin(
             pitch = as_scene(change({"kind": "pitch", "pitch": thrown} | blocks))
             _show(spin_for(pitch, moved, PFX if pfx else None), json_)
         return
-    refuse_if(
-        *((given_by(ctx, name) == "COMMANDLINE", f"--{name.rstrip('_')}: it goes with --speed")
-          for name in ("release", "up", "across", "pfx", "set_"))
-    )  # fmt: skip
     pitches = pitches_of(table, example, games, column, spin=True)
     with refusing(f"--model {model}: "):
         found = answers(measured_spin, pitches, law, workers=workers, scheduler=scheduler)
