@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from longball.cli.messages import assignments, parsed
-from longball.cli.tables import chosen_table, reading_table
+from longball.cli.messages import assignments, parsed, refusing
+from longball.cli.tables import chosen_table
 from longball.model.jsonl import json_or_number
 from longball.pitches import Columns, PitchTypes, TableError, as_text, fit_pitches
 from longball.pitches.table import NoSuchColumn
@@ -33,7 +33,7 @@ def fit(
     if breaking is not None:
         classes["breaking"] = tuple(breaking.split(","))
     types = parsed(PitchTypes, classes)
-    with reading_table():
+    with refusing():
         try:
             fitted = fit_pitches(table, columns, types, seed=seed)
         except NoSuchColumn as error:

@@ -11,7 +11,6 @@ from typing import Any
 from longball.cli.changes import chosen_changes
 from longball.cli.messages import assignments, fail, refuse_if, refusing, wrong_call
 from longball.cli.scenes import one_scene
-from longball.cli.tables import reading_table
 from longball.engines.engine import CannotSolve
 from longball.model.changes import value_of
 from longball.model.numbers import Undecided
@@ -50,7 +49,7 @@ def infer(
         from longball.pitches.table import numbers, read_table
 
         # A column that is missing is named; the order of the others is free.
-        with reading_table():
+        with refusing():
             _, table = read_table(points, ("t", "x", "y", "z"))
             data = {name: numbers(table[name]) for name in table}
     else:

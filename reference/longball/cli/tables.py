@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
@@ -17,16 +15,5 @@ def chosen_table(table: str, example: bool) -> str | Path | TextIO:
         wrong_call(f"either --example or {table}, not both")
     from longball.pitches import EXAMPLE  # brings numpy
 
-    # Standard input as a text file: pandas reads both.
+    # Standard input as a text file, which is read as a path is.
     return EXAMPLE if example else sys.stdin if table == "-" else table
-
-
-@contextmanager
-def reading_table() -> Iterator[None]:
-    """Make a table that cannot be used a wrong call, and say why."""
-    from longball.pitches import TableError
-
-    try:
-        yield
-    except TableError as error:
-        wrong_call(str(error))
