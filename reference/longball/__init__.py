@@ -52,7 +52,7 @@ if TYPE_CHECKING:
         nine_parameters,
     )
     from longball.questions.parks import InPark, Park, in_parks, park, parks
-    from longball.questions.spin import SpinFromMovement, spin_from_movement
+    from longball.questions.spin import SpinFromMovement, spin_for, spin_from_movement
     from longball.questions.uncertainty import uncertainty
     from longball.solution import Path, Solution, State
     from longball.tables import solve_many
@@ -77,7 +77,7 @@ _HOMES = {
     "questions.inverse": ("fit",),
     "questions.movement": ("Movement", "NineParameters", "clock", "movement", "nine_parameters"),
     "questions.parks": ("InPark", "Park", "in_parks", "park", "parks"),
-    "questions.spin": ("SpinFromMovement", "spin_from_movement"),
+    "questions.spin": ("SpinFromMovement", "spin_for", "spin_from_movement"),
     "questions.uncertainty": ("uncertainty",),
     "solution": ("Path", "Solution", "State"),
     "tables": ("solve_many",),
@@ -129,6 +129,7 @@ __all__ = [
     "parks",
     "solve",
     "solve_many",
+    "spin_for",
     "spin_from_movement",
     "uncertainty",
 ]

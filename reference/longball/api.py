@@ -13,8 +13,6 @@ from typing import (
     TYPE_CHECKING,
     Any,
     Literal,
-    Protocol,
-    TypeVar,
     Unpack,
     cast,
     get_args,
@@ -67,7 +65,6 @@ class Flight(models.FlightScene):
     """A ball from launch to landing. An `InvalidScene` names the key at fault."""
 
     if TYPE_CHECKING:
-        _solved: FlightSolution
 
         def __init__(self, **blocks: Unpack[dicts.FlightSceneBlocks]) -> None: ...
 
@@ -76,7 +73,6 @@ class Pitch(models.PitchScene):
     """A pitch from the release to the plane x = 0. An `InvalidScene` names the key at fault."""
 
     if TYPE_CHECKING:
-        _solved: PitchSolution
 
         def __init__(self, **blocks: Unpack[dicts.PitchSceneBlocks]) -> None: ...
 
@@ -85,7 +81,6 @@ class Impact(models.ImpactScene):
     """Ball and bat at the moment of touching. An `InvalidScene` names the key at fault."""
 
     if TYPE_CHECKING:
-        _solved: ImpactSolution
 
         def __init__(self, **blocks: Unpack[dicts.ImpactSceneBlocks]) -> None: ...
 
@@ -199,30 +194,42 @@ def _of_type(value: object) -> str:
 # --- one scene ------------------------------------------------------------------------------------
 
 
-S = TypeVar("S", bound=Solution, covariant=True)
-
-
-class _Of(Protocol[S]):
-    """A scene whose class says what type its solutions are of."""
-
-    @property
-    def _solved(self) -> S: ...
-
-
 @overload
 def solve(
-    scene: _Of[S],
+    scene: models.FlightScene | dicts.FlightSceneDict,
     engine: str | Engine[Any] = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
     **options: Any,
-) -> S: ...
+) -> FlightSolution: ...
 
 
 @overload
 def solve(
-    scene: dicts.SceneDict | Scene | Mapping[str, Any] | str | bytes,
+    scene: models.PitchScene | dicts.PitchSceneDict,
+    engine: str | Engine[Any] = "ivp",
+    *,
+    certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
+    **options: Any,
+) -> PitchSolution: ...
+
+
+@overload
+def solve(
+    scene: models.ImpactScene | dicts.ImpactSceneDict,
+    engine: str | Engine[Any] = "ivp",
+    *,
+    certify: bool = False,
+    derivatives: bool | Sequence[str] = False,
+    **options: Any,
+) -> ImpactSolution: ...
+
+
+@overload
+def solve(
+    scene: Scene | dicts.AtBatSceneDict | Mapping[str, Any] | str | bytes,
     engine: str | Engine[Any] = "ivp",
     *,
     certify: bool = False,

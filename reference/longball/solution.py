@@ -200,13 +200,13 @@ class Solution:
     """
 
     outcome: Outcome | None
-    # None where the outcome does not have it: who asks for a block knows the outcome.
-    plate: Plate
-    contact: Contact
-    impact: Impact
-    apex: Apex
-    fence: Fence
-    landing: Landing
+    # None where the outcome does not have it, as a miss has no landing.
+    plate: Plate | None
+    contact: Contact | None
+    impact: Impact | None
+    apex: Apex | None
+    fence: Fence | None
+    landing: Landing | None
     engine: str | None
     error: str | None
     code: ErrorCode | None
@@ -348,31 +348,36 @@ def _quantities() -> list[str]:
 
 
 if TYPE_CHECKING:
-    # Solutions of a kind: a type checker refuses what no scene of the kind has.
+    # Solutions of a kind: a type checker refuses what no scene of the kind has, and takes for
+    # granted what has a landing, a crossing or an impact if all goes as one expects.
 
     class FlightSolution(Solution):
-        """The result of a flight: neither pitch nor bat."""
+        """The result of a flight: neither pitch nor bat; without a landing it met a wall."""
 
-        plate: None  # type: ignore[assignment]
-        contact: None  # type: ignore[assignment]
-        impact: None  # type: ignore[assignment]
+        plate: None
+        contact: None
+        impact: None
+        landing: Landing
 
     class PitchSolution(Solution):
-        """The result of a pitch: it is not batted."""
+        """The result of a pitch: it is not batted; without a crossing it met the ground."""
 
-        contact: None  # type: ignore[assignment]
-        impact: None  # type: ignore[assignment]
-        apex: None  # type: ignore[assignment]
-        fence: None  # type: ignore[assignment]
-        landing: None  # type: ignore[assignment]
+        plate: Plate
+        contact: None
+        impact: None
+        apex: None
+        fence: None
+        landing: None
 
     class ImpactSolution(Solution):
-        """The result of an impact: nothing flies."""
+        """The result of an impact: nothing flies; without an impulse the two part already."""
 
-        plate: None  # type: ignore[assignment]
-        apex: None  # type: ignore[assignment]
-        fence: None  # type: ignore[assignment]
-        landing: None  # type: ignore[assignment]
+        plate: None
+        contact: Contact
+        impact: Impact
+        apex: None
+        fence: None
+        landing: None
 
 
 # Descriptions of the result's quantities begin with the unit.

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic_core import to_json
 
-from longball.model.csv_files import decoded, other_separators, unguarded, write_frame
+from longball.model.csv_files import read_rows, unguarded, write_frame
 from longball.model.jsonl import json_or_number
 from longball.model.plain import plain
 from longball.model.scene import KINDS
@@ -31,7 +30,7 @@ def scene_lines(path: Path) -> bytes:
     lines: list[bytes] = []
     for number, row in rows:
         # Somebody else's table: one sentence instead of an error in each row.
-        if not lines and not any(re.split(r"[.\[]", str(name))[0] in _KEYS for name in row):
+        if not lines and not any(map(_is_of_scene, row)):
             raise ValueError(
                 f"no column is a key of a scene, such as kind or launch.velocity[0]; they are "
                 f"{', '.join(map(str, row))}; longball measured reads tables of measurements"
@@ -47,6 +46,10 @@ def scene_lines(path: Path) -> bytes:
 _KEYS = {key for kind in KINDS.values() for key in kind.model_fields}
 
 
+def _is_of_scene(name: object) -> bool:
+    return re.split(r"[.\[]", str(name))[0] in _KEYS
+
+
 def _written(cell: object) -> Any:
     """Return a cell of a file as JSON has it; what is neither number nor block, as a text."""
     try:
@@ -57,44 +60,18 @@ def _written(cell: object) -> Any:
 
 def _csv_rows(path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     """Yield the rows of a .csv that are not blank, each with the number of its first line."""
-    text = decoded(path.read_bytes())
-    reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
-    begin, head = 1, None
-    try:
-        for cells in reader:
-            number, begin = begin, reader.line_num + 1
-            if not any(map(str.strip, cells)):
-                continue
-            if head is None:
-                head = _head(cells)
-                continue
-            if any(cells[len(head) :]):
-                told = f"{len(cells)} cells, and the head has {len(head)}"
-                raise ValueError(f"line {number}: {told}")
-            pairs = [(name, x) for name, x in zip(head, cells, strict=False) if x]
-            # pandas writes an index of row numbers into a first column without a name.
-            if pairs and cells[0].isdecimal() and head[0] in _INDEX:
-                del pairs[0]
-            if unnamed := [x for name, x in pairs if not name]:
-                raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
-            yield number, {name: unguarded(x) for name, x in pairs}
-    # Of a quote that is not closed: the reader is at the end of the file, the fault at its begin.
-    except csv.Error as error:
-        raise ValueError(f"line {begin}: {error}") from None
+    head, rows = read_rows(path.read_bytes(), _is_of_scene)
+    for number, cells in rows:
+        pairs = [(name, x) for name, x in zip(head, cells, strict=False) if x]
+        # pandas writes an index of row numbers into a first column without a name.
+        if pairs and cells[0].isdecimal() and head[0] in _INDEX:
+            del pairs[0]
+        if unnamed := [x for name, x in pairs if not name]:
+            raise ValueError(f"line {number}: {unnamed[0]!r} is in a column without a name")
+        yield number, {name: unguarded(x) for name, x in pairs}
 
 
 _INDEX = ("", "Unnamed: 0")  # names of a column that holds an index: in a file, and once read
-
-
-def _head(cells: Sequence[str]) -> list[str]:
-    """Return the names of columns as the first row has them."""
-    head = [name.strip() for name in cells]
-    for name in filter(None, head):
-        if head.count(name) > 1:
-            raise ValueError(f"the column {name} is there twice")
-    if hint := other_separators(head):
-        raise ValueError(f"not a table of scenes{hint}")
-    return head
 
 
 def write_table(path: Path, results: Iterable[bytes]) -> None:

@@ -371,18 +371,15 @@ def _solve_as_columns(
     if slopes is None:
         return frame
     columns = {
-        f"{quantity} by {name}": column
-        for quantity in sorted(slopes.columns, key=_place)
-        for name, column in zip(names, slopes.columns[quantity], strict=True)
+        (quantity, name): column
+        for quantity, found in slopes.columns.items()
+        for name, column in zip(names, found, strict=True)
     }
     # Engine of the derivatives: compiled for most rows, `ivp` for those at a corner.
     by = np.full(len(frame), None, object)
     by[table["outcome"] != ""] = signed(solver.description)
     by[slopes.alone] = signed(_alone(solver).description)
-    refused = np.full(len(by), None, object)
-    for i, reasons_of_row in slopes.refused.items():
-        refused[i] = _told(reasons_of_row)
-    return _with_slopes(frame, columns, by, refused)
+    return _with_slopes(frame, columns, by, slopes.refused)
 
 
 # --- derivatives ----------------------------------------------------------------------------------
@@ -402,41 +399,43 @@ def _derivatives_alone(
     return derivatives_in(scene, result, _alone(engine), names)
 
 
+Slopes = Mapping[tuple[str, str], Any]  # columns, by quantities of results and by names of scenes
+
+
 def _slopes_alone(
     found: Sequence[Derivatives | None], engine: Any
-) -> tuple[dict[str, Any], Any, Any]:
-    """Return derivatives of rows as columns, the engine's name, and what is refused."""
-    there = [one for one in found if one is not None]
+) -> tuple[Slopes, Any, dict[int, Mapping[str, str]]]:
+    """Return derivatives of rows as columns, the engine of each, and what is refused by row."""
+    there = {i: one for i, one in enumerate(found) if one is not None}
     # Rows have different quantities, as a miss has no landing: columns are the union.
-    pairs = dict.fromkeys((q, name) for one in there for q, by in one.items() for name in by)
-    columns = {
-        f"{quantity} by {name}": np.array(
-            [
-                math.nan if one is None else float(one.get(quantity, {}).get(name, math.nan))
-                for one in found
-            ]
-        )
-        for quantity, name in sorted(pairs, key=lambda pair: _place(pair[0]))
-    }
-    by = [None if one is None else signed(_alone(engine).description) for one in found]
-    refused = [None if one is None or not one.refused else _told(one.refused) for one in found]
-    return columns, np.array(by, object), np.array(refused, object)
-
-
-def _told(refused: Mapping[str, str]) -> str:
-    return "; ".join(f"{name}: {reason}" for name, reason in refused.items())
+    pairs = dict.fromkeys((q, n) for one in there.values() for q, by in one.items() for n in by)
+    columns = {pair: np.full(len(found), math.nan) for pair in pairs}
+    by = np.full(len(found), None, object)
+    for i, one in there.items():
+        by[i] = signed(_alone(engine).description)
+        for quantity, slopes in one.items():
+            for name, slope in slopes.items():
+                columns[quantity, name][i] = float(slope)
+    return columns, by, {i: one.refused for i, one in there.items() if one.refused}
 
 
 @naming_extras()
 def _with_slopes(
-    frame: pd.DataFrame, columns: Mapping[str, Any], by: Any, refused: Any
+    frame: pd.DataFrame, columns: Slopes, by: Any, refused: Mapping[int, Mapping[str, str]]
 ) -> pd.DataFrame:
     """Return a table of results with columns of derivatives, and where they are from."""
     import pandas as pd
 
     text = pd.StringDtype(na_value=math.nan)
-    told = {"derivatives": pd.array(by, text), "refused": pd.array(refused, text)}
-    slopes = pd.DataFrame({**columns, **told}, frame.index, copy=False)
+    told = np.full(len(frame), None, object)
+    for i, reasons in refused.items():
+        told[i] = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
+    named = {
+        f"{quantity} by {name}": columns[quantity, name]
+        for quantity, name in sorted(columns, key=lambda pair: _place(pair[0]))
+    }
+    whence = {"derivatives": pd.array(by, text), "refused": pd.array(told, text)}
+    slopes = pd.DataFrame({**named, **whence}, frame.index, copy=False)
     return pd.concat([frame, slopes], axis=1)
 
 

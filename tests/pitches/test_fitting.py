@@ -2,6 +2,7 @@
 
 import json
 import math
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -15,13 +16,6 @@ from longball.pitches import (
     as_text,
     fit_pitches,
     load_fitted,
-)
-from longball.pitches.fitting import (
-    INTEGRAL_AS_PRINTED,
-    _normal_through,
-    _OnePeak,
-    normal,
-    r_squared,
 )
 
 # Table II with its headings exchanged, p, and Fig. 3; km/h and cells.
@@ -58,9 +52,9 @@ def draw(count, seed, columns):
     return pd.DataFrame({"kind": kind, "kmh": speed, "cell": across})
 
 
-def numbers(fitted, method):
+def numbers(fitted):
     """Value and error of every fitted number, in the paper's units."""
-    speed, aim = getattr(fitted.speed, method), getattr(fitted.aim, method)
+    speed, aim = fitted.speed, fitted.aim
     found = {
         name: (3.6 * each.value, 3.6 * each.standard_error)
         for name in SPEEDS
@@ -83,8 +77,8 @@ def test_1548_pitches_give_the_printed_numbers_back_within_their_errors(columns)
     seeds = 40
     deviations = {name: [] for name in PRINTED}
     for seed in range(seeds):
-        fitted = fit_pitches(draw(1548, seed, columns), columns, KINDS, replicates=2)
-        for name, (value, error) in numbers(fitted, "maximum_likelihood").items():
+        fitted = fit_pitches(draw(1548, seed, columns), columns, KINDS, replicates=50)
+        for name, (value, error) in numbers(fitted).items():
             deviations[name].append((value - PRINTED[name]) / error)
     for name, each in deviations.items():
         z = np.array(each)
@@ -94,51 +88,14 @@ def test_1548_pitches_give_the_printed_numbers_back_within_their_errors(columns)
         assert np.sum(np.abs(z) < 1.96) >= 32, name
 
 
-@pytest.mark.nightly
-def test_so_does_the_histogram_if_its_bins_are_narrow():
-    seeds = 12
-    deviations = {name: [] for name in (*SPEEDS, "p")}
-    for seed in range(seeds):
-        table = draw(1548, seed, METRES)
-        fitted = fit_pitches(table, METRES, KINDS, bin_width=1.0, replicates=24)
-        found = numbers(fitted, "least_squares")
-        for name, each in deviations.items():
-            each.append((found[name][0] - PRINTED[name]) / found[name][1])
-    for name, each in deviations.items():
-        z = np.array(each)
-        assert abs(z.mean()) < 3.5 / math.sqrt(seeds), name
-        # One in 2,000 either way for 12 numbers; the errors themselves are known to 14 %.
-        assert 0.35 < z.std() < 1.9, name
-
-
 @pytest.mark.parametrize("columns", [METRES, CELLS], ids=["places", "cells"])
 @pytest.mark.nightly
 def test_a_million_pitches_give_them_back_to_three_digits(columns):
-    fitted = fit_pitches(draw(1_000_000, 1, columns), columns, KINDS, replicates=2)
-    for name, (value, error) in numbers(fitted, "maximum_likelihood").items():
+    fitted = fit_pitches(draw(1_000_000, 1, columns), columns, KINDS, replicates=20)
+    for name, (value, error) in numbers(fitted).items():
         # Half a unit in the third digit is up to 0.5 %.
         assert value == pytest.approx(PRINTED[name], rel=5e-3), name
         assert abs(value - PRINTED[name]) < 4.0 * error, name
-
-
-def test_shares_that_are_the_printed_density_give_figure_3_back():
-    """The paper's fit on its own density: the share of cell j is ψ(j)."""
-
-    def psi(y):
-        left, right = (math.exp(-(((y - mean) / 0.77) ** 2) / 2) for mean in (2, 4))
-        return (0.52 * left + 0.48 * right) / (math.sqrt(2 * math.pi) * 0.77)
-
-    total = sum(psi(y) for y in range(1, 6))
-    counts = [round(1548 * psi(y) / total) for y in range(1, 6)]
-    cells = np.repeat([1, 2, 3, 4, 5], counts)
-    table = draw(len(cells), 0, CELLS).assign(cell=cells)
-    fitted = fit_pitches(table, CELLS, KINDS, replicates=2)
-    at_edges = fitted.aim.least_squares_at_edges
-    assert at_edges.weight.value == pytest.approx(0.52, abs=0.005)
-    assert at_edges.spread.value == pytest.approx(0.77 * total, abs=0.01)  # ψ(1..5) adds to 0.98
-    assert (at_edges.left_mean.value, at_edges.right_mean.value) == (2.0, 4.0)
-    assert at_edges.left_mean.standard_error == 0.0
-    assert at_edges.r_squared > 0.99
 
 
 # ---- known answers -------------------------------------------------------------------------------
@@ -150,46 +107,21 @@ def test_likeliest_normals_by_hand():
         [(kind, kmh, 3) for kind, each in speeds.items() for kmh in each],
         columns=["kind", "kmh", "cell"],
     )
-    fit = fit_pitches(table, CELLS, KINDS, replicates=2).speed.maximum_likelihood
+    fit = fit_pitches(table, CELLS, KINDS).speed
+    # The errors are those of 200 replicates, known to 5 %: a fifth is four times that.
+    close = partial(pytest.approx, rel=0.2)
     assert fit.straight_mean.value * 3.6 == pytest.approx(142.0)
     assert fit.straight_spread.value * 3.6 == pytest.approx(2.0)
-    assert fit.straight_mean.standard_error * 3.6 == pytest.approx(2.0 / math.sqrt(30))
+    assert fit.straight_mean.standard_error * 3.6 == close(2.0 / math.sqrt(30))
     # Two points have the fourth moment 1: the spread does not vary to first order.
-    assert fit.straight_spread.standard_error == pytest.approx(0.0, abs=1e-9)
+    assert fit.straight_spread.standard_error * 3.6 < 0.1
     assert fit.breaking_mean.value * 3.6 == pytest.approx(122.0)
     assert fit.breaking_spread.value * 3.6 == pytest.approx(math.sqrt(8.0))
     # Fourth moment (2 · 2⁴ + 4⁴)/3 / 8² = 1.5.
     expected = math.sqrt(8.0) * math.sqrt(0.5 / (4 * 60))
-    assert fit.breaking_spread.standard_error * 3.6 == pytest.approx(expected)
+    assert fit.breaking_spread.standard_error * 3.6 == close(expected)
     assert fit.weight.value == pytest.approx(1 / 3)
-    assert fit.weight.standard_error == pytest.approx(math.sqrt(2 / 9 / 90))
-
-
-@pytest.mark.parametrize(("factor", "integral"), [(2, 1.0), (1, INTEGRAL_AS_PRINTED)])
-def test_equation_2_with_and_without_its_2(factor, integral):
-    v = np.linspace(-60.0, 60.0, 24001)
-    y = np.exp(-((v - 1.0) ** 2) / (factor * 4.58**2)) / (math.sqrt(2 * math.pi) * 4.58)
-    assert np.trapezoid(y, v) == pytest.approx(integral, rel=1e-9)
-    assert normal(v, 1.0, 4.58 * integral, integral) == pytest.approx(y, rel=1e-12)
-    found = _normal_through(v[::50], y[::50], (0.0, 6.0), integral)
-    assert found == pytest.approx((1.0, 4.58 * integral), rel=1e-7)
-
-
-def test_equation_2_as_printed_cannot_have_given_the_printed_r_squared():
-    """Its integral is 1/√2: through a histogram of all pitches it cannot reach 0.9942."""
-    for seed in range(5):
-        speed = fit_pitches(draw(1548, seed, METRES), METRES, KINDS, replicates=2).speed
-        assert speed.least_squares.r_squared > 0.975
-        assert speed.least_squares_as_printed.r_squared < 0.9
-
-
-def test_wide_bins_widen_the_histogram_fit_as_sheppard_says():
-    table = draw(200_000, 3, CELLS)
-    for width in (1.0, 5.0):
-        fit = fit_pitches(table, CELLS, KINDS, bin_width=width, replicates=2).speed.least_squares
-        expected = math.sqrt(4.58**2 + width**2 / 12)
-        # The rule is of second order in width/σ; the next term is 0.5 % at 5 km/h.
-        assert fit.straight_spread.value * 3.6 == pytest.approx(expected, rel=0.01)
+    assert fit.weight.standard_error == close(math.sqrt(2 / 9 / 90))
 
 
 def test_speeds_in_coarse_steps_give_the_same_spread():
@@ -197,30 +129,12 @@ def test_speeds_in_coarse_steps_give_the_same_spread():
     coarse = table.assign(kmh=5.0 * (table.kmh / 5.0).round())
     columns = CELLS.model_copy(update={"speed_resolution": 5.0})
     fine, rough = (
-        fit_pitches(each, how, KINDS, bin_width=5.0, replicates=2).speed.maximum_likelihood
+        fit_pitches(each, how, KINDS, replicates=2).speed
         for each, how in ((table, CELLS), (coarse, columns))
     )
     # Steps as wide as the spread itself: without the correction it would be 5 % more.
     assert rough.straight_spread.value == pytest.approx(fine.straight_spread.value, rel=2e-3)
     assert rough.straight_mean.value == pytest.approx(fine.straight_mean.value, rel=2e-4)
-
-
-def test_bins_lie_between_the_speeds_that_are_written():
-    table = draw(1548, 0, CELLS)
-    whole = table.assign(kmh=table.kmh.round())
-    columns = CELLS.model_copy(update={"speed_resolution": 1.0})
-    histogram = fit_pitches(whole, columns, KINDS, bin_width=2.9, replicates=2).speed.histogram
-    edges = np.array(histogram.edges) * 3.6
-    assert np.diff(edges) == pytest.approx(3.0)
-    assert edges % 1.0 == pytest.approx(0.5)
-    assert edges[0] < whole.kmh.min() < edges[1]
-    assert edges[-2] < whole.kmh.max() < edges[-1]
-    assert sum(histogram.straight) + sum(histogram.breaking) == 1548
-
-
-def test_r_squared_by_hand():
-    assert r_squared(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 4.0])) == 0.5
-    assert r_squared(np.array([1.0, 2.0, 3.0]), np.array([2.0, 2.0, 2.0])) == 0.0
 
 
 def test_one_normal_across_the_plate_is_told_from_two():
@@ -229,74 +143,18 @@ def test_one_normal_across_the_plate_is_told_from_two():
     one = fit_pitches(
         table.assign(cell=random.normal(0.0, 0.2, len(table))), METRES, KINDS, replicates=2
     ).aim
-    assert one.maximum_likelihood.peaks == 1
-    assert one.gain_over_one_normal < 10.0
-    assert one.gain_over_one_peak == 0.0
-    assert not one.two_peaks_supported
+    assert one.peaks == 1
     two = fit_pitches(table, METRES, KINDS, replicates=2).aim
-    assert two.maximum_likelihood.peaks == 2
-    assert two.gain_over_one_normal > 100.0
-    assert two.gain_over_one_peak > 20.0
-    assert two.two_peaks_supported
-
-
-@pytest.mark.parametrize("half", [1.0, 1.2, 1.6, 2.0])
-@pytest.mark.parametrize("side", [-1, 1])
-def test_the_edge_between_one_and_two_peaks(half, side):
-    edge = _OnePeak(3.0, half, 0.5).aim(side)
-    y = np.linspace(-2.0, 8.0, 100_001)
-
-    def maxima(weight):
-        falls = np.diff(edge._replace(weight=weight).density(y)) < 0.0
-        return np.sum(~falls[:-1] & falls[1:])
-
-    lesser = 1.0 - edge.weight
-    assert maxima(1.0 - 0.98 * lesser) == 1
-    # At d = 1 every weight gives one peak; the lesser part's share is the edge beyond.
-    assert maxima(1.0 - 1.02 * lesser) == (1 if half == 1.0 else 2)
-
-
-@pytest.mark.nightly
-def test_few_samples_with_one_peak_support_two():
-    random = np.random.default_rng(2)
-    edge = _OnePeak(2.0, 1.6, 0.6).aim(1)  # the worst case: a second peak is about to come
-    samples = 16
-    fitted = supported = 0
-    for _ in range(samples):
-        place = np.where(random.random(1548) < edge.weight, edge.left, edge.right)
-        table = draw(1548, 1, METRES)
-        table["cell"] = (place + random.normal(0.0, edge.spread, 1548) - 3.0) * 0.144
-        aim = fit_pitches(table, METRES, KINDS, replicates=2).aim
-        fitted += aim.maximum_likelihood.peaks == 2
-        supported += aim.two_peaks_supported
-    assert fitted > samples / 4  # the fit alone finds two peaks in every other sample
-    assert supported <= 3  # 16 samples at 5 % have more in 0.7 of 100 cases
+    assert two.peaks == 2
 
 
 def test_a_number_at_the_end_of_its_range_has_no_error():
-    aims = fit_pitches(EXAMPLE, replicates=2).aim
-    aim = aims.maximum_likelihood
+    aim = fit_pitches(EXAMPLE, replicates=2).aim
     assert aim.right_mean.value == pytest.approx(5.5, abs=1e-3)
     assert aim.right_mean.standard_error is None
     assert aim.right_mean.status == "at_bound"
     assert aim.left_mean.standard_error > 0.0
     assert aim.left_mean.status == "fitted"
-    assert aims.least_squares_at_edges.left_mean.status == "held"
-
-
-def test_a_weight_at_the_end_of_its_range_has_no_error():
-    # Few straight balls, and a gap in the speeds of the others where they lie.
-    speed = {
-        "straight": [138.0, 139.0, 140.0] * 10,
-        "breaking": [*range(120, 135), *range(144, 159)] * 12,
-    }
-    rows = [
-        (kind, kmh, 0.05 * (i % 5)) for kind, each in speed.items() for i, kmh in enumerate(each)
-    ]
-    table = pd.DataFrame(rows, columns=["kind", "kmh", "cell"])
-    weight = fit_pitches(table, METRES, KINDS, replicates=2).speed.least_squares.weight
-    assert weight.value in (0.0, 1.0)
-    assert (weight.status, weight.standard_error) == ("at_bound", None)
 
 
 def test_heights_by_hand():
@@ -333,24 +191,20 @@ def test_the_example_agrees_with_pandas(example):
         assert mixture.deviations[index] == pytest.approx(spread, rel=1e-12)
 
 
-def test_distributions_of_both_methods(example):
-    for method in ("maximum_likelihood", "least_squares"):
-        speed, aim = example.distributions(method)
-        fitted = getattr(example.aim, method)
-        assert speed.weight == getattr(example.speed, method).weight.value
-        assert aim.weight == fitted.weight.value
-        assert aim.means[0] <= aim.means[1]
-        assert aim.means[1] == pytest.approx((fitted.right_mean.value - 3) * 0.144)
-        assert aim.deviations == (pytest.approx(fitted.spread.value * 0.144),) * 2
-    assert example.distributions() == example.distributions("maximum_likelihood")
+def test_distributions_are_those_that_are_fitted(example):
+    speed, aim = example.distributions()
+    assert speed.weight == example.speed.weight.value
+    assert aim.weight == example.aim.weight.value
+    assert aim.means[0] <= aim.means[1]
+    assert aim.means[1] == pytest.approx((example.aim.right_mean.value - 3) * 0.144)
+    assert aim.deviations == (pytest.approx(example.aim.spread.value * 0.144),) * 2
 
 
 def test_the_same_seed_gives_the_same_errors(example):
     assert fit_pitches(EXAMPLE, replicates=20, seed=4) == example
     other = fit_pitches(EXAMPLE, replicates=20, seed=5)
-    assert other.speed.least_squares != example.speed.least_squares
+    assert other.speed != example.speed  # in its errors
     assert other.distributions() == example.distributions()
-    assert other.distributions("least_squares") == example.distributions("least_squares")
 
 
 def test_a_fit_is_read_back_as_it_was_written(example, tmp_path):
@@ -362,9 +216,9 @@ def test_a_fit_is_read_back_as_it_was_written(example, tmp_path):
 def test_a_fit_that_is_none_is_refused_by_key(example, tmp_path):
     path = tmp_path / "fitted.json"
     data = json.loads(example.model_dump_json())
-    data["speed"]["maximum_likelihood"]["weight"]["value"] = "half"
+    data["speed"]["weight"]["value"] = "half"
     path.write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(TableError, match=r"speed\.maximum_likelihood\.weight\.value"):
+    with pytest.raises(TableError, match=r"speed\.weight\.value"):
         load_fitted(path)
     path.write_text(json.dumps(data | {"extra": 1}), encoding="utf-8")
     with pytest.raises(TableError, match="extra: unknown key"):
@@ -381,25 +235,8 @@ def test_the_text_says_what_was_used_and_what_was_not():
     assert "left out: 2, plate_x is missing (row 7, 10)" in text
     assert "straight: 1448 (FF 1443, FA 5)" in text or "straight: 14" in text
     assert "straight: 1448 (FF 1443, FA 5)" in text
-    assert "4.000 (held)" in text
     assert "5.500 (at bound)" in text
-    assert "2, unsupported" in text
-    assert "The data do not support two peaks" in text
     assert all(len(line) <= 100 for line in text.splitlines())
-
-
-@pytest.mark.parametrize(
-    ("width", "sentence"),
-    [
-        (0.0, "a bin has a positive width"),
-        (math.nan, "a bin has a positive width"),
-        (40.0, "bin_width = 40 km/h puts these speeds into 2 bins; it takes 5 to 1000"),
-        (1e-6, "it takes 5 to 1000"),
-    ],
-)
-def test_bins_that_are_none(width, sentence):
-    with pytest.raises(TableError, match=sentence):
-        fit_pitches(draw(1548, 0, METRES), METRES, KINDS, bin_width=width)
 
 
 def test_a_bootstrap_of_one_is_none():
@@ -411,7 +248,6 @@ def test_what_equal_and_empty_cells_leave_undetermined():
     table = draw(1000, 0, CELLS).assign(cell=[1, 2, 3, 4, 5] * 200, height=[1, 2, 3, 4] * 250)
     columns = CELLS.model_copy(update={"height": "height"})
     fitted = fit_pitches(table, columns, KINDS, replicates=2)
-    assert fitted.aim.least_squares.r_squared is None
     assert fitted.height.shares[4].value == 0.0
     assert fitted.height.shares[4].standard_error is None
     assert "0.0000 ± ?" in as_text(fitted)

@@ -168,10 +168,10 @@ def test_the_command_draws(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "stdin", "status", "sentence"),
     [
-        (("-", *COMMAND), "a,b\n1,2\n", 1, "the table has no such columns; its columns are a, b"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", 1, "is it in rad?"),
-        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 1, "the table of games: temperature"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 1, "is it in m/s?"),
+        (("-", *COMMAND), "a,b\n1,2\n", 2, "the table has no such columns; its columns are a, b"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", 2, "is it in rad?"),
+        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 2, "the table of games: temperature"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 2, "is it in m/s?"),
         (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
         (("--model", "best"), "", 2, "best: must be one of vacuum, paper,"),
         (("--engine", "best"), "", 2, "best: must be one of ivp,"),
@@ -237,20 +237,14 @@ def test_a_ball_over_the_fence_has_its_distance():
 
 
 def test_other_units_are_asked_about():
-    row = {
-        "pitch_type": "FF", "p_throws": "R", "release_spin_rate": 2300, "spin_axis": 200,
-        "release_speed": 92, "release_pos_x": -2, "release_pos_y": 54.5, "release_pos_z": 6,
-        "vx0": 5, "vy0": -135, "vz0": -6, "ax": -10, "ay": 28, "az": -16, "plate_x": 0,
-        "plate_z": 2.5,
-    }  # fmt: skip
-    assert longball("-", stdin=table(row)).exit_code == 0
+    assert longball("-", stdin=table(PITCH)).exit_code == 0
     for key, value, said in (
         ("release_speed", 148, "their length is 0.914 times release_speed"),
         ("spin_axis", 3.49, "spin_axis: none is above 6.28; is it in rad?"),
         ("release_spin_rate", 240, "in rpm it would lie between"),
     ):
-        run = longball("-", stdin=table(row | {key: value}))
-        assert run.exit_code == 1
+        run = longball("-", stdin=table(PITCH | {key: value}))
+        assert run.exit_code == 2
         assert said in run.stderr
     # A share of 0.3048 of what is predicted: a foot is no metre.
     fly = {"launch_speed": 103, "launch_angle": 28, "hit_distance_sc": 122}
@@ -259,6 +253,49 @@ def test_other_units_are_asked_about():
         measured(pd.DataFrame([fly]), "batted")
     fly["hit_distance_sc"] = 400
     assert not longball("-", *COMMAND, stdin=table(fly)).stderr
+
+
+PITCH = {
+    "pitch_type": "FF", "p_throws": "R", "release_spin_rate": 2300, "spin_axis": 200,
+    "release_speed": 92, "release_pos_x": -2, "release_pos_y": 54.5, "release_pos_z": 6,
+    "vx0": 5, "vy0": -135, "vz0": -6, "ax": -10, "ay": 28, "az": -16, "plate_x": 0, "plate_z": 2.5,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "rows", "said"),
+    [
+        # m/s, of which one passes for a slow fly in mph
+        ("batted", [{"launch_speed": v} for v in (40, 42, 45, 61)], "is it in m/s?"),
+        # one row in km/h
+        (
+            "batted",
+            [{"launch_speed": v} for v in (103, 100, 166, 95)],
+            "launch_speed: row 3 below the header has 166, outside of what is usual, 60 to 125 mph;"
+            " is it in km/h or ft/s?",
+        ),
+        ("batted", [{"launch_speed": v} for v in (103, 50, 40, 95)], None),
+        # one row in m, one in rad/s
+        ("pitch", [PITCH, PITCH | {"release_pos_y": 16.6}, PITCH], "is it in m?"),
+        ("pitch", [PITCH, PITCH | {"release_spin_rate": 240.0}, PITCH], "is it in rad/s?"),
+        ("pitch", [PITCH], None),
+    ],
+)
+def test_a_unit_that_betrays_itself_is_asked_about(recwarn, kind, rows, said):
+    frame = pd.DataFrame([{"launch_angle": 28} | row for row in rows])
+    measured(frame, kind)
+    asked = [str(each.message) for each in recwarn]
+    run = longball("-", "--kind", kind, stdin=frame.to_csv(index=False))
+    assert run.exit_code == 0
+    notes = [x.removeprefix("longball: ") for x in run.stderr.splitlines() if "is it in" in x]
+    assert notes == asked
+    assert (said or "") in "".join(asked)
+    assert bool(said) == bool(asked)
+
+
+def test_what_is_measured_has_no_doubts(recwarn):
+    for kind in ("pitch", "batted"):
+        assert not read_measured(EXAMPLE, kind).doubts
 
 
 def test_where_nothing_is_predicted_the_command_fails():

@@ -106,6 +106,41 @@ def test_an_unknown_park_names_the_nearest(called):
         lb.in_parks(lb.Pitch())
 
 
+def test_an_unknown_park_names_those_of_the_city(called):
+    for city, near in (
+        ("Denver", "Coors Field"),
+        ("st louis", "Busch Stadium"),
+        ("Chicago", "Rate Field or Wrigley Field"),
+        ("Nowhere", "the parks are American"),
+    ):
+        with pytest.raises(ValueError, match=near):
+            lb.park(city)
+    asked = ["flight", "--speed", "40", "--angle", "28", "--park", "Denver"]
+    assert "did you mean Coors Field?" in called(*asked).stderr
+    assert all(park.city for park in lb.parks())
+
+
+@pytest.mark.parametrize(
+    ("air", "notes"),
+    [
+        (None, 0),
+        ({"density": {"temperature": 295.0}}, 0),
+        ({"density": 1.2}, 1),
+        ({}, 1),  # the paper's density
+    ],
+)
+def test_a_density_that_ignores_elevations_is_noted(called, air, notes):
+    scene = lb.Flight(launch=lb.launch(46.0, 0.5), air=air)
+    both = ("--park", "Coors Field", "--park", "Yankee Stadium")
+    asked = called("parks", "-", *both, stdin=f"{scene.line()}\n".encode() * 2)
+    assert asked.stderr.count("the same at every park's elevation") == notes
+    assert not called("parks", "-", "-q", *both, stdin=scene.line().encode()).stderr
+    weather = 'air.density={"temperature": 293}'
+    if air is not None:
+        changed = called("parks", "-", "--set", weather, *both, stdin=scene.line().encode())
+        assert not changed.stderr
+
+
 def test_parks_of_a_file(called, tmp_path):
     lines = [ball(45.0).line(), "{", ball(20.0).line()]
     told = called("parks", "-", "--json", "--park", "Petco Park", stdin="\n".join(lines).encode())
@@ -133,6 +168,30 @@ def test_a_flight_in_a_line(called, options, distance):
     asked = ["flight", "--speed", "103 mph", "--angle", "28", "--bats", "R", "--json"]
     answer = json.loads(called(*asked, *options).stdout)
     assert answer["landing"]["distance"] == pytest.approx(distance, rel=1e-12)
+
+
+def test_a_flight_without_an_id_has_none(called):
+    assert "id" not in json.loads(
+        called("flight", "--speed", "40", "--angle", "28", "--json").stdout
+    )
+
+
+def test_the_scene_of_a_flight_goes_to_other_commands(called, tmp_path):
+    asked = ["flight", "--speed", "103 mph", "--angle", "28", "--wind", "5 mph out"]
+    run = called(*asked, "--scene")
+    assert run.returncode == 0
+    (line,) = run.stdout.encode().splitlines()
+    (alone, solved) = (
+        json.loads(called(*asked, "--json").stdout),
+        json.loads(called("solve", stdin=line).stdout),
+    )
+    assert solved["landing"] == alone["landing"]
+    parks = called("parks", "-", stdin=line)
+    assert (parks.returncode, parks.stderr) == (0, "")
+    assert parks.stdout.startswith("1: a home run in ")
+    here = called("parks", "-", "--park", "Coors Field", "--json", stdin=line).stdout
+    there = called(*asked, "--park", "Coors Field", "--json").stdout
+    assert json.loads(here)["clearance"] == json.loads(there)["fence"]["clearance"]
 
 
 def test_units_wind_and_park_of_a_flight(called):

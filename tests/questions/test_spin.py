@@ -185,3 +185,32 @@ def test_each_pitchs_own_coefficients_bring_it_to_within_an_inch():
         off.append(np.array(flown.plate.position[1:]) - pitches.measured[i])
     assert len(off) > 150
     assert np.sqrt(np.mean(np.sum(np.square(off), axis=1))) == pytest.approx(0.7 * INCH, rel=0.1)
+
+
+@pytest.mark.parametrize("law", [name for name in LAWS if name != "downwards"])
+@pytest.mark.parametrize("since", [None, 11.76])
+def test_a_movement_gives_back_the_spin_that_makes_it(law, since):
+    ahead = np.array(VELOCITY) / np.linalg.norm(VELOCITY)
+    across = np.cross(ahead, [0.1, 0.4, 0.9])
+    spin = (180.0 * across / np.linalg.norm(across)).tolist()
+    moved = lb.movement(scene(LAWS[law], spin), since=since)
+    found = lb.spin_for(scene(LAWS[law], [0.0, 0.0, 0.0]), moved, since)
+    assert found.pitch.spin == pytest.approx(spin, abs=1e-7)
+
+
+def test_the_spin_along_the_velocity_stays():
+    gyro = (50.0 * np.array(VELOCITY) / np.linalg.norm(VELOCITY)).tolist()
+    found = lb.spin_for(scene(LAWS["rational"], gyro), lb.Movement(0.1, 0.3))
+    moved = lb.movement(found)
+    assert (moved.across, moved.up) == pytest.approx((0.1, 0.3), abs=1e-9)
+    assert np.dot(found.pitch.spin, VELOCITY) == pytest.approx(np.dot(gyro, VELOCITY), rel=1e-12)
+
+
+def test_a_movement_that_no_spin_makes_is_an_error():
+    pitch = scene(LAWS["rational"], [0.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match="no spin moves a ball so far"):
+        lb.spin_for(pitch, lb.Movement(0.0, 3.0))
+    with pytest.raises(ValueError, match="a constant says nothing of the spin"):
+        lb.spin_for(lb.Pitch(), lb.Movement(0.0, 0.3))
+    with pytest.raises(lb.InvalidScene, match="must be 'pitch' here"):
+        lb.spin_for(lb.AtBat(), lb.Movement(0.0, 0.3))

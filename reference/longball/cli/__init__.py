@@ -36,7 +36,9 @@ COMMANDS = {
     "golden": "longball golden list",
 }
 GROUPS = ("golden",)  # commands with subcommands
-EXIT_STATUS = "Exit status: 0 success, 1 a line or a verdict failed, 2 usage error."
+EXIT_STATUS = (
+    "Exit status: 0 success, 1 a line or a verdict failed, 2 an option or an input is wrong."
+)
 
 
 def module_of(command: str) -> Any:

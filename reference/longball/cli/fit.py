@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from longball.cli.messages import assignments, parsed
-from longball.cli.tables import chosen_table, reading_table
+from longball.cli.messages import assignments, parsed, refusing
+from longball.cli.tables import chosen_table
 from longball.model.jsonl import json_or_number
 from longball.pitches import Columns, PitchTypes, TableError, as_text, fit_pitches
-from longball.pitches.fitted import Method
-from longball.pitches.fitting import BIN_WIDTH
 from longball.pitches.table import NoSuchColumn
 
 
@@ -19,8 +17,6 @@ def fit(
     column: list[str] | None = None,
     straight: str | None = None,
     breaking: str | None = None,
-    bin_width: float = BIN_WIDTH,
-    draw_from: Method = "maximum_likelihood",
     seed: int = 0,
     json_: bool = False,
     quiet: bool = False,
@@ -37,11 +33,9 @@ def fit(
     if breaking is not None:
         classes["breaking"] = tuple(breaking.split(","))
     types = parsed(PitchTypes, classes)
-    with reading_table():
+    with refusing():
         try:
-            fitted = fit_pitches(
-                table, columns, types, bin_width=bin_width, draw_from=draw_from, seed=seed
-            )
+            fitted = fit_pitches(table, columns, types, seed=seed)
         except NoSuchColumn as error:
             # What only a height needs can be done without.
             of_height = {columns.height, columns.top, columns.bottom} & {*error.missing}

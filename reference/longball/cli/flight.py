@@ -13,6 +13,7 @@ from longball.cli.changes import chosen_changes, in_si
 from longball.cli.messages import fail, note, refusing, show, wrong_call
 from longball.engines.chain import solve
 from longball.model.doubts import doubts
+from longball.model.jsonl import json_line
 from longball.model.result import signed
 from longball.model.scene import InvalidScene
 from longball.pitches.models import Model, model_of
@@ -38,12 +39,14 @@ def flight(
     model: Model = "nathan",
     set_: list[str] | None = None,
     engine: engines.Name = "ivp",
+    scene: bool = False,
     json_: bool = False,
 ) -> None:
     """Compute the flight of a batted ball.
 
     Its spin comes from a published regression on angle and direction, as in `longball measured`;
-    --set launch.spin=… sets another.
+    --set launch.spin=… sets another. With --scene, other commands take it:
+    longball flight … --scene | longball parks -
     """
     blocks: dict[str, Any] = {}
     height = SEA_LEVEL
@@ -67,18 +70,23 @@ def flight(
         height if elevation is None else in_si("--elevation", elevation, "m"),
     )
     # The same way as a row of a table goes, so that both have the same spin and weather.
-    (scene,) = scenes(ball, model_of(model), change=change)
+    (asked,) = scenes(ball, model_of(model), change=change)
     if ball.elevation[0] > HIGHEST:
         note(f"--elevation: {ball.elevation[0]:g} m is above all parks; is it in ft?")
-    if isinstance(scene, InvalidScene):
-        wrong_call(str(scene).partition("is no scene: ")[2])
-    for key, question in doubts(scene):
+    if isinstance(asked, InvalidScene):
+        wrong_call(str(asked).partition("is no scene: ")[2])
+    for key, question in doubts(asked):
         note(f"{key}: {question}")
-    result = solve(scene, engines.create(engine)).model_copy(update={"id": None})
+    asked = asked.model_copy(update={"id": None})  # it is no row of a table
+    if scene:
+        print(asked.line())
+        return
+    result = solve(asked, engines.create(engine))
     if result.error is not None:
         fail(result.error)
     if json_:
-        print(result.model_copy(update={"engine": signed(result.engine or "")}).line())
+        by = {"engine": signed(result.engine or "")}
+        print(json_line(result.model_dump(exclude_none=True) | by))
         return
     show(["", "SI", "ft, mph, °"], _rows(result))
 
@@ -112,7 +120,7 @@ def _ball(
     }  # fmt: skip
     return MeasuredFlies(
         source="", rows_read=1, left_out=(), rows=np.array([1]), games=np.array([0]),
-        weather_unknown=0, assumed=(), measured=np.full((1, 1), math.nan), **one,
+        weather_unknown=0, assumed=(), doubts=(), measured=np.full((1, 1), math.nan), **one,
     )  # fmt: skip
 
 

@@ -84,9 +84,6 @@ def homerun(
     if pitches:
         with refusing():
             at_bats = load_fitted(pitches).drawn_in(at_bats)
-    # The same seed, and so the same at-bats that the estimates are of.
-    if scenes:
-        write_scenes(scenes, base, at_bats, restitutions, samples, seed)
     problem, space = (base, at_bats, restitutions), sampling.sample_space
     rows: Rows
     drawn: dict[str, int] = {}
@@ -116,6 +113,9 @@ def homerun(
     of_paper = base.fence in (None, Fence(radius=home_run.HOME_RUN_DISTANCE))
     curves = home_run.PAPER_CURVES if of_paper else {}
     fitted = fitted if of_paper else None
+    # The same seed, and so the same at-bats that the estimates are of.
+    if scenes:
+        write_scenes(scenes, base, at_bats, restitutions, samples, seed)
     if csv_:
         write_csv(csv_, rows)
     if figure:

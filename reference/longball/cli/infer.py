@@ -11,12 +11,10 @@ from typing import Any
 from longball.cli.changes import chosen_changes
 from longball.cli.messages import assignments, fail, refuse_if, refusing, wrong_call
 from longball.cli.scenes import one_scene
-from longball.cli.tables import reading_table
 from longball.engines.engine import CannotSolve
 from longball.model.changes import value_of
 from longball.model.numbers import Undecided
 from longball.model.result import Result
-from longball.model.scene import InvalidScene
 
 
 def infer(
@@ -51,7 +49,7 @@ def infer(
         from longball.pitches.table import numbers, read_table
 
         # A column that is missing is named; the order of the others is free.
-        with reading_table():
+        with refusing():
             _, table = read_table(points, ("t", "x", "y", "z"))
             data = {name: numbers(table[name]) for name in table}
     else:
@@ -84,7 +82,7 @@ def answering() -> Iterator[None]:
     """Say why there is no answer, with status 1; a misuse is a wrong call."""
     try:
         yield
-    except (CannotSolve, Undecided, InvalidScene) as error:
+    except (CannotSolve, Undecided) as error:
         fail(str(error))
     # Last, since the exceptions above are ValueErrors, too.
     except (TypeError, ValueError) as error:

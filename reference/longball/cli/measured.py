@@ -8,8 +8,8 @@ from pathlib import Path
 
 from longball import engines
 from longball.cli.changes import chosen_changes
-from longball.cli.messages import assignments, exit_unless, note, tell
-from longball.cli.tables import chosen_table, reading_table
+from longball.cli.messages import assignments, exit_unless, note, refusing, tell
+from longball.cli.tables import chosen_table
 from longball.model.csv_files import write_frame
 from longball.model.scene import InvalidScene
 from longball.pitches.models import MODELS, Model, model_of
@@ -48,17 +48,17 @@ def measured(
     names = assignments("--column", column)
     change = chosen_changes(set_, fence, reading)
     solver = engines.create(engine)
-    with reading_table():
+    with refusing():
         try:
             rows = read_measured(source, kind, games or GAMES, spin=law.spin, names=names)
         except NoSuchColumn as error:
             raise TableError(f"{error}{_instead(error.missing)}") from None
-        if scenes:
-            asked = scenes_of(rows, law, change=change)
-            lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]
-            # Rows that are no scenes are counted below, with their reasons.
-            scenes.write_text("".join(lines), encoding="utf-8")
-        prediction = predict(rows, law, engine=solver, change=change)
+    prediction = predict(rows, law, engine=solver, change=change)
+    if scenes:
+        asked = scenes_of(rows, law, change=change)
+        lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]
+        # Rows that are no scenes are counted below, with their reasons.
+        scenes.write_text("".join(lines), encoding="utf-8")
     if csv_:
         write_frame(as_frame(prediction), csv_)
     if figure and prediction.compared.any():

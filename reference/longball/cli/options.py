@@ -116,7 +116,10 @@ ARGUMENTS = {
         "[SCENES|-]",
         "One scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
     ),
-    "parks.source": ("[SCENES|-]", "Batted balls; - reads stdin."),
+    "parks.source": (
+        "[SCENES|-]",
+        "Batted balls, as longball flight --scene prints one; - reads stdin.",
+    ),
     "judge.command": (
         "[-- COMMAND …]",
         "The program to judge: it reads scenes on standard input and writes results on standard "
@@ -262,6 +265,14 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "example": "Take the day of pitches that comes with longball.",
     "measured.kind": "Predict pitches or batted balls.",
     "model": "Model of the flight.",
+    "spin.speed": _option('Speed at release, e.g. "95 mph"; without a unit in m/s.', "SPEED"),
+    "release": _option(
+        "Where it is released, from the front of the plate; x to the pitcher, y to the catcher's "
+        "left, z up.",
+        "X,Y,Z",
+    ),
+    "up": _option("Movement upwards, e.g. 16in; without a unit in m.", "LENGTH"),
+    "across": _option("Movement to the catcher's left; without a unit in m.", "LENGTH"),
     "spin.model": "Model whose law of lift is inverted.",
     "pfx": "Count from 40 ft, as PITCHf/x does.",
     "games": _option(
@@ -280,8 +291,6 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     ),
     "straight": _option("Pitch types that count as straight, e.g. FF,SI.", "A,B"),
     "breaking": _option("Pitch types that count as breaking; by default all others.", "A,B"),
-    "bin_width": _option("Bin width of the histogram of speeds, km/h.", min=0.01),
-    "draw_from": "The fit that homerun will draw from.",
     # flight, parks
     "speed": _option('Exit speed, e.g. "103 mph"; without a unit in m/s.', "SPEED"),
     "angle": _option("Angle above the horizontal; without a unit in degrees.", "ANGLE"),
@@ -292,6 +301,7 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "elevation": _option(
         "Height above sea level, instead of the park's; without a unit in m.", "HEIGHT"
     ),
+    "scene": "Print the scene instead, for longball parks, plot, aim and infer.",
     "bats": _option("Batter's side; sets the sign of the side spin.", "R|L"),
     "parks.park": _option("Only this park", "NAME"),
     # infer, aim

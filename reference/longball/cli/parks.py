@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from longball import engines
 from longball.cli.changes import chosen_changes
 from longball.cli.cluster import on_cluster
-from longball.cli.messages import exit_unless, refusing, show, tell
+from longball.cli.messages import exit_unless, note, refusing, show, tell, wrong_call
 from longball.cli.scenes import each_scene, named
 from longball.engines.parallel import in_parallel
 from longball.model.jsonl import json_line
 from longball.model.scene import InvalidScene
 from longball.pitches.statcast import FOOT
-from longball.questions.parks import InPark, Park, in_parks
+from longball.questions.parks import InPark, Park, ignores_elevation, in_parks
 from longball.questions.parks import park as park_of
 from longball.questions.parks import parks as every_park
 
@@ -28,6 +28,7 @@ def parks(
     workers: int = 1,
     scheduler: str | None = None,
     json_: bool = False,
+    quiet: bool = False,
 ) -> None:
     """List the parks in which batted balls are home runs, and by how much.
 
@@ -42,13 +43,20 @@ def parks(
     change = chosen_changes(set_, None, reading)
     solver = engines.create(engine)
     failed = told = 0
+    fixed: list[int] = []
+
+    def tasks() -> Iterator[tuple[int, Any, Sequence[Park], Any]]:
+        for number, scene in each_scene(source, change):
+            # Scenes that are invalid go through as texts: answers keep the order of the lines.
+            if isinstance(scene, InvalidScene):
+                yield number, str(scene), where, solver
+                continue
+            if ignores_elevation(scene):
+                fixed.append(number)
+            yield number, scene, where, solver
+
     with on_cluster(scheduler):
-        # Scenes that are invalid go through as texts, so that answers keep the order of the lines.
-        tasks = (
-            (number, str(scene) if isinstance(scene, InvalidScene) else scene, where, solver)
-            for number, scene in each_scene(source, change)
-        )
-        for name, found in in_parallel(_answer, tasks, -1 if scheduler else workers):
+        for name, found in in_parallel(_answer, tasks(), -1 if scheduler else workers):
             told += 1
             if isinstance(found, str):
                 failed += 1
@@ -58,8 +66,13 @@ def parks(
             # A ball that one park refuses, as outside of its fence, still has an answer.
             failed += all(each.result.error for each in found)
     if not told:
-        tell(f"no scenes in {named(source)}")
-    exit_unless(told and not failed)
+        wrong_call(f"no scenes in {named(source)}")
+    if fixed:
+        note(
+            f"air.density is a number in {len(fixed)} of {told} scenes, the same at every park's "
+            "elevation; --set 'air.density={\"temperature\": 293}' gives each park its own"
+        )
+    exit_unless(not failed)
 
 
 def _answer(
@@ -80,8 +93,12 @@ def _list(where: Sequence[Park]) -> None:
         left, *_, right = one.distances
         far = f"{left / FOOT:.0f}/{max(one.distances) / FOOT:.0f}/{right / FOOT:.0f}"
         walls = " to ".join(f"{top / FOOT:g}" for top in sorted({min(one.walls), max(one.walls)}))
-        rows.append([one.name, one.seasons, far, walls, str(len(one.walls)), one.source])
-    show(["park", "seasons", "left/farthest/right, ft", "walls, ft", "vertices", "source"], rows)
+        vertices = str(len(one.walls))
+        rows.append([one.name, one.city, one.seasons, far, walls, vertices, one.source])
+    show(
+        ["park", "city", "seasons", "left/farthest/right, ft", "walls, ft", "vertices", "source"],
+        rows,
+    )
 
 
 def _show(name: str, found: list[InPark], as_json: bool) -> None:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from longball.cli.cluster import on_cluster
-from longball.cli.messages import assignments, note, show
-from longball.cli.tables import chosen_table, reading_table
+from longball.cli.messages import assignments, note, refusing, show
+from longball.cli.tables import chosen_table
 from longball.engines.parallel import in_parallel
 from longball.model.arrays import Array
 from longball.model.jsonl import json_line
@@ -25,12 +25,12 @@ def pitches_of(
 ) -> MeasuredPitches:
     """Return the pitches of a table; say which of its rows are left out."""
     source, names = chosen_table(table, example), assignments("--column", column)
-    with reading_table():
+    with refusing():
         pitches = read_measured(source, "pitch", games or GAMES, spin=spin, names=names)
     assert isinstance(pitches, MeasuredPitches)
     note(f"{pitches.source}: {len(pitches)} pitches used of {pitches.rows_read} rows")
-    for omission in pitches.left_out:
-        note(f"  {omission}")
+    for told in (*pitches.left_out, *pitches.doubts):
+        note(f"  {told}")
     return pitches
 
 

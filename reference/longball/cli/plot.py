@@ -6,7 +6,7 @@ from pathlib import Path
 
 from longball import engines
 from longball.cli.changes import chosen_changes
-from longball.cli.messages import exit_unless, note, tell
+from longball.cli.messages import exit_unless, note, tell, wrong_call
 from longball.cli.scenes import each_scene, named
 from longball.engines.chain import solve_with_path
 from longball.model.result import Result
@@ -50,9 +50,9 @@ def plot(
         many = len(pictured) > FEW and any(scene.end for scene in pictured)
         (save_spray_chart if many else save_paths)(output, pictured)
         note(f"the picture is in {output}")
-    else:
-        tell(f"no paths in {named(source)}")
-    exit_unless(pictured and not failed)
+    elif not failed:
+        wrong_call(f"no scenes in {named(source)}")
+    exit_unless(not failed)
 
 
 def _label(name: str, result: Result) -> str:

@@ -13,7 +13,7 @@ from io import BufferedReader, BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
-from longball.cli.messages import fail, refusing, wrong_call
+from longball.cli.messages import refusing, wrong_call
 from longball.cli.options import TABLES, ending
 from longball.model.changes import Changes
 from longball.model.csv_files import binary
@@ -118,7 +118,7 @@ def one_scene(source: str, change: Changes) -> Scene:
     try:
         return parse_scene(written[0], change)
     except InvalidScene as error:
-        fail(str(error))
+        wrong_call(f"{named(source)}: {error}")
 
 
 def chosen_kinds(names: Sequence[str] | None) -> list[str]:

@@ -8,8 +8,9 @@ import re
 import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -87,30 +88,33 @@ def solve(
     with (
         on_cluster(scheduler),
         scenes_from(source) as lines,
-        results_to(output, source, lines) as write,
         progress_of(lines, output) as advance,
     ):
-        for result in solve_lines(lines, solver, -1 if scheduler else workers, asked, change):
-            write(result.text)
-            solved += 1
-            advance(solved)
-            failed += result.failure is not None
-            if result.id is not None and result.id in ids:
-                repeated.add(result.id)
-            ids.add(result.id)
-            for key, question in result.doubts:
-                doubtful.setdefault(key, []).append(f"scene {result.id}: {key}: {question}")
+        refuse_source(output, source, lines)
+        results = solve_lines(lines, solver, -1 if scheduler else workers, asked, change)
+        # The output is opened with the first result: without any it stays as it was.
+        if (first := next(results, None)) is None:
+            wrong_call(f"no scenes in {named(source)}")
+        with results_to(output) as write:
+            for result in chain([first], results):
+                write(result.text)
+                solved += 1
+                advance(solved)
+                failed += result.failure is not None
+                if result.id is not None and result.id in ids:
+                    repeated.add(result.id)
+                ids.add(result.id)
+                for key, question in result.doubts:
+                    doubtful.setdefault(key, []).append(f"scene {result.id}: {key}: {question}")
     # A file in km/h has the same doubt in each line: one question is enough.
-    for first, *others in doubtful.values():
-        note(f"{first}{f' (and {len(others)} more)' if others else ''}")
-    if solved == 0:
-        tell(f"no scenes in {named(source)}")
-    elif failed:
+    for question, *others in doubtful.values():
+        note(f"{question}{f' (and {len(others)} more)' if others else ''}")
+    if failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
     # No failure: files of different scenes may share ids, but joins by id would go wrong.
     if repeated:
         tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
-    exit_unless(solved and not failed)
+    exit_unless(not failed)
 
 
 def _with_options(sentence: str, options: Iterable[str]) -> str:
@@ -136,44 +140,35 @@ def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int]
         yield advance
 
 
-@contextmanager
-def writing_to(output: Path | None, source: BinaryIO) -> Iterator[BinaryIO]:
-    """Open the file that results go to, if it is not the source; None is standard output."""
+def refuse_source(output: Path | None, source: str, lines: BinaryIO) -> None:
+    """Refuse to write the results, None to standard output, over the scenes."""
     with suppress(OSError):  # a stream that is no file, an output that is not there yet
         there = os.stat(output if output is not None else sys.stdout.fileno())
-        if stat.S_ISREG(there.st_mode) and os.path.samestat(there, os.fstat(source.fileno())):
+        read = os.stat(lines.fileno() if source == "-" else source)
+        if stat.S_ISREG(there.st_mode) and os.path.samestat(there, read):
             wrong_call(f"{output or 'standard output'} is the file that the scenes are read from")
-    if output is None:
-        yield sys.stdout.buffer
-    else:
-        with open(output, "wb") as file:
-            yield file
 
 
 @contextmanager
-def results_to(
-    output: Path | None, source: str, lines: BinaryIO
-) -> Iterator[Callable[[bytes], object]]:
+def results_to(output: Path | None) -> Iterator[Callable[[bytes], object]]:
     """Open the file that results go to; yield a function that takes a line of JSON."""
-    if output is None or ending(output) not in TABLES:
-        with writing_to(output, lines) as file:
-            # Somebody may wait for an answer at the end of a pipe, but not of a file.
-            awaited = True
-            with suppress(OSError):  # a stream that is no file
-                awaited = not stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+    if output is not None and ending(output) in TABLES:
+        # The columns of a table are known with its last row.
+        results: list[bytes] = []
+        yield results.append
+        from longball.table_files import write_table
 
-            def write(line: bytes) -> None:
-                file.write(line + b"\n")
-                if awaited:
-                    file.flush()
-
-            yield write
+        write_table(output, results)
         return
-    if source != "-" and output.exists() and output.samefile(source):
-        wrong_call(f"{output} is the file that the scenes are read from")
-    # The columns of a table are known with its last row.
-    results: list[bytes] = []
-    yield results.append
-    from longball.table_files import write_table
+    with nullcontext(sys.stdout.buffer) if output is None else open(output, "wb") as file:
+        # Somebody may wait for an answer at the end of a pipe, but not of a file.
+        awaited = True
+        with suppress(OSError):  # a stream that is no file
+            awaited = not stat.S_ISREG(os.fstat(file.fileno()).st_mode)
 
-    write_table(output, results)
+        def write(line: bytes) -> None:
+            file.write(line + b"\n")
+            if awaited:
+                file.flush()
+
+        yield write

@@ -2,23 +2,43 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
+import typer
 
-from longball.cli.messages import note, refusing
+from longball.api import as_scene
+from longball.cli.changes import chosen_changes, in_si
+from longball.cli.command import given_by
+from longball.cli.infer import answering
+from longball.cli.messages import note, refuse_if, refusing, show
 from longball.cli.pitches import answers, pitches_of, show_each, show_types
+from longball.model.jsonl import json_line
+from longball.model.scene import PitchScene
 from longball.pitches.models import Model, model_of
-from longball.pitches.statcast import RPM
-from longball.questions.spin import measured_spin
+from longball.pitches.statcast import RPM, SEA_LEVEL, USUAL_TEMPERATURE
+from longball.questions.movement import PFX, Movement, clock
+from longball.questions.spin import measured_spin, spin_for
+
+# Options of a single pitch, and of a table of pitches.
+_OF_ONE = ("release", "up", "across", "pfx", "set_")
+_OF_TABLE = ("example", "games", "column", "workers", "scheduler")
 
 
 def spin(
+    ctx: typer.Context,
     table: str = "-",
     example: bool = False,
     model: Model = "nathan",
     games: Path | None = None,
     column: list[str] | None = None,
+    speed: str | None = None,
+    release: str = "54ft,0,6ft",
+    up: str = "0",
+    across: str = "0",
+    pfx: bool = False,
+    set_: list[str] | None = None,
     workers: int = 1,
     scheduler: str | None = None,
     json_: bool = False,
@@ -29,8 +49,30 @@ def spin(
     The force perpendicular to the path gives C_L in the weather of each game, and the model's law
     of lift gives the spin. Text output has the medians of each pitch type, JSON output a line for
     each pitch, in SI units.
+
+    Without a table, --speed, --up and --across ask for the spin of a single pitch, at 20 °C at sea
+    level, that moves so far from a flight under gravity alone.
     """
     law = model_of(model)
+    # An option that is silently ignored would look as if it had an effect.
+    idle, why = (_OF_ONE, "it goes with --speed") if speed is None else (_OF_TABLE, "of a table")
+    refuse_if(
+        (speed is not None and table != "-", "--speed: of a single pitch, without a table"),
+        *((given_by(ctx, name) == "COMMANDLINE", f"--{name.rstrip('_')}: {why}") for name in idle),
+    )
+    if speed is not None:
+        thrown = {
+            "speed": in_si("--speed", speed, "m/s"),
+            "release": [in_si("--release", part, "m") for part in release.split(",")],
+            "spin": [0.0, 0.0, 0.0],
+        }
+        moved = Movement(in_si("--across", across, "m"), in_si("--up", up, "m"))
+        blocks = law.blocks(USUAL_TEMPERATURE, SEA_LEVEL)
+        with answering():
+            change = chosen_changes(set_, None)
+            pitch = as_scene(change({"kind": "pitch", "pitch": thrown} | blocks))
+            _show(spin_for(pitch, moved, PFX if pfx else None), json_)
+        return
     pitches = pitches_of(table, example, games, column, spin=True)
     with refusing(f"--model {model}: "):
         found = answers(measured_spin, pitches, law, workers=workers, scheduler=scheduler)
@@ -52,3 +94,16 @@ def spin(
         note(
             f"the C_L of {beyond} pitches is beyond what the law of lift reaches: no spin is given"
         )
+
+
+def _show(pitch: PitchScene, as_json: bool) -> None:
+    """Print the spin of a pitch: its size, and the direction in which it pushes the ball."""
+    turning, ahead = np.array(pitch.pitch.spin), np.array(pitch.pitch.thrown)
+    rate, push = float(np.linalg.norm(turning)), np.cross(turning, ahead)
+    direction = clock(*push[1:].tolist())
+    if as_json:
+        scene = json.loads(pitch.line())
+        print(json_line({"transverse": rate, "clock": direction, "scene": scene}))
+        return
+    rows = [["spin", f"{rate:.1f} rad/s", f"{rate / RPM:.0f} rpm"], ["direction", direction, ""]]
+    show(["", "SI", "customary"], rows)

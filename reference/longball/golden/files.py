@@ -90,11 +90,12 @@ def export(path: Path, folder: Path) -> int:
     names = sorted([*listed(folder), CHECKSUMS])
     if names == [CHECKSUMS]:
         raise ValueError(f"{folder}: there is no {CHECKSUMS}, and so no golden data")
+    contents = {name: (folder / name).read_bytes() for name in names}
     never = (1980, 1, 1, 0, 0, 0)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in names:
+        for name, content in contents.items():
             entry = zipfile.ZipInfo(f"{ARCHIVE}/{name}", never)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, (folder / name).read_bytes())
+            archive.writestr(entry, content)
     return len(names)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import codecs
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from io import StringIO
+from itertools import chain, islice
 from typing import Any
 
 # Spreadsheets write what a country's decimal comma leaves them.
@@ -16,6 +18,55 @@ _BINARY = {
     b"PK\x03\x04": "a spreadsheet or a zip archive; save the sheet as CSV",
     b"\x1f\x8b": "gzip; gunzip unpacks it",
 }
+
+
+Row = tuple[int, list[str]]  # the number of its first line, and its cells
+
+
+def read_rows(data: bytes, knows: Callable[[str], bool]) -> tuple[list[str], Iterator[Row]]:
+    """Return the head of a table, and its rows that are not blank.
+
+    The head is the row, of the first ones, that has the most names that `knows` knows: measuring
+    devices write names and dates above it. A ValueError says why it is no table, or what is wrong
+    with a line.
+    """
+    rows = _not_blank(decoded(data))
+    first = [*islice(rows, _LINES_ABOVE)]
+    if not first:
+        raise ValueError("the table is empty")
+    heads = [[cell.strip() for cell in cells] for _, cells in first]
+    known = [sum(map(knows, head)) for head in heads]
+    above = known.index(max(known))
+    head = heads[above]
+    if not known[above] and (hint := other_separators(head)):
+        raise ValueError(f"not a table in CSV{hint}")
+    for name in filter(knows, head):
+        if head.count(name) > 1:
+            raise ValueError(f"the column {name} is there twice")
+    return head, _fitting(head, chain(first[above + 1 :], rows))
+
+
+_LINES_ABOVE = 50
+
+
+def _not_blank(text: str) -> Iterator[Row]:
+    reader = csv.reader(StringIO(text, newline=""), skipinitialspace=True)
+    begin = 1
+    try:
+        for cells in reader:
+            number, begin = begin, reader.line_num + 1
+            if any(map(str.strip, cells)):
+                yield number, cells
+    # Of a quote that is not closed: the reader is at the end of the file, the fault at its begin.
+    except csv.Error as error:
+        raise ValueError(f"line {begin}: {error}") from None
+
+
+def _fitting(head: Sequence[str], rows: Iterable[Row]) -> Iterator[Row]:
+    for number, cells in rows:
+        if len(cells) > len(head) and any(cells[len(head) :]):
+            raise ValueError(f"line {number}: {len(cells)} cells, and the head has {len(head)}")
+        yield number, cells
 
 
 def other_separators(head: Sequence[str]) -> str:
@@ -29,16 +80,22 @@ def other_separators(head: Sequence[str]) -> str:
 def decoded(data: bytes) -> str:
     """Return the text of a file: UTF-8, or UTF-16 where its first bytes say so.
 
-    A ValueError says where it is in another encoding, or what it is instead.
+    A ValueError says where it is in another encoding, or that it is no table.
     """
     if kind := binary(data):
         raise ValueError(kind)
     # Spreadsheets save "Unicode text" as UTF-16, and mark UTF-8 with EF BB BF.
     utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        return data.decode("utf-16" if utf16 else "utf-8-sig")
+        text = data.decode("utf-16" if utf16 else "utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(not_utf8(error)) from None
+    # No name of a column begins so.
+    if text.lstrip()[:1] in ("{", "["):
+        raise ValueError(
+            "JSON, where a table is needed: a head with the names of its columns, and rows below it"
+        )
+    return text
 
 
 def not_utf8(error: UnicodeDecodeError) -> str:

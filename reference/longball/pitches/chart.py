@@ -29,9 +29,8 @@ from longball.pitches.table import (
     Omission,
     TableError,
     and_more,
-    numbers,
+    read_columns,
     read_table,
-    refuse_rows,
     require_usual,
     select_rows,
     texts,
@@ -138,46 +137,68 @@ def read_pitches(
     what they lack. A `TableError` says why a table cannot be used.
     """
     columns, types = columns or Columns(), types or PitchTypes()
-    source, frame = read_table(table, _needed(columns))
+    in_cells = columns.place_unit == "cell"
+    places = {"plate_x": columns.across}
+    if columns.height is not None:
+        places["plate_z"] = columns.height
+        places |= {} if in_cells else {"sz_top": columns.top, "sz_bot": columns.bottom}
+    read = [columns.speed, *places.values()]
+    source, frame = read_table(table, [columns.pitch_type, *read])
     kind = texts(frame[columns.pitch_type])
-    values = {str(name): numbers(frame[name]) for name in frame if name != columns.pitch_type}
-    lacks = [(f"{columns.pitch_type} is missing", kind.isna().to_numpy(dtype=bool))]
-    lacks += [
-        (f"{columns.pitch_type} is {name}", (kind == name).fillna(False).to_numpy(dtype=bool))
-        for name in types.left_out
-    ]
-    lacks += [(f"{name} is missing", np.isnan(column)) for name, column in values.items()]
-    left_out, keep = select_rows(lacks, len(frame))
+    values, odd = read_columns(frame, read)
 
+    # In the paper's terms. Pitcher and catcher face each other: one's right is the other's left.
+    speed = values[columns.speed] * SPEED_UNITS[columns.speed_unit]
+    side = 1.0 if columns.view == "pitcher" else -1.0
+    placed = {name: values[column] for name, column in places.items()}
+    across, height = placed["plate_x"], placed.get("plate_z")
+    lacks_place: list[tuple[str, Flags]] = []
+    if in_cells:
+        across = 3.0 + side * (across - 3.0)
+        lacks_place = [
+            (f"{column} is none of the cells 1 to 5", ~np.isin(values[column], range(1, 6)))
+            for column in places.values()
+        ]
+    else:
+        across = 3.0 + side * across * LENGTH_UNITS[columns.place_unit] / columns.cell_width
+    if height is not None and not in_cells:
+        top, bottom = placed["sz_top"], placed["sz_bot"]
+        with np.errstate(divide="ignore", invalid="ignore"):  # of rows that are left out
+            height = 1.5 + 3.0 * (height - bottom) / (top - bottom)
+        lacks_place = [(f"{columns.top} is not above {columns.bottom}", top <= bottom)]
+
+    # what rows lack, and what columns look like without those
+    too_fast = f"{columns.speed} is faster in {columns.speed_unit} than any pitch: the right unit?"
+    lacks = [
+        (f"{columns.pitch_type} is missing", kind.isna().to_numpy(dtype=bool)),
+        *(
+            (f"{columns.pitch_type} is {name}", (kind == name).fillna(False).to_numpy(dtype=bool))
+            for name in types.left_out
+        ),
+        *odd,
+        *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
+        (f"{columns.speed} is not positive", speed <= 0.0),
+        (too_fast, speed > IMPOSSIBLE_SPEED),
+        *lacks_place,
+    ]
+    left_out, keep = select_rows(lacks, len(frame))
     names = tuple(str(name) for name in kind[keep])
-    rows = np.flatnonzero(keep) + 1
-    straight = _straight(names, rows, types, columns.pitch_type)
-    kept = {name: column[keep] for name, column in values.items()}
-    speed = _speed(kept[columns.speed], rows, columns)
-    _require_usual(kept, columns)
+    straight = _straight(names, np.flatnonzero(keep) + 1, types, columns.pitch_type)
+    require_usual(values[columns.speed][keep], "release_speed", columns.speed, columns.speed_unit)
+    for name, column in places.items():
+        if not in_cells:
+            require_usual(values[column][keep], name, column, columns.place_unit)
     return Pitches(
         source=source,
         rows_read=len(frame),
         left_out=left_out,
         types=names,
         straight=straight,
-        speed=speed,
-        across=_across(kept[columns.across], rows, columns),
-        height=_height(kept, rows, columns),
+        speed=speed[keep],
+        across=across[keep],
+        height=None if height is None else height[keep],
         columns=columns,
     )
-
-
-def _needed(columns: Columns) -> tuple[str, ...]:
-    needed = [columns.pitch_type, columns.speed, columns.across]
-    if columns.height is not None:
-        needed.append(columns.height)
-        if columns.place_unit != "cell":
-            needed += [columns.top, columns.bottom]
-    return tuple(needed)
-
-
-# --- its columns, in the paper's terms ------------------------------------------------------------
 
 
 def _straight(names: tuple[str, ...], rows: Integers, types: PitchTypes, column: str) -> Flags:
@@ -196,46 +217,3 @@ def _straight(names: tuple[str, ...], rows: Integers, types: PitchTypes, column:
             seen = ", ".join(sorted(set(names)))
             raise TableError(f"{column}: no {kind} ball among the types of pitch here: {seen}")
     return straight
-
-
-def _speed(speed: Array, rows: Integers, columns: Columns) -> Array:
-    metres_per_second = speed * SPEED_UNITS[columns.speed_unit]
-    too_fast = f"faster in {columns.speed_unit} than any pitch: is it the right unit?"
-    refuse_rows(speed <= 0.0, speed, rows, columns.speed, "a speed is positive")
-    refuse_rows(metres_per_second > IMPOSSIBLE_SPEED, speed, rows, columns.speed, too_fast)
-    return metres_per_second
-
-
-def _require_usual(kept: dict[str, Array], columns: Columns) -> None:
-    require_usual(kept[columns.speed], "release_speed", columns.speed, columns.speed_unit)
-    places = {columns.across: "plate_x", columns.height: "plate_z"}
-    places |= {columns.top: "sz_top", columns.bottom: "sz_bot"}
-    for column, name in places.items():
-        if column in kept and columns.place_unit != "cell":
-            require_usual(kept[column], name, column, columns.place_unit)
-
-
-def _across(across: Array, rows: Integers, columns: Columns) -> Array:
-    if columns.place_unit == "cell":
-        _refuse_no_cell(across, rows, columns.across)
-        from_middle = across - 3.0
-    else:
-        from_middle = across * LENGTH_UNITS[columns.place_unit] / columns.cell_width
-    # Pitcher and catcher face each other: one's right is the other's left.
-    return 3.0 + (from_middle if columns.view == "pitcher" else -from_middle)
-
-
-def _height(kept: dict[str, Array], rows: Integers, columns: Columns) -> Array | None:
-    if columns.height is None:
-        return None
-    height = kept[columns.height]
-    if columns.place_unit == "cell":
-        _refuse_no_cell(height, rows, columns.height)
-        return height
-    top, bottom = kept[columns.top], kept[columns.bottom]
-    refuse_rows(top <= bottom, top, rows, columns.top, f"that is not above {columns.bottom}")
-    return 1.5 + 3.0 * (height - bottom) / (top - bottom)
-
-
-def _refuse_no_cell(values: Array, rows: Integers, column: str) -> None:
-    refuse_rows(~np.isin(values, range(1, 6)), values, rows, column, "a cell is 1, 2, 3, 4 or 5")

@@ -184,7 +184,7 @@ def measured(
     Warns
     -----
     UserWarning
-        If measured distances look like another unit.
+        If numbers look like another unit.
 
     Examples
     --------
@@ -205,7 +205,8 @@ def measured(
 
 
 def questions(prediction: Prediction) -> Iterator[str]:
-    """Yield a question if the measured distances look like another unit."""
+    """Yield a question for each thing that looks like another unit."""
+    yield from prediction.measured.doubts
     if isinstance(prediction.measured, MeasuredFlies) and prediction.compared.any():
         share = float(np.nanmedian(prediction.measured.measured / prediction.predicted))
         if unit := unit_that_explains(share, "ft"):

@@ -19,7 +19,7 @@ for the direction of the launch (Petti's transformation, baseballwithr.wordpress
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO
@@ -39,14 +39,15 @@ from longball.pitches.table import (
     Omission,
     TableError,
     numbers,
+    read_columns,
     read_table,
-    readable,
-    refuse_rows,
     require_degrees,
     require_usual,
     select_rows,
     texts,
     unit_that_explains,
+    unusual,
+    unusual_rows,
 )
 
 if TYPE_CHECKING:
@@ -103,6 +104,7 @@ class Rows(Arrays):
     elevation: Array
     weather_unknown: int  # for how many the usual values stand there
     assumed: tuple[str, ...]  # sentences: what stands for columns that are not in the table
+    doubts: tuple[str, ...]  # questions: what looks like another unit
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -239,7 +241,7 @@ def _pitches(
     if spin:
         hand, odd_hand = _side(frame["p_throws"])
     asked = (*(_SPIN if spin else ()), "release_pos_y", *_PITCH_NUMBERS)
-    values, odd_cells = _columns(frame, asked)
+    values, odd_cells = read_columns(frame, asked)
     lacks = [
         *odd_cells,
         ("pitch_type is missing", kind.isna().to_numpy(dtype=bool)),
@@ -248,13 +250,15 @@ def _pitches(
         *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
         ("release_spin_rate is 0: not measured", values.get(_SPIN[0], nothing) == 0.0),
         ("plate_z is below the ground: it bounced first", values["plate_z"] < 0.0),
+        ("vy0 is not below 0: away from the plate", values["vy0"] >= 0.0),
+        (
+            "release_pos_y is behind the front of the plate",
+            values["release_pos_y"] * FOOT <= PLATE_FRONT,
+        ),
     ]
     left_out, keep = select_rows(lacks, len(frame))
     kept = {name: values.get(name, nothing)[keep] for name in (*_SPIN, *values)}
     rows = np.flatnonzero(keep) + 1
-    refuse_rows(kept["vy0"] >= 0.0, kept["vy0"], rows, "vy0", "a pitch flies towards the plate")
-    before = kept["release_pos_y"] * FOOT <= PLATE_FRONT
-    refuse_rows(before, kept["release_pos_y"], rows, "release_pos_y", "behind the plate's front")
     _require_usual(kept if spin else {name: kept[name] for name in values})
     axis = kept["spin_axis"]
     if spin:
@@ -275,7 +279,9 @@ def _pitches(
     angle = np.radians(kept["spin_axis"])
     axis = _in_our_frame(np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
     return MeasuredPitches(
-        **_common(source, frame, left_out, keep, games, ()),
+        **_common(source, frame, left_out, keep, games),
+        doubts=tuple(unusual_rows(kept, rows)),
+        assumed=(),
         labels=kind[keep].to_numpy(dtype=str),
         release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
         velocity=at_release,
@@ -318,7 +324,7 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     optional = ["game_pk", "stand", "hit_distance_sc", *_PLACE]
     source, frame = read_table(table, ["launch_speed", "launch_angle"], optional, names)
     here = [name for name in ("hit_distance_sc", *_PLACE) if name in frame]
-    values, odd_cells = _columns(frame, ("launch_speed", "launch_angle", *here))
+    values, odd_cells = read_columns(frame, ("launch_speed", "launch_angle", *here))
     if (odd := [name for name in _PLACE if name not in frame]) and len(odd) == 1:
         raise NoSuchColumn(f"{odd[0]}: the table has no such column, and it has the other", odd)
     nothing = np.full(len(frame), np.nan)
@@ -327,8 +333,11 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     if "stand" in frame:
         side, odd_side = _side(frame["stand"])
     speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
-    if not (speed > SLOWEST).any():  # no row would be left: in m/s, flies are below 60
-        require_usual(values["launch_speed"][~np.isnan(speed)], "launch_speed")
+    # Before slow ones are left out: in m/s, few flies are above 60.
+    up = (angle >= LOWEST) & (angle <= HIGHEST)
+    doubt = unusual(values["launch_speed"][up & ~np.isnan(speed)], "launch_speed")
+    if doubt and not (speed[up] > SLOWEST).any():
+        raise TableError(doubt)
     x, y = (values.get(name, nothing) for name in _PLACE)
     bearing = np.arctan2(x - DRAWN_PLATE[0], DRAWN_PLATE[1] - y) if "hc_x" in here else 0.0 * speed
     lacks = [
@@ -338,12 +347,13 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
         ("stand is missing", np.isnan(side)),
         ("hc_x and hc_y are 0: not measured", (x == 0.0) & (y == 0.0)),
         ("hit_distance_sc is 0: not measured", values.get("hit_distance_sc", nothing) == 0.0),
-        ("launch_angle is not between 10° and 60°", ~((angle >= LOWEST) & (angle <= HIGHEST))),
+        ("launch_angle is not between 10° and 60°", ~up),
         ("launch_speed is not above 60 mph", ~(speed > SLOWEST)),
         ("the direction is not between the foul lines, by over 15°", ~(abs(bearing) <= WIDEST)),
     ]
     left_out, keep = select_rows(lacks, len(frame))
-    _require_usual({name: column[keep] for name, column in values.items()})
+    kept = {name: column[keep] for name, column in values.items()}
+    _require_usual(kept)
     assumed = tuple(
         f"no column {name}: {stands}"
         for name, stands in (
@@ -354,7 +364,9 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
         if name not in frame
     )
     return MeasuredFlies(
-        **_common(source, frame, left_out, keep, games, assumed),
+        **_common(source, frame, left_out, keep, games),
+        doubts=(*filter(None, [doubt]), *unusual_rows(kept, np.flatnonzero(keep) + 1)),
+        assumed=assumed,
         speed=speed[keep],
         angle=angle[keep],
         bearing=bearing[keep],
@@ -364,15 +376,6 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
 
 
 # --- both -----------------------------------------------------------------------------------------
-
-
-def _columns(
-    frame: pd.DataFrame, names: Iterable[str]
-) -> tuple[dict[str, Array], list[tuple[str, Flags]]]:
-    """Return the numbers of columns, and the rows in which a cell is something else."""
-    read = {name: readable(frame[name]) for name in names}
-    odd = [(f"{name} is not a finite number", odd) for name, (_, odd) in read.items()]
-    return {name: values for name, (values, _) in read.items()}, odd
 
 
 def _side(column: pd.Series) -> tuple[Array, Flags]:
@@ -432,7 +435,6 @@ def _common(
     left_out: tuple[Omission, ...],
     keep: Flags,
     games: Any,
-    assumed: tuple[str, ...],
 ) -> dict[str, Any]:
     nothing = np.full(len(frame), np.nan)
     game = (numbers(frame["game_pk"]) if "game_pk" in frame else nothing)[keep]
@@ -449,7 +451,6 @@ def _common(
         "temperature": np.where(unknown, USUAL_TEMPERATURE, temperature),
         "elevation": np.where(unknown, SEA_LEVEL, elevation),
         "weather_unknown": int(unknown.sum()),
-        "assumed": assumed,
     }
 
 

@@ -1,16 +1,16 @@
-"""Tables as they are written: columns found, numbers read, rows left out with their reasons."""
+"""Tables as they are written: columns found, numbers read, rows left out with their reasons.
+
+A row that cannot be used is left out, and listed with the reason. A column that cannot be used, as
+one in another unit, refuses the table.
+"""
 
 from __future__ import annotations
 
-import csv
 import gzip
 import math
 import zlib
-from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from io import BytesIO, StringIO
-from itertools import islice
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
@@ -20,7 +20,7 @@ from pydantic import Field
 from longball.extras import naming_extras
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.block import Strict
-from longball.model.csv_files import decoded, other_separators
+from longball.model.csv_files import other_separators, read_rows
 from longball.model.names import did_you_mean, nearest_file, one_of
 from longball.model.units import UNITS, from_si, in_si, si_of
 
@@ -113,11 +113,10 @@ def read_table(
     wanted = needed | {name: its.get(name, name) for name in optional}
     for name in its.keys() - wanted.keys():
         raise TableError(f"{name}: no column that is read{one_of('they are', name, wanted)}")
-    source, frame = _frame(table, wanted.values())
-    found = [str(each) for each in frame.columns]
+    source, found, frame = _frame(table, wanted.values())
     for name in wanted.values():
         if found.count(name) > 1:
-            raise TableError(f"{name}: the table has {found.count(name)} columns of this name")
+            raise TableError(f"{source}: the column {name} is there twice")
     # A name that is given is meant, also of a column that is optional.
     if missing := [x for name, x in wanted.items() if x not in found and name in needed | its]:
         shown = ", ".join(found[:20]) + (", …" if len(found) > 20 else "")
@@ -133,19 +132,19 @@ def read_table(
     if not len(frame):
         raise TableError(f"{source}: the table has a header, and nothing below it")
     here = {name: x for name, x in wanted.items() if x in found}
-    return source, frame.set_axis(found, axis="columns")[[*here.values()]].set_axis(
-        [*here], axis="columns"
-    )
+    named = frame.set_axis([str(name) for name in frame.columns], axis="columns")
+    return source, named[[*here.values()]].set_axis([*here], axis="columns")
 
 
 @naming_extras()
 def _frame(
     table: str | Path | TextIO | pd.DataFrame, wanted: Iterable[str]
-) -> tuple[str, pd.DataFrame]:
+) -> tuple[str, list[str], pd.DataFrame]:
+    """Return the name of a table, the names of its columns, and those that are wanted at least."""
     import pandas as pd
 
     if isinstance(table, pd.DataFrame):
-        return "table", table
+        return "table", [str(name) for name in table.columns], table
     path = table if isinstance(table, str | Path) else getattr(table, "name", "table")
     source = Path(path).name
     try:
@@ -156,24 +155,19 @@ def _frame(
         raise TableError(f"{path}: cannot be read: {reason}{near}") from error
     try:
         if data.startswith(b"PAR1"):
-            return source, pd.read_parquet(BytesIO(data))
-        text = decoded(data)
-        above, head = _head(text, names := {*wanted})
-        if not names & {*head} and (hint := other_separators(head)):
-            raise ValueError(f"not a table in CSV{hint}")
-        lines = StringIO(text, newline="")
-        deque(islice(lines, above), maxlen=0)
-        # The header is read as a row: pandas would rename a column that is there twice, and take
-        # the first column for an index where rows are longer than the header.
-        rows = pd.read_csv(lines, header=None, dtype="string", na_values=_MISSING)
-    except pd.errors.EmptyDataError:
-        raise TableError(f"{source}: the table is empty") from None
-    except pd.errors.ParserError as error:
-        raise TableError(f"{source}: not a table in CSV: {str(error).strip()}") from None
+            frame = pd.read_parquet(BytesIO(data))
+            return source, [str(name) for name in frame.columns], frame
+        names = {*wanted}
+        head, rows = read_rows(data, names.__contains__)
+        # Of a table with ninety columns the cells of twenty are kept.
+        kept = [i for i, name in enumerate(head) if name in names]
+        cells = [
+            [None if i >= len(row) or row[i].strip() in _MISSING else row[i] for i in kept]
+            for _, row in rows
+        ]
     except ValueError as error:
         raise TableError(f"{source}: {error}") from None
-    header = [str(name).strip() for name in rows.iloc[0].fillna("")]
-    return source, rows.iloc[1:].set_axis(header, axis="columns").reset_index(drop=True)
+    return source, head, pd.DataFrame(cells, columns=[head[i] for i in kept], dtype="string")
 
 
 def _content(table: str | Path | TextIO) -> bytes:
@@ -186,25 +180,10 @@ def _content(table: str | Path | TextIO) -> bytes:
     return gzip.decompress(data) if data.startswith(b"\x1f\x8b") else data
 
 
-def _head(text: str, wanted: set[str]) -> tuple[int, list[str]]:
-    """Return the number of lines above the head of a table, and its cells.
-
-    The head is the row, of the first ones, that has the most of the columns that are wanted:
-    measuring devices write names and dates above it.
-    """
-    reader = csv.reader(StringIO(text, newline=""), skipinitialspace=True)
-    rows: list[tuple[int, list[str]]] = []
-    above = 0
-    with suppress(csv.Error):
-        for cells in islice(reader, _LINES_ABOVE):
-            rows.append((above, [cell.strip() for cell in cells]))
-            above = reader.line_num
-    return max(rows, key=lambda row: len(wanted & {*row[1]}), default=(0, []))
-
-
-_LINES_ABOVE = 50
-# What devices write for what they did not measure, beside what pandas knows.
-_MISSING = ["-", "--", "—"]
+# What programs and devices write for what was not measured.
+_MISSING = {
+    "", "-", "--", "—", "NA", "N/A", "n/a", "#N/A", "NaN", "nan", "<NA>", "NULL", "null", "None",
+}  # fmt: skip
 
 
 def texts(column: pd.Series) -> pd.Series:
@@ -235,6 +214,15 @@ def readable(column: pd.Series) -> tuple[Array, Flags]:
     if odd.any() and odd[text].all():
         raise _not_numbers(column, odd)
     return np.where(odd, np.nan, values), odd
+
+
+def read_columns(
+    frame: pd.DataFrame, names: Iterable[str]
+) -> tuple[dict[str, Array], list[tuple[str, Flags]]]:
+    """Return the numbers of columns, and the rows in which a cell is something else."""
+    read = {name: readable(frame[name]) for name in names}
+    odd = [(f"{name} is not a finite number", odd) for name, (_, odd) in read.items()]
+    return {name: values for name, (values, _) in read.items()}, odd
 
 
 def _not_numbers(column: pd.Series, odd: Flags) -> TableError:
@@ -271,38 +259,61 @@ def select_rows(
     return tuple(left_out), keep
 
 
-def refuse_rows(wrong: Flags, values: Array, rows: Integers, column: str, why: str) -> None:
-    """Raise a `TableError` that names the first row where a value is wrong, if any is."""
-    if wrong.any():
-        first = int(np.argmax(wrong))
-        raise TableError(
-            f"{column}: row {rows[first]} below the header has {values[first]:g}: "
-            f"{why}{and_more(int(wrong.sum()))}"
-        )
-
-
 def require_usual(values: Array, name: str, column: str = "", unit: str = "") -> None:
     """Raise a `TableError` if the median of a column is out of range, as in another unit.
 
     `name` is its name in `USUAL`; the table may have another, and another unit.
     """
+    if doubt := unusual(values, name, column, unit):
+        raise TableError(f"{doubt} The table must be in {unit or USUAL[name].unit} here")
+
+
+def unusual(values: Array, name: str, column: str = "", unit: str = "") -> str:
+    """Return a question if the median of a column is out of range; see `require_usual`."""
     usual = USUAL[name]
-    unit, si = unit or usual.unit, si_of(usual.unit)
-    lowest, highest = (in_si(x, usual.unit, si) for x in usual.range_of(values.size))
+    unit = unit or usual.unit
+    lowest, highest = bounds = usual.range_of(values.size)
     sized = lowest >= 0.0 and bool((values < 0.0).any())
     median = float(np.median(np.abs(values) if sized else values)) if values.size else np.nan
-    sizes = {other: in_si(median, other, si) for other in UNITS[si]}
-    if np.isnan(median) or lowest <= sizes[unit] <= highest:
-        return
-    # Of two names for one unit the later is the usual one.
-    fitting = {size: other for other, size in sizes.items() if lowest <= size <= highest}
-    low, high = (from_si(x, unit, si) for x in (lowest, highest))
+    if np.isnan(median) or lowest <= _converted(median, unit, usual.unit) <= highest:
+        return ""
+    low, high = (_converted(x, usual.unit, unit) for x in bounds)
     whose = "the median of its sizes" if sized else "the median"
-    raise TableError(
+    return (
         f"{column or name}: {whose} is {median:.4g}, and in {unit} it would lie between {low:.3g} "
-        f"and {high:.3g}; is it in {' or '.join(fitting.values()) or 'another unit'}? The table "
-        f"must be in {unit} here"
+        f"and {high:.3g}; is it in {_fitting(median, usual.unit, bounds)}?"
     )
+
+
+def unusual_rows(columns: Mapping[str, Array], rows: Integers) -> Iterator[str]:
+    """Yield a question for each column with a value out of its range in `USUAL`."""
+    for name, usual in USUAL.items():
+        if name not in columns:
+            continue
+        lowest, highest = usual.single
+        size = np.abs(columns[name]) if lowest >= 0.0 else columns[name]
+        odd = (size < lowest) | (size > highest)
+        if odd.any():
+            first = int(np.argmax(odd))
+            value = float(columns[name][first])
+            yield (
+                f"{name}: row {rows[first]} below the header has {value:g}, outside of what is "
+                f"usual, {lowest:g} to {highest:g} {usual.unit}; is it in "
+                f"{_fitting(value, usual.unit, usual.single)}?{and_more(int(odd.sum()))}"
+            )
+
+
+def _converted(number: float, unit: str, other: str) -> float:
+    si = si_of(unit)
+    return from_si(in_si(number, unit, si), other, si)
+
+
+def _fitting(number: float, unit: str, bounds: tuple[float, float]) -> str:
+    """Return the units in which a number would lie within bounds that are in one of them."""
+    sizes = {other: _converted(number, other, unit) for other in UNITS[si_of(unit)]}
+    # Of two names for one unit the later is the usual one.
+    fitting = {size: other for other, size in sizes.items() if bounds[0] <= size <= bounds[1]}
+    return " or ".join(fitting.values()) or "another unit"
 
 
 def require_degrees(angles: Array, name: str, largest: float) -> None:

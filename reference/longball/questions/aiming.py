@@ -197,7 +197,7 @@ def _trial(
 
 
 def _at_a_distance(scene: Any, distance: float, engine: PathEngine[Any]) -> _Trial:
-    gets = float(_landed(scene, engine).landing.distance)
+    gets = float(_landed(scene, engine)["landing.distance"])
     return _Trial(scene, gets - distance, _getting(gets, distance))
 
 
@@ -210,7 +210,7 @@ def _in_its_direction(
     for _ in range(_CORRECTED):
         launched: Any = with_values(scene, {**values, _DIRECTION: direction})
         found = _landed(launched, engine)
-        place = np.array([*map(float, found.landing.position)])
+        place = np.array([*map(float, found["landing.position"])])
         gets, turned = _polar(place[:2] - origin)
         trial = _Trial(launched, gets - away, _getting(gets, away))
         if len(target) == 3:

@@ -20,9 +20,9 @@ from typing import Any
 from longball.api import as_engine, as_scene
 from longball.engines.chain import solve_each
 from longball.model.air import Weather
-from longball.model.names import one_of
+from longball.model.names import did_you_mean
 from longball.model.result import Result
-from longball.model.scene import AtBatScene, Fence, FlightScene, InvalidScene
+from longball.model.scene import AtBatScene, Fence, FlightScene, InvalidScene, Scene
 from longball.pitches.statcast import FOOT, PARKS
 from longball.pitches.table import DATA
 
@@ -42,6 +42,8 @@ class Park:
         As Statcast and the league call it today.
     formerly
         What it was called before, with the same fence; empty if nothing else.
+    city
+        Where it is.
     bearings
         rad, of each vertex from centre field, positive to the left; the left pole is the first.
     distances
@@ -58,6 +60,7 @@ class Park:
 
     name: str
     formerly: str
+    city: str
     bearings: tuple[float, ...]
     distances: tuple[float, ...]
     walls: tuple[float, ...]
@@ -91,15 +94,16 @@ def parks() -> tuple[Park, ...]:
     >>> round(max(lb.park("Fenway Park").walls), 1)
     11.3
     """
-    elevations = {row["park"]: float(row["elevation"]) * FOOT for row in _rows(PARKS)}
+    places = {row["park"]: row for row in _rows(PARKS)}
     return tuple(
         Park(
             row["park"],
             row["formerly"],
+            places[row["park"]]["city"],
             tuple(math.radians(float(text)) for text in row["bearing"].split()),
             tuple(float(text) * FOOT for text in row["distance"].split()),
             tuple(float(text) * FOOT for text in row["wall"].split()),
-            elevations[row["park"]],
+            float(places[row["park"]]["elevation"]) * FOOT,
             row["seasons"],
             row["source"],
         )
@@ -118,7 +122,7 @@ def park(name: str) -> Park:
     Raises
     ------
     ValueError
-        If no such park is known; the message names the nearest.
+        If no such park is known; the message names the nearest, or the parks of that city.
 
     Examples
     --------
@@ -129,9 +133,15 @@ def park(name: str) -> Park:
     """
     known = {each.name: each for each in parks()}
     known |= {each.formerly: each for each in parks() if each.formerly}
-    if name not in known:
-        raise ValueError(f"park {name!r} is not known{one_of('the parks are', name, known)}")
-    return known[name]
+    if name in known:
+        return known[name]
+    near = did_you_mean(name, known)
+    for city in dict.fromkeys(each.city for each in parks()):
+        if not near and did_you_mean(name, [city]):
+            there = " or ".join(each.name for each in parks() if each.city == city)
+            near = f", did you mean {there}?"
+    near = near or f"; the parks are {', '.join(each.name for each in parks())}"
+    raise ValueError(f"park {name!r} is not known{near}")
 
 
 @dataclass(frozen=True)
@@ -194,6 +204,12 @@ def in_parks(
 
 def _in(one: Park, scene: FlightScene | AtBatScene) -> Any:
     """Return the scene in a park."""
-    by_weather = scene.air is not None and isinstance(scene.air.density, Weather)
-    elevation = {"air.density.elevation": one.elevation} if by_weather else {}
+    rises = scene.air is not None and not ignores_elevation(scene)
+    elevation = {"air.density.elevation": one.elevation} if rises else {}
     return scene.replace(fence=one.fence, **elevation)
+
+
+def ignores_elevation(scene: Scene) -> bool:
+    """True if a scene has air of a density that is the same in all parks."""
+    air = getattr(scene, "air", None)
+    return air is not None and not isinstance(air.density, Weather)

@@ -9,27 +9,34 @@ and the law of C_L gives S = R ω_T / U: how fast the ball turns across its way.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import root
 
 from longball.api import as_scene
+from longball.engines.engine import CannotSolve
 from longball.model.air import Air, law_name
 from longball.model.arrays import Array
 from longball.model.law import per_metre
 from longball.model.names import one_of
 from longball.model.numbers import DOUBLES
-from longball.model.scene import AtBatScene, PitchScene
+from longball.model.scene import AtBatScene, InvalidScene, PitchScene, Scene
 from longball.model.vectors import part_across
 from longball.pitches.models import FlightModel
 from longball.pitches.statcast import MeasuredPitches, time_of_plane
+from longball.questions.movement import Movement, movement
 from longball.solution import real_numbers
 
 # Of a share: of a ball whose spin is all active the law there and back gives 1 to 1e-13.
 _ROUNDING = 1e-12
+
+# m: by what a movement may be missed; rounding misses it by 1e-14.
+_MISSED = 1e-9
 
 # Laws of the spin parameter, which can be asked for it.
 _INVERTED = ("rational", "linear", "bilinear", "table")
@@ -115,12 +122,7 @@ def spin_from_movement(
     >>> f"C_L = {found.lift_coefficient:.3f}, {found.active_share:.0%} active"
     'C_L = 0.207, 87% active'
     """
-    if isinstance(scene, Mapping) and scene.get("kind") in ("pitch", "at-bat"):
-        # Whoever asks for the spin has none to give, and a law of it must have one in a scene.
-        pitch = scene.get("pitch", {})
-        if isinstance(pitch, Mapping):
-            scene = {**scene, "pitch": {"spin": [0.0, 0.0, 0.0], **pitch}}
-    asked = as_scene(scene)
+    asked = _asked(scene)
     if not isinstance(asked, PitchScene | AtBatScene):
         raise ValueError(f"scene: a pitch or an at-bat is needed, and this is a {asked.kind}")
     air = _air_of(asked)
@@ -174,6 +176,90 @@ def spin_from_movement(
     along = np.sqrt(np.where(above, np.nan, np.maximum(whole**2 - size**2, 0.0)))
     spin = transverse + (np.sign(gyro) * along)[..., None] * ahead
     return SpinFromMovement(transverse, drag[()], lift[()], share[()], spin, above[()], reasons)
+
+
+def _asked(scene: object) -> Scene:
+    """Return a scene; a mapping of one need not have the spin that is asked for."""
+    if isinstance(scene, Mapping) and scene.get("kind") in ("pitch", "at-bat"):
+        # A law of the spin must have one in a scene.
+        pitch = scene.get("pitch", {})
+        if isinstance(pitch, Mapping):
+            scene = {**scene, "pitch": {"spin": [0.0, 0.0, 0.0], **pitch}}
+    return as_scene(scene)
+
+
+def spin_for(
+    scene: object, moved: Movement, since: float | None = None, **options: Any
+) -> PitchScene:
+    """Find the spin across its way with which a pitch moves as it should.
+
+    Parameters
+    ----------
+    scene
+        A pitch, as `solve` takes it: its release, speed, air and law of lift count, and the part of
+        its spin along the velocity, if it has one.
+    moved
+        How far it should move from where gravity alone would take it; see `movement`.
+    since
+        m, x of the place from which that counts; the release if left out.
+    options
+        ``engine=`` and options of it, as of `solve`.
+
+    Returns
+    -------
+    PitchScene
+        The pitch with that spin: ``.pitch.spin``, rad/s.
+
+    Raises
+    ------
+    InvalidScene
+        If `scene` describes no pitch.
+    ValueError
+        If its law of lift cannot be asked for a spin, or reaches no such movement.
+    CannotSolve
+        If no spin is found.
+
+    Examples
+    --------
+    >>> import longball as lb
+    >>> air = {"lift_coefficient": {"law": "rational"}, "drag_coefficient": 0.35}
+    >>> pitch = {"kind": "pitch", "pitch": {"speed": 42.0}, "air": air}
+    >>> found = lb.spin_for(pitch, lb.Movement(across=0.2, up=0.4))
+    >>> [round(x) for x in found.pitch.spin]
+    [0, 88, -49]
+    """
+    asked = _asked(scene)
+    if not isinstance(asked, PitchScene):
+        raise InvalidScene(f"kind: must be 'pitch' here, and is {asked.kind!r}")
+    ahead = np.array(asked.pitch.thrown)
+    ahead /= np.linalg.norm(ahead)
+    up = np.array([0.0, 0.0, 1.0]) - ahead[2] * ahead
+    up /= np.linalg.norm(up)
+    # A force along n needs a spin along ahead × n: up, and to the left.
+    axes = np.stack([np.cross(ahead, up), np.cross(ahead, np.cross(ahead, up))])
+    kept = ahead * (ahead @ np.array(asked.pitch.spin or (0.0, 0.0, 0.0)))
+
+    def thrown(parts: Array) -> PitchScene:
+        return asked.replace(**{"pitch.spin": (kept + parts @ axes).tolist()})
+
+    def off(parts: Array) -> list[float]:
+        found = movement(thrown(parts), since=since, **options)
+        return [found.up - moved.up, found.across - moved.across]
+
+    # It begins with the spin for a constant acceleration, which also says what no spin reaches.
+    # A twentieth of its speed is what a pitch loses on half of its way.
+    far = asked.pitch.release[0] if since is None else since
+    time = far / (0.95 * abs(asked.pitch.thrown[0]))
+    push = 2.0 * np.array([0.0, moved.across, moved.up]) / time**2
+    gravity = np.array([0.0, 0.0, -asked.gravity])
+    start = spin_from_movement(asked, asked.pitch.thrown, push + gravity).transverse
+    found = root(off, axes @ start, tol=1e-12)
+    missed = math.hypot(*off(found.x))
+    if not missed <= _MISSED:
+        raise CannotSolve(
+            f"no spin is found: the nearest one misses that movement by {missed:.2g} m"
+        )
+    return thrown(found.x)
 
 
 def _vectors(name: str, value: ArrayLike) -> Array:

@@ -2,8 +2,10 @@
 
 import pytest
 
+from analysis.paper.histograms import curves
 from analysis.paper.pitch_fits import (
     PRINTED,
+    Fits,
     Found,
     Printed,
     draw_pitches,
@@ -11,7 +13,7 @@ from analysis.paper.pitch_fits import (
     write,
 )
 from analysis.writing import Report
-from longball.pitches import EXAMPLE, fit_pitches
+from longball.pitches import EXAMPLE, fit_pitches, read_pitches
 
 WIDENED = Printed("spread", "cells", 0.77, "aim", "spread", 1.0, 1.0)
 
@@ -42,7 +44,8 @@ def row(what, width, low, high):
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     """Return a function that writes the section for given quantiles of R²."""
-    example = fit_pitches(EXAMPLE, replicates=2)
+    pitches = read_pitches(EXAMPLE)
+    example = Fits(fit_pitches(EXAMPLE, replicates=2), curves(pitches, replicates=2))
     aims = [row("aim", 1.0, 0.9, 0.99), row("aim on the curve", 1.0, 0.9, 0.95)]
     coverage = [{"draws": 9, "within_1.96": 0.95}]
 

@@ -1,0 +1,117 @@
+"""Curves through histograms, as the paper lays them: known answers, and its own numbers."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.paper.histograms import INTEGRAL_AS_PRINTED, curves, normal_through, r_squared
+from longball.pitches import read_pitches
+from longball.pitches.fitting import normal
+from tests.pitches.test_fitting import CELLS, KINDS, METRES, PRINTED, SPEEDS, draw
+
+
+def laid(table, columns, bin_width=3.0, replicates=2):
+    return curves(read_pitches(table, columns, KINDS), bin_width, replicates)
+
+
+@pytest.mark.nightly
+def test_so_does_the_histogram_if_its_bins_are_narrow():
+    seeds = 12
+    deviations = {name: [] for name in (*SPEEDS, "p")}
+    for seed in range(seeds):
+        table = draw(1548, seed, METRES)
+        fitted = laid(table, METRES, 1.0, 24)
+        for name, each in deviations.items():
+            found = getattr(fitted.speed, "weight" if name == "p" else name)
+            unit = 1.0 if name == "p" else 3.6
+            each.append((unit * found.value - PRINTED[name]) / (unit * found.standard_error))
+    for name, each in deviations.items():
+        z = np.array(each)
+        assert abs(z.mean()) < 3.5 / math.sqrt(seeds), name
+        # One in 2,000 either way for 12 numbers; the errors themselves are known to 14 %.
+        assert 0.35 < z.std() < 1.9, name
+
+
+def test_shares_that_are_the_printed_density_give_figure_3_back():
+    """The paper's fit on its own density: the share of cell j is ψ(j)."""
+
+    def psi(y):
+        left, right = (math.exp(-(((y - mean) / 0.77) ** 2) / 2) for mean in (2, 4))
+        return (0.52 * left + 0.48 * right) / (math.sqrt(2 * math.pi) * 0.77)
+
+    total = sum(psi(y) for y in range(1, 6))
+    counts = [round(1548 * psi(y) / total) for y in range(1, 6)]
+    cells = np.repeat([1, 2, 3, 4, 5], counts)
+    table = draw(len(cells), 0, CELLS).assign(cell=cells)
+    at_edges = laid(table, CELLS).aim_at_edges
+    assert at_edges.weight.value == pytest.approx(0.52, abs=0.005)
+    assert at_edges.spread.value == pytest.approx(0.77 * total, abs=0.01)  # ψ(1..5) adds to 0.98
+    assert (at_edges.left_mean.value, at_edges.right_mean.value) == (2.0, 4.0)
+    assert at_edges.r_squared > 0.99
+
+
+@pytest.mark.parametrize(("factor", "integral"), [(2, 1.0), (1, INTEGRAL_AS_PRINTED)])
+def test_equation_2_with_and_without_its_2(factor, integral):
+    v = np.linspace(-60.0, 60.0, 24001)
+    y = np.exp(-((v - 1.0) ** 2) / (factor * 4.58**2)) / (math.sqrt(2 * math.pi) * 4.58)
+    assert np.trapezoid(y, v) == pytest.approx(integral, rel=1e-9)
+    assert normal(v, 1.0, 4.58 * integral, integral) == pytest.approx(y, rel=1e-12)
+    found = normal_through(v[::50], y[::50], (0.0, 6.0), integral)
+    assert found == pytest.approx((1.0, 4.58 * integral), rel=1e-7)
+
+
+def test_equation_2_as_printed_cannot_have_given_the_printed_r_squared():
+    """Its integral is 1/√2: through a histogram of all pitches it cannot reach 0.9942."""
+    for seed in range(5):
+        found = laid(draw(1548, seed, METRES), METRES)
+        assert found.speed.r_squared > 0.975
+        assert found.speed_as_printed.r_squared < 0.9
+
+
+def test_wide_bins_widen_the_histogram_fit_as_sheppard_says():
+    table = draw(200_000, 3, CELLS)
+    for width in (1.0, 5.0):
+        fit = laid(table, CELLS, width).speed
+        expected = math.sqrt(4.58**2 + width**2 / 12)
+        # The rule is of second order in width/σ; the next term is 0.5 % at 5 km/h.
+        assert fit.straight_spread.value * 3.6 == pytest.approx(expected, rel=0.01)
+
+
+def test_bins_lie_between_the_speeds_that_are_written():
+    table = draw(1548, 0, CELLS)
+    whole = table.assign(kmh=table.kmh.round())
+    columns = CELLS.model_copy(update={"speed_resolution": 1.0})
+    found = laid(whole, columns, 2.9)
+    edges = found.edges * 3.6
+    assert np.diff(edges) == pytest.approx(3.0)
+    assert edges % 1.0 == pytest.approx(0.5)
+    assert edges[0] < whole.kmh.min() < edges[1]
+    assert edges[-2] < whole.kmh.max() < edges[-1]
+    assert found.counts.sum() == 1548
+
+
+def test_r_squared_by_hand():
+    assert r_squared(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 4.0])) == 0.5
+    assert r_squared(np.array([1.0, 2.0, 3.0]), np.array([2.0, 2.0, 2.0])) == 0.0
+
+
+def test_a_weight_at_the_end_of_its_range_has_no_error():
+    # Few straight balls, and a gap in the speeds of the others where they lie.
+    speed = {
+        "straight": [138.0, 139.0, 140.0] * 10,
+        "breaking": [*range(120, 135), *range(144, 159)] * 12,
+    }
+    rows = [
+        (kind, kmh, 0.05 * (i % 5)) for kind, each in speed.items() for i, kmh in enumerate(each)
+    ]
+    table = pd.DataFrame(rows, columns=["kind", "kmh", "cell"])
+    weight = laid(table, METRES).speed.weight
+    assert weight.value in (0.0, 1.0)
+    assert (weight.status, weight.standard_error) == ("at_bound", None)
+
+
+def test_equal_cells_determine_no_r_squared():
+    table = draw(1000, 0, CELLS).assign(cell=[1, 2, 3, 4, 5] * 200)
+    assert laid(table, CELLS).aim.r_squared is None
