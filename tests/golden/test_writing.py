@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import shutil
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,17 @@ FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,
 IMPACTS = drafts()["impact"].cases
 FEW = Drafts("Three impacts.", IMPACTS[:3])
 SMALL = {"few": FEW}
+
+
+# The cases of this set are few, and each test writes them anew: each is solved once.
+made = cache(make)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def each_solved_once():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(writer, "make", made)
+        yield
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -63,7 +75,7 @@ def interrupt(folder: Path, families=SMALL) -> None:
 def solved(monkeypatch) -> list[str]:
     """The ids of the cases that are solved."""
     ids = []
-    monkeypatch.setattr(writer, "make", lambda *args: ids.append(args[1].scene.id) or make(*args))
+    monkeypatch.setattr(writer, "make", lambda *args: ids.append(args[1].scene.id) or made(*args))
     return ids
 
 
