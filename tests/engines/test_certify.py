@@ -57,7 +57,7 @@ def stem(name: str) -> str:
     return name.partition("[")[0]
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings().max_examples // 3)
 @given(scenes("baseball"))
 def test_the_radius_holds_the_truth(scene):
     found = certified(scene, IVP)

@@ -76,7 +76,7 @@ def test_one_by_one_or_all_at_once(nightly):
     assert [result.line() for result in together(scenes)] == wanted
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings().max_examples // 3)
 @given(st.lists(scenes("baseball"), min_size=1, max_size=40), st.randoms())
 def test_any_scenes_in_any_order(scenes, chance):
     wanted = [result.line() for result in alone(scenes)]
@@ -86,7 +86,7 @@ def test_any_scenes_in_any_order(scenes, chance):
     assert [result.line() for result in found] == [wanted[i] for i in order]
 
 
-@settings(max_examples=10)
+@settings(max_examples=settings().max_examples // 3)
 @given(st.lists(at_bats(), min_size=1, max_size=5))
 def test_columns_are_scenes(scenes):
     """A table of columns has the numbers of the results, and no others."""

@@ -59,8 +59,10 @@ KNOWN = {
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_every_number_of_the_reference_is_as_good_as_its_condition_allows(family):
-    assert [fault for case in cases_of(family) for fault in wrong(case, Ivp())] == []
+def test_every_number_of_the_reference_is_as_good_as_its_condition_allows(family, nightly):
+    # Of the extended model many a case has a law of its own, which takes a tenth of a second.
+    cases = cases_of(family)[:: 3 if family in EXTENDED and not nightly else 1]
+    assert [fault for case in cases for fault in wrong(case, Ivp())] == []
 
 
 @pytest.mark.sampled(every=3)  # so that each family has one engine by day

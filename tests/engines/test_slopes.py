@@ -154,8 +154,8 @@ def off(scene, columns, names, engine, every=1):
     ],
 )
 @pytest.mark.sampled(every=2)
-def test_columns_have_the_derivatives_of_their_scenes(scene, columns, names):
-    assert off(scene, columns, names, Ivp()) < GOOD
+def test_columns_have_the_derivatives_of_their_scenes(scene, columns, names, nightly):
+    assert off(scene, columns, names, Ivp(), every=1 if nightly else 3) < GOOD
 
 
 @pytest.mark.parametrize("scene", [AT_BAT, pytest.param(RUBBED, marks=pytest.mark.nightly)])
