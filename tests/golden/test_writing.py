@@ -12,11 +12,11 @@ import pytest
 
 from longball.engines.enclosure import Enclosure
 from longball.golden import condition, home_runs, writer
-from longball.golden.case import FOUND, Drafts
+from longball.golden.case import FOUND, Draft, Drafts
 from longball.golden.checker import check
 from longball.golden.condition import sensitivity
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
-from longball.golden.reader import drafts, header, load, probabilities
+from longball.golden.reader import DATA, drafts, header, load, probabilities
 from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
 from longball.model.inputs import inputs, with_input
@@ -26,7 +26,9 @@ from longball.model.scene import parse_scene
 FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
 
 
-IMPACTS = drafts()["impact"].cases
+IMPACTS = [
+    Draft.model_validate_json(line) for line in (DATA / "impact.jsonl").read_bytes().splitlines()
+]
 FEW = Drafts("Three impacts.", IMPACTS[:3])
 SMALL = {"few": FEW}
 
