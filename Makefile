@@ -11,7 +11,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # Tests run on all cores: more threads in each would wait for each other.
 test nightly: export OPENBLAS_NUM_THREADS = 1
 
-LINTERS := mypy pages ruff format codespell prose imports derivation
+LINTERS := mypy pyright ruff format codespell prose imports derivation
 LINT := $(LINTERS:%=lint-%)
 
 .PHONY: report paper docs test nightly coverage lint $(LINT) bench mutants planted clean
@@ -39,11 +39,8 @@ coverage: $(INSTALLED)  ## run the tests, and print what they do not reach
 lint: $(INSTALLED)  ## run the linters, several at once
 	$(MAKE) --jobs=4 $(LINT)
 
-lint-mypy: $(INSTALLED)
-	$(BIN)/mypy reference analysis
-
-lint-pages: $(INSTALLED)
-	$(BIN)/python -m tests.snippets
+lint-mypy lint-pyright: lint-%: $(INSTALLED)
+	$(BIN)/python -m tests.snippets $*
 
 lint-ruff: $(INSTALLED)
 	$(BIN)/ruff check

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -54,6 +54,18 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         (waiting if waits else by_day).append(item)
     config.hook.pytest_deselected(items=waiting)
     items[:] = by_day
+
+
+@pytest.fixture(autouse=True, scope="session")
+def as_it_is(pytestconfig: pytest.Config) -> Iterator[None]:
+    """Let the series of a law run as they are ten times longer before they are compiled.
+
+    That takes up to ten seconds a law, more than the few flights of a day would save.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        if not pytestconfig.getoption("--nightly"):
+            patch.setattr("longball.engines.taylor._ENOUGH", 20_000)
+        yield
 
 
 @pytest.fixture

@@ -6,8 +6,31 @@ Sizes are those of a ball field: a ball flies seconds, not hours.
 """
 
 import math
+from functools import partial
 
 COEFFICIENTS = ("constant", "spin", "speed", "table")
+
+# Numbers that a block has some of, and between what they lie.
+SOME = {
+    "ball": {"mass": (0.12, 0.17), "radius": (0.03, 0.045), "restitution": (0.2, 0.7)},
+    "bat": {"mass": (0.7, 1.2), "length": (0.7, 1.1), "radius": (0.025, 0.04)},
+    "earth": {"azimuth": (-3, 3)},
+    "weather": {
+        "temperature": (265, 312),
+        "pressure": (97_000, 104_000),
+        "humidity": (0, 1),
+        "elevation": (-50, 2200),
+    },
+    "spin": {"constant": (0.2, 0.4), "per_spin": (0, 5e-4)},
+    "crisis": {
+        "high_speed": (0.1, 0.4),
+        "low_speed": (0.4, 0.6),
+        "speed": (20, 45),
+        "width": (1, 6),
+    },
+    "linear": {"slope": (-0.5, 1.5)},
+    "rational": {"numerator": (0.5, 1.5), "constant": (0.3, 0.8), "slope": (1.5, 3)},
+}
 
 
 def random_scene(rng):
@@ -17,12 +40,7 @@ def random_scene(rng):
     plain = reading.get("lift_direction") == "always_up"  # takes neither spin nor wind nor table
     spins = not plain and rng.random() < 0.65
     if rng.random() < 0.5:
-        scene["ball"] = some(
-            rng,
-            mass=lambda: rng.uniform(0.12, 0.17),
-            radius=lambda: rng.uniform(0.03, 0.045),
-            restitution=lambda: rng.uniform(0.2, 0.7),
-        )
+        scene["ball"] = some(rng, "ball")
     if kind in ("impact", "at-bat"):
         scene["bat"], scene["swing"] = random_bat(rng, reading), random_swing(rng)
     if kind == "flight":
@@ -51,8 +69,9 @@ def random_scene(rng):
     return scene
 
 
-def some(rng, **draws):
-    """Some of the keys, each drawn when it is there."""
+def some(rng, block, **draws):
+    """Some of the keys of a block, each drawn when it is there."""
+    draws = {key: partial(rng.uniform, *ends) for key, ends in SOME.get(block, {}).items()} | draws
     return {key: draw() for key, draw in draws.items() if rng.random() < 0.6}
 
 
@@ -125,6 +144,7 @@ def random_pitch(rng, spins):
     else:
         pitch |= some(
             rng,
+            "pitch",
             speed=lambda: rng.uniform(28, 48),
             aim=lambda: [rng.uniform(-0.4, 0.4), rng.uniform(1.2, 2.4)],
         )
@@ -132,12 +152,7 @@ def random_pitch(rng, spins):
 
 
 def random_bat(rng, reading):
-    bat = some(
-        rng,
-        mass=lambda: rng.uniform(0.7, 1.2),
-        length=lambda: rng.uniform(0.7, 1.1),
-        radius=lambda: rng.uniform(0.025, 0.04),
-    )
+    bat = some(rng, "bat")
     if rng.random() < 0.6:
         bat["support"] = rng.choice(["pivot", "free"])
         if bat["support"] == "free" and reading.get("effective_mass") == "as_printed":
@@ -152,6 +167,7 @@ def random_bat(rng, reading):
 def random_swing(rng):
     return some(
         rng,
+        "swing",
         angular_speed=lambda: rng.uniform(15, 50) if rng.random() < 0.8 else rng.uniform(-90, 0),
         tilt=lambda: rng.uniform(-0.2, 0.4),
         height_offset=lambda: rng.uniform(-0.08, 0.08),
@@ -179,9 +195,7 @@ def random_surroundings(rng, kind, spins, plain, ground):
     if rng.random() < 0.3:
         around["gravity"] = rng.choice([9.81, 9.7807, 0.0, rng.uniform(1.6, 15)])
     if rng.random() < 0.2:
-        around["earth"] = {"latitude": rng.uniform(-1.5, 1.5)} | some(
-            rng, azimuth=lambda: rng.uniform(-3, 3)
-        )
+        around["earth"] = {"latitude": rng.uniform(-1.5, 1.5)} | some(rng, "earth")
     if rng.random() < 0.1 or around.get("gravity") == 0:
         around["time_limit"] = rng.uniform(0.3, 3)
     if kind != "pitch" and rng.random() < 0.6:
@@ -216,13 +230,7 @@ def random_air(rng, spins, plain, ground):
     air = {}
     weather = rng.random() < 0.4
     if weather:
-        air["density"] = some(
-            rng,
-            temperature=lambda: rng.uniform(265, 312),
-            pressure=lambda: rng.uniform(97_000, 104_000),
-            humidity=lambda: rng.random(),
-            elevation=lambda: rng.uniform(-50, 2200),
-        )
+        air["density"] = some(rng, "weather")
     elif rng.random() < 0.4:
         air["density"] = rng.uniform(0.8, 1.4)
     if rng.random() < 0.3:
@@ -244,7 +252,7 @@ def random_wind(rng, ground):
     form = rng.choice(["uniform", "above", "profile"])
     if form == "profile" and ground > -0.005:
         return {"velocity": velocity, "height": rng.uniform(2, 20)} | some(
-            rng, roughness=lambda: 10 ** rng.uniform(-2, 0)
+            rng, "wind", roughness=lambda: 10 ** rng.uniform(-2, 0)
         )
     velocity[2] = rng.choice([0.0, rng.uniform(-2, 2)])
     if form == "above":
@@ -256,19 +264,9 @@ def random_wind(rng, ground):
 def random_drag(rng, spins, plain, mach):
     law = rng.choice(COEFFICIENTS)
     if law == "spin" and spins:
-        return {"law": "spin"} | some(
-            rng,
-            constant=lambda: rng.uniform(0.2, 0.4),
-            per_spin=lambda: rng.uniform(0, 5e-4),
-        )
+        return {"law": "spin"} | some(rng, "spin")
     if law == "speed":
-        crisis = some(
-            rng,
-            high_speed=lambda: rng.uniform(0.1, 0.4),
-            low_speed=lambda: rng.uniform(0.4, 0.6),
-            speed=lambda: rng.uniform(20, 45),
-            width=lambda: rng.uniform(1, 6),
-        )
+        crisis = some(rng, "crisis")
         if spins and rng.random() < 0.4:
             crisis["per_spin"] = rng.uniform(0, 3e-4)
         return {"law": "crisis"} | crisis
@@ -281,19 +279,8 @@ def random_drag(rng, spins, plain, mach):
 def random_lift(rng, spins, plain, mach):
     law = rng.choice(COEFFICIENTS)
     if law in ("spin", "speed") and spins:
-        return rng.choice(
-            [
-                {"law": "bilinear"},
-                {"law": "linear"} | some(rng, slope=lambda: rng.uniform(-0.5, 1.5)),
-                {"law": "rational"}
-                | some(
-                    rng,
-                    numerator=lambda: rng.uniform(0.5, 1.5),
-                    constant=lambda: rng.uniform(0.3, 0.8),
-                    slope=lambda: rng.uniform(1.5, 3),
-                ),
-            ]
-        )
+        laws = [{"law": law} | some(rng, law) for law in ("bilinear", "linear", "rational")]
+        return rng.choice(laws)
     if law == "table" and not plain:
         return random_table(rng, spins, mach, lambda: rng.uniform(-0.1, 0.4))
     value = rng.choice([0.0, rng.uniform(0.02, 0.35), rng.uniform(-0.25, -0.02)])

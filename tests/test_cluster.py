@@ -1,4 +1,4 @@
-"""``--scheduler``: the same work on a Dask cluster of two worker processes on this machine."""
+"""``--scheduler``: the same work on a Dask cluster of two workers on this machine."""
 
 from __future__ import annotations
 
@@ -89,7 +89,20 @@ def start_worker(start: Start, address: str, **options: Any) -> None:
 
 
 @pytest.fixture(scope="module")
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+def cluster(
+    tmp_path_factory: pytest.TempPathFactory, pytestconfig: pytest.Config
+) -> Iterator[Cluster]:
+    if not pytestconfig.getoption("--nightly"):
+        # In threads of this process, which are there at once; what is sent goes through sockets.
+        with (
+            distributed.LocalCluster(
+                n_workers=2, threads_per_worker=1, processes=False, protocol="tcp",
+                host="127.0.0.1", dashboard_address=None,
+            ) as local,
+            distributed.Client(local, set_as_default=False) as client,
+        ):  # fmt: skip
+            yield Cluster(local.scheduler_address, client)
+        return
     with starting() as start:
         scheduler = start_scheduler(start, tmp_path_factory.mktemp("cluster"))
         for _ in range(2):

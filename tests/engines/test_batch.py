@@ -582,9 +582,14 @@ def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -
     assert "whether the ball touches the ground cannot be decided" in result.error
 
 
-@pytest.mark.parametrize("size", [1e30, 1e20, 1e10])
+@pytest.mark.parametrize("size", [1e20, 1e30, 1e10])
 @pytest.mark.sampled(every=3)
-def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(size: float) -> None:
+def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(
+    size: float, nightly: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not nightly:  # what takes over 20,000 steps takes over 300
+        monkeypatch.setattr("longball.engines.ivp._MANY_STEPS", 150)
+        monkeypatch.setattr("longball.engines.ivp._MOST_STEPS", 300)
     flying = {"position": (0.0, 0.0, 1.0), "velocity": (size, 0.0, size)}
     scenes: list[Scene] = [
         FlightScene(id="fast", launch=Launch(**flying)),

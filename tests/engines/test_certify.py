@@ -14,10 +14,10 @@ from longball.engines.certify import Certifying, certified
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.lines import solve_lines
-from longball.golden.reader import load
 from longball.model.quantities import numbers
 from longball.model.result import Certified, Result
 from longball.model.scene import parse_scene
+from tests.scenes import paper_cases
 from tests.strategies import scenes
 
 IVP = create("ivp")
@@ -57,7 +57,7 @@ def stem(name: str) -> str:
     return name.partition("[")[0]
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings().max_examples // 3)
 @given(scenes("baseball"))
 def test_the_radius_holds_the_truth(scene):
     found = certified(scene, IVP)
@@ -66,7 +66,7 @@ def test_the_radius_holds_the_truth(scene):
 
 
 def golden(step: int):
-    answered = [case for case in load() if case.expected.outcome is not None]
+    answered = [case for case in paper_cases() if case.expected.outcome is not None]
     return [case for case in answered if "hard" in case.id][:: max(1, step // 2)] + answered[::step]
 
 

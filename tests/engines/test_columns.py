@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from longball import golden
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.batch.columns import Columns, Table
 from longball.engines.chain import MODEL, solve
@@ -17,6 +16,7 @@ from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene, parse_scene
+from tests.scenes import cases_of, paper_cases
 from tests.strategies import at_bats, scenes
 
 ENGINE = Batch()
@@ -57,11 +57,11 @@ def readings():
 def every_kind(whole):
     """Golden scenes of every kind and outcome, hard ones included, under every reading."""
     each = 1 if whole else 5
-    cases = golden.load()
+    cases = paper_cases()
     chosen = [case.scene for case in cases[:: 5 * each]]
     chosen += [case.scene for case in cases if case.id.startswith("hard-")][::each]
     for family in ("impact-oblique", "fence"):
-        chosen += [case.scene for case in golden.load(family)][::each]
+        chosen += [case.scene for case in cases_of(family)][::each]
     yield from chosen
     plain = [scene for scene in chosen if scene.reading == Reading()][::9]
     for reading, scene in itertools.product(readings(), plain):
@@ -76,7 +76,7 @@ def test_one_by_one_or_all_at_once(nightly):
     assert [result.line() for result in together(scenes)] == wanted
 
 
-@settings(max_examples=20)
+@settings(max_examples=settings().max_examples // 3)
 @given(st.lists(scenes("baseball"), min_size=1, max_size=40), st.randoms())
 def test_any_scenes_in_any_order(scenes, chance):
     wanted = [result.line() for result in alone(scenes)]
@@ -86,7 +86,7 @@ def test_any_scenes_in_any_order(scenes, chance):
     assert [result.line() for result in found] == [wanted[i] for i in order]
 
 
-@settings(max_examples=10)
+@settings(max_examples=settings().max_examples // 3)
 @given(st.lists(at_bats(), min_size=1, max_size=5))
 def test_columns_are_scenes(scenes):
     """A table of columns has the numbers of the results, and no others."""

@@ -17,7 +17,6 @@ import pytest
 from flint import arb, ctx
 
 from analysis.random_scenes import random_scene
-from longball import golden
 from longball.engines import event
 from longball.engines.arithmetic import Dual
 from longball.engines.chain import solve, solve_once
@@ -29,6 +28,7 @@ from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_with
 from longball.model.numbers import DOUBLES, Undecided
 from longball.model.scene import parse_scene
+from tests.scenes import cases_of
 
 IVP, ENCLOSURE = Ivp(), Enclosure(30)
 ENGINES = pytest.mark.parametrize("engine", [IVP, ENCLOSURE], ids=["ivp", "enclosure"])
@@ -512,7 +512,7 @@ def test_a_batted_ball_whose_direction_is_left_open_is_not_taken_for_a_vertical_
 
 @pytest.mark.parametrize("of", ["speed", "spin"])
 def test_nodes_of_two_tables_that_are_passed_at_once_are_told(of):
-    (case,) = (c for c in golden.load("flight-kinks") if c.scene.id.endswith(f"both-by-{of}"))
+    (case,) = (c for c in cases_of("flight-kinks") if c.scene.id.endswith(f"both-by-{of}"))
     assert solve(case.scene, ENCLOSURE).outcome == "landed"
 
 

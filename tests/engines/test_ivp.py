@@ -2,7 +2,6 @@
 
 import math
 from contextlib import contextmanager
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,9 +16,7 @@ from longball.engines.taylor import Taylor
 from longball.model import exact
 from longball.model.frame import Frame
 from longball.model.law import (
-    Force,
     PlaneState,
-    SpaceState,
     law_of,
     law_with,
 )
@@ -118,42 +115,6 @@ def test_independent_methods_agree_with_taylors(method):
         off = engine.flight_error * truth.state.s / abs(truth.state.w / truth.state.u)
         assert landing.time == pytest.approx(truth.time, abs=off)
         assert landing.state == pytest.approx(truth.state, abs=max(off, engine.flight_error * 100))
-
-
-LINEAR = Force(
-    lambda scene, frame, numbers: {"viscosity": numbers.exact(scene.viscosity)},
-    lambda motion, p: tuple(-p.viscosity * component for component in motion.velocity),
-)
-
-
-@pytest.mark.parametrize("method", ["Taylor", "DOP853", "Radau"])
-def test_a_force_that_nobody_has_heard_of(method):
-    """A drag that is linear in the velocity: u = u₀ e^(-c t), and w falls to -g/c likewise."""
-    scene = SimpleNamespace(gravity=9.8, viscosity=0.3, air=None, earth=None)
-    engine = Ivp(method)
-    found = law_of(scene, ALONG_X, engine.numbers, (LINEAR,))
-    end = fly(BATTED, found, engine=engine, limit=3.0)
-    fade = math.exp(-0.3 * 3.0)
-    final = 9.8 / 0.3
-    wanted = (
-        35 * (1 - fade) / 0.3,
-        1 - final * 3.0 + (30 + final) * (1 - fade) / 0.3,
-        35 * fade,
-        (30 + final) * fade - final,
-    )
-    assert end.state == pytest.approx(wanted, rel=max(1e-15, engine.flight_error))
-
-
-def test_a_force_across_the_plane_is_flown_in_space():
-    """A wind from the side that pushes steadily: y = a t²/2, and nothing else changes."""
-    air = law_with({"drag": 0.0075, "gravity": 9.8})
-    pushed = law_with({"gravity": 9.8, "side": 2.0}, (lambda motion, p: (0.0, p.side, 0.0),))
-    end = ENGINE.fly(pushed, SpaceState(0.0, 0.0, 1.0, 35.0, 0.0, 30.0), [ground()], 60.0)
-    plane = fly(BATTED, NO_AIR, ground())
-    assert end.time == plane.time
-    assert end.state.y == pytest.approx(end.time**2, rel=1e-15)
-    assert (end.state.s, end.state.w) == (plane.state.s, plane.state.w)
-    assert air.state is PlaneState
 
 
 # ---- the singular point: V = 0 -------------------------------------------------------------------

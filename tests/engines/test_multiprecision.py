@@ -9,7 +9,7 @@ from longball.engines import event
 from longball.engines.chain import solve
 from longball.engines.multiprecision import Multiprecision
 from longball.model.frame import Frame
-from longball.model.law import PlaneState, SpaceState, law_with
+from longball.model.law import PlaneState, law_with
 from longball.model.numbers import Undecided
 from longball.model.result import Bounded
 from longball.model.scene import AtBatScene
@@ -45,34 +45,6 @@ def plate(distance):
 
 
 # ---- laws of any kind ----------------------------------------------------------------------------
-
-
-def wind_tunnel_law():
-    """Linear drag, weight and a constant force to the left, which drives the ball off the plane."""
-
-    def drag(motion, p):
-        return tuple(-p.rate * component for component in motion.velocity)
-
-    def aside(motion, p):
-        return ZERO, p.aside, ZERO
-
-    strengths = {"rate": exact(0.25), "aside": exact(1.5), "gravity": exact(9.8)}
-    return law_with(strengths, (drag, aside)), strengths
-
-
-def test_a_force_that_leaves_the_plane_is_flown_in_space():
-    law, strengths = wind_tunnel_law()
-    start = SpaceState(*map(exact, (0.0, 0.0, 1.0, 30.0, 0.0, 20.0)))
-    flight = ENGINE.fly(law, start, [ground()], exact(60.0))
-    assert flight.stop == "ground"
-    rate, t = strengths["rate"], flight.time
-    for place, pull in (("su", 0), ("yv", strengths["aside"]), ("zw", -strengths["gravity"])):
-        final, (r, v) = pull / rate, (getattr(start, name) for name in place)
-        faded = -mp.expm1(-rate * t)
-        truth = r + final * t + (v - final) * faded / rate, v + (final - v) * faded
-        for name, x in zip(place, truth, strict=True):
-            # The height is zero to rounding only; all else has its digits.
-            assert abs(getattr(flight.state, name) - x) < mp.mpf(10) ** -37, name
 
 
 def height_law(force):

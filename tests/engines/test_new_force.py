@@ -6,10 +6,13 @@ A new law of a coefficient costs one class.
 import math
 from typing import ClassVar, Literal
 
+import mpmath
 import numpy as np
 import pytest
 import scipy.integrate
+from flint import arb
 
+from longball.engines import event
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import Model, solve
 from longball.engines.enclosure import Enclosure
@@ -19,7 +22,7 @@ from longball.engines.verlet import Verlet
 from longball.model import trace
 from longball.model.air import Coefficient
 from longball.model.block import NotNegative, Positive
-from longball.model.law import Force
+from longball.model.law import Force, SpaceState, law_with
 from longball.model.scene import Air, FlightScene, Launch
 
 
@@ -100,6 +103,47 @@ def test_alone_it_is_the_exponential():
 
 def test_it_changes_something():
     assert landing(scene(linear_drag=0.125), Ivp())[0] < landing(scene(), Ivp())[0] - 5
+
+
+def aside(motion, p):
+    """A constant push to the left, which drives the ball off its plane."""
+    return 0, p.aside, 0
+
+
+@pytest.mark.parametrize(
+    ("engine", "error"),
+    [
+        *((e, e.flight_error) for e in (Ivp(), Ivp("DOP853"), Ivp("Radau"), Batch())),
+        (Enclosure(30), 1e-32),
+        (Multiprecision(30), 1e-38),  # guard digits and all
+        (Verlet(5e-4, forces="implicit"), 1e-6),
+    ],
+    ids=["ivp", "ivp-dop853", "ivp-radau", "batch", "enclosure", "multiprecision", "verlet"],
+)
+def test_off_the_plane_each_component_has_its_closed_form(engine, error):
+    """r = r₀ + f t + (v₀ - f) (1 - e^(-ct))/c and v = v₀ e^(-ct) + f (1 - e^(-ct)), f = push/c."""
+    numbers, exact = engine.numbers, engine.numbers.exact
+    start = SpaceState(0.0, 0.0, 1.0, 30.0, 0.0, 20.0)
+    named = {"linear_drag": 0.25, "aside": 1.5, "gravity": 9.8}
+    with numbers.arithmetic():
+        law = law_with({name: exact(k) for name, k in named.items()}, (linear_drag, aside))
+        launch = SpaceState(*map(exact, start))
+        landing = event.ground(exact(0.0), launch, numbers)
+        flight = engine.fly(law, launch, [landing], exact(60.0))
+    assert flight.stop == "ground"
+    with mpmath.workdps(40):
+        c, t = mpmath.mpf(named["linear_drag"]), digits(flight.time)
+        faded = -mpmath.expm1(-c * t)
+        for place, push in (("su", 0.0), ("yv", named["aside"]), ("zw", -named["gravity"])):
+            final, (r, v) = push / c, (getattr(start, name) for name in place)
+            truth = r + final * t + (v - final) * faded / c, v + (final - v) * faded
+            for name, x in zip(place, truth, strict=True):
+                assert abs(digits(getattr(flight.state, name)) - x) < error * max(1, abs(x)), name
+
+
+def digits(x):
+    """Return a number of any engine as mpmath's."""
+    return mpmath.mpf(x.mid().str(40, radius=False) if isinstance(x, arb) else x)
 
 
 # --- a law of a coefficient -----------------------------------------------------------------------

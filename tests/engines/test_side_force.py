@@ -151,6 +151,7 @@ def test_a_row_that_passes_its_direction_is_refused_alone():
     assert table["engine"].tolist()[1:] == [Batch().description, Ivp().description]
 
 
+@pytest.mark.nightly  # by day those of columns and of golden cases
 def test_derivatives_know_that_its_length_does_not_matter():
     """Σ dᵢ ∂Q/∂dᵢ = 0, and ∂Q/∂C_S is that of a second solution."""
     names = [f"air.side_coefficient.direction[{i}]" for i in range(3)]

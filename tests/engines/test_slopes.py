@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import longball as lb
-from longball import golden
 from longball.api import as_scene
 from longball.engines.batch import solve_columns, solve_columns_with_slopes
 from longball.engines.batch.tangents import gauss
@@ -22,6 +21,7 @@ from longball.engines.tangent import derivatives_of
 from longball.golden.case import ROUNDING
 from longball.model.inputs import inputs, value_of
 from longball.model.quantities import replaced
+from tests.scenes import FAMILIES, case_of, cases_of
 
 GOOD = 1e-12  # of the size of a quantity
 
@@ -154,8 +154,8 @@ def off(scene, columns, names, engine, every=1):
     ],
 )
 @pytest.mark.sampled(every=2)
-def test_columns_have_the_derivatives_of_their_scenes(scene, columns, names):
-    assert off(scene, columns, names, Ivp()) < GOOD
+def test_columns_have_the_derivatives_of_their_scenes(scene, columns, names, nightly):
+    assert off(scene, columns, names, Ivp(), every=1 if nightly else 3) < GOOD
 
 
 @pytest.mark.parametrize("scene", [AT_BAT, pytest.param(RUBBED, marks=pytest.mark.nightly)])
@@ -247,7 +247,7 @@ def test_a_shallow_landing_is_left_to_more_digits():
 
 
 def test_a_graze_of_the_bat_is_left_to_more_digits():
-    case = next(case for case in golden.load("hard") if case.id == "hard-graze-plus-1e-06")
+    case = case_of("hard-graze-plus-1e-06")
     columns = {"pitch.speed": np.full(2, case.scene.pitch.speed)}
     _, slopes = solve_columns_with_slopes(case.scene, columns, ["pitch.speed"])
     assert slopes.alone == [0, 1]
@@ -331,7 +331,7 @@ def test_derivatives_that_cannot_be_had_are_refused(options, sentence):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("family", golden.header().families)
+@pytest.mark.parametrize("family", FAMILIES)
 def test_golden_scenes_have_in_columns_the_derivatives_that_they_have_alone(family):
     """A derivative is of the size of what its quantity is made of, over the size of its input.
 
@@ -339,7 +339,7 @@ def test_golden_scenes_have_in_columns_the_derivatives_that_they_have_alone(fami
     ball from a bat, it is far more than the quantity. Of a flight it is up to four times as much.
     Where the two differ by more, 30 digits tell whether it is the columns that are off.
     """
-    cases = [case for case in golden.load(family) if case.condition is not None]
+    cases = [case for case in cases_of(family) if case.condition is not None]
     faults = []
     for case in cases[::4]:
         of = inputs(case.scene)

@@ -29,9 +29,9 @@ from longball.model.inputs import STEP, inputs, with_input
 from longball.model.numbers import Undecided
 from longball.model.quantities import numbers_of
 from longball.model.scene import FlightScene, parse_scene
+from tests.scenes import FAMILIES, case_of, cases_of
 
 THREE_DIGITS, GOOD = 6e-3, 1e-12
-FAMILIES = list(golden.header().families)
 
 # The launch is 1e-12 from a node of a table, and a rounding of the airspeed a hundredth of it: how
 # the result depends on the node is known to two digits.
@@ -53,16 +53,12 @@ AT_A_CORNER = {
 }
 
 
-def case_of(identity: str) -> golden.Case:
-    return next(case for f in FAMILIES for case in golden.load(f) if case.id == identity)
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.sampled(every=5)
 def test_derivatives_are_those_of_the_golden_cases(family, nightly):
     cases = [
         case
-        for case in golden.load(family)
+        for case in cases_of(family)
         if case.condition is not None and not AT_A_NODE.fullmatch(case.id)
     ]
     faults = []
@@ -138,7 +134,7 @@ def test_derivatives_have_twelve_digits(identity, every, nightly):
 @pytest.mark.nightly
 @pytest.mark.parametrize("family", FAMILIES)
 def test_derivatives_have_twelve_digits_in_all_families(family):
-    cases = [case for case in golden.load(family) if case.condition is not None]
+    cases = [case for case in cases_of(family) if case.condition is not None]
     faults = [twelve_digits(case, [*inputs(case.scene)][::3]) for case in cases[::8]]
     assert [fault for each in faults for fault in each] == []
 

@@ -9,11 +9,11 @@ import pytest
 
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
-from longball.golden import load
 from longball.model.readings import Reading
 from longball.model.scene import parse_scene
+from tests.scenes import all_cases, cases_of
 
-COMBINED, EDGES = load("combined"), load("edges")
+COMBINED, EDGES = cases_of("combined"), cases_of("edges")
 MOVED = 1e-4  # relative: far above the tolerance of any profile
 
 # In which kinds of scenes a switch is to move answers, twice at least, in all golden data.
@@ -55,7 +55,7 @@ def without(scene: Any, name: str) -> Any:
 @pytest.mark.nightly
 def test_every_reading_moves_answers_of_every_kind():
     default, moved = Reading(), Counter[tuple[str, str]]()
-    cases = [c for c in load("all") if c.scene.reading != default and c.expected.outcome]
+    cases = [c for c in all_cases() if c.scene.reading != default and c.expected.outcome]
     for case in cases:
         scene: Any = parse_scene(case.scene.line())
         switches = [n for n in Reading.model_fields

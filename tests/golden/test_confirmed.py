@@ -9,6 +9,7 @@ import pytest
 from longball import golden
 from tests import nightly as by_oracle
 from tests.oracle_check import LATER
+from tests.scenes import FAMILIES, cases_of
 
 EACH = 40  # cases, of which one is solved in every run; `make nightly` solves all
 # In comments of kinks: a law changes its form for less than the 5 ms between the oracle's samples.
@@ -31,13 +32,13 @@ def apart(case: golden.Case) -> tuple[float | None, str]:
     return off, f"{case.id}: {sentence}"
 
 
-@pytest.mark.parametrize("family", golden.header().families)
+@pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.sampled(every=2)
 def test_the_oracle_confirms(family: str, request):
     nightly = request.getfixturevalue("nightly")
     solved = [
         case
-        for case in golden.load(family)
+        for case in cases_of(family)
         if case.expected.outcome and NEXT_TO not in case.comment and DIP not in case.flags
     ]
     found = [apart(case) for case in solved[:: 1 if nightly else EACH]]

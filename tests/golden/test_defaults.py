@@ -10,12 +10,12 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from longball import golden
 from longball.judge.candidate import run
 from longball.judge.coverage import coverage
 from longball.model.scene import KINDS, parse_scene, written_out
+from tests.scenes import all_cases, cases_of
 
-CASES = golden.load("defaults")
+CASES = cases_of("defaults")
 # Keys that stand for a number where something else is given, and are null otherwise.
 WITH_FRICTION = ("ball.inertia_factor", "bat.tangential_restitution", "bat.support")
 
@@ -33,7 +33,7 @@ def left_out(block: BaseModel, path: str = "", whole: bool = False) -> Iterator[
 
 def test_each_key_with_a_default_is_left_out_twice_in_each_kind_of_scene():
     known, found = set[tuple[str, str]](), Counter[tuple[str, str]]()
-    for case in golden.load("all"):
+    for case in all_cases():
         kind, keys = case.scene.kind, dict(left_out(case.scene))
         # No air at all is no default.
         known |= {(kind, key) for key in keys.keys() - {"kind", "air"}}

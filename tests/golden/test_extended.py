@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from longball import golden
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.golden.reader import EXTENDED
+from tests.scenes import cases_of
 
-CASES = {family: golden.load(family) for family in EXTENDED}
+CASES = {family: cases_of(family) for family in EXTENDED}
 IMPACTS, FENCES, KINKS = (CASES[name] for name in ("impact-oblique", "fence", "flight-kinks"))
 
 

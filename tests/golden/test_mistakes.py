@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from longball import golden
 from longball.golden.reader import header
 from longball.judge import coverage as module
 from longball.judge.cases import decidable
@@ -12,6 +11,7 @@ from longball.judge.coverage import LIMITS, coverage
 from longball.judge.diagnosis.chain import CHAIN, I
 from longball.judge.diagnosis.expression import constant
 from longball.judge.diagnosis.operators import Edit
+from tests.scenes import cases_of
 
 ENOUGH = 3  # cases
 FAMILIES = "defaults", "various-real", "flight-spin-drag"
@@ -26,7 +26,7 @@ def counts() -> dict[str, int]:
     beside = [*module.every_edit(0)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "every_edit", lambda every: [*beside, (flight, spin)])
-        found = coverage([case for name in FAMILIES for case in golden.load(name)])
+        found = coverage([case for name in FAMILIES for case in cases_of(name)])
     return {e.words: int(row.sum()) for e, row in zip(found.edits, found.noticed, strict=True)}
 
 
@@ -50,5 +50,5 @@ def test_a_mistake_is_noticed(counts: dict[str, int], words: str):
 
 def test_a_time_limit_is_not_cut_to_whole_seconds():
     (cut,) = [one for one in LIMITS if "whole seconds" in one.words]
-    cases = (case for name in ORDINARY for case in golden.load(name) if decidable(case))
+    cases = (case for name in ORDINARY for case in cases_of(name) if decidable(case))
     assert sum(cut.notices(case) for case in cases) >= ENOUGH

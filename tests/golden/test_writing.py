@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 import math
 import shutil
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from longball.engines.enclosure import Enclosure
 from longball.golden import condition, home_runs, writer
-from longball.golden.case import FOUND, Drafts
+from longball.golden.case import FOUND, Draft, Drafts
 from longball.golden.checker import check
 from longball.golden.condition import sensitivity
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
-from longball.golden.reader import drafts, header, load, probabilities
+from longball.golden.reader import DATA, drafts, header, load, probabilities
 from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
 from longball.model.inputs import inputs, with_input
@@ -25,9 +26,22 @@ from longball.model.scene import parse_scene
 FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
 
 
-IMPACTS = drafts()["impact"].cases
+IMPACTS = [
+    Draft.model_validate_json(line) for line in (DATA / "impact.jsonl").read_bytes().splitlines()
+]
 FEW = Drafts("Three impacts.", IMPACTS[:3])
 SMALL = {"few": FEW}
+
+
+# The cases of this set are few, and each test writes them anew: each is solved once.
+made = cache(make)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def each_solved_once():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(writer, "make", made)
+        yield
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -63,7 +77,7 @@ def interrupt(folder: Path, families=SMALL) -> None:
 def solved(monkeypatch) -> list[str]:
     """The ids of the cases that are solved."""
     ids = []
-    monkeypatch.setattr(writer, "make", lambda *args: ids.append(args[1].scene.id) or make(*args))
+    monkeypatch.setattr(writer, "make", lambda *args: ids.append(args[1].scene.id) or made(*args))
     return ids
 
 

@@ -38,10 +38,11 @@ class TestMonteCarlo:
         "reading", [SamplingReading(), SamplingReading(speed_table="as_printed")]
     )
     @pytest.mark.sampled(every=2)
-    def test_both_engines_strike_the_same_samples(self, reading: SamplingReading):
+    def test_both_engines_strike_the_same_samples(self, reading: SamplingReading, nightly: bool):
         base, at_bats = AtBatScene(id="base"), paper_at_bats(reading)
+        count = 400 if nightly else 100
         batch, ivp = (
-            monte_carlo(base, at_bats, (0.41, 0.45), 400, seed=1, engine=engine)
+            monte_carlo(base, at_bats, (0.41, 0.45), count, seed=1, engine=engine)
             for engine in (Batch(), Ivp())
         )
         for a, b in zip(batch, ivp, strict=True):

@@ -64,7 +64,7 @@ PIECES = pytest.mark.parametrize("first", range(0, 1000, 50))
 
 
 def seeds(first, nightly):
-    return range(first, first + (50 if nightly else 5))
+    return range(first, first + (50 if nightly else 2))
 
 
 @PIECES
@@ -94,7 +94,7 @@ def test_a_landing_gives_its_launch_back(first, nightly):
 @pytest.mark.sampled(every=20)
 def test_the_air_of_random_scenes_is_determined_by_its_products_alone(first, nightly):
     # All forces of the air are ρ/m times something that knows neither.
-    for seed in seeds(first, nightly)[:: 1 if nightly else 5]:
+    for seed in seeds(first, nightly)[:: 1 if nightly else 2]:
         scene = real(seed)
         unknowns = ["launch.speed", "air.density", "launch.angle", "ball.mass"]
         with pytest.raises(lb.CannotSolve, match="do not determine") as refused:
@@ -241,7 +241,7 @@ def test_a_curved_ball_lands_where_it_is_aimed():
 @PIECES
 @pytest.mark.sampled(every=20)
 def test_random_scenes_say_how_far_they_get(first, nightly):
-    for seed in seeds(first, nightly)[:: 10 if nightly else 5]:
+    for seed in seeds(first, nightly)[:: 10 if nightly else 2]:
         scene = real(seed)
         with pytest.raises(lb.CannotSolve) as refused:
             lb.aim(scene, 1000.0)

@@ -215,8 +215,9 @@ def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order,
         for level, (step, error, count) in enumerate(pairs)
     )  # fmt: skip
     report = Order(
-        quantity=one.quantity, unit=one.unit, order=law and law.order, low=wide and wide.low,
-        high=wide and wide.high, constant=law and law.constant, expected=expected, jump=jump,
+        quantity=one.quantity, unit=one.unit, order=law.order if law else None,
+        low=wide.low if wide else None, high=wide.high if wide else None,
+        constant=law.constant if law else None, expected=expected, jump=jump,
         jumps=jumps, rungs=rungs, verdict=verdict, why=why,
     )  # fmt: skip
     return report, law

@@ -7,6 +7,7 @@ import os
 import tomllib
 import zipfile
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 
 from pydantic import BaseModel
@@ -33,6 +34,7 @@ TEXTS: dict[str, dict[str, str]] = tomllib.loads(
 )
 
 
+@cache
 def schemas() -> dict[str, str]:
     """Return file names and contents of the JSON Schemas of a set's files."""
     models: dict[str, type[BaseModel]]

@@ -390,8 +390,9 @@ def verdict(
         unanswered=[c.case.id for c in comparisons if c.answer is None], refused=refused,
         undecidable=[c.case.id for c in comparisons if not c.judged],
         complaints=sorted(collected.issues, key=lambda issue: issue.kind != "process"),
-        complaints_left_out=dict(collected.left_out), standard_error=submission.standard_error,
-        seconds=seconds, diagnosis=diagnosis, convergence=convergence, sampling=sampling,
+        complaints_left_out=dict(collected.left_out.items()),
+        standard_error=submission.standard_error, seconds=seconds,
+        diagnosis=diagnosis, convergence=convergence, sampling=sampling,
     )  # fmt: skip
 
 
@@ -431,7 +432,7 @@ def _missing(comparisons: Iterable[Comparison]) -> list[Missing]:
 
 
 def _confusions(judged: Iterable[Comparison]) -> list[Confusion]:
-    told = ((str(c.case.expected.outcome), c.answer and c.answer.outcome) for c in judged)
+    told = ((str(c.case.expected.outcome), c.answer.outcome) for c in judged if c.answer)
     pairs = Counter((expected, obtained) for expected, obtained in told if obtained is not None)
     return [Confusion(expected=a, obtained=b, cases=n) for (a, b), n in sorted(pairs.items())]
 
