@@ -106,7 +106,7 @@ def cubic(end: Array) -> Path:
 
 
 def kicked(balls: Launched, y: Array, shares: Array) -> Array:
-    """How ends answer to what happens on the way, by flights from states that are kicked."""
+    """The answer of ends to what happens on the way, by flights from states that are kicked."""
     moved = np.tile(y.reshape(7, 1, -1), (1, 7, 1))
     moved[range(6), range(1, 7)] += KICK
     every = _repeated(balls, 7 * len(shares))
@@ -116,7 +116,7 @@ def kicked(balls: Launched, y: Array, shares: Array) -> Array:
 
 
 def free(balls: Launched, y: Array, shares: Array) -> Array:
-    """How the ends of balls answer that move freely after a kick."""
+    """The answer of the ends of balls that move freely after a kick."""
     left = (1.0 - shares)[:, None] * balls.duration
     found = np.zeros((6, 6, *left.shape))
     found[range(6), range(6)] = 1.0
