@@ -117,16 +117,6 @@ def test_how_many_coefficients_are_needed() -> None:
     assert METHOD._needed([speed] * n, speed) == math.inf
 
 
-def test_the_first_step_changes_the_velocity_by_its_size() -> None:
-    dynamics = collocation.Dynamics(plane_law(gravity=8.0), NUMBERS)
-    guess = METHOD._first_length
-    assert guess(dynamics, launched(1.0, 3.0, 4.0), exact(60)) == exact(5) / 8
-    assert guess(dynamics, launched(1.0, 3.0, 4.0), exact(0.5)) == 0.5
-    assert guess(dynamics, launched(1.0, 0.0, 0.0), exact(60)) == 60
-    still = collocation.Dynamics(plane_law(), NUMBERS)
-    assert guess(still, launched(1.0, 3.0, 4.0), exact(60)) == 60
-
-
 def test_segments_join_and_reach_the_end() -> None:
     law = plane_law(drag=0.0075, lift=0.00375, gravity=9.8)
     begin, end = exact(1.25), exact(9)
