@@ -35,7 +35,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from pathlib import Path as File
@@ -110,11 +110,6 @@ _FIRST_STEPS, _MOST_STEPS = 128, 4096
 
 # Steps of a flight: compiled they take about ten seconds.
 _MOST_WORK = 200_000_000
-
-# A trial flight of `_TRIAL_STEPS` long steps covers `_TRIAL_SPAN` times the time that `_MOST_WORK`
-# steps cover. If it has not ended, the real one will not either: a flight in 2,000 steps is off by
-# a few per cent at most, which the factor allows for.
-_TRIAL_STEPS, _TRIAL_SPAN = 2000, 1.1
 
 # A step takes about ten microseconds as it is; to compile it takes two seconds.
 _ENOUGH = 100_000
@@ -208,20 +203,8 @@ class Verlet(Stepped[float]):
 
         An event is searched at the steps only.
 
-        Raises `TooLong` if the flight takes too many steps: at once where a trial with long steps
-        shows it.
+        Raises `TooLong` if the flight takes too many steps.
         """
-        # Without compiled code the steps that are allowed would take half an hour to run out.
-        if limit > (reach := _TRIAL_SPAN * _MOST_WORK * self.dt):
-            trial = replace(self, dt=reach / _TRIAL_STEPS)
-            with suppress(OutOfRange):  # the forces may be too strong for the long step alone
-                if trial._fly(law, start, events, reach).stop == "time":
-                    raise self._too_long()
-        return self._fly(law, start, events, limit)
-
-    def _fly(
-        self, law: Law[float], start: State[float], events: Events[float], limit: float
-    ) -> Flight[float]:
         path = Path(self._chords(law, start, limit))
         # at once: a ball that starts on a surface, or below it, and does not rise
         for event in events:
@@ -329,7 +312,7 @@ class Verlet(Stepped[float]):
             )
         position, velocity = _halves(before)
         place, split = position[: len(velocity)], 2 * len(velocity)
-        along = plus(before[split:], ahead, law.pointwise(DOUBLES)(*before)[split:])
+        along = plus(before[split:], ahead, law.at(before, DOUBLES).rates(DOUBLES)(*before)[split:])
         touching = law.state(*plus(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
@@ -367,9 +350,11 @@ class Verlet(Stepped[float]):
             count, after = touch.step + done, SpaceState(*position, *velocity)
             self._require_finite(after)
             if ground.value(after) <= 0.0:
+                down: Any
                 _, time, down = self.stop_between(count, before, after, [ground])
+                x, y, z, u, v, w = down
                 delay = time - touch.step * dt - touch.ahead
-                return Launch(_triple(down[:3]), _triple(down[3:]), time, delay, True)
+                return Launch((x, y, z), (u, v, w), time, delay, True)
         return Launch(position, velocity, (touch.step + done) * dt, done * dt - touch.ahead)
 
     def _march(
@@ -573,7 +558,7 @@ def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool
     """True if an event has occurred at launch and its value does not rise: it ends the flight."""
     if event.value(start) > 0.0:
         return False
-    rates = law.pointwise(DOUBLES)(*start)
+    rates = law.at(start, DOUBLES).rates(DOUBLES)(*start)
     _, acceleration = _halves(rates)
     # Where the value neither rises nor falls, its second derivative tells.
     for changes in (rates, (*acceleration, *(0.0 for _ in acceleration))):
@@ -591,11 +576,6 @@ def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
     dimensions = len(state) // 2
     split = 2 * dimensions
     return (*state[:dimensions], *state[split:]), tuple(state[dimensions:split])
-
-
-def _triple(components: Sequence[float]) -> Vector[float]:
-    x, y, z = components
-    return x, y, z
 
 
 # --- the step, for a law --------------------------------------------------------------------------

@@ -617,50 +617,28 @@ class Law(Generic[N]):
 
         The numbers carry no radius.
         """
-        return self._branching(numbers)(state)
 
-    def _branching(self, numbers: Numbers[N]) -> Callable[[Any], list[Any]]:
-        """Return the function from a state to the forms that the parts have there."""
+        def passed(form: Law[N]) -> list[Any]:
+            levels = (
+                [form.beyond(bend, level, numbers)(state) > 0 for level in bend.levels]
+                for bend in self.bends
+            )
+            return [sum(each, start=0) for each in levels]
+
         blowing = [bend.blows for bend in self.bends]
+        below = passed(self.on([0] * len(blowing)))
+        if not any(blowing):
+            return below
+        # Above the height where the wind sets in, the others depend on another airspeed.
+        above, more = below[blowing.index(True)], passed(self.on([*map(int, blowing)]))
+        return [
+            above if blows else less * (1 - above) + above * beyond
+            for blows, less, beyond in zip(blowing, below, more, strict=True)
+        ]
 
-        def passed(form: Law[N]) -> list[list[Callable[[Any], Any]]]:
-            return [[form.beyond(bend, x, numbers) for x in bend.levels] for bend in self.bends]
-
-        def counted(passages: list[list[Callable[[Any], Any]]], state: Any) -> list[Any]:
-            return [sum((value(state) > 0 for value in each), start=0) for each in passages]
-
-        calm = passed(self.on([0] * len(blowing)))
-        aloft = passed(self.on([int(blows) for blows in blowing])) if any(blowing) else []
-
-        def branches(state: Any) -> list[Any]:
-            below = counted(calm, state)
-            if not aloft:
-                return below
-            above = below[blowing.index(True)]
-            return [
-                above if blows else less * (1 - above) + above * more
-                for blows, less, more in zip(blowing, below, counted(aloft, state), strict=True)
-            ]
-
-        return branches
-
-    def pointwise(self, numbers: Numbers[N]) -> Callable[..., tuple[N, ...]]:
-        """Return the function from a state to its rates, each in the form valid there.
-
-        The numbers carry no radius.
-        """
-        if not self.bends:
-            return self.rates(numbers)
-        branches = self._branching(numbers)
-        forms: dict[tuple[int, ...], Callable[..., tuple[N, ...]]] = {}
-
-        def rates(*state: N) -> tuple[N, ...]:
-            there = tuple(map(int, branches(self.state(*state))))
-            if there not in forms:
-                forms[there] = self.on(there).rates(numbers)
-            return forms[there](*state)
-
-        return rates
+    def at(self, state: Any, numbers: Numbers[N]) -> Law[N]:
+        """Return the law in the form valid in a state, whose numbers carry no radius."""
+        return self.on([*map(int, self.branches(state, numbers))]) if self.bends else self
 
 
 PAPER = "drag", "lift", "gravity"  # the strengths of its law
