@@ -56,6 +56,23 @@ class Chord(Generic[N]):
         height = self.a[2] + share * rise
         return Place(height, self.segment, shorter * length, to_break, rise / length)
 
+    def inside(self, position: Sequence[Any]) -> Any:
+        """Return the signed distance inside the chord's line, times the chord's length, m²."""
+        (ax, ay, _), (bx, by, _) = self.a, self.b
+        return (by - ay) * (position[0] - ax) - (bx - ax) * (position[1] - ay)
+
+    def passed(self, position: Vector[N], slack: N, numbers: Numbers[N]) -> Place[N] | None:
+        """Return the place that a position on the line is at; None beyond the ends and a slack."""
+        (ax, ay, _), (bx, by, _), (x, y, _) = self.a, self.b, position
+        length, far = self.length(numbers), numbers.exact(_FAR)
+        ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+        if ahead < -slack or ahead > length + slack:
+            return None
+        to_a = absolute(ahead) if self.open_a else far
+        to_b = absolute(length - ahead) if self.open_b else far
+        to_break = to_b if to_b < to_a else to_a
+        return self.place(ahead / length, (length - ahead) / length, to_break, numbers)
+
 
 # m, the distance to a vertex, or to the fence, where there is none.
 _FAR = 1e30
@@ -188,97 +205,60 @@ def first_crossing(
     numbers: Numbers[N],
 ) -> Crossing[N] | None:
     """First crossing of the fence by a flight in space; None if there is none before its end."""
+    zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
+
+    def size(state: State[N]) -> N:
+        x, y, _ = frame.position(state)
+        return one + absolute(x) + absolute(y)
+
     # For each chord, or the circle: a function that falls through zero where a ball crosses its
-    # line outwards. Both are polynomials of the position, m², so that pieces can be searched.
+    # line outwards, m², and what a state there is a place of. The functions are polynomials of the
+    # position, so that pieces can be searched.
     lines: list[tuple[Chord[N] | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
-        lines = [(None, lambda state: radius * radius - _square(frame.position(state)))]
+
+        def within(state: Any) -> Any:
+            x, y, _ = frame.position(state)
+            return radius * radius - (x * x + y * y)
+
+        lines = [(None, within)]
     else:
         lines = [
-            (chord, lambda state, chord=chord: _inside(chord, frame.position(state)))
+            (chord, lambda state, chord=chord: chord.inside(frame.position(state)))
             for chord in chords(fence.polyline, numbers)
         ]
+
     # The chords of a fence are searched piece by piece: the first crossing of a piece is the first
     # of the flight.
     for piece in pieces:
         left = end - piece.begin
         goes_on = piece.length < left
         until = piece.length if goes_on else left
-        moved = None if goes_on else late * _speed(piece.at(until), frame)
-        found = [
-            crossing
-            for chord, value in lines
-            for crossing in _on_piece(piece, until, moved, chord, value, frame, error, numbers)
-        ]
+        moved: N | None = None
+        if not goes_on:  # the ball is elsewhere where it ends, as the time of that may be off
+            u, v, _ = frame.velocity(piece.at(until))
+            moved = late * (absolute(u) + absolute(v))
+        found: list[Crossing[N]] = []
+        for chord, value in lines:
+            # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
+            length = size(piece.at(zero))
+            slope = 2 * length if chord is None else chord.length(numbers)
+            off = error * length * slope
+            at_end = None if moved is None else off + moved * slope
+            for t, doubtful in falls(piece.curve(value), until, off, at_end):
+                state = piece.at(t)
+                place: Place[N] | None = Place(zero, 0, None, far, zero)
+                if chord is not None:
+                    # A crossing within the error of an end counts for both chords that meet there.
+                    place = chord.passed(frame.position(state), error * size(state), numbers)
+                if place is not None:
+                    found.append(Crossing(piece.begin + t, state, place, doubtful))
         if found:
             return min(found, key=lambda crossing: crossing.time)
         if not goes_on:
             return None
     return None
-
-
-def _speed(state: State[N], frame: Frame[N]) -> Any:
-    """Upper bound of the horizontal speed, m/s: ``|u| + |v|``."""
-    u, v, _ = frame.velocity(state)
-    return absolute(u) + absolute(v)
-
-
-def _square(position: Sequence[Any]) -> Any:
-    return position[0] * position[0] + position[1] * position[1]
-
-
-def _inside(chord: Chord[N], position: Sequence[Any]) -> Any:
-    """Signed distance inside a chord's line, times the chord's length, m²."""
-    (ax, ay, _), (bx, by, _) = chord.a, chord.b
-    return (by - ay) * (position[0] - ax) - (bx - ax) * (position[1] - ay)
-
-
-def _on_piece(
-    piece: Piece[N],
-    until: N,
-    moved: N | None,
-    chord: Chord[N] | None,
-    value: Any,
-    frame: Frame[N],
-    error: N,
-    numbers: Numbers[N],
-) -> Iterator[Crossing[N]]:
-    """Yield where a piece crosses a chord outwards, or a circle.
-
-    On the last piece the ball is `moved`, m, in the time by which its end may be off.
-    """
-    # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
-    zero = numbers.exact(0.0)
-    size = _size(frame.position(piece.at(zero)))
-    slope = 2 * size if chord is None else chord.length(numbers)
-    off = error * size * slope
-    at_end = None if moved is None else off + moved * slope
-    around = Place(zero, 0, None, numbers.exact(_FAR), zero)
-    for t, doubtful in falls(piece.curve(value), until, off, at_end):
-        state = piece.at(t)
-        place = around if chord is None else _passed(chord, frame.position(state), error, numbers)
-        if place is not None:
-            yield Crossing(piece.begin + t, state, place, doubtful)
-
-
-def _size(position: Sequence[N]) -> N:
-    return 1 + absolute(position[0]) + absolute(position[1])
-
-
-def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N]) -> Place[N] | None:
-    """Return the place of a chord that a position on its line is at; None beyond its ends."""
-    (ax, ay, _), (bx, by, _), (x, y, _) = chord.a, chord.b, position
-    length, far = chord.length(numbers), numbers.exact(_FAR)
-    ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
-    # A crossing within the error of an end counts for both chords that meet there.
-    slack = error * _size(position)
-    if ahead < -slack or ahead > length + slack:
-        return None
-    to_a = absolute(ahead) if chord.open_a else far
-    to_b = absolute(length - ahead) if chord.open_b else far
-    to_break = to_b if to_b < to_a else to_a
-    return chord.place(ahead / length, (length - ahead) / length, to_break, numbers)
 
 
 def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
