@@ -129,17 +129,17 @@ class Jet:
     def __abs__(self) -> Jet:
         return -self if self.value < 0 else self
 
-    def __lt__(self, other: Any) -> bool:
-        return bool(self.value < plain_of(other))
+    def __lt__(self, other: Any) -> Any:
+        return self.value < plain_of(other)
 
-    def __le__(self, other: Any) -> bool:
-        return bool(self.value <= plain_of(other))
+    def __le__(self, other: Any) -> Any:
+        return self.value <= plain_of(other)
 
-    def __gt__(self, other: Any) -> bool:
-        return bool(self.value > plain_of(other))
+    def __gt__(self, other: Any) -> Any:
+        return self.value > plain_of(other)
 
-    def __ge__(self, other: Any) -> bool:
-        return bool(self.value >= plain_of(other))
+    def __ge__(self, other: Any) -> Any:
+        return self.value >= plain_of(other)
 
     def __eq__(self, other: object) -> bool:
         return bool(self.value == plain_of(other) and self.rate == rate_of(other))

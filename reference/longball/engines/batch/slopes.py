@@ -57,18 +57,6 @@ class ColumnJet(Jet):
         sense = np.where(self.value < 0, -1.0, 1.0)
         return ColumnJet(abs(self.value), self.rate * sense)
 
-    def __lt__(self, other: Any) -> Any:
-        return self.value < plain_of(other)
-
-    def __le__(self, other: Any) -> Any:
-        return self.value <= plain_of(other)
-
-    def __gt__(self, other: Any) -> Any:
-        return self.value > plain_of(other)
-
-    def __ge__(self, other: Any) -> Any:
-        return self.value >= plain_of(other)
-
     def __eq__(self, other: object) -> Any:
         return (self.value == plain_of(other)) & np.all(self.rate == rate_of(other), axis=0)
 
@@ -118,7 +106,9 @@ class ColumnJets(Jets):
         value = NUMBERS.where(condition, plain_of(x), plain_of(y))
         if not isinstance(x, Jet) and not isinstance(y, Jet):
             return value
-        return ColumnJet(value, _chosen(condition, rate_of(x), rate_of(y)))
+        rates = rate_of(x), rate_of(y)
+        constant = all(isinstance(rate, int) for rate in rates)
+        return ColumnJet(value, 0 if constant else np.where(condition, *rates))
 
     def sqrt(self, x: Any) -> Jet:
         """Return the square root."""
@@ -153,12 +143,6 @@ class ColumnJets(Jets):
 def jets_for(rows: int) -> ColumnJets:
     """Return jets for columns of so many rows."""
     return ColumnJets(NUMBERS, np.zeros(rows, bool))
-
-
-def _chosen(condition: Any, x: Any, y: Any) -> Any:
-    if isinstance(x, int) and isinstance(y, int):
-        return 0
-    return np.where(condition, x, y)
 
 
 def _quotient(change: Any, divisor: Any) -> Any:
@@ -224,36 +208,30 @@ def seeded_columns(
     def known(path: str) -> Any:
         return cells[path] if path in cells else number(scene, path)
 
+    def vector(name: str) -> tuple[Any, Any, Any]:
+        return known(f"{name}[0]"), known(f"{name}[1]"), known(f"{name}[2]")
+
     unit = np.eye(len(names))[:, :, np.newaxis]
     rates: dict[str, Any] = {}
     for name, rate in zip(names, unit, strict=True):
         if name not in TRACKED:
             rates[name] = rates.get(name, 0) + rate
     if isinstance(scene, FlightScene) and any(name in TRACKED for name in names):
-        spin = scene.launch.spin
-        vectors = {"launch.velocity": True, "launch.spin": spin is not None}
-        velocity, spinning = (
-            tuple(known(f"{vector}[{i}]") for i in range(3)) if there else None
-            for vector, there in vectors.items()
-        )
-        assert velocity is not None
-        parts = tracks_of(velocity, spinning, NUMBERS, _size, np.arctan2)
+        velocity = vector("launch.velocity")
+        spin = None if scene.launch.spin is None else vector("launch.spin")
+        parts = tracks_of(velocity, spin, NUMBERS, _norm, np.arctan2)
         jets = {
             name: ColumnJet(x, unit[names.index(name)] if name in names else 0)
             for name, x in parts.items()
         }
-        for vector, components in launched(jets, jets_for(1)).items():
+        for name, components in launched(jets, jets_for(1)).items():
             for i, x in enumerate(components):
-                path = f"{vector}[{i}]"
+                path = f"{name}[{i}]"
                 rates[path] = rates.get(path, 0) + rate_of(x)
     return {
         **cells,
         **{path: ColumnSeed(known(path), rate) for path, rate in rates.items()},
     }
-
-
-def _size(*components: Any) -> Any:
-    return np.sqrt(sum(x * x for x in components))
 
 
 # --- the run --------------------------------------------------------------------------------------
@@ -418,7 +396,7 @@ class SlopeColumns(Columns):
             here = stop == i
             change = rate_of(event.value(state))
             *slopes, _ = records.linear(law, plain.value)
-            falls = _along(slopes, speeds)
+            falls = sum((x * v for x, v in zip(slopes, speeds, strict=True)), np.float64(0.0))
             self._require_steep(slopes, speeds, falls, change, here)
             late = np.where(here, -_quotient(change, falls), late)
         time, moved = _later(end.time, state, speeds, late)
@@ -439,8 +417,8 @@ class SlopeColumns(Columns):
     ) -> None:
         """Leave rows to be solved alone in which a surface is grazed, or met at a small angle."""
         half = len(speeds) // 2
-        across = _norm(slopes[:half])
-        speed = _norm(speeds[:half])
+        across = _norm(*slopes[:half])
+        speed = _norm(*speeds[:half])
         steep = (falls < 0) & is_steep(falls, across * speed, NUMBERS.rounding)
         self.jets.doubt(rows & ~steep & np.any(change != 0, axis=0))
 
@@ -452,7 +430,9 @@ class SlopeColumns(Columns):
         start = self._near(bat, pitch)
         error = plain_of(margin_error(bat, pitch.state.z, self.engine.flight_error, numbers))
         over = [_plain_event(x) for x in (past(bat.frame, bat.reach, numbers), *events)]
-        section = BatSection(_plain_parts(bat.frame), plain_of(bat.height), plain_of(bat.reach))
+        parts = {name: plain_of(getattr(bat.frame, name)) for name in ("x", "y", "cos", "sin")}
+        frame = replace(bat.frame, **parts)
+        section = BatSection(frame, plain_of(bat.height), plain_of(bat.reach))
         limit = self.time_limit
         ends, found = self._flown_in_jets(law, start, over, limit, rows, Bat(section, error))
         code, margin = self._how_they_meet(ends, over, rows)
@@ -471,7 +451,7 @@ class SlopeColumns(Columns):
         )
         falls = section.approach(_plain_state(state))
         change = 0.5 * rate_of(bat.depth(state))
-        speed = _norm([plain_of(x) for x in bat.frame.velocity(state)])
+        speed = _norm(*map(plain_of, bat.frame.velocity(state)))
         steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
         numbers.doubt(rows & (code == 1) & ~steep & np.any(change != 0, axis=0))
         return Touch(margin, code, *_moved(plain, noted.time, state, change, lambda _: falls))
@@ -482,11 +462,7 @@ class SlopeColumns(Columns):
 _MOST_STEPS = 64
 
 
-def _along(slopes: Sequence[Any], speeds: Sequence[Any]) -> Any:
-    return sum((x * speed for x, speed in zip(slopes, speeds, strict=True)), np.float64(0.0))
-
-
-def _norm(components: Sequence[Any]) -> Any:
+def _norm(*components: Any) -> Any:
     return np.sqrt(sum(x * x for x in components))
 
 
@@ -497,12 +473,6 @@ def _plain_law(law: Law[Any]) -> Law[Any]:
 
 def _plain_state(state: Any) -> Any:
     return type(state)(*map(plain_of, state))
-
-
-def _plain_parts(frame: Any) -> Any:
-    return replace(
-        frame, **{name: plain_of(getattr(frame, name)) for name in ("x", "y", "cos", "sin")}
-    )
 
 
 def _plain_event(event: Event[Any]) -> Event[Any]:
