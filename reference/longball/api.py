@@ -212,7 +212,7 @@ class _Of(Protocol[S]):
 @overload
 def solve(
     scene: _Of[S],
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -223,7 +223,7 @@ def solve(
 @overload
 def solve(
     scene: dicts.SceneDict | Scene | Mapping[str, Any] | str | bytes,
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -233,7 +233,7 @@ def solve(
 
 def solve(
     scene: object,
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -301,7 +301,7 @@ def solve(
 
 
 def derivatives_in(
-    scene: Scene, result: Result, engine: Engine[Any], names: bool | Sequence[str]
+    scene: Scene, result: Result, engine: Engine, names: bool | Sequence[str]
 ) -> Derivatives:
     """Return the derivatives of a result by some numbers of its scene, or by all."""
     from longball.engines.tangent import derivatives_of
@@ -320,7 +320,7 @@ def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
     return require_inputs(scene, names)
 
 
-def differentiable(engine: Engine[Any]) -> PathEngine[Any]:
+def differentiable(engine: Engine) -> PathEngine:
     """Return an engine that derivatives can be had of; a ValueError says that it is none."""
     from longball.engines.path_engine import PathEngine
 
@@ -332,7 +332,7 @@ def differentiable(engine: Engine[Any]) -> PathEngine[Any]:
     return engine
 
 
-def as_engine(engine: str | Engine[Any], options: Mapping[str, Any]) -> Engine[Any]:
+def as_engine(engine: str | Engine, options: Mapping[str, Any]) -> Engine:
     """Return an engine by name with options, or the one that is given."""
     if isinstance(engine, str):
         return engines.create(engine, **options)

@@ -141,12 +141,12 @@ class Segment:
     begin: Mpf  # when the segment begins, s since the launch
     half: Mpf  # s; the time since it begins is ``half (1 + x)``
     # start, end: the states at its ends, exactly those of the neighbouring segments
-    start: State[Mpf]
-    end: State[Mpf]
+    start: State
+    end: State
     series: tuple[list[Mpf], ...]  # the Legendre coefficients of each component of the state
     # at_nodes, rates_at_nodes: the states at the nodes of the rule, and their rates of change
-    at_nodes: list[State[Mpf]]
-    rates_at_nodes: list[State[Mpf]]
+    at_nodes: list[State]
+    rates_at_nodes: list[State]
     # dynamics, rule, context: what it was made with
     dynamics: Dynamics
     rule: Rule
@@ -157,19 +157,19 @@ class Segment:
         """Length of the segment, s."""
         return 2 * self.half
 
-    def at(self, t: Mpf) -> State[Mpf]:
+    def at(self, t: Mpf) -> State:
         """Return the state at a time on the segment, s since it begins."""
         if t == 0:
             return self.start
         if t == self.length:
             return self.end
         values = legendre(t / self.half - 1, len(self.series[0]) - 1)
-        state: State[Mpf] = type(self.start)(*(self.context.fdot(c, values) for c in self.series))
+        state: State = type(self.start)(*(self.context.fdot(c, values) for c in self.series))
         return state
 
-    def rates(self, t: Mpf) -> State[Mpf]:
+    def rates(self, t: Mpf) -> State:
         """Return the rates of change of the state at a time on the segment."""
-        rates: State[Mpf] = type(self.start)(*self.dynamics.exact(*self.at(t)))
+        rates: State = type(self.start)(*self.dynamics.exact(*self.at(t)))
         return rates
 
     def curve(self, value: Callable[[Any], Any]) -> SegmentCurve:
@@ -180,16 +180,14 @@ class Segment:
 class Dynamics:
     """A law of motion: its rates in full precision, and with their Jacobian over arrays."""
 
-    def __init__(self, law: Law[Mpf], numbers: Numbers[Mpf]) -> None:
+    def __init__(self, law: Law, numbers: Numbers) -> None:
         # Of the variables those that are no integral of another one, as a position is of a
         # velocity: what a step leaves out is relative to their size.
         self.velocities = [
             i for i, rate in enumerate(law.program.outputs) if rate.kind != "variable"
         ]
         self.exact = law.rates(numbers)
-        in_doubles: Law[Any] = replace(
-            law, strengths={k: float(x) for k, x in law.strengths.items()}
-        )
+        in_doubles: Law = replace(law, strengths={k: float(x) for k, x in law.strengths.items()})
         self.rough = in_doubles.rates(ARRAYS)
         self.jacobian = in_doubles.jacobian(ARRAYS)
 
@@ -200,12 +198,12 @@ class Collocation:
 
     rule: Rule  # the nodes
     # numbers, context: the arithmetic
-    numbers: Numbers[Mpf]
+    numbers: Numbers
     context: MPContext
     # What a step may leave out of the velocity, relative to the fastest speed of the flight
     tolerance: Mpf
 
-    def segments(self, law: Law[Mpf], begin: Mpf, start: State[Mpf], end: Mpf) -> Iterator[Segment]:
+    def segments(self, law: Law, begin: Mpf, start: State, end: Mpf) -> Iterator[Segment]:
         """Fly from a time and state to the time `end`, a segment at a time.
 
         Raises `OutOfRange` if no step is short enough.
@@ -260,7 +258,7 @@ class Collocation:
         return self.numbers.sqrt(self.context.fsum(state[i] ** 2 for i in dynamics.velocities))
 
     def _step(
-        self, dynamics: Dynamics, begin: Mpf, half: Mpf, start: State[Mpf], fastest: Mpf
+        self, dynamics: Dynamics, begin: Mpf, half: Mpf, start: State, fastest: Mpf
     ) -> tuple[Segment | None, float]:
         """Take a step; return it and how many coefficients it needs, which may be more than it has.
 
@@ -334,7 +332,7 @@ class Collocation:
         return float(len(sizes) * log(self.tolerance) / log(last)) if last < 1 else math.inf
 
     def _roughly(
-        self, dynamics: Dynamics, start: State[Mpf], half: float
+        self, dynamics: Dynamics, start: State, half: float
     ) -> tuple[Array, Any, float] | None:
         """Solve in doubles: the rates at the nodes, the Jacobian factored, the fastest speed."""
         size, n = len(start), len(self.rule.nodes)
@@ -411,8 +409,8 @@ class SegmentCurve:
         """Return the rate of change of the value."""
         return self._rate(self.segment.at(t), self.segment.rates(t))
 
-    def _rate(self, state: State[Mpf], rates: State[Mpf]) -> Mpf:
-        duals: State[Any] = type(state)(*map(Dual, state, rates))
+    def _rate(self, state: State, rates: State) -> Mpf:
+        duals: State = type(state)(*map(Dual, state, rates))
         return self.value(duals).rate
 
     def _in_doubles(self, values: Iterable[Mpf]) -> Array:

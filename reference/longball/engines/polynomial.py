@@ -150,12 +150,12 @@ class PolynomialPiece(NamedTuple):
     # Shape (components of the state, order + 1): of the powers of the time since `begin`
     coefficients: Array
 
-    def at(self, t: float) -> State[float]:
+    def at(self, t: float) -> State:
         """Return the state at a time on the piece, s since it begins."""
         if t == 0.0:
-            start: State[float] = self.state(*self.coefficients[:, 0].tolist())
+            start: State = self.state(*self.coefficients[:, 0].tolist())
             return start
-        state: State[float] = self.state(*values_at(self.coefficients, t).tolist())
+        state: State = self.state(*values_at(self.coefficients, t).tolist())
         return state
 
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:

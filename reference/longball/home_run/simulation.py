@@ -82,7 +82,7 @@ def monte_carlo(
     count: int,
     seed: int,
     *,
-    engine: Engine[float] | None = None,
+    engine: Engine | None = None,
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Struck]:
@@ -147,7 +147,7 @@ def _landings_of_columns(
 
 
 def _landings_of_scenes(
-    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Engine[float]
+    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Engine
 ) -> Array:
     landed = np.full((len(restitutions), 4, len(samples)), np.nan)
     for i, scene in enumerate(filter(None, scenes(base, samples))):

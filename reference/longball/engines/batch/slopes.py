@@ -241,7 +241,7 @@ def seeded_columns(
 class JetFlights(Flights):
     """Flights in jets, whose marks are at fixed times."""
 
-    law: Law[Any]  # in plain numbers
+    law: Law  # in plain numbers
 
     def highest(self, numbers: Any) -> Start:
         """See `Flights`; the ball is highest where it ceases to rise."""
@@ -252,7 +252,7 @@ class JetFlights(Flights):
 
 
 def _moved(
-    law: Law[Any], time: Any, state: Any, change: Any, falls: Callable[[Sequence[Any]], Any]
+    law: Law, time: Any, state: Any, change: Any, falls: Callable[[Sequence[Any]], Any]
 ) -> Start:
     """Return the time and state of an event, from those at a fixed time.
 
@@ -302,14 +302,12 @@ class SlopeColumns(Columns):
         if isinstance(value, Jet) and rows.any():
             self.table.put_slopes(name, rows, rate_of(value))
 
-    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Flags) -> bool:
+    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. Such rows are left to be solved alone."""
         self.table.alone[self.table.rows] |= rows
         return True
 
-    def fly(
-        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
-    ) -> JetFlights:
+    def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> JetFlights:
         """See `Run`."""
         # The lanes fly plain numbers, by the same records as without derivatives: same bits.
         plain, launch = _plain_law(law), Start(0.0, law.state_of(start))
@@ -337,9 +335,9 @@ class SlopeColumns(Columns):
 
     def _flown_in_jets(
         self,
-        law: Law[Any],
+        law: Law,
         start: Start,
-        events: Events[Any],
+        events: Events,
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
@@ -371,16 +369,16 @@ class SlopeColumns(Columns):
         every[rows], whole[..., rows] = ends, found
         return every, whole
 
-    def _noted(self, ends: Any, found: Array, law: Law[Any], which: int) -> Start:
+    def _noted(self, ends: Any, found: Array, law: Law, which: int) -> Start:
         """Return time and state at the end or at a mark, which are at a fixed time."""
         time, state = records.noted(ends, _plain_law(law), flights.PREFIXES[which])
         return Start(time, type(state)(*map(ColumnJet, state, found[which])))
 
     def _stopped(
         self,
-        law: Law[Any],
-        events: Events[Any],
-        known: Events[Any],
+        law: Law,
+        events: Events,
+        known: Events,
         ends: Any,
         end: Start,
         limit: Any,
@@ -422,9 +420,7 @@ class SlopeColumns(Columns):
         steep = (falls < 0) & is_steep(falls, across * speed, NUMBERS.rounding)
         self.jets.doubt(rows & ~steep & np.any(change != 0, axis=0))
 
-    def touch(
-        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Flags
-    ) -> Touch[Any]:
+    def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Flags) -> Touch:
         """See `Run`."""
         numbers, plain = self.jets, _plain_law(law)
         start = self._near(bat, pitch)
@@ -466,7 +462,7 @@ def _norm(*components: Any) -> Any:
     return np.sqrt(sum(x * x for x in components))
 
 
-def _plain_law(law: Law[Any]) -> Law[Any]:
+def _plain_law(law: Law) -> Law:
     plain = replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
     return records.formed(plain)
 
@@ -475,7 +471,7 @@ def _plain_state(state: Any) -> Any:
     return type(state)(*map(plain_of, state))
 
 
-def _plain_event(event: Event[Any]) -> Event[Any]:
+def _plain_event(event: Event) -> Event:
     def value(state: Any) -> Any:
         return plain_of(event.value(type(state)(*map(ColumnJet, state))))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from longball.engines.chain.collision import Ball, ContactState, meet, solve_impacts, strike
 from longball.engines.chain.flying import fly, lift_is_always_up, spin_at
@@ -23,10 +22,10 @@ from longball.model.vectors import dot, minus
 class Pitch:
     """A pitch, flown to the plate or to an earlier end."""
 
-    frame: Frame[Any]
-    law: Law[Any]
-    start: State[Any]
-    flight: Flight[Any]
+    frame: Frame
+    law: Law
+    start: State
+    flight: Flight
     crossed: Mask  # whether it reached the plate
 
 
@@ -78,8 +77,8 @@ class BatEncounter:
     """A pitch, the bat, and how they meet."""
 
     pitch: Pitch
-    bat: BatSection[Any]
-    touch: Touch[Any]
+    bat: BatSection
+    touch: Touch
 
 
 def approach_bat(run: Run) -> BatEncounter | None:

@@ -201,7 +201,7 @@ _MOST_LOST = 1e3
 
 
 def _rub(
-    run: Run, contact: ContactState, pair: CollisionParameters[Any], error: Number
+    run: Run, contact: ContactState, pair: CollisionParameters, error: Number
 ) -> tuple[Impact, Mask]:
     """Let the ball grip the bat, or slide on it; see `longball.model.derivation`.
 

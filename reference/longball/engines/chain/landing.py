@@ -30,13 +30,13 @@ def solve_flights(run: Run) -> None:
 class Batted:
     """A batted ball: its launch, and the frame, law and start of its flight."""
 
-    launch: Launch[Any]
-    frame: Frame[Any]
-    law: Law[Any]
-    start: State[Any]
+    launch: Launch
+    frame: Frame
+    law: Law
+    start: State
 
 
-def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
+def land(run: Run, launch: Launch, outcome: Outcome, rows: Mask) -> None:
     """Fly to the ground or to a fence; a ball that lands has the given outcome.
 
     Without a fence the ball comes down. With one, a flight in its plane meets one place of the
@@ -60,7 +60,7 @@ def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
         _cross_fence_in_space(run, ball, outcome, rows)
 
 
-def _fly_down(run: Run, ball: Batted, start: State[Any], limit: Number, rows: Mask) -> Flight[Any]:
+def _fly_down(run: Run, ball: Batted, start: State, limit: Number, rows: Mask) -> Flight:
     """Fly to the ground."""
     return fly(run, ball.law, start, lambda state: [run.ground(state)], limit, rows)
 
@@ -89,7 +89,7 @@ def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Ma
 def _come_down(
     run: Run,
     ball: Batted,
-    flight: Flight[Any],
+    flight: Flight,
     outcome: Outcome,
     rows: Mask,
     fair: bool | None = None,
@@ -139,7 +139,7 @@ def _come_down(
     run.conclude(outcome, rows)
 
 
-def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
+def _rise(run: Run, ball: Batted, flight: Flight, rows: Mask) -> None:
     """Record the highest point of flights, unless they only rise."""
     top = flight.highest(run.numbers)
     if top is not None:
@@ -148,7 +148,7 @@ def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
         run.record("apex.position", ball.frame.position(state), rows)
 
 
-def _in_time(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> Mask:
+def _in_time(run: Run, ball: Batted, flight: Flight, rows: Mask) -> Mask:
     """Return the rows in which it is certain whether the ball lands in the time limit.
 
     The engine allows for the error of its flight, but not for that of the velocity at launch, δv,
@@ -241,11 +241,11 @@ def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
 def _meet_fence(
     run: Run,
     ball: Batted,
-    flight: Flight[Any],
-    place: Place[Any],
+    flight: Flight,
+    place: Place,
     outcome: Outcome,
     rows: Mask,
-    landing: Flight[Any] | None = None,
+    landing: Flight | None = None,
 ) -> None:
     """Conclude flights that are at the fence; `landing` has where they land if they go on."""
     numbers, frame, begin = run.numbers, ball.frame, ball.launch.time

@@ -53,7 +53,7 @@ class Run:
     engine: Any
     model: Model
     answer: dict[str, Any] = field(default_factory=dict)
-    legs: list[Leg[Any]] = field(default_factory=list)
+    legs: list[Leg] = field(default_factory=list)
     engines: list[str] = field(default_factory=list)
 
     # --- masks -----------------------------------------------------------------------------------
@@ -77,7 +77,7 @@ class Run:
         positive = rows and self.numbers.positive(x, error, question)
         return positive, rows and not positive
 
-    def touched(self, touch: Touch[Any], rows: Mask) -> tuple[Mask, Mask]:
+    def touched(self, touch: Touch, rows: Mask) -> tuple[Mask, Mask]:
         """Return the rows in which ball and bat touch, and in which they miss; see `decide`."""
         if touch.touched is None:
             raise Undecided(touch.doubt)
@@ -85,29 +85,25 @@ class Run:
 
     # --- flights ---------------------------------------------------------------------------------
 
-    def fly(
-        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Number, rows: Mask
-    ) -> Flight[Any]:
+    def fly(self, law: Law, start: State, events: Events, limit: Number, rows: Mask) -> Flight:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
         In other rows the flight stays at its start, and nothing stops it.
         """
         if not rows:
             return Flight(Path(()), "", self.numbers.exact(0.0), start)
-        flight: Flight[Any] = self.engine.fly(law, start, events, limit)
+        flight: Flight = self.engine.fly(law, start, events, limit)
         self.engines.append(flight.flown_by or self.engine.description)
         return flight
 
-    def touch(
-        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Mask
-    ) -> Touch[Any]:
+    def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Mask) -> Touch:
         """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
-        touch: Touch[Any] = self.engine.touch(pitch, law, bat, events, self.time_limit)
+        touch: Touch = self.engine.touch(pitch, law, bat, events, self.time_limit)
         if touch.decided_by:
             self.engines.append(touch.decided_by)
         return touch
 
-    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Mask) -> bool:
+    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Mask) -> bool:
         """Land the balls of columns one after the other; return False for one scene, as it is."""
         return False
 
@@ -127,7 +123,7 @@ class Run:
         if rows:
             raise reason
 
-    def follow(self, frame: Frame[Any], flight: Flight[Any], begin: Number, rows: Mask) -> None:
+    def follow(self, frame: Frame, flight: Flight, begin: Number, rows: Mask) -> None:
         """Append a flight to the trajectory; it begins s after the start of the scene."""
         if rows:
             self.legs.append(Leg(begin, frame, flight))
@@ -153,10 +149,10 @@ class Run:
         """Return the spin that the scene gives the ball, rad/s; None if it gives none."""
         return None if values is None else self.vector(values)
 
-    def law(self, frame: Frame[Any]) -> Law[Any]:
+    def law(self, frame: Frame) -> Law:
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
 
-    def ground(self, start: State[Any]) -> Event[Any]:
+    def ground(self, start: State) -> Event:
         """Return the landing of a flight from a state."""
         return ground(landing_height(self.scene, self.numbers.exact), start, self.numbers)
