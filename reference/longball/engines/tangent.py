@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeVar
 
@@ -174,15 +174,13 @@ class Jets:
         return self.jet(self.inner.pi)
 
     @property
-    def rounding(self) -> float:
+    def rounding(self) -> Any:
         """See `Numbers`."""
-        rounding: float = self.inner.rounding
-        return rounding
+        return self.inner.rounding
 
-    def arithmetic(self) -> AbstractContextManager[object]:
+    def arithmetic(self) -> Any:
         """See `Numbers`."""
-        context: AbstractContextManager[object] = self.inner.arithmetic()
-        return context
+        return self.inner.arithmetic()
 
     @property
     def functions(self) -> Mapping[str, Callable[..., Jet]]:
@@ -238,8 +236,7 @@ class Jets:
         """See `Numbers`; raise `Kink` for an input that stands on the border of two answers."""
         if plain_of(x) == 0 and not rate_of(x) == 0:
             raise Kink(f"{question} changes with this number, however little it changes")
-        decided: bool = self.inner.positive(plain_of(x), plain_of(error), question)
-        return decided
+        return bool(self.inner.positive(plain_of(x), plain_of(error), question))
 
     def report(self, x: Any) -> Any:
         """Return the number as the inner system reports it."""

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 from longball.model import trace
-from longball.model.numbers import N, Numbers, present
+from longball.model.numbers import N, Numbers, Vector, present
 from longball.model.trace import ZERO
-from longball.model.vectors import Vector, scaled
+from longball.model.vectors import scaled
 
 # --- density --------------------------------------------------------------------------------------
 

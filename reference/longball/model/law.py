@@ -40,9 +40,9 @@ from longball.model.atmosphere import (
 )
 from longball.model.block import Block
 from longball.model.earth import earth_strengths
-from longball.model.numbers import N, Numbers, present
+from longball.model.numbers import N, Numbers, Vector, present
 from longball.model.trace import ZERO, Node, Program
-from longball.model.vectors import Vector, cross, minus, norm, part_across, plus, scaled
+from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
 
 
 class PlaneState(NamedTuple):

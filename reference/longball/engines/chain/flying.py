@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from longball.engines.branches import arrived
-from longball.engines.chain.run import Mask, Number, Run, Vector
+from longball.engines.chain.run import Mask, Run
 from longball.engines.event import Event, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State
-from longball.model.numbers import Numbers
+from longball.model.numbers import N, Numbers, Vector
 
 
 def fly(
@@ -18,7 +18,7 @@ def fly(
     law: Law,
     start: State,
     surfaces: Callable[[State], list[Event]],
-    limit: Number,
+    limit: N,
     rows: Mask,
 ) -> Flight:
     """Fly to a surface or the time limit, s, through the vertical if necessary.
@@ -61,7 +61,7 @@ def spin_at(
     law: Law,
     state: State,
     numbers: Numbers,
-    error: Number | None = None,
+    error: N | None = None,
 ) -> Vector | None:
     """Return the spin of the ball in a state that a flight has come to, rad/s.
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from longball.engines.chain.flying import fly, spin_at
-from longball.engines.chain.run import Mask, Number, Run, Vector
+from longball.engines.chain.run import Mask, Run
 from longball.engines.engine import Launch, Stepped
 from longball.engines.event import level
 from longball.engines.fence import Place, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, State, in_plane
-from longball.model.numbers import Undecided
+from longball.model.numbers import N, Undecided, Vector
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
 
@@ -60,7 +60,7 @@ def land(run: Run, launch: Launch, outcome: Outcome, rows: Mask) -> None:
         _cross_fence_in_space(run, ball, outcome, rows)
 
 
-def _fly_down(run: Run, ball: Batted, start: State, limit: Number, rows: Mask) -> Flight:
+def _fly_down(run: Run, ball: Batted, start: State, limit: N, rows: Mask) -> Flight:
     """Fly to the ground."""
     return fly(run, ball.law, start, lambda state: [run.ground(state)], limit, rows)
 

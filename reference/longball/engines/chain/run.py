@@ -17,15 +17,13 @@ from longball.engines.event import Event, Events, ground
 from longball.engines.path import Flight, Leg, Path
 from longball.model.frame import Frame
 from longball.model.law import Law, State, law_of
-from longball.model.numbers import Undecided
+from longball.model.numbers import N, Undecided, Vector
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
 
 if TYPE_CHECKING:
     from longball.engines.chain.collision import Model
 
-Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
-Vector = tuple[Number, Number, Number]
 Mask = Any  # bool or array of flags
 
 
@@ -67,7 +65,7 @@ class Run:
         """Return True if a mask has any rows."""
         return bool(rows)
 
-    def decide(self, x: Number, error: Number, question: str, rows: Mask) -> tuple[Mask, Mask]:
+    def decide(self, x: N, error: N, question: str, rows: Mask) -> tuple[Mask, Mask]:
         """Return two masks: of the rows in which ``x > 0``, and of those in which it is not.
 
         A row of columns that is in doubt is in neither.
@@ -85,7 +83,7 @@ class Run:
 
     # --- flights ---------------------------------------------------------------------------------
 
-    def fly(self, law: Law, start: State, events: Events, limit: Number, rows: Mask) -> Flight:
+    def fly(self, law: Law, start: State, events: Events, limit: N, rows: Mask) -> Flight:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
         In other rows the flight stays at its start, and nothing stops it.
@@ -123,7 +121,7 @@ class Run:
         if rows:
             raise reason
 
-    def follow(self, frame: Frame, flight: Flight, begin: Number, rows: Mask) -> None:
+    def follow(self, frame: Frame, flight: Flight, begin: N, rows: Mask) -> None:
         """Append a flight to the trajectory; it begins s after the start of the scene."""
         if rows:
             self.legs.append(Leg(begin, frame, flight))
@@ -136,7 +134,7 @@ class Run:
         return self.engine.numbers
 
     @property
-    def time_limit(self) -> Number:
+    def time_limit(self) -> N:
         """The longest time of flight, s."""
         return self.numbers.exact(self.scene.time_limit)
 
