@@ -8,7 +8,7 @@ first touching of the bat.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -116,7 +116,7 @@ class PathEngine(Engine, ABC):
                         continue
                     value = form.beyond(bend, level, self.numbers)
                     if way > 0:  # events fall through zero, and this value rises
-                        value = partial(_negative, value)
+                        value = partial(lambda beyond, state: -beyond(state), value)
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
                     question = bend.question
                     event = Event("bend", question, value, lambda state: state, size)
@@ -353,10 +353,6 @@ class _End(NamedTuple):
     which: int
     way: int
     level: _Level
-
-
-def _negative(value: Callable[[Any], Any], state: Any) -> Any:
-    return -value(state)
 
 
 RESTS_WITH_SPIN = (

@@ -58,7 +58,7 @@ def solve(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
 
     It has the digits that the engine promises; see `longball.engines.digits.to_digits`.
     """
-    result, _ = to_digits(scene, engine, lambda one: (solve_once(scene, one, model), None))
+    result, _ = solve_with_path(scene, engine, model)
     return result
 
 
@@ -85,11 +85,13 @@ def solve_each(
     return in_parallel(solve, ((scene, engine) for scene in scenes), workers)
 
 
-def solve_with_path(scene: Scene, engine: Engine) -> tuple[Result, Trajectory]:
+def solve_with_path(
+    scene: Scene, engine: Engine, model: Model = MODEL
+) -> tuple[Result, Trajectory]:
     """Return the result of a scene, and the way of its ball from the start of the scene on."""
 
     def flown(one: Engine) -> tuple[Result, Trajectory]:
-        run = Run(scene, one, MODEL)
+        run = Run(scene, one, model)
         result = _answer(run, CHAINS[scene.kind])
         return result, Trajectory(tuple(run.legs))
 
