@@ -82,7 +82,7 @@ def _branches(
             # Exactly on the threshold, the direction in which the flight passes it decides. It is
             # exact, too: a state that lies there was put there.
             if there == 0:
-                moving: Any = map(Dual, state, form.rates(numbers)(*state))
+                moving = map(Dual, state, form.rates(numbers)(*state))
                 there, off = sense * value(law.state(*moving)).rate, error * 0
             question = f"whether {bend.question}"
             # The thresholds rise, so that the branch is the number of those below the value.

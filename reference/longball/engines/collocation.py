@@ -164,13 +164,11 @@ class Segment:
         if t == self.length:
             return self.end
         values = legendre(t / self.half - 1, len(self.series[0]) - 1)
-        state: State = type(self.start)(*(self.context.fdot(c, values) for c in self.series))
-        return state
+        return type(self.start)(*(self.context.fdot(c, values) for c in self.series))
 
     def rates(self, t: Mpf) -> State:
         """Return the rates of change of the state at a time on the segment."""
-        rates: State = type(self.start)(*self.dynamics.exact(*self.at(t)))
-        return rates
+        return type(self.start)(*self.dynamics.exact(*self.at(t)))
 
     def curve(self, value: Callable[[Any], Any]) -> SegmentCurve:
         """Return the value of an event along the segment."""

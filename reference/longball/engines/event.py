@@ -274,7 +274,7 @@ def first_met(
         # the error of each value
         if numbers.rounding:
             # In doubles, a coordinate's rounding error grows with its largest size so far.
-            start: Any = piece.at(numbers.exact(0.0))
+            start = piece.at(numbers.exact(0.0))
             rounded = _ROUNDINGS * numbers.rounding * max(1.0, abs(start.s), abs(start.z))
             for event in events:
                 errors[event.name] = max(errors[event.name], event.slope * rounded)

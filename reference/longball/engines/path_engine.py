@@ -129,7 +129,7 @@ class PathEngine(Engine, ABC):
         Dual numbers tell: the value at that height, and its rate if all else changes, are both 0.
         """
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
-        anywhere: Any = law.state(*(Dual(nothing, one) for _ in law.variables))
+        anywhere = law.state(*(Dual(nothing, one) for _ in law.variables))
         values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
         return any(value.value == 0 and value.rate == 0 for value in values)
 

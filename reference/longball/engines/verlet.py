@@ -348,7 +348,6 @@ class Verlet(Stepped):
             count, after = touch.step + done, SpaceState(*position, *velocity)
             self._require_finite(after)
             if ground.value(after) <= 0.0:
-                down: Any
                 _, time, down = self.stop_between(count, before, after, [ground])
                 x, y, z, u, v, w = down
                 delay = time - touch.step * dt - touch.ahead
@@ -466,16 +465,11 @@ def interpolate(before: Value, after: Value, fraction: float) -> Value:
 
 
 def _row(columns: State, row: int) -> State:
-    state: Any = type(columns)
-    found: State = state(*(x[row].item() for x in columns))
-    return found
+    return type(columns)(*(x[row].item() for x in columns))
 
 
 def _between(before: State, after: State, fraction: float) -> State:
-    state: State = type(before)(
-        *(interpolate(a, b, fraction) for a, b in zip(before, after, strict=True))
-    )
-    return state
+    return type(before)(*(interpolate(a, b, fraction) for a, b in zip(before, after, strict=True)))
 
 
 def _fraction_to_zero(before: float, after: float) -> float:

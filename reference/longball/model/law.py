@@ -65,8 +65,8 @@ class SpaceState(NamedTuple):
     w: N
 
 
-# Others have further components behind these; see `state_of_variables`.
-State = PlaneState | SpaceState
+# One of these, or one with further components behind them; see `state_of_variables`.
+State = Any
 
 
 @cache
@@ -563,8 +563,7 @@ class Law:
     def state_of(self, start: State) -> State:
         """Return a launch as a state of this law."""
         nothing = start.s * 0
-        state: State = self.state(*(getattr(start, name, nothing) for name in self.variables))
-        return state
+        return self.state(*(getattr(start, name, nothing) for name in self.variables))
 
     def completed(self, state: State, numbers: Numbers) -> State:
         """Return a state whose exponentials and logarithms are those of this form.

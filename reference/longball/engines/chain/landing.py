@@ -111,7 +111,7 @@ def _come_down(
 
     # the landing
     _rise(run, ball, flight, rows)
-    state: Any = flight.state
+    state = flight.state
     x, y, z = position = frame.position(state)
     run.record("landing.time", launch.time + flight.time, rows)
     run.record("landing.hang_time", launch.delay + flight.time, rows)
