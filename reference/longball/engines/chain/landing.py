@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from longball.engines.chain.flying import fly, spin_at
 from longball.engines.chain.run import Mask, Run
