@@ -99,6 +99,7 @@ def monte_carlo(
         (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)
         for first in range(0, count, size)
     )
+    # x, y, failure and home runs, in place as the blocks come in order
     landed = np.empty((len(restitutions), 4, count))
     done = 0
     for part in in_parallel(_strike, calls, workers, threads):

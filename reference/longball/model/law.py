@@ -685,6 +685,7 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend]
     """Return the shape of a scene's law, its parts, and strengths of spin and density."""
     air, reading, exact = scene.air, scene.reading, numbers.exact
     spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
+    # the coefficients
     drag_law, drag = _coefficient("drag", scene, spins, numbers)
     # A ball that does not spin has no lift, but for the paper's, whose axis no scene names.
     lift_law: Any = ConstantLift
@@ -692,6 +693,7 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend]
     if spins or (frame.spin is None and not by_spin(air.lift_coefficient)):
         lift_law, lift = _coefficient("lift", scene, spins, numbers)
     parts, shape = [drag, lift], Shape(drag_law, lift_law)
+    # wind and side force: each may end the form of the law on the way
     found: dict[str, N] = {}
     if air.wind is not None:
         shape = shape._replace(wind_acts_on=reading.wind_acts_on)
@@ -703,6 +705,7 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend]
         if side:
             question = "the airspeed turns along air.side_coefficient.direction"
             parts.append(Bend("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
+    # the spin, as a vector in the frame and by its size, and what is left of it
     if frame.spin is not None:
         shape = shape._replace(
             spins=True,

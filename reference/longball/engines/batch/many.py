@@ -148,6 +148,7 @@ def solve_columns_with_slopes(
     table.doubtful |= table.alone
     found = _named(table, scene, known, flyer)
 
+    # the rows whose derivatives the lanes leave open, one by one
     solver: Any = create("ivp")
     alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
     refused = {}

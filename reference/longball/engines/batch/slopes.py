@@ -211,11 +211,13 @@ def seeded_columns(
     def vector(name: str) -> tuple[Any, Any, Any]:
         return known(f"{name}[0]"), known(f"{name}[1]"), known(f"{name}[2]")
 
+    # each number of the scene changes with itself
     unit = np.eye(len(names))[:, :, np.newaxis]
     rates: dict[str, Any] = {}
     for name, rate in zip(names, unit, strict=True):
         if name not in TRACKED:
             rates[name] = rates.get(name, 0) + rate
+    # what trackers give changes all components of a vector, the others of these held fixed
     if isinstance(scene, FlightScene) and any(name in TRACKED for name in names):
         velocity = vector("launch.velocity")
         spin = None if scene.launch.spin is None else vector("launch.spin")
