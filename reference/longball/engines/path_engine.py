@@ -62,7 +62,7 @@ class PathEngine(Engine, ABC):
         law = law.in_polynomials()
         branches = branches_at(law, start, self.numbers)
         start = law.on(branches).completed(start, self.numbers)
-        passed: _Level | None = None  # on which the form begins
+        passed: _End | None = None  # on whose threshold the form begins
         pieces = 0
         for _ in range(_MOST_BRANCHES):
             require_law(law, branches, begin)
@@ -83,11 +83,12 @@ class PathEngine(Engine, ABC):
                     first = False
                     continue
                 # the switch: cut the piece there, and begin another on the neighbouring branch
-                time, (_, which, way, passed) = met
+                time, passed = met
                 if time != 0:
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
-                branches[which] += way
+                which = passed.which
+                branches[which] += passed.way
                 # Where the wind sets in or ends, the airspeed jumps, and with it whatever the
                 # tables depend on: their branches are looked up afresh.
                 if law.bends[which].blows:
@@ -120,7 +121,7 @@ class PathEngine(Engine, ABC):
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
                     question = bend.question
                     event = Event("bend", question, value, lambda state: state, size)
-                    found.append(_End(event, which, way, _Level(form.passage(bend), level)))
+                    found.append(_End(event, which, way, form.passage(bend), level))
         return found
 
     def _ends_all_at(self, height: N, law: Law, events: Events) -> bool:
@@ -139,7 +140,7 @@ class PathEngine(Engine, ABC):
         ends: Sequence[_End],
         form: Law,
         first: bool,
-        passed: _Level | None,
+        passed: _End | None,
     ) -> tuple[N, _End] | None:
         """First of the switching events on a piece, with its time.
 
@@ -159,7 +160,7 @@ class PathEngine(Engine, ABC):
             time = first_fall(
                 curve, piece.length, error, question, self.numbers,
                 launch=first or self.flight_error > 0.0,
-                on_surface=passed is not None and end.level.same_as(passed),
+                on_surface=passed is not None and end.is_threshold_of(passed),
                 stays=False,
             )  # fmt: skip
             if time is not None and (found is None or time < found[0]):
@@ -330,29 +331,23 @@ _MOST_BRANCHES = 1000
 _MOST_PIECES = 10_000
 
 
-@dataclass(frozen=True)
-class _Level:
-    """A threshold, and the program of the switching function."""
-
-    passage: Program
-    value: N
-
-    def same_as(self, other: _Level) -> bool:
-        """True if function and threshold are equal; balls are, if both their parts are."""
-        if self.passage.outputs != other.passage.outputs:
-            return False
-        numbers: Any = self.value, other.value
-        one, two = ((x.mid(), x.rad()) if hasattr(x, "mid") else x for x in numbers)
-        return bool(one == two)
-
-
 class _End(NamedTuple):
     """A switching event: the number of its switch, its direction, and the threshold crossed."""
 
     event: Event
     which: int
     way: int
-    level: _Level
+    passage: Program  # the switching function
+    level: N  # the threshold
+
+    def is_threshold_of(self, other: _End) -> bool:
+        """True if function and threshold are equal; balls are, if both their parts are."""
+        if self.passage.outputs != other.passage.outputs:
+            return False
+        one, two = (
+            (x.mid(), x.rad()) if hasattr(x, "mid") else x for x in (self.level, other.level)
+        )
+        return bool(one == two)
 
 
 RESTS_WITH_SPIN = (
