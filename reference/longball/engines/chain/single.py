@@ -22,11 +22,6 @@ from longball.model.result import Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene
 
 
-def described(engines: Iterable[str]) -> str:
-    """Return the description of all engines that flew a ball."""
-    return " and ".join(dict.fromkeys(engines))
-
-
 BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
@@ -194,7 +189,7 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
     told = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
     return Result(
         id=run.scene.id,
-        engine=described(run.engines) or run.engine.description,
+        engine=" and ".join(dict.fromkeys(run.engines)) or run.engine.description,
         outcome=None if error else run.answer["outcome"],
         error=None if error is None else str(error),
         code=None if error is None else error.code,
