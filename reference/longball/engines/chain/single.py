@@ -21,7 +21,6 @@ from longball.model.quantities import nested, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene
 
-
 BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
