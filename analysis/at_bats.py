@@ -58,7 +58,7 @@ def run(report: Report, full: bool) -> str:
     return report.render("at_bats", globals(), solved=solved)
 
 
-def along(way: Trajectory[float], begin: float, end: float) -> tuple[Array, Array]:
+def along(way: Trajectory, begin: float, end: float) -> tuple[Array, Array]:
     """Return x and z, m, at 400 times of a trajectory."""
     x, _, z, *_ = np.array(way.sample(np.linspace(begin, end, 400).tolist())).T
     return x, z

@@ -58,32 +58,32 @@ TITLES = {
 
 # --- engines that are the reference but for one part ----------------------------------------------
 
-Flown = Flight[float]
-Touched = Touch[float]
-Air = Law[float]
-Section = BatSection[float]
-Ground = Event[float]
+Flown = Flight
+Touched = Touch
+Air = Law
+Section = BatSection
+Ground = Event
 Events = Sequence[Ground]
-LawOf = Callable[[Frame[float]], Air]
+LawOf = Callable[[Frame], Air]
 
 
-class StruckAtOnce(Stepped[float]):
+class StruckAtOnce(Stepped):
     """The whole impulse at once, where the ball touches the bat."""
 
     def rebound(
-        self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground
-    ) -> Launch[float]:
+        self, frame: Frame, touch: Any, delta_v: Vector, law_in: LawOf, ground: Ground
+    ) -> Launch:
         """Set the ball free; see `longball.engines.engine.Stepped`."""
         at: Any = touch.exact if isinstance(touch, LineTouch) else touch
         after = tuple(v + dv for v, dv in zip(frame.velocity(at.state), delta_v, strict=True))
-        return Launch(frame.position(at.state), cast(Vector[float], after), at.time, 0.0)
+        return Launch(frame.position(at.state), cast(Vector, after), at.time, 0.0)
 
 
 @dataclass(frozen=True)
-class LineTouch(Touch[float]):
+class LineTouch(Touch):
     """A touch at the end of a straight line, and the true one."""
 
-    exact: Touch[float] | None = None
+    exact: Touch | None = None
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ class Smooth(StruckAtOnce, Verlet):
     """
 
     def stop_between(
-        self, count: int, before: State[float], after: State[float], events: Events
-    ) -> tuple[str, float, State[float]]:
+        self, count: int, before: State, after: State, events: Events
+    ) -> tuple[str, float, State]:
         """Return the first event on the cubic."""
         ((x, v), (there, end)), h = np.reshape([before, after], (2, 2, -1)), self.dt
         slope = (there - x) / h
@@ -126,7 +126,7 @@ class ButOnePart(Ivp):
 
     scheme: Verlet = field(default_factory=Verlet)
 
-    def steps_at(self, flight: Flown, time: float) -> tuple[float, State[float], State[float]]:
+    def steps_at(self, flight: Flown, time: float) -> tuple[float, State, State]:
         """Return the time of the step before a time, and the exact states there and at the next."""
         dt = self.scheme.dt
         count = math.floor(time / dt)
@@ -136,7 +136,7 @@ class ButOnePart(Ivp):
 class PlateOnTheLine(ButOnePart):
     """The height at the plate from the line between two steps; all else exact."""
 
-    def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
+    def fly(self, law: Air, start: State, events: Events, limit: float) -> Flown:
         """Fly exactly, and report a pitch on the chord."""
         exact = super().fly(law, start, events, limit)
         if exact.stop != "plate":
@@ -170,7 +170,7 @@ class StraightToTheBat(StruckAtOnce, ButOnePart):
         return LineTouch(exact.margin, True, begin + ahead, there, exact=exact)
 
 
-class HalfForce(ButOnePart, Stepped[float]):
+class HalfForce(ButOnePart, Stepped):
     """Half of the force over two steps, from the step before an exact contact; all else exact."""
 
     def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
@@ -187,8 +187,8 @@ class HalfForce(ButOnePart, Stepped[float]):
         )
 
     def rebound(
-        self, frame: Frame[float], touch: Any, delta_v: Vector[float], law_in: LawOf, ground: Ground
-    ) -> Launch[float]:
+        self, frame: Frame, touch: Any, delta_v: Vector, law_in: LawOf, ground: Ground
+    ) -> Launch:
         """Push for two steps, as the scheme does."""
         return self.scheme.rebound(frame, touch, delta_v, law_in, ground)
 
@@ -202,7 +202,7 @@ class GroundBetweenSteps(ButOnePart):
 
     contact: float = 0.0  # s, when the flight that lands begins
 
-    def fly(self, law: Air, start: State[float], events: Events, limit: float) -> Flown:
+    def fly(self, law: Air, start: State, events: Events, limit: float) -> Flown:
         """Fly exactly, and land by the scheme's rule."""
         exact = super().fly(law, start, events, limit)
         if [event.name for event in events] != ["ground"]:
@@ -264,7 +264,7 @@ def rms(errors: Array) -> Array:
     return np.sqrt(mean_over_phases(errors**2))
 
 
-def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine[float]]:
+def engines(forces: VerletForces, dt: float, contact: float) -> dict[str, Engine]:
     """Return the parts of the scheme with a treatment of the force, and the whole."""
     steps, below = Verlet(dt, forces), Verlet(dt, forces, "first_below")
     return {

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,7 +20,7 @@ PRINTED = 0.05  # s, the paper's step
 FINEST, FULL_FINEST = 5e-7, 5e-8  # s
 PER_DECADE = 4
 # Proves its digits: what is shown goes down to 1e-11 m and less.
-PROVEN: Engine[Any] = create("enclosure", digits=20)
+PROVEN: Engine = create("enclosure", digits=20)
 
 (ONE,) = launches(np.array([45.0]), math.radians(30.0)).scenes
 # Two speeds at 25° and 45° each. The fit of the orders identifies results by their ids.

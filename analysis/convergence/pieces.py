@@ -40,7 +40,7 @@ def each(
     return list(track(answers, what, len(tasks), console=console, disable=not console.is_terminal))
 
 
-def distance(scene: AtBatScene | FlightScene, engine: Engine[Any]) -> float:
+def distance(scene: AtBatScene | FlightScene, engine: Engine) -> float:
     """Return D by an engine, m; NaN if no ball lands."""
     landing = solve(scene, engine).landing
     return float(landing.distance) if landing else math.nan

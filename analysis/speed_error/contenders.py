@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib.util import find_spec
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,7 +59,7 @@ def in_columns(flyer: BatchFlyer, work: Work) -> Answers:
     return Answers(table["outcome"].tolist(), distances, times)
 
 
-def one_by_one(engine: Engine[Any], work: Work) -> Answers:
+def one_by_one(engine: Engine, work: Work) -> Answers:
     """Solve the work scene by scene."""
     results = [solve(scene, engine) for scene in work.scenes]
     distances, times = (

@@ -197,7 +197,7 @@ def _of_type(value: object) -> str:
 @overload
 def solve(
     scene: models.FlightScene | dicts.FlightSceneDict,
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -208,7 +208,7 @@ def solve(
 @overload
 def solve(
     scene: models.PitchScene | dicts.PitchSceneDict,
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -219,7 +219,7 @@ def solve(
 @overload
 def solve(
     scene: models.ImpactScene | dicts.ImpactSceneDict,
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -230,7 +230,7 @@ def solve(
 @overload
 def solve(
     scene: Scene | dicts.AtBatSceneDict | Mapping[str, Any] | str | bytes,
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -240,7 +240,7 @@ def solve(
 
 def solve(
     scene: object,
-    engine: str | Engine[Any] = "ivp",
+    engine: str | Engine = "ivp",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -308,7 +308,7 @@ def solve(
 
 
 def derivatives_in(
-    scene: Scene, result: Result, engine: Engine[Any], names: bool | Sequence[str]
+    scene: Scene, result: Result, engine: Engine, names: bool | Sequence[str]
 ) -> Derivatives:
     """Return the derivatives of a result by some numbers of its scene, or by all."""
     from longball.engines.tangent import derivatives_of
@@ -327,7 +327,7 @@ def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
     return require_inputs(scene, names)
 
 
-def differentiable(engine: Engine[Any]) -> PathEngine[Any]:
+def differentiable(engine: Engine) -> PathEngine:
     """Return an engine that derivatives can be had of; a ValueError says that it is none."""
     from longball.engines.path_engine import PathEngine
 
@@ -339,7 +339,7 @@ def differentiable(engine: Engine[Any]) -> PathEngine[Any]:
     return engine
 
 
-def as_engine(engine: str | Engine[Any], options: Mapping[str, Any]) -> Engine[Any]:
+def as_engine(engine: str | Engine, options: Mapping[str, Any]) -> Engine:
     """Return an engine by name with options, or the one that is given."""
     if isinstance(engine, str):
         return engines.create(engine, **options)

@@ -171,7 +171,7 @@ _LABEL = 1.4  # inches: a panel has room for the label of its axis
 
 def drawn(
     label: str,
-    trajectory: Trajectory[float],
+    trajectory: Trajectory,
     points: int = 200,
     fence: Fence | None = None,
     result: Result | None = None,
@@ -180,7 +180,7 @@ def drawn(
 
     The `result` says where it comes to the fence, and how it ends.
     """
-    flights = []
+    flights: list[Any] = []
     for i, leg in enumerate(trajectory.legs):
         end = leg.begin + leg.flight.time
         # At the contact itself the velocity after it counts: stop before.

@@ -75,7 +75,7 @@ class Path:
         s since the start of the scene: a path begins at 0.
     """
 
-    def __init__(self, trajectory: Trajectory[Any], engine: Engine[Any]) -> None:
+    def __init__(self, trajectory: Trajectory, engine: Engine) -> None:
         self._trajectory, self._numbers = trajectory, engine.numbers
         self.start = self._double(trajectory.legs[0].begin)
         self.end = self._double(trajectory.end)
@@ -215,8 +215,8 @@ class Solution:
         self,
         scene: Scene | Callable[[], Scene] | None,
         result: Result | dict[str, Any],
-        solver: Engine[Any],
-        trajectory: Trajectory[Any] | None = None,
+        solver: Engine,
+        trajectory: Trajectory | None = None,
         derivatives: Derivatives | None = None,
     ) -> None:
         self._scene, self._result = scene, result

@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 @overload
 def solve_many(
     scenes: Mapping[str, Any] | pd.DataFrame,
-    engine: str | Engine[Any] = "batch",
+    engine: str | Engine = "batch",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -73,7 +73,7 @@ def solve_many(
 @overload
 def solve_many(
     scenes: Iterable[object],
-    engine: str | Engine[Any] = "batch",
+    engine: str | Engine = "batch",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -85,7 +85,7 @@ def solve_many(
 
 def solve_many(
     scenes: Any,
-    engine: str | Engine[Any] = "batch",
+    engine: str | Engine = "batch",
     *,
     certify: bool = False,
     derivatives: bool | Sequence[str] = False,
@@ -157,7 +157,7 @@ def solve_many(
     [0.6581, 0.5644, 0.494]
     """
     flyer = as_engine(engine, options)
-    solver: Engine[Any] | ManyAtOnce = flyer
+    solver: Engine | ManyAtOnce = flyer
     if engines.of_type(bool, "certify", certify):
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
@@ -231,7 +231,7 @@ def _warn_of_repeated(ids: Iterable[object]) -> None:
 
 def _asked_and_results(
     written: Iterable[object],
-    solver: Engine[Any] | ManyAtOnce,
+    solver: Engine | ManyAtOnce,
     workers: int,
     paths: int | None = None,
 ) -> Iterator[tuple[Scene | InvalidScene, Result]]:
@@ -241,7 +241,7 @@ def _asked_and_results(
     if paths is None:
         results = iter(chain.solve_each(valid, solver, workers))
     else:
-        results = iter(chain.solve_with_points(x, cast(Engine[Any], solver), paths) for x in valid)
+        results = iter(chain.solve_with_points(x, cast(Engine, solver), paths) for x in valid)
     for scene in asked:
         if isinstance(scene, InvalidScene):
             yield scene, refused(scene)
@@ -299,7 +299,7 @@ _MOST_CORNERS = 4096
 
 def _solve_table(
     columns: Mapping[str, Any],
-    solver: Engine[Any] | ManyAtOnce,
+    solver: Engine | ManyAtOnce,
     workers: int,
     paths: int | None,
     derivatives: bool | Sequence[str],
@@ -385,7 +385,7 @@ def _solve_as_columns(
 # --- derivatives ----------------------------------------------------------------------------------
 
 
-def _alone(engine: Any) -> PathEngine[Any]:
+def _alone(engine: Any) -> PathEngine:
     """Return the engine that finds the derivatives of single scenes."""
     return differentiable(engines.create("ivp") if isinstance(engine, ManyAtOnce) else engine)
 

@@ -65,7 +65,7 @@ first_fall, two_values, curvature, downward, first_zero, differentiate, root_val
 PAPER = {"drag": 0.0074867, "lift": 0.0037433, "gravity": 9.8}
 
 
-def landing(strengths: dict[str, float], start: PlaneState[float], *forces: Any) -> Flight[float]:
+def landing(strengths: dict[str, float], start: PlaneState, *forces: Any) -> Flight:
     """Fly to the ground."""
     surface = ground(0.0, start, DOUBLES)
     return Batch().fly(law_with(strengths, forces), start, [surface], 60.0)
@@ -157,7 +157,7 @@ def thinning(motion: Any, p: Any) -> Any:
     return p.push * trace.log(1.0 + z * z), p.aside * u / (1.0 + w * w), p.push * motion.speed
 
 
-LAWS: dict[str, Law[float]] = {
+LAWS: dict[str, Law] = {
     "paper": law_with(PAPER),
     "exp": law_with(PAPER | {"slope": -0.2, "middle": 6.0, "share": 0.1}, (headwind,)),
     "log": law_with(PAPER | {"push": 0.3, "aside": 0.0}, (thinning,)),
@@ -165,7 +165,7 @@ LAWS: dict[str, Law[float]] = {
 }
 
 
-def expand_lanes(law: Law[float], states: Any, order: int) -> Any:
+def expand_lanes(law: Law, states: Any, order: int) -> Any:
     """Expand states, a column a lane, by `step`."""
     code = kernel(law.program)
     x = code.layout.allocate(order)
@@ -501,7 +501,7 @@ def test_a_graze_is_an_error_with_its_margin() -> None:
 )
 @pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
 def test_a_ball_that_glides_within_the_error_of_the_ground_is_an_error(
-    engine: Engine[float], height: float, outcome: str | None
+    engine: Engine, height: float, outcome: str | None
 ) -> None:
     """Level and without gravity; the error after 60 s is said to be 2e-14 m."""
     scene = FlightScene(
@@ -531,7 +531,7 @@ def test_a_ball_that_glides_within_the_error_of_the_ground_is_an_error(
 )
 @pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
 def test_a_parabola_that_ends_within_the_error_of_the_time_limit_is_an_error(
-    engine: Engine[float], rise: float, later: float, outcome: str | None
+    engine: Engine, rise: float, later: float, outcome: str | None
 ) -> None:
     """It takes 1 s, or 4 s; the errors are 2e-14 m, and as large a part of the time limit."""
     scene = FlightScene(
@@ -707,7 +707,7 @@ def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:
 
 @pytest.mark.parametrize("gravity", [1e-3, 0.5, 9.8])
 @pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
-def test_a_hop_in_little_gravity(engine: Engine[float], gravity: float) -> None:
+def test_a_hop_in_little_gravity(engine: Engine, gravity: float) -> None:
     """Without air it is over after 2 w/g."""
     rise = 1e-4 * gravity
     launch = Launch(position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, rise))

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import math
-import random
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from longball import engines
 from longball.engines.chain import (
     MODEL,
-    Run,
     approach_of,
     collide,
     solve,
     solve_with_path,
     solve_with_restitutions,
 )
-from longball.engines.chain.landing import Batted, _stays_aloft
 from longball.engines.enclosure import Enclosure
-from longball.engines.engine import Launch
 from longball.engines.ivp import Ivp
-from longball.model.frame import Frame
-from longball.model.law import Force, PlaneState, law_with
+from longball.model.law import Force
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 from longball.model.trace import ZERO
@@ -185,77 +178,16 @@ def test_a_ball_at_rest_in_empty_space_stays_there():
     assert solved(rest).outcome == "airborne"
 
 
-# --- loops without drag ---------------------------------------------------------------------------
-
-
-LOOP = (
-    '{"id":"x","kind":"flight","gravity":%r,"air":{"drag_coefficient":0,"lift_coefficient":%r},'
-    '"launch":{"position":[0,0,%r],"velocity":[%r,0,%r]},"time_limit":%r}'
-)
-
-
-@pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure"])
-@pytest.mark.parametrize("gravity", [0.0, 9.8])
-@pytest.mark.sampled(every=4)
-def test_thousands_of_loops_that_stay_aloft_are_airborne(engine, gravity):
-    # 500 m/s² of lift for each m/s: a hundred loops a second, of 15 mm.
-    scene = parse_scene(LOOP % (gravity, 4e3, 10.0, 30.0, 20.0, 60.0))
-    result = solve(scene, engines.create(engine))
-    assert (result.outcome, result.error) == ("airborne", None)
-
-
-def test_balls_that_stay_aloft_are_those_that_do_not_land(nightly):
-    generator = random.Random(7)
-    outcomes = set()
-    for _ in range(60 if nightly else 30):
-        gravity, sign = generator.choice([0.0, 9.8]), generator.choice([-1.0, 1.0])
-        lift, height = sign * generator.uniform(0.3, 8.0), generator.uniform(2.0, 40.0)
-        u, w = (generator.uniform(-40.0, 40.0) for _ in range(2))
-        # Some turns: a ball that lands does so in the first.
-        turn = 2 * math.pi / (abs(lift) * _PER_LIFT * math.hypot(u, w))
-        scene = parse_scene(LOOP % (gravity, lift, height, u, w, 8 * turn))
-        shortcut = solve(scene, Ivp())
-        flown = solve(scene, Ivp(), replace(MODEL, forces=(NOTHING,)))
-        assert shortcut.outcome == flown.outcome
-        outcomes.add((gravity, shortcut.outcome))
-    assert len(outcomes) == 4
-
-
-@pytest.mark.parametrize(("above", "aloft"), [(1e-5, True), (-1e-5, False)])
-def test_a_ball_stays_aloft_if_the_bottom_of_its_loop_is_above_the_ground(above, aloft):
-    """There V = u: the larger root of ``k V³/3 - g V = k V₀³/3 - g u₀``, at its own energy."""
-    gravity, lift = 9.8, 4.0 * _PER_LIFT
-    for u, w in ((20.0, 15.0), (-20.0, 15.0), (3.0, -30.0)):
-        speed = math.hypot(u, w)
-        kept = lift * speed**3 / 3 - gravity * u
-        roots = np.polynomial.polynomial.polyroots([-kept, -gravity, 0.0, lift / 3])
-        bottom = max(root.real for root in roots if abs(root.imag) < 1e-9)
-        height = 30.0 + (speed**2 - bottom**2) / (2 * gravity)
-        line = json.loads(LOOP % (gravity, 4.0, 30.0, u, w, 60.0))
-        scene = parse_scene(json.dumps(line | {"ground": {"height": height - above}}))
-        launch = Launch((0.0, 0.0, 30.0), (u, 0.0, w), 0.0, 0.0)
-        law = law_with({"lift": lift, "gravity": gravity})
-        ball = Batted(launch, Frame(0.0, 0.0, 1.0, 0.0), law, PlaneState(0.0, 30.0, u, w))
-        assert _stays_aloft(Run(scene, Ivp(), MODEL), ball, rows=True) is aloft
-
-
-def test_the_way_of_a_ball_that_stays_aloft_is_flown_when_asked():
-    scene = parse_scene(LOOP % (0.0, 4.0, 20.0, 30.0, 0.0, 2.0))
-    result, trajectory = solve_with_path(scene, Ivp())
-    assert result.outcome == "airborne"
-    position, velocity = trajectory.at(2.0)
-    # A circle of the radius 1/k.
-    k = 4.0 * _PER_LIFT
-    angle = 30.0 * k * 2.0
-    expected = (math.sin(angle) / k, 0.0, 20.0 + (1.0 - math.cos(angle)) / k)
-    assert position == pytest.approx(expected, abs=1e-11)
-    assert math.hypot(*velocity) == pytest.approx(30.0, rel=1e-13)
-
-
-# k_L of a lift coefficient of 1, 1/m: ρ π R² / (2 m).
-_PER_LIFT = 1.29 * math.pi * 0.0366**2 / (2 * 0.145)
-# With it the chain takes the law for another one.
-NOTHING = Force(lambda scene, frame, numbers: {}, lambda motion, p: (ZERO, ZERO, ZERO))
+def test_a_ball_that_lands_before_the_bat_sets_it_free_has_its_spin():
+    """By Verlet's scheme, in whose steps the contact force acts on; its batted flight is none."""
+    scene = parse_scene(
+        '{"id":"x","kind":"at-bat","ball":{"mass":0.12},"swing":{"height_offset":0.043},'
+        '"pitch":{"velocity":[-40.27,-0.8,-1],"spin":[-26,17,-30]}}'
+    )
+    result = solve(scene, engines.create("verlet"))
+    assert result.outcome == "batted"
+    assert result.landing.hang_time < 0.05  # a step
+    assert result.landing.spin == (-26.0, 17.0, -30.0)
 
 
 @pytest.mark.parametrize("engine", ["ivp", "batch", "enclosure", "multiprecision"])

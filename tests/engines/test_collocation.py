@@ -30,7 +30,7 @@ def plane_law(**strengths: float) -> Any:
     return law_with({name: exact(k) for name, k in strengths.items()})
 
 
-def launched(z: float, u: float, w: float) -> PlaneState[Any]:
+def launched(z: float, u: float, w: float) -> PlaneState:
     return PlaneState(exact(0), exact(z), exact(u), exact(w))
 
 
@@ -115,16 +115,6 @@ def test_how_many_coefficients_are_needed() -> None:
     wanted = n * math.log(float(tolerance)) / math.log(2.0 ** -(n - 2))
     assert METHOD._needed(falling, speed) == pytest.approx(wanted)
     assert METHOD._needed([speed] * n, speed) == math.inf
-
-
-def test_the_first_step_changes_the_velocity_by_its_size() -> None:
-    dynamics = collocation.Dynamics(plane_law(gravity=8.0), NUMBERS)
-    guess = METHOD._first_length
-    assert guess(dynamics, launched(1.0, 3.0, 4.0), exact(60)) == exact(5) / 8
-    assert guess(dynamics, launched(1.0, 3.0, 4.0), exact(0.5)) == 0.5
-    assert guess(dynamics, launched(1.0, 0.0, 0.0), exact(60)) == 60
-    still = collocation.Dynamics(plane_law(), NUMBERS)
-    assert guess(still, launched(1.0, 3.0, 4.0), exact(60)) == 60
 
 
 def test_segments_join_and_reach_the_end() -> None:

@@ -166,11 +166,11 @@ class Cut(Ivp):
 
     def steps(
         self,
-        law: Law[float],
-        start: State[float],
+        law: Law,
+        start: State,
         begin: float,
         limit: float,
-        events: Sequence[Event[float]],
+        events: Sequence[Event],
     ) -> Iterator[PolynomialPiece]:
         state = np.array(start)
         for end in (*self.ends, limit):

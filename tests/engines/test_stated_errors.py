@@ -317,7 +317,7 @@ def level_pitch(x: float, offset: float) -> Scene:
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("share", [-1.05, -0.95, 0.0, 0.95, 1.05])
 def test_a_graze_is_decided_beyond_the_error_of_its_margin(
-    engine: Engine[float], side: float, share: float
+    engine: Engine, side: float, share: float
 ) -> None:
     """The margin is `share` of what `margin_error` says."""
     error = 2 * REACH * ERROR + HALF_ULP * (8 * (1.8 + REACH) + 4 * 18.44 + 2 * REACH)
@@ -343,7 +343,7 @@ def test_a_graze_is_decided_beyond_the_error_of_its_margin(
     ],
 )
 def test_a_release_next_to_the_bat_is_decided_beyond_the_error(
-    engine: Engine[float], share: float, said: str
+    engine: Engine, share: float, said: str
 ) -> None:
     error = 2 * REACH * ERROR + HALF_ULP * (8 * 1.8 + 4 * REACH + 2 * REACH)
     result = solve(level_pitch(REACH + share * error, 0.0), engine)
@@ -365,7 +365,7 @@ def test_a_release_next_to_the_bat_is_decided_beyond_the_error(
     ],
 )
 def test_plate_and_ground_are_told_apart_beyond_the_error(
-    engine: Engine[float], height: float, outcome: str | None, said: str
+    engine: Engine, height: float, outcome: str | None, said: str
 ) -> None:
     """A straight line from 2 m high and 18 m away: errors of 4e-14 m up, and of 3.6e-13 m along."""
     pitch = PitchBlock(release=(18.0, 0.0, 2.0), aim=(0.0, height))

@@ -180,7 +180,7 @@ def test_a_law_of_several_forms_computes_nothing_before_one_is_chosen():
         wanted = blown.rates(DOUBLES)(*there)
         assert law.branches(there, DOUBLES) == [branch]
         assert law.on([branch]).rates(DOUBLES)(*there) == wanted
-        assert law.pointwise(DOUBLES)(*there) == wanted
+        assert law.at(there, DOUBLES).rates(DOUBLES)(*there) == wanted
         assert law.on([branch]).drift(0.0) == (wind, 0.0, 0.0)
 
 
@@ -190,7 +190,8 @@ def test_a_law_of_several_forms_without_a_force_keeps_its_forms():
     dragged = law_of(scene(Air(drag_coefficient=table, lift_coefficient=0.0)), ALONG_X, DOUBLES)
     for u in (5.0, 15.0, 25.0):
         state = 0.0, 1.0, u, 0.0
-        assert law.pointwise(DOUBLES)(*state) == dragged.pointwise(DOUBLES)(*state)
+        plain, other = (x.at(PlaneState(*state), DOUBLES).rates(DOUBLES) for x in (law, dragged))
+        assert plain(*state) == other(*state)
 
 
 def test_an_exponential_that_is_a_variable_is_that_of_the_form():

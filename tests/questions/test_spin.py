@@ -40,7 +40,7 @@ def acceleration(pitch):
     frame, start = launch_frame(pitch.pitch.release, pitch.pitch.velocity, DOUBLES, spin)
     law = law_of(pitch, frame, DOUBLES)
     state = law.state_of(start)
-    rates = dict(zip(law.variables, law.pointwise(DOUBLES)(*state), strict=True))
+    rates = dict(zip(law.variables, law.at(state, DOUBLES).rates(DOUBLES)(*state), strict=True))
     u, v, w = rates["u"], rates.get("v", 0.0), rates["w"]
     return [frame.cos * u - frame.sin * v, frame.sin * u + frame.cos * v, w]
 

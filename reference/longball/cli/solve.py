@@ -12,7 +12,7 @@ from contextlib import contextmanager, nullcontext, suppress
 from importlib import import_module
 from itertools import chain
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from longball import engines
 from longball.cli.changes import chosen_changes
@@ -69,7 +69,7 @@ def solve(
     if output and ending(output) in TABLES:
         import_module("pandas")
     try:
-        solver: Engine[Any] | ManyAtOnce = engines.create(
+        solver: Engine | ManyAtOnce = engines.create(
             engine, **{k: v for k, v in options.items() if v is not None}
         )
     except ValueError as error:

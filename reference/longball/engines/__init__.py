@@ -23,7 +23,7 @@ ENGINES: dict[Name, tuple[str, str]] = {
 }
 
 
-def create(name: str, **options: object) -> Engine[Any]:
+def create(name: str, **options: object) -> Engine:
     """Return an engine by name.
 
     Raises
@@ -47,7 +47,7 @@ def create(name: str, **options: object) -> Engine[Any]:
         if option not in takes:
             raise ValueError(f"engine {name} takes no {option}{one_of('it takes', option, takes)}")
     values = {option: of_type(types[option], option, options[option]) for option in options}
-    engine: Engine[Any] = family(**values)
+    engine: Engine = family(**values)
     return engine
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any
 
 from longball.engines.arithmetic import Dual
 from longball.engines.engine import CannotSolve
@@ -13,9 +13,9 @@ from longball.model.numbers import N, Numbers
 
 
 def branches_at(
-    law: Law[N],
-    state: State[N],
-    numbers: Numbers[N],
+    law: Law,
+    state: State,
+    numbers: Numbers,
     known: Mapping[int, int] = MappingProxyType({}),
 ) -> list[int]:
     """Branch of each switch of a law in a state; on a threshold, the branch that is entered.
@@ -27,7 +27,7 @@ def branches_at(
     return _branches(law, state, numbers, known, range(len(law.bends)), 1, state.z * 0)
 
 
-def arrived(law: Law[N], state: State[N], numbers: Numbers[N], error: N) -> Law[N]:
+def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:
     """Return the law on the branch by which the spin decays in a state that a flight has reached.
 
     On a threshold, that is the branch on which the flight came. Switches that do not matter to the
@@ -41,7 +41,7 @@ def arrived(law: Law[N], state: State[N], numbers: Numbers[N], error: N) -> Law[
     return law.on(_branches(law, state, numbers, none, law.bends_of_spin, -1, error))
 
 
-def require_law(law: Law[N], branches: Sequence[Any], time: Any) -> None:
+def require_law(law: Law, branches: Sequence[Any], time: Any) -> None:
     """Raise `CannotSolve` if a side force has no direction on these branches.
 
     The time, s since the launch, is for the message.
@@ -61,9 +61,9 @@ def no_direction(time: Any) -> CannotSolve:
 
 
 def _branches(
-    law: Law[N],
-    state: State[N],
-    numbers: Numbers[N],
+    law: Law,
+    state: State,
+    numbers: Numbers,
     known: Mapping[int, int],
     asked: Collection[int],
     sense: int,  # on a threshold: 1 for the branch that the flight enters, -1 for the one it leaves
@@ -81,8 +81,8 @@ def _branches(
             there, off = value(state), error
             # Exactly on the threshold, the direction in which the flight passes it decides. It is
             # exact, too: a state that lies there was put there.
-            if cast(Any, there) == 0:
-                moving: Any = map(Dual, state, form.rates(numbers)(*state))
+            if there == 0:
+                moving = map(Dual, state, form.rates(numbers)(*state))
                 there, off = sense * value(law.state(*moving)).rate, error * 0
             question = f"whether {bend.question}"
             # The thresholds rise, so that the branch is the number of those below the value.

@@ -36,7 +36,7 @@ _RADIUS = Context(prec=2, rounding=ROUND_CEILING)
 class Certifying(ManyAtOnce):
     """An engine whose answers are certified."""
 
-    engine: Engine[Any] | ManyAtOnce
+    engine: Engine | ManyAtOnce
 
     def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Certify the result of each scene, in order."""
@@ -48,7 +48,7 @@ class Certifying(ManyAtOnce):
         return [result.data() for result in self.solve_all(scenes, threads)]
 
 
-def certified(scene: Scene, engine: Engine[Any] | ManyAtOnce) -> Result:
+def certified(scene: Scene, engine: Engine | ManyAtOnce) -> Result:
     """Return an engine's result of a scene, each number with a proven error; see `certify`."""
     (result,) = Certifying(engine).solve_all([scene])
     return result

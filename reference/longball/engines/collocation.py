@@ -1,11 +1,12 @@
 """Gauss-Legendre collocation to any number of digits: a flight as a chain of polynomials.
 
-On a step, the acceleration is the polynomial that satisfies the law of motion at the n nodes of
-Gauss and Legendre; velocity and position are its integrals. Where the solution is analytic, the
+On a step, the rates of the state are polynomials that satisfy the law of motion at the n nodes of
+Gauss and Legendre; the state is their integral. Where the solution is analytic, the
 Legendre coefficients fall off geometrically, so that a few dozen nodes give fifty digits on steps
 of about a second, and the polynomials are as good between the nodes as at the ends of the step.
 (Extrapolation of the midpoint rule by Gragg, Bulirsch and Stoer takes 1.5 times as long for the
-same 44 digits of a flight, at its best order and step, and gives no polynomials.)
+same 44 digits of a flight, at its best order and step, and gives no polynomials; mpmath's odefun,
+which differentiates numerically with thousands of digits, takes about ten times as long.)
 
 The equations at the nodes are solved by Newton's method in two precisions: the residuals in full,
 the linear systems in doubles, which gains a dozen digits an iteration (iterative refinement, of a
@@ -21,7 +22,7 @@ N. J. Higham, Accuracy and Stability of Numerical Algorithms, Ch. 12: refinement
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import mul
 from typing import Any
@@ -35,7 +36,6 @@ from longball.engines.engine import OutOfRange
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
-from longball.model.trace import ZERO
 
 Mpf = Any  # a number of an mpmath context: mpmath brings no types
 
@@ -141,12 +141,12 @@ class Segment:
     begin: Mpf  # when the segment begins, s since the launch
     half: Mpf  # s; the time since it begins is ``half (1 + x)``
     # start, end: the states at its ends, exactly those of the neighbouring segments
-    start: State[Mpf]
-    end: State[Mpf]
+    start: State
+    end: State
     series: tuple[list[Mpf], ...]  # the Legendre coefficients of each component of the state
     # at_nodes, rates_at_nodes: the states at the nodes of the rule, and their rates of change
-    at_nodes: list[State[Mpf]]
-    rates_at_nodes: list[State[Mpf]]
+    at_nodes: list[State]
+    rates_at_nodes: list[State]
     # dynamics, rule, context: what it was made with
     dynamics: Dynamics
     rule: Rule
@@ -157,20 +157,18 @@ class Segment:
         """Length of the segment, s."""
         return 2 * self.half
 
-    def at(self, t: Mpf) -> State[Mpf]:
+    def at(self, t: Mpf) -> State:
         """Return the state at a time on the segment, s since it begins."""
         if t == 0:
             return self.start
         if t == self.length:
             return self.end
         values = legendre(t / self.half - 1, len(self.series[0]) - 1)
-        state: State[Mpf] = type(self.start)(*(self.context.fdot(c, values) for c in self.series))
-        return state
+        return type(self.start)(*(self.context.fdot(c, values) for c in self.series))
 
-    def rates(self, t: Mpf) -> State[Mpf]:
+    def rates(self, t: Mpf) -> State:
         """Return the rates of change of the state at a time on the segment."""
-        rates: State[Mpf] = type(self.start)(*self.dynamics.exact(*self.at(t)))
-        return rates
+        return type(self.start)(*self.dynamics.exact(*self.at(t)))
 
     def curve(self, value: Callable[[Any], Any]) -> SegmentCurve:
         """Return the value of an event along the segment."""
@@ -178,48 +176,18 @@ class Segment:
 
 
 class Dynamics:
-    """A law of motion in full precision, and over arrays of doubles.
+    """A law of motion: its rates in full precision, and with their Jacobian over arrays."""
 
-    The unknowns of a step are the rates of the `free` variables: all but those whose rate is just
-    a free variable, as the velocity is that of the position. These are integrals.
-    """
-
-    def __init__(self, law: Law[Mpf], numbers: Numbers[Mpf]) -> None:
-        program = law.program
-        names = program.variables
-        rate_of = [
-            names.index(rate.args[0]) if rate.kind == "variable" else None
-            for rate in program.outputs
+    def __init__(self, law: Law, numbers: Numbers) -> None:
+        # Of the variables those that are no integral of another one, as a position is of a
+        # velocity: what a step leaves out is relative to their size.
+        self.velocities = [
+            i for i, rate in enumerate(law.program.outputs) if rate.kind != "variable"
         ]
-        # From the index of such a variable to that of its rate
-        self.integrals = {
-            i: rate for i, rate in enumerate(rate_of) if rate is not None and rate_of[rate] is None
-        }
-        self.free = [i for i in range(len(names)) if i not in self.integrals]
-        pairs = [(i, k) for i in range(len(names)) for k in range(len(names))]
-        # Of a free variable, and one that its rate depends on
-        self.partials = [
-            pair
-            for pair, partial in zip(pairs, program.jacobian().outputs, strict=True)
-            if pair[0] in self.free and partial is not ZERO
-        ]
-        self.used = frozenset(k for _, k in self.partials)
         self.exact = law.rates(numbers)
-        in_doubles: Law[Any] = replace(
-            law, strengths={k: float(x) for k, x in law.strengths.items()}
-        )
-        self._rates = in_doubles.rates(ARRAYS)
-        self._jacobian = in_doubles.jacobian(ARRAYS)
-
-    def doubles(self, state: Array) -> tuple[Array, dict[tuple[int, int], Array]]:
-        """Return the rates of the free variables, and their partial derivatives.
-
-        `state` has a row for each variable, with a value for each node.
-        """
-        rates, jacobian = self._rates(*state), self._jacobian(*state)
-        size, nodes = state.shape
-        wide = np.array([np.broadcast_to(rates[i], nodes) for i in self.free])
-        return wide, {(i, k): jacobian[i * size + k] for i, k in self.partials}
+        in_doubles: Law = replace(law, strengths={k: float(x) for k, x in law.strengths.items()})
+        self.rough = in_doubles.rates(ARRAYS)
+        self.jacobian = in_doubles.jacobian(ARRAYS)
 
 
 @dataclass(frozen=True)
@@ -228,12 +196,12 @@ class Collocation:
 
     rule: Rule  # the nodes
     # numbers, context: the arithmetic
-    numbers: Numbers[Mpf]
+    numbers: Numbers
     context: MPContext
     # What a step may leave out of the velocity, relative to the fastest speed of the flight
     tolerance: Mpf
 
-    def segments(self, law: Law[Mpf], begin: Mpf, start: State[Mpf], end: Mpf) -> Iterator[Segment]:
+    def segments(self, law: Law, begin: Mpf, start: State, end: Mpf) -> Iterator[Segment]:
         """Fly from a time and state to the time `end`, a segment at a time.
 
         Raises `OutOfRange` if no step is short enough.
@@ -241,7 +209,10 @@ class Collocation:
         dynamics = Dynamics(law, self.numbers)
         state, fastest = start, self._speed(dynamics, start)
         shortest, failed = self.tolerance * (end - begin), False
-        length = self._first_length(dynamics, start, end - begin)
+        # at first a step in which the velocity changes by as much as its size
+        length, change = end - begin, self._speed(dynamics, dynamics.exact(*start))
+        if fastest and change:
+            length = min(length, fastest / change)
         while begin < end:
             # The last step is longer by its rounding, so that it does not end before the limit.
             length = min(length, (end - begin) * (1 + 4 * self.context.eps))
@@ -280,46 +251,42 @@ class Collocation:
         aim: float = _SAFETY * 10 ** (decades * (1 / needed - 1 / self._enough))
         return max(_MOST_SHORTER, min(_MOST_LONGER, aim))
 
-    def _first_length(self, dynamics: Dynamics, start: State[Mpf], longest: Mpf) -> Mpf:
-        """Guess a step, s, in which the velocity changes by as much as its size."""
-        speed = self._speed(dynamics, start)
-        change = self._speed(dynamics, dynamics.exact(*start))
-        return min(longest, speed / change) if speed and change else longest
-
     def _speed(self, dynamics: Dynamics, state: Sequence[Mpf]) -> Mpf:
-        """Return the size of the free components of a state, or of its rates."""
-        return self.numbers.sqrt(self.context.fsum(state[i] * state[i] for i in dynamics.free))
+        """Return the size of the velocities of a state, or of their rates."""
+        return self.numbers.sqrt(self.context.fsum(state[i] ** 2 for i in dynamics.velocities))
 
     def _step(
-        self, dynamics: Dynamics, begin: Mpf, half: Mpf, start: State[Mpf], fastest: Mpf
+        self, dynamics: Dynamics, begin: Mpf, half: Mpf, start: State, fastest: Mpf
     ) -> tuple[Segment | None, float]:
         """Take a step; return it and how many coefficients it needs, which may be more than it has.
 
         All others change the velocity by less than the tolerance. If Newton's method fails, there
         is no step, and no number would do.
         """
+        rule, state = self.rule, type(start)
+
         # Newton's method in doubles; its factored Jacobian serves the refinement, too
         rough = self._roughly(dynamics, start, float(half))
         if rough is None:
             return None, math.inf
-        guess, jacobian = rough
+        guess, jacobian, speed = rough
+        fastest = max(fastest, speed)
 
         # refinement: residuals in full, corrections by the Jacobian factored in doubles
-        found = [list(map(self.context.mpf, row)) for row in guess.tolist()]
+        rates = [list(map(self.context.mpf, row)) for row in guess.tolist()]
         before = None
         while True:
-            values = self._values(dynamics, start, half, found, dynamics.used)
-            rates = [dynamics.exact(*state) for state in zip(*values, strict=True)]
+            values = [
+                [x + half * rise for rise in rule.integrals @ row]
+                for x, row in zip(start, rates, strict=True)
+            ]
+            at_nodes = [state(*column) for column in zip(*values, strict=True)]
+            found = zip(*(dynamics.exact(*there) for there in at_nodes), strict=True)
             residual = [
-                there[i] - rate
-                for i, row in zip(dynamics.free, found, strict=True)
-                for there, rate in zip(rates, row, strict=True)
+                x - y for a, b in zip(found, rates, strict=True) for x, y in zip(a, b, strict=True)
             ]
             largest = max(map(abs, residual))
-            fastest_here = max(
-                fastest, *(self._speed(dynamics, state) for state in zip(*values, strict=True))
-            )
-            if half * largest <= _SOLVED * self.tolerance * fastest_here:
+            if half * largest <= _SOLVED * self.tolerance * fastest:
                 break
             # Each round gains about a dozen digits; less than two show that it does not converge.
             if before is not None and largest * 100 > before:
@@ -328,69 +295,28 @@ class Collocation:
             # Scaled: with hundreds of digits, residuals are below the range of doubles.
             scaled = np.array([float(r / largest) for r in residual])
             correction = scipy.linalg.lu_solve(jacobian, scaled).reshape(guess.shape).tolist()
-            found = [
+            rates = [
                 [rate + largest * c for rate, c in zip(row, change, strict=True)]
-                for row, change in zip(found, correction, strict=True)
+                for row, change in zip(rates, correction, strict=True)
             ]
-        return self._segment(dynamics, begin, half, start, found, fastest_here)
 
-    def _values(
-        self,
-        dynamics: Dynamics,
-        start: State[Mpf],
-        half: Mpf,
-        found: list[list[Mpf]],
-        wanted: Container[int],
-    ) -> list[list[Mpf]]:
-        """Return the values of each variable at the nodes, given the rates of the free ones there.
-
-        Those that are neither free nor wanted stay as they start.
-        """
-        values = [[value] * len(self.rule.nodes) for value in start]
-        for i, row in zip(dynamics.free, found, strict=True):
-            values[i] = [start[i] + half * rise for rise in self.rule.integrals @ row]
-        for i, rate in dynamics.integrals.items():
-            if i in wanted:
-                values[i] = [start[i] + half * rise for rise in self.rule.integrals @ values[rate]]
-        return values
-
-    def _segment(
-        self,
-        dynamics: Dynamics,
-        begin: Mpf,
-        half: Mpf,
-        start: State[Mpf],
-        found: list[list[Mpf]],
-        fastest: Mpf,
-    ) -> tuple[Segment, float]:
-        """Return the step whose rates have been found, and how many coefficients it needs."""
-        state = type(start)
-        values = self._values(dynamics, start, half, found, dynamics.integrals)
-        rates_of = dict(zip(dynamics.free, found, strict=True))
-        rates_of |= {i: values[rate] for i, rate in dynamics.integrals.items()}
-        rates = [rates_of[i] for i in range(len(start))]
-        risings = {
-            i: self.rule.coefficients @ row for i, row in zip(dynamics.free, found, strict=True)
-        }
-        series = {i: _antiderivative(c, half, start[i]) for i, c in risings.items()}
-        series |= {
-            i: _antiderivative(series[rate], half, start[i])
-            for i, rate in dynamics.integrals.items()
-        }
-        ordered = tuple(series[i] for i in range(len(start)))
+        # the state as Legendre series, and how many of their coefficients matter
+        rising = [rule.coefficients @ row for row in rates]
+        series = tuple(_antiderivative(c, half, x) for c, x in zip(rising, start, strict=True))
         segment = Segment(
             begin,
             half,
             start,
-            state(*map(self.context.fsum, ordered)),  # P_k(1) = 1 for all k
-            ordered,
-            [state(*column) for column in zip(*values, strict=True)],
+            state(*map(self.context.fsum, series)),  # P_k(1) = 1 for all k
+            series,
+            at_nodes,
             [state(*column) for column in zip(*rates, strict=True)],
             dynamics,
-            self.rule,
+            rule,
             self.context,
         )
-        sizes = [half * max(map(abs, each)) for each in zip(*risings.values(), strict=True)]
+        velocities = [rising[i] for i in dynamics.velocities]
+        sizes = [half * max(map(abs, each)) for each in zip(*velocities, strict=True)]
         return segment, self._needed(sizes, fastest)
 
     def _needed(self, sizes: list[Mpf], speed: Mpf) -> float:
@@ -404,41 +330,38 @@ class Collocation:
         return float(len(sizes) * log(self.tolerance) / log(last)) if last < 1 else math.inf
 
     def _roughly(
-        self, dynamics: Dynamics, start: State[Mpf], half: float
-    ) -> tuple[Array, Any] | None:
-        """Solve the step in doubles: the rates at the nodes, and the Jacobian factored."""
-        n, free = len(self.rule.nodes), dynamics.free
+        self, dynamics: Dynamics, start: State, half: float
+    ) -> tuple[Array, Any, float] | None:
+        """Solve in doubles: the rates at the nodes, the Jacobian factored, the fastest speed."""
+        size, n = len(start), len(self.rule.nodes)
         integrals = half * self.rule.integrals_in_doubles
-        at_start = np.array(list(map(float, start)))
-        found = np.zeros((len(free), n))
+        at_start = np.array(list(map(float, start)))[:, np.newaxis]
+        rates = np.zeros((size, n))
         previous = np.inf
         for _ in range(_ROUGH_STEPS):
             # A step too long runs away.
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                values = np.repeat(at_start[:, None], n, axis=1)
-                values[free] += found @ integrals.T
-                for i, rate in dynamics.integrals.items():
-                    values[i] += integrals @ values[rate]
-                there, partials = dynamics.doubles(values)
-                jacobian = np.eye(found.size)
-                for (i, k), partial in partials.items():
-                    # A variable follows its own rate, or twice integrated that of its rate.
-                    source = dynamics.integrals.get(k, k)
-                    follows = integrals if source == k else integrals @ integrals
-                    row, column = free.index(i) * n, free.index(source) * n
+                values = at_start + rates @ integrals.T
+                found = np.array([np.broadcast_to(x, n) for x in dynamics.rough(*values)])
+                # The rates at all nodes depend on the variables there, and these on the rates at
+                # all nodes: blocks of ∂f_i/∂x_k times the integrals, taken from the unit matrix.
+                jacobian = np.eye(rates.size)
+                for block, partial in enumerate(dynamics.jacobian(*values)):
+                    row, column = (n * place for place in divmod(block, size))
                     jacobian[row : row + n, column : column + n] -= (
-                        np.broadcast_to(partial, n)[:, None] * follows
+                        np.broadcast_to(partial, n)[:, np.newaxis] * integrals
                     )
-            residual = (there - found).ravel()
+            residual = (found - rates).ravel()
             if not (np.isfinite(jacobian).all() and np.isfinite(residual).all()):
                 return None
             factored = scipy.linalg.lu_factor(jacobian)
-            correction = scipy.linalg.lu_solve(factored, residual).reshape(found.shape)
-            found = found + correction
+            correction = scipy.linalg.lu_solve(factored, residual).reshape(rates.shape)
+            rates = rates + correction
             # The change of the velocity that the rates make in half the step.
-            change = half * np.abs(correction).max()
-            if change <= _ROUGHLY * np.abs(values[free]).max():
-                return found, factored
+            velocities = values[dynamics.velocities]
+            change = half * np.abs(correction[dynamics.velocities]).max()
+            if change <= _ROUGHLY * np.abs(velocities).max():
+                return rates, factored, float(np.linalg.norm(velocities, axis=0).max())
             if change > 2 * previous:
                 return None
             previous = change
@@ -484,8 +407,8 @@ class SegmentCurve:
         """Return the rate of change of the value."""
         return self._rate(self.segment.at(t), self.segment.rates(t))
 
-    def _rate(self, state: State[Mpf], rates: State[Mpf]) -> Mpf:
-        duals: State[Any] = type(state)(*map(Dual, state, rates))
+    def _rate(self, state: State, rates: State) -> Mpf:
+        duals: State = type(state)(*map(Dual, state, rates))
         return self.value(duals).rate
 
     def _in_doubles(self, values: Iterable[Mpf]) -> Array:

@@ -7,28 +7,28 @@ contact is decided where the distance is least; the first touching lies before t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Generic
+from typing import Any
 
 from longball.model.frame import Frame
 from longball.model.law import State
-from longball.model.numbers import N, Numbers, absolute
+from longball.model.numbers import N, Numbers
 from longball.model.scene import InvalidScene
 
 
 @dataclass(frozen=True)
-class BatSection(Generic[N]):
+class BatSection:
     """The bat seen along its axis: a circle that a pitch touches or misses."""
 
-    frame: Frame[N]  # of the pitch
+    frame: Frame  # of the pitch
     height: N  # of the bat's axis, m
     reach: N  # R + r_b, m: the distance of the ball's centre from the axis when the two touch
 
-    def distance(self, state: State[N], numbers: Numbers[N]) -> N:
+    def distance(self, state: State, numbers: Numbers) -> N:
         """Return the distance of the ball's centre from the bat's axis, m."""
         across, above = self.frame.towards_x(state), state.z - self.height
         return numbers.sqrt(across * across + above * above)
 
-    def offset(self, state: State[N], numbers: Numbers[N]) -> tuple[N, N]:
+    def offset(self, state: State, numbers: Numbers) -> tuple[N, N]:
         """Return the vector from the bat's axis to a ball that touches it: across and above, m.
 
         High above the ground, the difference of two heights has a large rounding error. There, if
@@ -37,9 +37,9 @@ class BatSection(Generic[N]):
         """
         across, above = self.frame.towards_x(state), state.z - self.height
         # as many half ulps of a height as in `margin_error`
-        rounding = 8 * numbers.rounding * absolute(self.height)
-        off = absolute(self.distance(state, numbers) - self.reach)
-        high = (absolute(self.height) > abs(self.frame.x)) & (absolute(above) > absolute(across))
+        rounding = 8 * numbers.rounding * abs(self.height)
+        off = abs(self.distance(state, numbers) - self.reach)
+        high = (abs(self.height) > abs(self.frame.x)) & (abs(above) > abs(across))
         squared = (self.reach - across) * (self.reach + across)
         better = high & (off <= rounding) & (squared > 0)
         size = numbers.sqrt(numbers.where(better, squared, self.reach))
@@ -54,16 +54,13 @@ class BatSection(Generic[N]):
         across, above = self.frame.towards_x(state), state.z - self.height
         return across * across + above * above - distance * distance
 
-    def approach(self, state: State[N]) -> N:
+    def approach(self, state: State) -> N:
         """Return d·v, m²/s, half the rate of `depth`: negative while the ball comes closer."""
         across, above = self.frame.towards_x(state), state.z - self.height
-        towards: N = across * self.frame.velocity(state)[0] + above * state.w
-        return towards
+        return across * self.frame.velocity(state)[0] + above * state.w
 
 
-def margin_error(
-    bat: BatSection[N], plate_height: N, flight_error: float, numbers: Numbers[N]
-) -> N:
+def margin_error(bat: BatSection, plate_height: N, flight_error: float, numbers: Numbers) -> N:
     """Return a bound on the error of the margin at the closest approach, m.
 
     The height of the bat is that of the pitch at the plate, and the closest approach is searched
@@ -79,7 +76,7 @@ def margin_error(
     """
     # The distance to the closest approach, and a height, each by the larger of two bounds.
     offset, bat_height, ball_height = (
-        absolute(value) for value in (bat.height - plate_height, bat.height, plate_height)
+        abs(value) for value in (bat.height - plate_height, bat.height, plate_height)
     )
     way = numbers.where(offset > bat.reach, offset, bat.reach)
     height = numbers.where(bat_height > ball_height, bat_height, ball_height)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, Protocol
+from typing import Any, Protocol
 
 from longball.engines.contact import BatSection
 from longball.engines.event import Event, Events
@@ -36,14 +36,14 @@ class OutOfRange(CannotSolve):
 
 
 @dataclass(frozen=True)
-class Touch(Generic[N]):
+class Touch:
     """Contact of a pitch with the bat, or the miss."""
 
     margin: N  # m; `reach` minus the closest distance of the undisturbed pitch
     touched: bool | None  # None if the margin is too small for the engine to tell
     # time, state: first touching: s since release, and the state there; None if there is none
     time: N | None = None
-    state: State[N] | None = None
+    state: State | None = None
     doubt: str = ""  # the undecided question, and the reason, if `touched` is None
     # Description of the engine that decided it, if not the one that was asked
     decided_by: str = field(default="", kw_only=True)
@@ -51,25 +51,25 @@ class Touch(Generic[N]):
     leaving: bool = field(default=False, kw_only=True)
 
     @property
-    def detected(self) -> State[N] | None:
+    def detected(self) -> State | None:
         """The state in which the bat's ends are compared with the ball's place along the bat."""
         return self.state
 
 
 @dataclass(frozen=True)
-class Launch(Generic[N]):
+class Launch:
     """Launch of a batted ball: position, m, velocity, m/s, and time, s since the scene began."""
 
-    position: Vector[N]
-    velocity: Vector[N]
+    position: Vector
+    velocity: Vector
     time: N
     delay: N  # s, from the contact to the launch
     landed: bool = False  # the ball has landed before it was free: this is the landing
-    spin: Vector[N] | None = None  # rad/s; None if the scene gives none
+    spin: Vector | None = None  # rad/s; None if the scene gives none
     error: N | None = None  # of the velocity, m/s; None if it is exact, or carries its own
 
 
-class Engine(Protocol[N]):
+class Engine(Protocol):
     """A numerical method."""
 
     @property
@@ -77,7 +77,7 @@ class Engine(Protocol[N]):
         """Name and settings, as the result states them."""
 
     @property
-    def numbers(self) -> Numbers[N]:
+    def numbers(self) -> Numbers:
         """The number system."""
 
     @property
@@ -87,15 +87,13 @@ class Engine(Protocol[N]):
         0 where the number carries its own error.
         """
 
-    def fly(self, law: Law[N], start: State[N], events: Events[N], limit: N) -> Flight[N]:
+    def fly(self, law: Law, start: State, events: Events, limit: N) -> Flight:
         """Fly until the first of several events, or to the time limit, s since the launch.
 
         Raises `CannotSolve` or `Undecided`.
         """
 
-    def touch(
-        self, pitch: Flight[N], law: Law[N], bat: BatSection[N], events: Events[N], limit: N
-    ) -> Touch[N]:
+    def touch(self, pitch: Flight, law: Law, bat: BatSection, events: Events, limit: N) -> Touch:
         """Find how a pitch that has reached the plate meets the bat.
 
         The search begins with the release and ends where the ball has passed the bat, at
@@ -103,7 +101,7 @@ class Engine(Protocol[N]):
         """
 
 
-class Stepped(Generic[N], ABC):
+class Stepped(ABC):
     """Protocol of engines that advance in fixed steps, as the paper does.
 
     The contact force acts over some of the steps instead of at once (paper, Appendix B).
@@ -112,12 +110,12 @@ class Stepped(Generic[N], ABC):
     @abstractmethod
     def rebound(
         self,
-        frame: Frame[N],  # of the pitch
+        frame: Frame,  # of the pitch
         touch: Any,  # from `Engine.touch`, with a state
-        delta_v: Vector[N],  # m/s, the change of velocity that the whole impulse makes
-        law_in: Callable[[Frame[N]], Law[N]],  # from the frame of a flight to the law there
-        ground: Event[N],  # of the batted flight
-    ) -> Launch[N]:
+        delta_v: Vector,  # m/s, the change of velocity that the whole impulse makes
+        law_in: Callable[[Frame], Law],  # from the frame of a flight to the law there
+        ground: Event,  # of the batted flight
+    ) -> Launch:
         """Return the ball as the bat sets it free."""
 
 

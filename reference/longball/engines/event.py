@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from typing import Any, Generic, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from longball.model.frame import Frame
 from longball.model.law import State, in_plane
-from longball.model.numbers import N, Numbers, Undecided, absolute, doubt
+from longball.model.numbers import N, Numbers, Undecided, doubt
 
 
-class Event(NamedTuple, Generic[N]):
+class Event(NamedTuple):
     """A scalar function of the state, and how a flight reports its zero."""
 
     name: str  # under which a flight reports it
@@ -30,10 +30,10 @@ class Event(NamedTuple, Generic[N]):
     slope: N | float = 1.0  # Lipschitz constant of the value in the coordinates, per m
 
 
-Events = Sequence[Event[N]]
+Events = Sequence[Event]
 
 
-def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
+def ground(height: N, start: State, numbers: Numbers) -> Event:
     """Event: the ball descends to a height, m. The start sets the scale of the error."""
     return Event(
         "ground",
@@ -44,7 +44,7 @@ def ground(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
     )
 
 
-def level(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
+def level(height: N, start: State, numbers: Numbers) -> Event:
     """Event: a ball that starts below a height, m, rises to it."""
     return Event(
         "level",
@@ -55,20 +55,20 @@ def level(height: N, start: State[N], numbers: Numbers[N]) -> Event[N]:
     )
 
 
-def plate(frame: Frame[N], start: State[N], numbers: Numbers[N]) -> Event[N]:
+def plate(frame: Frame, start: State, numbers: Numbers) -> Event:
     """Event: a pitch crosses the plane x = 0."""
 
-    def place(state: State[N]) -> State[N]:
+    def place(state: State) -> State:
         return state._replace(s=-frame.x / frame.cos) if in_plane(state) else state
 
     # x = x₀ + s cos φ. For a pitch all but parallel to the plane of the plate, cos φ ≪ 1: the path
     # is far longer than x₀, and an error of s counts by as little.
-    slope = absolute(frame.cos) if in_plane(start) else numbers.exact(1.0)
+    slope = abs(frame.cos) if in_plane(start) else numbers.exact(1.0)
     size = slope * _size(numbers, frame.x / slope)
     return Event("plate", "the ball reaches the plate", frame.towards_x, place, size, slope)
 
 
-def vertical(start: State[N], numbers: Numbers[N]) -> Event[N]:
+def vertical(start: State, numbers: Numbers) -> Event:
     """Event: the ball turns vertical, its horizontal velocity u falling to zero.
 
     Its slope is 0: u does not depend on the position.
@@ -76,7 +76,7 @@ def vertical(start: State[N], numbers: Numbers[N]) -> Event[N]:
     nothing, most = numbers.exact(0.0), numbers.exact(1.0)
     # The scale is the speed at the start, at most 1 m/s: a ball that starts all but at rest would
     # be undecided from the start if errors were relative to 1 m/s.
-    speed = absolute(start.u) + absolute(start.w)
+    speed = abs(start.u) + abs(start.w)
     return Event(
         "vertical",
         "the ball turns vertical",
@@ -87,7 +87,7 @@ def vertical(start: State[N], numbers: Numbers[N]) -> Event[N]:
     )
 
 
-def past(frame: Frame[N], reach: N, numbers: Numbers[N]) -> Event[N]:
+def past(frame: Frame, reach: N, numbers: Numbers) -> Event:
     """Event: the ball is behind the bat, by the distance `reach`, m, at which the two touch."""
     return Event(
         "past",
@@ -98,15 +98,15 @@ def past(frame: Frame[N], reach: N, numbers: Numbers[N]) -> Event[N]:
     )
 
 
-def _size(numbers: Numbers[N], *lengths: N) -> N:
+def _size(numbers: Numbers, *lengths: N) -> N:
     """Return the largest of some lengths, and at least 1 m."""
     largest = numbers.exact(1.0)
-    for length in map(absolute, lengths):
+    for length in map(abs, lengths):
         largest = numbers.where(length > largest, length, largest)
     return largest
 
 
-class Curve(Protocol[N]):
+class Curve(Protocol):
     """The value of an event along a piece, as a function of the time on the piece, s."""
 
     def __call__(self, t: N) -> N:
@@ -131,7 +131,7 @@ class Curve(Protocol[N]):
         """
 
 
-class Piece(Protocol[N]):
+class Piece(Protocol):
     """A piece of a flight on which the state is a smooth function of time."""
 
     @property
@@ -142,14 +142,14 @@ class Piece(Protocol[N]):
     def length(self) -> N:
         """Length, s."""
 
-    def at(self, t: N) -> State[N]:
+    def at(self, t: N) -> State:
         """Return the state at a time on the piece, s since it begins."""
 
-    def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
+    def curve(self, value: Callable[[Any], Any]) -> Curve:
         """Return the value of an event along the piece."""
 
 
-def zero_of(curve: Curve[N], a: N, b: N, question: str, numbers: Numbers[N]) -> N:
+def zero_of(curve: Curve, a: N, b: N, question: str, numbers: Numbers) -> N:
     """Locate the zero of a value that falls through zero from a to b.
 
     Raises `Undecided` if the value at a is a ball that contains zero: it may have fallen before a.
@@ -161,11 +161,11 @@ def zero_of(curve: Curve[N], a: N, b: N, question: str, numbers: Numbers[N]) -> 
 
 
 def first_fall(
-    curve: Curve[N],
+    curve: Curve,
     end: N,
     error: N,
     question: str | None,
-    numbers: Numbers[N],
+    numbers: Numbers,
     launch: bool = False,
     on_surface: bool = False,
     stays: bool = True,
@@ -245,28 +245,28 @@ def first_fall(
 _ROUNDINGS = 4
 
 
-class Met(NamedTuple, Generic[N]):
+class Met(NamedTuple):
     """An event located on a flight: the time, s since the launch, and the state."""
 
-    event: Event[N]
+    event: Event
     time: N
-    state: State[N]
+    state: State
 
 
 def first_met(
-    pieces: Iterable[Piece[N]],
-    events: Events[N],
+    pieces: Iterable[Piece],
+    events: Events,
     limit: N,  # s since the launch
     error: float,  # of a state, relative to its size; 0 for numbers that carry their own
-    numbers: Numbers[N],
-) -> Met[N] | None:
+    numbers: Numbers,
+) -> Met | None:
     """First of several events on a flight; None if none is met in time.
 
     Raises `Undecided` if the error leaves open whether an event is met, whether in time, or which
     of two is first.
     """
     errors = {event.name: error * event.size for event in events}
-    seen: list[tuple[Piece[N], N]] = []
+    seen: list[tuple[Piece, N]] = []
     for number, piece in enumerate(pieces):
         left = limit - piece.begin
         end = piece.length if piece.length < left else left
@@ -274,7 +274,7 @@ def first_met(
         # the error of each value
         if numbers.rounding:
             # In doubles, a coordinate's rounding error grows with its largest size so far.
-            start: Any = piece.at(numbers.exact(0.0))
+            start = piece.at(numbers.exact(0.0))
             rounded = _ROUNDINGS * numbers.rounding * max(1.0, abs(start.s), abs(start.z))
             for event in events:
                 errors[event.name] = max(errors[event.name], event.slope * rounded)
@@ -307,9 +307,7 @@ def first_met(
     return None
 
 
-def _fallen(
-    seen: Sequence[tuple[Piece[N], N]], event: Event[N], numbers: Numbers[N]
-) -> tuple[Piece[N], N]:
+def _fallen(seen: Sequence[tuple[Piece, N]], event: Event, numbers: Numbers) -> tuple[Piece, N]:
     """Locate the zero of a value that was within its error of zero at the end of some pieces.
 
     The next piece begins below zero, so that the value has fallen. Search backwards for the last
@@ -325,13 +323,13 @@ def _fallen(
 
 
 def _earliest(
-    found: list[Met[N]],
-    events: Events[N],
+    found: list[Met],
+    events: Events,
     errors: dict[str, N],
     limit: N,
     error: float,
-    numbers: Numbers[N],
-) -> Met[N]:
+    numbers: Numbers,
+) -> Met:
     """Return the earliest event of a piece; raise `Undecided` if another coincides with it."""
     first = min(found, key=lambda met: met.time)
     # At the first event all other values are still positive, by more than their errors. At a launch
@@ -345,6 +343,6 @@ def _earliest(
     return first
 
 
-def _require_positive(x: N, error: N, question: str, numbers: Numbers[N]) -> None:
+def _require_positive(x: N, error: N, question: str, numbers: Numbers) -> None:
     if not numbers.positive(x, error, question):
         raise Undecided(doubt(x, error, question, numbers))

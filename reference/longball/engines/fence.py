@@ -12,16 +12,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Generic
+from typing import Any
 
 from longball.engines.event import Curve, Event, Piece
 from longball.model.frame import Frame
 from longball.model.law import State
-from longball.model.numbers import N, Numbers, Vector, absolute
+from longball.model.numbers import N, Numbers, Vector
 
 
 @dataclass(frozen=True)
-class Place(Generic[N]):
+class Place:
     """A place of a fence."""
 
     height: N  # of the fence's top there, m
@@ -32,7 +32,7 @@ class Place(Generic[N]):
 
 
 @dataclass(frozen=True)
-class Chord(Generic[N]):
+class Chord:
     """A chord from a to b, [x, y, height] each, m.
 
     `open_a` and `open_b` tell whether the fence does not go on there at the same height.
@@ -44,24 +44,41 @@ class Chord(Generic[N]):
     open_a: bool
     open_b: bool
 
-    def length(self, numbers: Numbers[N]) -> N:
+    def length(self, numbers: Numbers) -> N:
         """Return the length, m."""
         x, y = self.b[0] - self.a[0], self.b[1] - self.a[1]
         return numbers.sqrt(x * x + y * y)
 
-    def place(self, share: N, to_end: N, to_break: N, numbers: Numbers[N]) -> Place[N]:
+    def place(self, share: N, to_end: N, to_break: N, numbers: Numbers) -> Place:
         """Return the place at a share of the way from a to b; `to_end` is the other share."""
         length, rise = self.length(numbers), self.b[2] - self.a[2]
         shorter = numbers.where(to_end < share, to_end, share)
         height = self.a[2] + share * rise
         return Place(height, self.segment, shorter * length, to_break, rise / length)
 
+    def inside(self, position: Sequence[Any]) -> Any:
+        """Return the signed distance inside the chord's line, times the chord's length, m²."""
+        (ax, ay, _), (bx, by, _) = self.a, self.b
+        return (by - ay) * (position[0] - ax) - (bx - ax) * (position[1] - ay)
+
+    def passed(self, position: Vector, slack: N, numbers: Numbers) -> Place | None:
+        """Return the place that a position on the line is at; None beyond the ends and a slack."""
+        (ax, ay, _), (bx, by, _), (x, y, _) = self.a, self.b, position
+        length, far = self.length(numbers), numbers.exact(_FAR)
+        ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
+        if ahead < -slack or ahead > length + slack:
+            return None
+        to_a = abs(ahead) if self.open_a else far
+        to_b = abs(length - ahead) if self.open_b else far
+        to_break = to_b if to_b < to_a else to_a
+        return self.place(ahead / length, (length - ahead) / length, to_break, numbers)
+
 
 # m, the distance to a vertex, or to the fence, where there is none.
 _FAR = 1e30
 
 
-def chords(polyline: Sequence[Sequence[float]], numbers: Numbers[N]) -> list[Chord[N]]:
+def chords(polyline: Sequence[Sequence[float]], numbers: Numbers) -> list[Chord]:
     """Return the chords of a polyline; a step of the height, at one place, is no chord."""
     found = [
         (i, a, b) for i, (a, b) in enumerate(pairwise(polyline)) if tuple(a[:2]) != tuple(b[:2])
@@ -81,16 +98,14 @@ def chords(polyline: Sequence[Sequence[float]], numbers: Numbers[N]) -> list[Cho
 
 
 @dataclass(frozen=True)
-class Stop(Generic[N]):
+class Stop:
     """Distance s along the flight's plane to the fence, and the place there."""
 
     s: N
-    place: Place[N]
+    place: Place
 
 
-def stop_at(
-    fence: Any, frame: Frame[N], s: N, sense: int, error: N, numbers: Numbers[N]
-) -> Stop[N]:
+def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbers) -> Stop:
     """First crossing of the fence by a ball that flies from s along its heading, or against it.
 
     The `sense` is 1 or -1. Without a crossing it is at `_FAR`. The `error` is that of directions,
@@ -119,8 +134,8 @@ def stop_at(
         to_end = numbers.where(hit, -aside_b / apart, 1 - at_b)
         there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * share
         # Beside an open end, the offset of the heading is how far the ball passes it.
-        open_a = absolute(aside_a) if chord.open_a else far
-        open_b = absolute(aside_b) if chord.open_b else far
+        open_a = abs(aside_a) if chord.open_a else far
+        open_b = abs(aside_b) if chord.open_b else far
         place = chord.place(share, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers)
         # Of several crossings, the nearest one ahead of s.
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
@@ -137,28 +152,28 @@ def stop_at(
     return first
 
 
-def _along(frame: Frame[N], vertex: Sequence[N]) -> N:
+def _along(frame: Frame, vertex: Sequence[N]) -> N:
     return frame.cos * (vertex[0] - frame.x) + frame.sin * (vertex[1] - frame.y)
 
 
 def _seen(
-    frame: Frame[N], vertex: Sequence[N], is_open: bool, sense: int, error: N, numbers: Numbers[N]
+    frame: Frame, vertex: Sequence[N], is_open: bool, sense: int, error: N, numbers: Numbers
 ) -> tuple[Any, N, Any]:
     """Classify a vertex: left of the flight or on it, its offset, and an open end on the flight."""
     x, y = vertex[0] - frame.x, vertex[1] - frame.y
     aside = sense * (frame.cos * y - frame.sin * x)
-    on = (absolute(aside) > error * (absolute(x) + absolute(y))) ^ True
+    on = (abs(aside) > error * (abs(x) + abs(y))) ^ True
     return (aside < 0) ^ True, aside, on & is_open
 
 
-def at_stop(name: str, found: Stop[N], sense: int, numbers: Numbers[N]) -> Event[N]:
+def at_stop(name: str, found: Stop, sense: int, numbers: Numbers) -> Event:
     """Return the event that a flight in its plane is at the fence."""
     return Event(
         name,
         "the ball reaches the fence",
         lambda state: sense * (found.s - state.s),
         lambda state: state._replace(s=found.s),
-        numbers.where(absolute(found.s) > 1, absolute(found.s), numbers.exact(1.0)),
+        numbers.where(abs(found.s) > 1, abs(found.s), numbers.exact(1.0)),
     )
 
 
@@ -166,51 +181,77 @@ def at_stop(name: str, found: Stop[N], sense: int, numbers: Numbers[N]) -> Event
 
 
 @dataclass(frozen=True)
-class Crossing(Generic[N]):
+class Crossing:
     """When, s since the launch, in what state and where a flight is first at the fence.
 
     `doubtful` if it comes within the error of the fence, and need not reach it.
     """
 
     time: N
-    state: State[N]
-    place: Place[N]
+    state: State
+    place: Place
     doubtful: bool
 
 
 def first_crossing(
     fence: Any,
-    frame: Frame[N],
-    pieces: Iterator[Piece[N]],
+    frame: Frame,
+    pieces: Iterator[Piece],
     end: N,  # s since the launch
     late: N,  # error of the end, s
     error: N,  # of a state, relative to its size
-    numbers: Numbers[N],
-) -> Crossing[N] | None:
+    numbers: Numbers,
+) -> Crossing | None:
     """First crossing of the fence by a flight in space; None if there is none before its end."""
+    zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
+
+    def size(state: State) -> N:
+        x, y, _ = frame.position(state)
+        return one + abs(x) + abs(y)
+
     # For each chord, or the circle: a function that falls through zero where a ball crosses its
-    # line outwards. Both are polynomials of the position, m², so that pieces can be searched.
-    lines: list[tuple[Chord[N] | None, Any]]
+    # line outwards, m², and what a state there is a place of. The functions are polynomials of the
+    # position, so that pieces can be searched.
+    lines: list[tuple[Chord | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
-        lines = [(None, lambda state: radius * radius - _square(frame.position(state)))]
+
+        def within(state: Any) -> Any:
+            x, y, _ = frame.position(state)
+            return radius * radius - (x * x + y * y)
+
+        lines = [(None, within)]
     else:
         lines = [
-            (chord, lambda state, chord=chord: _inside(chord, frame.position(state)))
+            (chord, lambda state, chord=chord: chord.inside(frame.position(state)))
             for chord in chords(fence.polyline, numbers)
         ]
+
     # The chords of a fence are searched piece by piece: the first crossing of a piece is the first
     # of the flight.
     for piece in pieces:
         left = end - piece.begin
         goes_on = piece.length < left
         until = piece.length if goes_on else left
-        moved = None if goes_on else late * _speed(piece.at(until), frame)
-        found = [
-            crossing
-            for chord, value in lines
-            for crossing in _on_piece(piece, until, moved, chord, value, frame, error, numbers)
-        ]
+        moved: N | None = None
+        if not goes_on:  # the ball is elsewhere where it ends, as the time of that may be off
+            u, v, _ = frame.velocity(piece.at(until))
+            moved = late * (abs(u) + abs(v))
+        found: list[Crossing] = []
+        for chord, value in lines:
+            # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
+            length = size(piece.at(zero))
+            slope = 2 * length if chord is None else chord.length(numbers)
+            off = error * length * slope
+            at_end = None if moved is None else off + moved * slope
+            for t, doubtful in falls(piece.curve(value), until, off, at_end):
+                state = piece.at(t)
+                place: Place | None = Place(zero, 0, None, far, zero)
+                if chord is not None:
+                    # A crossing within the error of an end counts for both chords that meet there.
+                    place = chord.passed(frame.position(state), error * size(state), numbers)
+                if place is not None:
+                    found.append(Crossing(piece.begin + t, state, place, doubtful))
         if found:
             return min(found, key=lambda crossing: crossing.time)
         if not goes_on:
@@ -218,70 +259,7 @@ def first_crossing(
     return None
 
 
-def _speed(state: State[N], frame: Frame[N]) -> Any:
-    """Upper bound of the horizontal speed, m/s: ``|u| + |v|``."""
-    u, v, _ = frame.velocity(state)
-    return absolute(u) + absolute(v)
-
-
-def _square(position: Sequence[Any]) -> Any:
-    return position[0] * position[0] + position[1] * position[1]
-
-
-def _inside(chord: Chord[N], position: Sequence[Any]) -> Any:
-    """Signed distance inside a chord's line, times the chord's length, m²."""
-    (ax, ay, _), (bx, by, _) = chord.a, chord.b
-    return (by - ay) * (position[0] - ax) - (bx - ax) * (position[1] - ay)
-
-
-def _on_piece(
-    piece: Piece[N],
-    until: N,
-    moved: N | None,
-    chord: Chord[N] | None,
-    value: Any,
-    frame: Frame[N],
-    error: N,
-    numbers: Numbers[N],
-) -> Iterator[Crossing[N]]:
-    """Yield where a piece crosses a chord outwards, or a circle.
-
-    On the last piece the ball is `moved`, m, in the time by which its end may be off.
-    """
-    # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
-    zero = numbers.exact(0.0)
-    size = _size(frame.position(piece.at(zero)))
-    slope = 2 * size if chord is None else chord.length(numbers)
-    off = error * size * slope
-    at_end = None if moved is None else off + moved * slope
-    around = Place(zero, 0, None, numbers.exact(_FAR), zero)
-    for t, doubtful in falls(piece.curve(value), until, off, at_end):
-        state = piece.at(t)
-        place = around if chord is None else _passed(chord, frame.position(state), error, numbers)
-        if place is not None:
-            yield Crossing(piece.begin + t, state, place, doubtful)
-
-
-def _size(position: Sequence[N]) -> N:
-    return 1 + absolute(position[0]) + absolute(position[1])
-
-
-def _passed(chord: Chord[N], position: Vector[N], error: N, numbers: Numbers[N]) -> Place[N] | None:
-    """Return the place of a chord that a position on its line is at; None beyond its ends."""
-    (ax, ay, _), (bx, by, _), (x, y, _) = chord.a, chord.b, position
-    length, far = chord.length(numbers), numbers.exact(_FAR)
-    ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
-    # A crossing within the error of an end counts for both chords that meet there.
-    slack = error * _size(position)
-    if ahead < -slack or ahead > length + slack:
-        return None
-    to_a = absolute(ahead) if chord.open_a else far
-    to_b = absolute(length - ahead) if chord.open_b else far
-    to_break = to_b if to_b < to_a else to_a
-    return chord.place(ahead / length, (length - ahead) / length, to_break, numbers)
-
-
-def falls(curve: Curve[N], end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
+def falls(curve: Curve, end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
     """Yield all times at which a value falls through zero on a piece, or all but does.
 
     With each comes a flag: True for a turning point within the error of zero, which the value may

@@ -48,7 +48,7 @@ _BEYOND = "the forces are beyond the range of double precision"
 
 
 @dataclass(frozen=True)
-class Ivp(PathEngine[float]):
+class Ivp(PathEngine):
     """Flights by `scipy.integrate.solve_ivp`.
 
     Attributes
@@ -117,11 +117,11 @@ class Ivp(PathEngine[float]):
 
     def steps(
         self,
-        law: Law[float],
-        start: State[float],
+        law: Law,
+        start: State,
         begin: float,
         limit: float,
-        events: Events[float],
+        events: Events,
     ) -> Iterator[PolynomialPiece]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 
@@ -146,9 +146,7 @@ class Ivp(PathEngine[float]):
             last = solution.sol.interpolants[-1]
             time, state = float(last.t), last(last.t)
 
-    def _integrate(
-        self, law: Law[float], time: float, state: Array, limit: float, events: Events[float]
-    ) -> Any:
+    def _integrate(self, law: Law, time: float, state: Array, limit: float, events: Events) -> Any:
         """Integrate with solve_ivp up to the first event that it sees."""
         rates, taylor = right_hand_side(law), self.method == "Taylor"
         if not taylor and not np.isfinite(rates(time, state)).all():
@@ -175,19 +173,17 @@ class Ivp(PathEngine[float]):
 
     def touch(
         self,
-        pitch: Flight[float],
-        law: Law[float],
-        bat: BatSection[float],
-        events: Events[float],
+        pitch: Flight,
+        law: Law,
+        bat: BatSection,
+        events: Events,
         limit: float,
-    ) -> Touch[float]:
+    ) -> Touch:
         """Fly the pitch again, to the bat: its height is known only now. See `Engine.touch`."""
         path = self.path(law, pitch.path.at(0.0), limit, [*events, *meeting(bat)])
         return super().touch(replace(pitch, path=path), law, bat, events, limit)
 
-    def views(
-        self, pitch: Flight[float], law: Law[float], bat: BatSection[float]
-    ) -> Iterator[View[float]]:
+    def views(self, pitch: Flight, law: Law, bat: BatSection) -> Iterator[View]:
         """Yield the pieces of a pitch in which to search for the contact.
 
         Near the plate that is one Taylor expansion about the crossing. The bat's height comes from
@@ -216,11 +212,11 @@ class Ivp(PathEngine[float]):
             if piece.begin + piece.length > end:
                 yield View(piece, max(0.0, end - piece.begin), piece.length, error)
 
-    def _plate_error(self, pitch: Flight[float], bat: BatSection[float]) -> float:
+    def _plate_error(self, pitch: Flight, bat: BatSection) -> float:
         """Return the error of a place near the plate, m."""
-        return self.flight_error * max(abs(bat.frame.x), abs(pitch.state.z))
+        return self.flight_error * float(max(abs(bat.frame.x), abs(pitch.state.z)))
 
-    def around(self, law: Law[float], time: float, state: State[float]) -> PolynomialPiece:
+    def around(self, law: Law, time: float, state: State) -> PolynomialPiece:
         """Taylor expansion of the flight about a time, s since the launch, and its state.
 
         It is valid for its length on both sides of that time.
@@ -262,7 +258,7 @@ def terminal(
     return falls
 
 
-def meeting(bat: BatSection[float]) -> Iterator[Event[float]]:
+def meeting(bat: BatSection) -> Iterator[Event]:
     """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
 
     A ball that enters and leaves the bat within a step changes the sign only of the second.
@@ -278,7 +274,7 @@ def meeting(bat: BatSection[float]) -> Iterator[Event[float]]:
     )
 
 
-def _pieces(law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
+def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     """Yield the steps of solve_ivp as polynomials.
 
     The last one extends past the event that ended the integration. Methods other than Taylor's
@@ -293,7 +289,7 @@ def _pieces(law: Law[float], solution: Any) -> Iterator[PolynomialPiece]:
             yield from _expanded(law, float(step.t_old), state, float(step.t))
 
 
-def _expanded(law: Law[float], time: float, state: Array, end: float) -> Iterator[PolynomialPiece]:
+def _expanded(law: Law, time: float, state: Array, end: float) -> Iterator[PolynomialPiece]:
     """Yield the series from a state; restart where a step is longer than a series reaches."""
     expand, make = Expander(law), law.state
     while time < end:
@@ -318,7 +314,7 @@ def _length(begin: float, end: float) -> float:
 _SETTLED = 1e-14  # of gravity
 
 
-def _uniform(law: Law[float], time: float, state: Array, limit: float) -> PolynomialPiece | None:
+def _uniform(law: Law, time: float, state: Array, limit: float) -> PolynomialPiece | None:
     """Uniform motion up to the limit; None if the ball has not settled to it."""
     # It may settle only under a law that is the same at all positions: height, wind, density.
     if law.gravity is None or any(

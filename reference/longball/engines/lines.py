@@ -14,7 +14,6 @@ from longball.engines.parallel import in_parallel
 from longball.model.changes import Changes
 from longball.model.doubts import doubts
 from longball.model.jsonl import LONGEST_LINE, json_bytes
-from longball.model.numbers import N
 from longball.model.result import signed
 from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 
@@ -37,7 +36,7 @@ class Answer(NamedTuple):
 
 def solve_lines(
     lines: Iterable[bytes],
-    engine: Engine[N] | ManyAtOnce,
+    engine: Engine | ManyAtOnce,
     workers: int = 1,
     points: int | None = None,
     change: Changes | None = None,
@@ -90,7 +89,7 @@ def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
 
 def _solve_chunk(
     chunk: list[Line],
-    engine: Engine[N] | ManyAtOnce,
+    engine: Engine | ManyAtOnce,
     points: int | None,
     change: Changes | None,
 ) -> list[Answer]:
@@ -106,7 +105,7 @@ def _solve_chunk(
 
 def _solve_in_turn(
     chunk: list[Line],
-    engine: Engine[N] | ManyAtOnce,
+    engine: Engine | ManyAtOnce,
     points: int | None,
     change: Changes | None,
 ) -> Iterator[Answer]:
@@ -115,7 +114,7 @@ def _solve_in_turn(
     read = [_read(line, change) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
     solved = iter(
-        (solve_with_points(scene, cast(Engine[N], engine), points).data() for scene in scenes)
+        (solve_with_points(scene, cast(Engine, engine), points).data() for scene in scenes)
         if points
         else engine.solve_as_data(scenes)
         if isinstance(engine, ManyAtOnce)

@@ -35,7 +35,7 @@ _ROUNDING_GUARD = 20
 _NODES_PER_DIGIT = 1.25
 
 
-class MultiprecisionNumbers(Single[Mpf]):
+class MultiprecisionNumbers(Single):
     """Numbers of mpmath with so many digits to be printed, and some more behind them.
 
     They have a context of their own, so that engines of different precision do not meet.
@@ -96,7 +96,7 @@ def _collocation(digits: int) -> Collocation:
 
 
 @dataclass(frozen=True)
-class Multiprecision(PathEngine[Mpf]):
+class Multiprecision(PathEngine):
     """Flights by Gauss-Legendre collocation in mpmath.
 
     Attributes
@@ -127,7 +127,7 @@ class Multiprecision(PathEngine[Mpf]):
         return 10.0 ** -(self.digits + _FLIGHT_GUARD)
 
     def steps(
-        self, law: Law[Mpf], start: State[Mpf], begin: Mpf, limit: Mpf, events: Events[Mpf]
+        self, law: Law, start: State, begin: Mpf, limit: Mpf, events: Events
     ) -> Iterator[Segment]:
         """Yield the pieces of a flight; see `longball.engines.path_engine.PathEngine.steps`.
 

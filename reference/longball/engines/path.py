@@ -10,7 +10,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Generic, cast
+from typing import Any
 
 from longball.engines.event import Curve, Piece
 from longball.model.frame import Frame
@@ -18,17 +18,17 @@ from longball.model.law import State
 from longball.model.numbers import N, Numbers, Vector
 
 
-class Path(Generic[N]):
+class Path:
     """A flight from its launch on, whose pieces are computed when they are asked for.
 
     They are in order of time; each begins where the one before ends.
     """
 
-    def __init__(self, pieces: Iterable[Piece[N]]) -> None:
+    def __init__(self, pieces: Iterable[Piece]) -> None:
         self._coming = iter(pieces)
-        self._known: list[Piece[N]] = []
+        self._known: list[Piece] = []
 
-    def pieces(self, number: int = 0) -> Iterator[Piece[N]]:
+    def pieces(self, number: int = 0) -> Iterator[Piece]:
         """Yield the pieces from the launch on, or from piece `number` on."""
         while True:
             if number == len(self._known):
@@ -39,7 +39,7 @@ class Path(Generic[N]):
             yield self._known[number]
             number += 1
 
-    def at(self, time: N) -> State[N]:
+    def at(self, time: N) -> State:
         """Return the state at a time, s since the launch.
 
         Raises `ValueError` if the flight does not last so long, or the time is before the launch.
@@ -50,20 +50,20 @@ class Path(Generic[N]):
                 if time < piece.begin:
                     break
                 return piece.at(time - piece.begin)
-        raise ValueError(f"the flight has no state at t = {float(cast(Any, time))} s")
+        raise ValueError(f"the flight has no state at t = {float(time)} s")
 
 
 @dataclass(frozen=True)
-class Flight(Generic[N]):
+class Flight:
     """A flight to its end: the path, the event that stopped it, its time, s, and the state.
 
     `stop` is the name of the event, or "time" for the time limit.
     """
 
-    path: Path[N]
+    path: Path
     stop: str
     time: N
-    state: State[N]
+    state: State
     # Description of the engine that flew it, if not the one that was asked
     flown_by: str = field(default="", kw_only=True)
 
@@ -71,9 +71,9 @@ class Flight(Generic[N]):
         """True if an event of that name stopped it."""
         return self.stop == name
 
-    def highest(self, numbers: Numbers[N]) -> tuple[N, State[N]] | None:
+    def highest(self, numbers: Numbers) -> tuple[N, State] | None:
         """Return time, s since launch, and state at the highest point; None if it still rises."""
-        found: tuple[N, State[N]] | None = None
+        found: tuple[N, State] | None = None
         start = numbers.exact(0.0)
         for number, piece in enumerate(self.path.pieces()):
             left = self.time - piece.begin
@@ -96,10 +96,10 @@ class Flight(Generic[N]):
                 break
         return found
 
-    def then(self, second: Flight[N]) -> Flight[N]:
+    def then(self, second: Flight) -> Flight:
         """Return this flight, continued by a second one from where it ends."""
 
-        def pieces() -> Iterator[Piece[N]]:
+        def pieces() -> Iterator[Piece]:
             for piece in self.path.pieces():
                 if not piece.begin + piece.length < self.time:
                     yield Part(piece, self.time - piece.begin)
@@ -120,10 +120,10 @@ def reaching(begin: N, length: N, end: N) -> N:
 
 
 @dataclass(frozen=True)
-class Part(Generic[N]):
+class Part:
     """The first part of a piece, of a length, s, in a flight that begins `delay` earlier, s."""
 
-    piece: Piece[N]
+    piece: Piece
     length: N
     delay: N | None = None
 
@@ -132,34 +132,34 @@ class Part(Generic[N]):
         """When it begins, s since the launch."""
         return self.piece.begin if self.delay is None else self.delay + self.piece.begin
 
-    def at(self, t: N) -> State[N]:
+    def at(self, t: N) -> State:
         """Return the state at a time on the piece."""
         return self.piece.at(t)
 
-    def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
+    def curve(self, value: Callable[[Any], Any]) -> Curve:
         """Return the value of an event along the piece."""
         return self.piece.curve(value)
 
 
 @dataclass(frozen=True)
-class Rest(Generic[N]):
+class Rest:
     """A ball that nothing moves, as a piece of a flight."""
 
     begin: N
     length: N
-    state: State[N]
+    state: State
 
-    def at(self, t: N) -> State[N]:
+    def at(self, t: N) -> State:
         """Return the state, which is always the same."""
         return self.state
 
-    def curve(self, value: Callable[[Any], Any]) -> Curve[N]:
+    def curve(self, value: Callable[[Any], Any]) -> Curve:
         """Return the value of an event, which is always the same."""
         return _Constant(value(self.state))
 
 
 @dataclass(frozen=True)
-class _Constant(Generic[N]):
+class _Constant:
     value: N
 
     def __call__(self, t: N) -> N:
@@ -176,26 +176,26 @@ class _Constant(Generic[N]):
 
 
 @dataclass(frozen=True)
-class Leg(Generic[N]):
+class Leg:
     """A flight of a scene: when it begins, s since the start of the scene, and in which frame."""
 
     begin: N
-    frame: Frame[N]
-    flight: Flight[N]
+    frame: Frame
+    flight: Flight
 
 
 @dataclass(frozen=True)
-class Trajectory(Generic[N]):
+class Trajectory:
     """The trajectory from the start of a scene to its end: a pitch, a batted ball, or both."""
 
-    legs: tuple[Leg[N], ...]
+    legs: tuple[Leg, ...]
 
     @property
     def end(self) -> N:
         """When it ends, s since the start of the scene."""
         return self.legs[-1].begin + self.legs[-1].flight.time
 
-    def at(self, time: N) -> tuple[Vector[N], Vector[N]]:
+    def at(self, time: N) -> tuple[Vector, Vector]:
         """Return position, m, and velocity, m/s, at a time, s since the start of the scene.
 
         Where one flight ends and another begins, and within a radius of that, it is the other.
@@ -204,7 +204,7 @@ class Trajectory(Generic[N]):
         """
         begun = [leg for leg in self.legs if not time < leg.begin]
         if not begun:
-            raise ValueError(f"the trajectory has no state at t = {float(cast(Any, time))} s")
+            raise ValueError(f"the trajectory has no state at t = {float(time)} s")
         leg = begun[-1]
         # A ball minus itself is not zero, but a ball around zero.
         since, flight = time * 0 if time is leg.begin else time - leg.begin, leg.flight
@@ -212,7 +212,7 @@ class Trajectory(Generic[N]):
             since = flight.time  # the end is a rounded sum
         # The state at an event lies exactly on it; the state at the time limit may not be computed
         # yet.
-        at_end = flight.stop != "time" and cast(Any, since) == flight.time
+        at_end = flight.stop != "time" and since == flight.time
         state = flight.state if at_end else flight.path.at(since)
         return leg.frame.position(state), leg.frame.velocity(state)
 
@@ -220,7 +220,7 @@ class Trajectory(Generic[N]):
         """Return x, y, z, m, and their rates, m/s, at some times; see `at`."""
         return [(*position, *velocity) for position, velocity in map(self.at, times)]
 
-    def evenly(self, points: int, numbers: Numbers[N]) -> list[tuple[N, ...]]:
+    def evenly(self, points: int, numbers: Numbers) -> list[tuple[N, ...]]:
         """Return t, s, x, y, z and their rates at evenly spaced times from beginning to end."""
         begin, end = self.legs[0].begin, self.end
         shares = (numbers.exact(float(i)) / numbers.exact(float(points - 1)) for i in range(points))

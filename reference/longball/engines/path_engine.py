@@ -8,11 +8,11 @@ first touching of the bat.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Any, Generic, NamedTuple, cast
+from typing import Any, NamedTuple
 
 from longball.engines.arithmetic import Dual
 from longball.engines.branches import branches_at, require_law
@@ -28,30 +28,26 @@ from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
 from longball.engines.event import Event, Events, Piece, first_fall, first_met, past, zero_of
 from longball.engines.path import Flight, Part, Path, Rest
 from longball.model.law import Law, State
-from longball.model.numbers import N, absolute, doubt
+from longball.model.numbers import N, doubt
 from longball.model.trace import Program
 
 
-class PathEngine(Engine[N], ABC):
+class PathEngine(Engine, ABC):
     """An engine whose flights are smooth, piece by piece."""
 
     @abstractmethod
-    def steps(
-        self, law: Law[N], start: State[N], begin: N, limit: N, events: Events[N]
-    ) -> Iterator[Piece[N]]:
+    def steps(self, law: Law, start: State, begin: N, limit: N, events: Events) -> Iterator[Piece]:
         """Yield the pieces of a flight under a law that is smooth all the way, up to a time.
 
         It starts at `begin` and may go on to `limit`, s since the launch; it is likely to end with
         the `events`, which an engine that integrates ahead may stop at until it is asked for more.
         """
 
-    def path(self, law: Law[N], start: State[N], limit: N, events: Events[N] = ()) -> Path[N]:
+    def path(self, law: Law, start: State, limit: N, events: Events = ()) -> Path:
         """Return the flight from a launch, up to a time."""
         return Path(self._pieces(law, start, limit, events))
 
-    def _pieces(
-        self, law: Law[N], start: State[N], limit: N, events: Events[N]
-    ) -> Iterator[Piece[N]]:
+    def _pieces(self, law: Law, start: State, limit: N, events: Events) -> Iterator[Piece]:
         """Yield the pieces of a flight; one ends wherever the law switches to another branch.
 
         Raises `Undecided` if a flight only touches such a place, within its error; `TooLong` if it
@@ -66,7 +62,7 @@ class PathEngine(Engine[N], ABC):
         law = law.in_polynomials()
         branches = branches_at(law, start, self.numbers)
         start = law.on(branches).completed(start, self.numbers)
-        passed: _Level[N] | None = None  # on which the form begins
+        passed: _End | None = None  # on whose threshold the form begins
         pieces = 0
         for _ in range(_MOST_BRANCHES):
             require_law(law, branches, begin)
@@ -87,11 +83,12 @@ class PathEngine(Engine[N], ABC):
                     first = False
                     continue
                 # the switch: cut the piece there, and begin another on the neighbouring branch
-                time, (_, which, way, passed) = met
-                if cast(Any, time) != 0:
+                time, passed = met
+                if time != 0:
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
-                branches[which] += way
+                which = passed.which
+                branches[which] += passed.way
                 # Where the wind sets in or ends, the airspeed jumps, and with it whatever the
                 # tables depend on: their branches are looked up afresh.
                 if law.bends[which].blows:
@@ -105,7 +102,7 @@ class PathEngine(Engine[N], ABC):
             f"{_MOST_BRANCHES} times"
         )
 
-    def _ends_of(self, form: Law[N], branches: Sequence[int], events: Events[N]) -> list[_End[N]]:
+    def _ends_of(self, form: Law, branches: Sequence[int], events: Events) -> list[_End]:
         """Return the events that switch from these branches of a law: the thresholds next to each.
 
         A height of the wind at which an event ends the flight is none: where the ground is the
@@ -120,37 +117,37 @@ class PathEngine(Engine[N], ABC):
                         continue
                     value = form.beyond(bend, level, self.numbers)
                     if way > 0:  # events fall through zero, and this value rises
-                        value = partial(_negative, value)
+                        value = partial(lambda beyond, state: -beyond(state), value)
                     size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
                     question = bend.question
                     event = Event("bend", question, value, lambda state: state, size)
-                    found.append(_End(event, which, way, _Level(form.passage(bend), level)))
+                    found.append(_End(event, which, way, form.passage(bend), level))
         return found
 
-    def _ends_all_at(self, height: N, law: Law[N], events: Events[N]) -> bool:
+    def _ends_all_at(self, height: N, law: Law, events: Events) -> bool:
         """True if an event's value is zero at a height, m, wherever else the ball is.
 
         Dual numbers tell: the value at that height, and its rate if all else changes, are both 0.
         """
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
-        anywhere: Any = law.state(*(Dual(nothing, one) for _ in law.variables))
+        anywhere = law.state(*(Dual(nothing, one) for _ in law.variables))
         values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
         return any(value.value == 0 and value.rate == 0 for value in values)
 
     def _first_end(
         self,
-        piece: Piece[N],
-        ends: Sequence[_End[N]],
-        form: Law[N],
+        piece: Piece,
+        ends: Sequence[_End],
+        form: Law,
         first: bool,
-        passed: _Level[N] | None,
-    ) -> tuple[N, _End[N]] | None:
+        passed: _End | None,
+    ) -> tuple[N, _End] | None:
         """First of the switching events on a piece, with its time.
 
         The `first` piece on a branch begins on the threshold that was `passed`; another switch of
         the same function may have that threshold, too.
         """
-        found: tuple[N, _End[N]] | None = None
+        found: tuple[N, _End] | None = None
         for end in ends:
             event = end.event
             error = self.numbers.exact(self.flight_error) * event.size
@@ -163,7 +160,7 @@ class PathEngine(Engine[N], ABC):
             time = first_fall(
                 curve, piece.length, error, question, self.numbers,
                 launch=first or self.flight_error > 0.0,
-                on_surface=passed is not None and end.level.same_as(passed),
+                on_surface=passed is not None and end.is_threshold_of(passed),
                 stays=False,
             )  # fmt: skip
             if time is not None and (found is None or time < found[0]):
@@ -171,8 +168,8 @@ class PathEngine(Engine[N], ABC):
         return found
 
     def _smooth(
-        self, law: Law[N], start: State[N], begin: N, limit: N, events: Events[N]
-    ) -> Iterator[Piece[N]]:
+        self, law: Law, start: State, begin: N, limit: N, events: Events
+    ) -> Iterator[Piece]:
         """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
 
         A ball that moves vertically through the air comes to rest in it at its apex, where the drag
@@ -185,7 +182,7 @@ class PathEngine(Engine[N], ABC):
             rates = law.rates(self.numbers)(*start)
         except ZeroDivisionError:
             raise CannotSolve(RESTS_WITH_SPIN) from None
-        if all(cast(Any, rate) == 0 for rate in rates):
+        if all(rate == 0 for rate in rates):
             yield Rest(begin, limit, start)
             return
 
@@ -215,7 +212,7 @@ class PathEngine(Engine[N], ABC):
                 return
         yield from self.steps(down, start, begin, limit, events)
 
-    def fly(self, law: Law[N], start: State[N], events: Events[N], limit: N) -> Flight[N]:
+    def fly(self, law: Law, start: State, events: Events, limit: N) -> Flight:
         """Fly until the first of several events; see `Engine.fly`."""
         path = self.path(law, start, limit, events)
         met = first_met(path.pieces(), events, limit, self.flight_error, self.numbers)
@@ -223,15 +220,13 @@ class PathEngine(Engine[N], ABC):
             return Flight(path, "time", limit, path.at(limit))
         return Flight(path, met.event.name, met.time, met.state)
 
-    def views(self, pitch: Flight[N], law: Law[N], bat: BatSection[N]) -> Iterator[View[N]]:
+    def views(self, pitch: Flight, law: Law, bat: BatSection) -> Iterator[View]:
         """Yield the pieces of a pitch, for the search for the bat."""
         nothing = self.numbers.exact(0.0)
         for piece in pitch.path.pieces():
             yield View(piece, nothing, piece.length, nothing)
 
-    def touch(
-        self, pitch: Flight[N], law: Law[N], bat: BatSection[N], events: Events[N], limit: N
-    ) -> Touch[N]:
+    def touch(self, pitch: Flight, law: Law, bat: BatSection, events: Events, limit: N) -> Touch:
         r"""Find how a pitch that has reached the plate meets the bat; see `Engine.touch`.
 
         The distance to the bat falls to a minimum, rises to a maximum, and so on. The pitch
@@ -252,11 +247,11 @@ class PathEngine(Engine[N], ABC):
         gap = bat.distance(launch, numbers) - bat.reach
         if gap < -error:
             raise inside_bat(bat.distance(launch, numbers), bat.reach)
-        if not (cast(Any, gap) == 0 or gap > error):
+        if not (gap == 0 or gap > error):
             numbers.positive(gap, error, STARTS_INSIDE)
 
         # a release on the bat's surface, towards it, is the touching
-        first: tuple[N, State[N]] | None = None
+        first: tuple[N, State] | None = None
         if not gap > error and bat.approach(launch) < 0:
             first = numbers.exact(0.0), launch
 
@@ -267,7 +262,7 @@ class PathEngine(Engine[N], ABC):
             if margin > closest:
                 closest = margin
             elif not margin <= closest:  # of two numbers with radii neither may be the larger
-                closest = (margin + closest + absolute(margin - closest)) / 2
+                closest = (margin + closest + abs(margin - closest)) / 2
             if part.settled and not abs(margin) > error + part.error:
                 return Touch(
                     margin, None, doubt=doubt(margin, error + part.error, TOUCHES, numbers)
@@ -278,13 +273,13 @@ class PathEngine(Engine[N], ABC):
 
     def _approaches(
         self,
-        pitch: Flight[N],
-        law: Law[N],
-        bat: BatSection[N],
-        events: Events[N],
+        pitch: Flight,
+        law: Law,
+        bat: BatSection,
+        events: Events,
         limit: N,
-        touching: tuple[N, State[N]] | None,
-    ) -> Iterator[_Approach[N]]:
+        touching: tuple[N, State] | None,
+    ) -> Iterator[_Approach]:
         """Yield the parts of a pitch on which it comes closer to the bat.
 
         `touching` is the time, s, and the state of a touching at the launch.
@@ -302,7 +297,7 @@ class PathEngine(Engine[N], ABC):
 
         # `pending` is a part that ends with its piece: the next piece shows whether the distance
         # goes on falling there, or has turned.
-        pending: _Approach[N] | None = None
+        pending: _Approach | None = None
         for view in self.views(pitch, law, bat):
             piece = view.piece
             left = search_end - piece.begin
@@ -336,33 +331,23 @@ _MOST_BRANCHES = 1000
 _MOST_PIECES = 10_000
 
 
-@dataclass(frozen=True)
-class _Level(Generic[N]):
-    """A threshold, and the program of the switching function."""
+class _End(NamedTuple):
+    """A switching event: the number of its switch, its direction, and the threshold crossed."""
 
-    passage: Program
-    value: N
+    event: Event
+    which: int
+    way: int
+    passage: Program  # the switching function
+    level: N  # the threshold
 
-    def same_as(self, other: _Level[N]) -> bool:
+    def is_threshold_of(self, other: _End) -> bool:
         """True if function and threshold are equal; balls are, if both their parts are."""
         if self.passage.outputs != other.passage.outputs:
             return False
-        numbers: Any = self.value, other.value
-        one, two = ((x.mid(), x.rad()) if hasattr(x, "mid") else x for x in numbers)
+        one, two = (
+            (x.mid(), x.rad()) if hasattr(x, "mid") else x for x in (self.level, other.level)
+        )
         return bool(one == two)
-
-
-class _End(NamedTuple, Generic[N]):
-    """A switching event: the number of its switch, its direction, and the threshold crossed."""
-
-    event: Event[N]
-    which: int
-    way: int
-    level: _Level[N]
-
-
-def _negative(value: Callable[[Any], Any], state: Any) -> Any:
-    return -value(state)
 
 
 RESTS_WITH_SPIN = (
@@ -372,7 +357,7 @@ RESTS_WITH_SPIN = (
 )
 
 
-def _apex(wind: Any) -> Event[Any]:
+def _apex(wind: Any) -> Event:
     """Event: a ball that moves vertically comes to rest in air that rises at `wind`, m/s."""
     return Event(
         "apex",
@@ -384,10 +369,10 @@ def _apex(wind: Any) -> Event[Any]:
 
 
 @dataclass(frozen=True)
-class View(Generic[N]):
+class View:
     """A piece of a pitch, or a part of it, in which the bat is looked for."""
 
-    piece: Piece[N]
+    piece: Piece
     # since, until: the part, s since the piece begins; `since` may be negative
     since: N
     until: N
@@ -396,14 +381,14 @@ class View(Generic[N]):
 
 
 @dataclass(frozen=True)
-class _Approach(Generic[N]):
+class _Approach:
     """A part of a pitch on which it comes closer to the bat.
 
     `end` is the state at its end; `touching` the time, s, and state of the first touching so far;
     `settled` is True if the distance has a minimum at the end, or the search ends there.
     """
 
-    end: State[N]
-    touching: tuple[N, State[N]] | None
+    end: State
+    touching: tuple[N, State] | None
     error: N
     settled: bool

@@ -150,13 +150,11 @@ class PolynomialPiece(NamedTuple):
     # Shape (components of the state, order + 1): of the powers of the time since `begin`
     coefficients: Array
 
-    def at(self, t: float) -> State[float]:
+    def at(self, t: float) -> State:
         """Return the state at a time on the piece, s since it begins."""
         if t == 0.0:
-            start: State[float] = self.state(*self.coefficients[:, 0].tolist())
-            return start
-        state: State[float] = self.state(*values_at(self.coefficients, t).tolist())
-        return state
+            return self.state(*self.coefficients[:, 0].tolist())
+        return self.state(*values_at(self.coefficients, t).tolist())
 
     def curve(self, value: Callable[[Any], Any]) -> PolynomialCurve:
         """Return the value of an event along the piece."""

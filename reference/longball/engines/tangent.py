@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, TypeVar
 
@@ -129,17 +129,17 @@ class Jet:
     def __abs__(self) -> Jet:
         return -self if self.value < 0 else self
 
-    def __lt__(self, other: Any) -> bool:
-        return bool(self.value < plain_of(other))
+    def __lt__(self, other: Any) -> Any:
+        return self.value < plain_of(other)
 
-    def __le__(self, other: Any) -> bool:
-        return bool(self.value <= plain_of(other))
+    def __le__(self, other: Any) -> Any:
+        return self.value <= plain_of(other)
 
-    def __gt__(self, other: Any) -> bool:
-        return bool(self.value > plain_of(other))
+    def __gt__(self, other: Any) -> Any:
+        return self.value > plain_of(other)
 
-    def __ge__(self, other: Any) -> bool:
-        return bool(self.value >= plain_of(other))
+    def __ge__(self, other: Any) -> Any:
+        return self.value >= plain_of(other)
 
     def __eq__(self, other: object) -> bool:
         return bool(self.value == plain_of(other) and self.rate == rate_of(other))
@@ -174,15 +174,13 @@ class Jets:
         return self.jet(self.inner.pi)
 
     @property
-    def rounding(self) -> float:
+    def rounding(self) -> Any:
         """See `Numbers`."""
-        rounding: float = self.inner.rounding
-        return rounding
+        return self.inner.rounding
 
-    def arithmetic(self) -> AbstractContextManager[object]:
+    def arithmetic(self) -> Any:
         """See `Numbers`."""
-        context: AbstractContextManager[object] = self.inner.arithmetic()
-        return context
+        return self.inner.arithmetic()
 
     @property
     def functions(self) -> Mapping[str, Callable[..., Jet]]:
@@ -238,8 +236,7 @@ class Jets:
         """See `Numbers`; raise `Kink` for an input that stands on the border of two answers."""
         if plain_of(x) == 0 and not rate_of(x) == 0:
             raise Kink(f"{question} changes with this number, however little it changes")
-        decided: bool = self.inner.positive(plain_of(x), plain_of(error), question)
-        return decided
+        return bool(self.inner.positive(plain_of(x), plain_of(error), question))
 
     def report(self, x: Any) -> Any:
         """Return the number as the inner system reports it."""
@@ -258,7 +255,7 @@ class Shallow(CannotSolve):
 
 
 @dataclass(frozen=True)
-class Tangent(PathEngine[Jet]):
+class Tangent(PathEngine):
     """Flights in jets.
 
     Attributes
@@ -267,7 +264,7 @@ class Tangent(PathEngine[Jet]):
         The engine that flies a law with its variational equation.
     """
 
-    inner: PathEngine[Any]
+    inner: PathEngine
 
     @property
     def description(self) -> str:
@@ -275,7 +272,7 @@ class Tangent(PathEngine[Jet]):
         return self.inner.description
 
     @property
-    def numbers(self) -> Numbers[Any]:
+    def numbers(self) -> Numbers:
         """Jets of the inner engine's numbers."""
         return Jets(self.inner.numbers)
 
@@ -285,7 +282,7 @@ class Tangent(PathEngine[Jet]):
         return self.inner.flight_error
 
     def steps(
-        self, law: Law[Jet], start: State[Jet], begin: Jet, limit: Jet, events: Events[Jet]
+        self, law: Law, start: State, begin: Jet, limit: Jet, events: Events
     ) -> Iterator[JetPiece]:
         """Yield the pieces of a flight; see `PathEngine.steps`.
 
@@ -310,7 +307,7 @@ class Tangent(PathEngine[Jet]):
         for piece in self.inner.steps(flown, flown.state(*now, *moved), first, last, ends):
             yield JetPiece(piece, law.state, rates, numbers.rounding)
 
-    def fly(self, law: Law[Jet], start: State[Jet], events: Events[Jet], limit: Jet) -> Flight[Jet]:
+    def fly(self, law: Law, start: State, events: Events, limit: Jet) -> Flight:
         """Fly until the first of several events; see `Engine.fly`."""
         flight = super().fly(law, start, events, limit)
         if plain_of(flight.time) == 0 and flight.stop != "time":
@@ -319,12 +316,12 @@ class Tangent(PathEngine[Jet]):
 
     def touch(
         self,
-        pitch: Flight[Jet],
-        law: Law[Jet],
-        bat: BatSection[Jet],
-        events: Events[Jet],
+        pitch: Flight,
+        law: Law,
+        bat: BatSection,
+        events: Events,
         limit: Jet,
-    ) -> Touch[Jet]:
+    ) -> Touch:
         """Find how a pitch meets the bat; see `Engine.touch`.
 
         A distance has a corner at zero: a pitch that passes the bat's axis itself, to more digits
@@ -340,7 +337,7 @@ class Tangent(PathEngine[Jet]):
 ON_THE_AXIS = 1e-9
 
 
-def _inner_event(event: Event[Jet], state: Callable[..., Any]) -> Event[Any]:
+def _inner_event(event: Event, state: Callable[..., Any]) -> Event:
     return Event(
         event.name,
         event.question,
@@ -361,7 +358,7 @@ def jets_of(inner: Sequence[Any], state: Callable[..., Any]) -> Any:
 class JetPiece:
     """A piece of a flight in jets; see `longball.engines.event.Piece`."""
 
-    piece: Piece[Any]
+    piece: Piece
     state: Callable[..., Any]
     rates: Callable[..., tuple[Any, ...]]
     rounding: float  # of the inner numbers
@@ -402,7 +399,7 @@ class JetCurve:
 
     piece: JetPiece
     value: Callable[[Any], Any]
-    inner: Curve[Any]
+    inner: Curve
 
     def __call__(self, t: Jet) -> Jet:
         """Return the value."""
@@ -514,7 +511,7 @@ def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
     return seeded(scene, rates), speed
 
 
-def derivatives_by(scene: Scene, name: str, engine: PathEngine[Any]) -> dict[str, Any]:
+def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any]:
     """Return the derivatives of all numbers of a result by an input, by their names.
 
     They are numbers of the engine.
@@ -587,7 +584,7 @@ class Derivatives(Mapping[str, Mapping[str, Any]]):
 
 
 def derivatives_of(
-    scene: Scene, quantities: Iterable[str], names: Iterable[str], engine: PathEngine[Any]
+    scene: Scene, quantities: Iterable[str], names: Iterable[str], engine: PathEngine
 ) -> Derivatives:
     """Return the derivatives of numbers of a result by inputs; see `Derivatives`."""
     table: dict[str, dict[str, Any]] = {quantity: {} for quantity in quantities}

@@ -42,7 +42,7 @@ TRUNCATION = 2.0**-54
 _MOST_SHORT_STEPS = 5_000
 
 
-def right_hand_side(law: Law[float]) -> Callable[[float, Array], Sequence[float]]:
+def right_hand_side(law: Law) -> Callable[[float, Array], Sequence[float]]:
     """Return the law as `solve_ivp` takes it: a function of time and state."""
     rates = law.rates(DOUBLES)
 
@@ -92,7 +92,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         t_bound: float,
         vectorized: bool = False,
         *,
-        law: Law[float],
+        law: Law,
         order: int = ORDER,
         rtol: float = TRUNCATION,
         max_step: float = math.inf,
@@ -191,7 +191,7 @@ class Series(DenseOutput):  # type: ignore[misc]
 class Expander:
     """Expand states into series of a law; `rtol` of the last terms decides how far they reach."""
 
-    def __init__(self, law: Law[float], order: int = ORDER, rtol: float = TRUNCATION) -> None:
+    def __init__(self, law: Law, order: int = ORDER, rtol: float = TRUNCATION) -> None:
         self._printed = _printed(law.program)
         self._strengths = [law.strengths[name] for name in law.program.parameters]
         self._order, self._rtol = order, rtol

@@ -35,7 +35,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from pathlib import Path as File
@@ -111,11 +111,6 @@ _FIRST_STEPS, _MOST_STEPS = 128, 4096
 # Steps of a flight: compiled they take about ten seconds.
 _MOST_WORK = 200_000_000
 
-# A trial flight of `_TRIAL_STEPS` long steps covers `_TRIAL_SPAN` times the time that `_MOST_WORK`
-# steps cover. If it has not ended, the real one will not either: a flight in 2,000 steps is off by
-# a few per cent at most, which the factor allows for.
-_TRIAL_STEPS, _TRIAL_SPAN = 2000, 1.1
-
 # A step takes about ten microseconds as it is; to compile it takes two seconds.
 _ENOUGH = 100_000
 
@@ -129,26 +124,26 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class SteppedTouch(Touch[float]):
+class SteppedTouch(Touch):
     """Contact of a pitch with the bat in steps."""
 
     step: int  # number of the step before the first one in the bat
     # before, inside: the states at that step and at the next one
-    before: State[float]
-    inside: State[float]
+    before: State
+    inside: State
     ahead: float  # Δt', s
 
     @property
-    def detected(self) -> State[float]:
+    def detected(self) -> State:
         """The step in the bat: there the paper asks whether the ball is between the bat's ends."""
         return self.inside
 
 
-Top = tuple[float, State[float]] | None
+Top = tuple[float, State] | None
 
 
 @dataclass(frozen=True)
-class SteppedFlight(Flight[float]):
+class SteppedFlight(Flight):
     """A flight whose highest point, on the line between two steps, was recorded on the way.
 
     To find it later the flight would have to be integrated again.
@@ -156,13 +151,13 @@ class SteppedFlight(Flight[float]):
 
     top: Top  # s since launch, and the state; None: it only rises
 
-    def highest(self, numbers: Numbers[float]) -> Top:
+    def highest(self, numbers: Numbers) -> Top:
         """See `Flight.highest`; a hop within one step has none."""
         return None if self.top is None or self.top[0] > self.time else self.top
 
 
 @dataclass(frozen=True)
-class Verlet(Stepped[float]):
+class Verlet(Stepped):
     """Flights and contacts in fixed steps.
 
     Attributes
@@ -201,27 +196,13 @@ class Verlet(Stepped[float]):
         return 0.0
 
     @_QUIET
-    def fly(
-        self, law: Law[float], start: State[float], events: Events[float], limit: float
-    ) -> Flight[float]:
+    def fly(self, law: Law, start: State, events: Events, limit: float) -> Flight:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
         An event is searched at the steps only.
 
-        Raises `TooLong` if the flight takes too many steps: at once where a trial with long steps
-        shows it.
+        Raises `TooLong` if the flight takes too many steps.
         """
-        # Without compiled code the steps that are allowed would take half an hour to run out.
-        if limit > (reach := _TRIAL_SPAN * _MOST_WORK * self.dt):
-            trial = replace(self, dt=reach / _TRIAL_STEPS)
-            with suppress(OutOfRange):  # the forces may be too strong for the long step alone
-                if trial._fly(law, start, events, reach).stop == "time":
-                    raise self._too_long()
-        return self._fly(law, start, events, limit)
-
-    def _fly(
-        self, law: Law[float], start: State[float], events: Events[float], limit: float
-    ) -> Flight[float]:
         path = Path(self._chords(law, start, limit))
         # at once: a ball that starts on a surface, or below it, and does not rise
         for event in events:
@@ -247,7 +228,7 @@ class Verlet(Stepped[float]):
                 return SteppedFlight(path, stop, time, state, top)
         return SteppedFlight(path, "time", count * self.dt, after, top)
 
-    def _higher(self, top: Top, columns: State[Array], done: int) -> Top:
+    def _higher(self, top: Top, columns: State, done: int) -> Top:
         """Highest point of a flight so far: in these steps, from number `done` on, or before."""
         rises = columns.w > 0.0
         for k in np.flatnonzero(rises[:-1] & ~rises[1:]).tolist():
@@ -259,8 +240,8 @@ class Verlet(Stepped[float]):
         return top
 
     def stop_between(
-        self, count: int, before: State[float], after: State[float], events: Events[float]
-    ) -> tuple[str, float, State[float]]:
+        self, count: int, before: State, after: State, events: Events
+    ) -> tuple[str, float, State]:
         """First event in step number `count`: its name, time, s, and the state."""
         ends = [(event, event.value(before), event.value(after)) for event in events]
         met = [(_fraction_to_zero(a, b), event) for event, a, b in ends if b <= 0.0]
@@ -273,12 +254,12 @@ class Verlet(Stepped[float]):
     @_QUIET
     def touch(
         self,
-        pitch: Flight[float],
-        law: Law[float],
-        bat: BatSection[float],
-        events: Events[float],
+        pitch: Flight,
+        law: Law,
+        bat: BatSection,
+        events: Events,
         limit: float,
-    ) -> Touch[float]:
+    ) -> Touch:
         """Find the first step in the bat; see `longball.engines.engine.Engine.touch`.
 
         The margin is that of the closest step. If the ball is inside the bat at a step but Appendix
@@ -329,7 +310,7 @@ class Verlet(Stepped[float]):
             )
         position, velocity = _halves(before)
         place, split = position[: len(velocity)], 2 * len(velocity)
-        along = plus(before[split:], ahead, law.pointwise(DOUBLES)(*before)[split:])
+        along = plus(before[split:], ahead, law.at(before, DOUBLES).rates(DOUBLES)(*before)[split:])
         touching = law.state(*plus(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
@@ -345,12 +326,12 @@ class Verlet(Stepped[float]):
 
     def rebound(
         self,
-        frame: Frame[float],
+        frame: Frame,
         touch: SteppedTouch,
-        delta_v: Vector[float],
-        law_in: Callable[[Frame[float]], Law[float]],
-        ground: Event[float],
-    ) -> Launch[float]:
+        delta_v: Vector,
+        law_in: Callable[[Frame], Law],
+        ground: Event,
+    ) -> Launch:
         """Push for two or three steps from the step before the contact (paper, Appendix B)."""
         air, dt, on = air_in_space(law_in), self.dt, PUSHES[self.contact_force]
         # F̄/(2m) where it is on, m/s². With F̄ Δt the whole impulse (paper, Sec. III.C), that is
@@ -368,13 +349,12 @@ class Verlet(Stepped[float]):
             self._require_finite(after)
             if ground.value(after) <= 0.0:
                 _, time, down = self.stop_between(count, before, after, [ground])
+                x, y, z, u, v, w = down
                 delay = time - touch.step * dt - touch.ahead
-                return Launch(_triple(down[:3]), _triple(down[3:]), time, delay, True)
+                return Launch((x, y, z), (u, v, w), time, delay, True)
         return Launch(position, velocity, (touch.step + done) * dt, done * dt - touch.ahead)
 
-    def _march(
-        self, law: Law[float], start: State[float], limit: float
-    ) -> Iterator[tuple[int, Array]]:
+    def _march(self, law: Law, start: State, limit: float) -> Iterator[tuple[int, Array]]:
         """Integrate until the time limit; yield ``(first, states)``.
 
         `states` has shape (components, steps + 1). Its first column is step number `first`,
@@ -424,7 +404,7 @@ class Verlet(Stepped[float]):
             f"{_MOST_WORK * self.dt:.3g} s of it can be had by a lower time_limit"
         )
 
-    def _chords(self, law: Law[float], start: State[float], limit: float) -> Iterator[Chord]:
+    def _chords(self, law: Law, start: State, limit: float) -> Iterator[Chord]:
         for done, states in self._march(law, start, limit):
             before = law.state(*states[:, 0].tolist())
             for count, row in enumerate(states.T[1:], done):
@@ -442,14 +422,14 @@ class Verlet(Stepped[float]):
 
 
 @_QUIET
-def _has_switched(law: Law[float], branches: Sequence[Any], states: Array) -> Any:
+def _has_switched(law: Law, branches: Sequence[Any], states: Array) -> Any:
     """True for each column whose branches of the law differ from these."""
     others = zip(_branches(law, states, ARRAYS), branches, strict=True)
     return np.any([there != now for there, now in others], axis=0)
 
 
 @_QUIET
-def _reverses_side_force(form: Law[float], states: Array) -> Any:
+def _reverses_side_force(form: Law, states: Array) -> Any:
     """True for each step in which the airspeed passes the direction of the side force.
 
     The side force then turns round between the two ends: its cross products have opposite signs.
@@ -460,12 +440,12 @@ def _reverses_side_force(form: Law[float], states: Array) -> Any:
     return np.einsum("ij,ij->j", aside[:, :-1], aside[:, 1:]) < 0.0
 
 
-def _branches(law: Law[float], state: Any, numbers: Any) -> list[Any]:
+def _branches(law: Law, state: Any, numbers: Any) -> list[Any]:
     """Branches of a law in a state, or in the columns of many."""
     return law.branches(_aloft(law, state), numbers)
 
 
-def _aloft(law: Law[float], state: Any) -> Any:
+def _aloft(law: Law, state: Any) -> Any:
     """Raise states to a height at which the profile of the wind is defined; see `print_law`."""
     if ROUGHNESS not in law.strengths:
         return state
@@ -484,17 +464,12 @@ def interpolate(before: Value, after: Value, fraction: float) -> Value:
     return before + fraction * (after - before)
 
 
-def _row(columns: State[Array], row: int) -> State[float]:
-    state: Any = type(columns)
-    found: State[float] = state(*(x[row].item() for x in columns))
-    return found
+def _row(columns: State, row: int) -> State:
+    return type(columns)(*(x[row].item() for x in columns))
 
 
-def _between(before: State[float], after: State[float], fraction: float) -> State[float]:
-    state: State[float] = type(before)(
-        *(interpolate(a, b, fraction) for a, b in zip(before, after, strict=True))
-    )
-    return state
+def _between(before: State, after: State, fraction: float) -> State:
+    return type(before)(*(interpolate(a, b, fraction) for a, b in zip(before, after, strict=True)))
 
 
 def _fraction_to_zero(before: float, after: float) -> float:
@@ -509,10 +484,10 @@ class Chord:
 
     begin: float
     length: float
-    before: State[float]
-    after: State[float]
+    before: State
+    after: State
 
-    def at(self, t: float) -> State[float]:
+    def at(self, t: float) -> State:
         """Return the state at a time on the line, s since it begins."""
         return (
             self.after if t == self.length else _between(self.before, self.after, t / self.length)
@@ -548,7 +523,7 @@ class ChordCurve:
         return interpolate(a, b, _fraction_to_zero(self(a), self(b)))
 
 
-def line_touch(before: State[float], bat: BatSection[float], root: AppendixBRoot) -> float | None:
+def line_touch(before: State, bat: BatSection, root: AppendixBRoot) -> float | None:
     """Return Δt', s, after which a ball on a straight line at constant velocity touches the bat.
 
     The roots of |d + v Δt'|² = reach² (paper, Appendix B). None if they are not real and positive.
@@ -564,16 +539,16 @@ def line_touch(before: State[float], bat: BatSection[float], root: AppendixBRoot
     return float(larger / a if root == "larger" else c / larger)
 
 
-def _distance(bat: BatSection[float], state: State[Any]) -> Any:
+def _distance(bat: BatSection, state: State) -> Any:
     """Return the distance from the bat's axis, m, of a state, or of states in columns."""
     return np.hypot(bat.frame.towards_x(state), state.z - bat.height)
 
 
-def _rests_on(event: Event[float], start: State[float], law: Law[float]) -> bool:
+def _rests_on(event: Event, start: State, law: Law) -> bool:
     """True if an event has occurred at launch and its value does not rise: it ends the flight."""
     if event.value(start) > 0.0:
         return False
-    rates = law.pointwise(DOUBLES)(*start)
+    rates = law.at(start, DOUBLES).rates(DOUBLES)(*start)
     _, acceleration = _halves(rates)
     # Where the value neither rises nor falls, its second derivative tells.
     for changes in (rates, (*acceleration, *(0.0 for _ in acceleration))):
@@ -591,11 +566,6 @@ def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
     dimensions = len(state) // 2
     split = 2 * dimensions
     return (*state[:dimensions], *state[split:]), tuple(state[dimensions:split])
-
-
-def _triple(components: Sequence[float]) -> Vector[float]:
-    x, y, z = components
-    return x, y, z
 
 
 # --- the step, for a law --------------------------------------------------------------------------
@@ -679,13 +649,13 @@ plain_step: Callable[..., Any] = run_source(
 )
 
 
-def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., Vector[float]]:
+def air_in_space(law_in: Callable[[Frame], Law]) -> Callable[..., Vector]:
     """Return the acceleration as a function of position and velocity in space.
 
     It lies in the vertical plane of the velocity. `law_in(frame)` is the law of a flight there.
     """
 
-    def air(position: Vector[float], velocity: Vector[float]) -> Vector[float]:
+    def air(position: Vector, velocity: Vector) -> Vector:
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
         there = law.state_of(launch)
@@ -697,7 +667,7 @@ def air_in_space(law_in: Callable[[Frame[float]], Law[float]]) -> Callable[..., 
     return air
 
 
-def _acceleration(law: Law[float], state: Sequence[float]) -> Components:
+def _acceleration(law: Law, state: Sequence[float]) -> Components:
     """Return the acceleration in a state; NaN beyond the range of doubles."""
     position, velocity = _halves(list(map(float, state)))
     try:
@@ -709,5 +679,5 @@ def _acceleration(law: Law[float], state: Sequence[float]) -> Components:
     return found
 
 
-def _parameters(law: Law[float]) -> Components:
+def _parameters(law: Law) -> Components:
     return tuple(float(law.strengths[name]) for name in law.program.parameters)

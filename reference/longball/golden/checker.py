@@ -66,6 +66,7 @@ def check(
     The second method takes a few times as long as the first; `progress` is called with the numbers
     of cases solved again, and of those to be.
     """
+    # the files, and the cases in them
     failures = [*_wrong_files(folder)]
     cases: list[Case] = []
     top, fault = _read(Header, folder / HEADER)
@@ -81,16 +82,19 @@ def check(
     if folder.resolve() != DATA:
         failures += _out_of_order(cases)
     every: list[Case | ProbabilityCase] = [*cases]
+    # the probabilities, which a set may lack
     if (folder / PROBABILITIES).exists():
         integrals, fault = _read(Probabilities, folder / PROBABILITIES)
         if integrals is None:
             failures.append(f"{PROBABILITIES}: {fault}")
         else:
             every += integrals.cases
+    # what the cases say of themselves
     ids = Counter(case.id for case in every)
     failures += [f"{name}: the id is given twice" for name, count in ids.items() if count > 1]
     failures += [sentence for case in cases for sentence in _inconsistent(case, top)]
 
+    # every number once more, or those of a sample; P(e) needs the compiled code
     chosen = every
     if sample is not None and sample < len(every):
         chosen = random.Random(seed).sample(every, sample)

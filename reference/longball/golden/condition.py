@@ -34,7 +34,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any
 
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
@@ -71,7 +70,7 @@ class Sensitivity:
     fragile: bool
 
 
-def sensitivity(scene: Scene, result: Result, engine: Engine[Any]) -> Sensitivity:
+def sensitivity(scene: Scene, result: Result, engine: Engine) -> Sensitivity:
     """Return the derivatives of every quantity of a result by every input.
 
     The engine's digits, and those of the result, should be 25 or more.
@@ -127,7 +126,7 @@ def _slopes_of_doubles(
 
 
 def _moved(
-    scene: Scene, result: Result, path: str, x: float, engine: Engine[Any]
+    scene: Scene, result: Result, path: str, x: float, engine: Engine
 ) -> tuple[list[tuple[float, Mapping[str, Bounded]]], bool]:
     """Return an input and the numbers of a result at two ends of a short step, or none.
 

@@ -87,6 +87,7 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
     at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     restitutions = [row.e for row in case.rows]
     failures = []
+    # the quadrature: both values are estimates, each with an error
     again_found = integrals(case.scene, at_bats, restitutions, sample_space=space)
     for row, again in zip(case.rows, again_found, strict=True):
         for name, known, now, error in (
@@ -98,6 +99,7 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
                     f"{case.id}, e = {row.e:g}: {name} is {known!r} in the file, computed again "
                     f"{now!r}; their errors allow for {error:.1e}"
                 )
+    # the second method, as it stands in the file, and with other scrambles
     seconds: list[tuple[ProbabilityRow, Second | Randomised]]
     seconds = [(row, row.confirmation) for row in case.rows]
     if independent:

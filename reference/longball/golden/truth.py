@@ -120,12 +120,15 @@ def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Diffi
 def make(family: str, draft: Draft) -> Case:
     """Return the golden case of a draft."""
     scene = draft.scene
+    # the truth, and what another method says of it
     result = prove(scene)
     confirmation, agrees = confirm(scene, result)
+    # what doubles can attain, from the derivatives; without an outcome there are none
     found = Sensitivity({}, False)
     if result.outcome is not None:
         found = sensitivity(scene, result, Enclosure(DIGITS))
     table = quantities(result, attainable_errors(scene, result, found))
+    # flags in the order of `FOUND`
     solved_with = (
         result.outcome is None and "refused" not in draft.flags,
         result.engine != Enclosure(DIGITS).description,

@@ -78,6 +78,7 @@ def write(
         for case in _cases(lines[name], name, family.cases, workers):
             made[name].append(case)
             progress(sum(len(made[name]) for name in chosen), total)
+    # Files are made whole before the first is written: an error leaves the folder as it was.
     files = {
         f"{name}.jsonl": "".join(case.line() + "\n" for case in cases)
         for name, cases in made.items()
@@ -86,6 +87,7 @@ def write(
     about = {name: family.about for name, family in families.items()}
     ids = {case.id for cases in made.values() for case in cases}
     quick = tuple(name for name in shipped().quick if name in ids)
+    # the header counts the cases, so it comes last
     top = header(made, about, dict.fromkeys(tables, ABOUT), quick)
     files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}

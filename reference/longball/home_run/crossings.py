@@ -94,6 +94,7 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
     """
     from scipy.optimize import elementwise  # slow to import, and not needed for --help
 
+    # brackets: where neighbours differ, and beside samples near which the function may turn
     inside = values >= 0.0
     line, k = np.nonzero(inside[:, 1:] != inside[:, :-1])
     brackets = _Brackets(line, grid[line, k], grid[line, k + 1], inside[line, k + 1])
@@ -101,6 +102,7 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
     brackets = _Brackets(*map(np.concatenate, zip(brackets, *beside, strict=True)))
     if len(brackets.line) == 0:
         return Crossings(brackets.line, brackets.low, brackets.rises, brackets.rises)
+    # roots, all at once
     found = elementwise.find_root(
         function,
         (brackets.low, brackets.high),
@@ -109,6 +111,7 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
         maxiter=_MOST_STEPS,
     )
     place, value, left = found.x, found.f_x, ~found.success
+    # what is left are mostly jumps, which no interpolation finds: divide the brackets
     if left.any():
         line, rises = brackets.line[left], brackets.rises[left]
         ends = [end[left] for end in found.bracket]
@@ -122,6 +125,7 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
         times = math.ceil(math.log(max(widest / _TOLERANCES["xatol"], 1.0), _SECTIONS))
         place[left] = narrowed(low, high, changed, times)[1]
         value[left] = function(place[left], line)
+    # a value that is not zero at its root shows a jump
     order = np.lexsort((place, brackets.line))
     jumps = abs(value) > _JUMP
     return Crossings(brackets.line[order], place[order], brackets.rises[order], jumps[order])

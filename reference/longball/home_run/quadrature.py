@@ -277,6 +277,7 @@ def _over_speeds(
     def pattern(speed: Array, line: Integers) -> Integers:
         return np.concatenate(in_blocks(_patterns, speed, line))
 
+    # the ranges of speeds, for each tilt a line
     low, high = _speeds(clearance, at_bats.speed)
     lines = np.repeat(np.arange(nodes.tilt), len(low))
     ranges = _Ranges(lines, np.tile(low, nodes.tilt), np.tile(high, nodes.tilt))
@@ -287,6 +288,7 @@ def _over_speeds(
         smooth, pieces = _without_kinks(ranges, _Nodes(number, speed, found), pattern, _OF_SPEEDS)
         ranges = ranges.at(smooth).and_also(pieces)
         speed, weight, number = rule(ranges)
+    # the integrals over offsets and aims at each pair
     # What counts little need not be known well.
     allowed = tolerance / np.clip(weight * len(weight), _LEFT_OUT, 1.0)
     shares = in_blocks(share_over_offsets, speed, ranges.line[number], allowed)
@@ -377,6 +379,7 @@ def share_over_offsets(
     Ranges of offsets are halved until the rule over a range and those over its halves agree, to the
     tolerance of its pair.
     """
+    # one rule over each range shows its kinks: cut there, and take the rule over the parts
     lines = _Lines(clearance, at_bats, speed, tilt)
     found = np.zeros((4, len(speed)))
     ranges = _ranges(clearance, at_bats, speed, tilt)
@@ -387,9 +390,11 @@ def share_over_offsets(
     # A range that is empty at every node is taken to be empty: it was cut where it opens.
     there = np.array(whole.any(axis=0))
     ranges, whole = ranges.at(there), whole[:, there]
+    # halve what is not known well enough yet
     for halving in range(_HALVINGS):
         if len(ranges.line) == 0:
             break
+        # in the arrays the lower halves of all ranges come first, then the upper ones
         middle = 0.5 * (ranges.low + ranges.high)
         halves = ranges._replace(high=middle).and_also(ranges._replace(low=middle))
         parts, _ = lines.over(halves)

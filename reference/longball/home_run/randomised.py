@@ -52,6 +52,7 @@ def scrambled(
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
+    # All scrambles go together, in columns as long as threads like them; `_means` parts them again.
     everything = Samples.joined([_lines(base, at_bats, lines, seed, i) for i in range(SCRAMBLES)])
     estimates = []
     for e in restitutions:

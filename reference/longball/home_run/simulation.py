@@ -82,7 +82,7 @@ def monte_carlo(
     count: int,
     seed: int,
     *,
-    engine: Engine[float] | None = None,
+    engine: Engine | None = None,
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Struck]:
@@ -99,6 +99,7 @@ def monte_carlo(
         (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)
         for first in range(0, count, size)
     )
+    # x, y, failure and home runs, in place as the blocks come in order
     landed = np.empty((len(restitutions), 4, count))
     done = 0
     for part in in_parallel(_strike, calls, workers, threads):
@@ -147,7 +148,7 @@ def _landings_of_columns(
 
 
 def _landings_of_scenes(
-    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Engine[float]
+    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Engine
 ) -> Array:
     landed = np.full((len(restitutions), 4, len(samples)), np.nan)
     for i, scene in enumerate(filter(None, scenes(base, samples))):

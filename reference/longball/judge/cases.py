@@ -53,9 +53,7 @@ class Known:
 Case = GoldenCase | Known
 
 
-def solved(
-    scenes: Iterable[Scene], engine: Engine[float], family: str | None = None
-) -> list[Known]:
+def solved(scenes: Iterable[Scene], engine: Engine, family: str | None = None) -> list[Known]:
     """Return cases of scenes as an engine solves them; the family is the kind if not given."""
     return [Known(scene, solve(scene, engine), family or scene.kind) for scene in scenes]
 
@@ -130,7 +128,7 @@ def _passes_corner_within_errors(scene: FlightScene) -> bool:
     frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
     error = SLACK * 2.0**-53
     found = stop_at(scene.fence, frame, start.s, 1, error, DOUBLES)
-    return found.place.to_break <= error * abs(found.s)
+    return bool(found.place.to_break <= error * abs(found.s))
 
 
 # Two digits less than attainable. The attainable error is that of inputs off by half an ulp; what

@@ -47,7 +47,7 @@ def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
         inside = inside[np.linspace(0, len(inside) - 1, MOST_JUDGED).astype(int)]
     if not len(inside):
         return {}
-    true = np.array(truth.sample(inside[:, 0].tolist()))
+    true: Any = np.array(truth.sample(inside[:, 0].tolist()))
     found = {}
     for name, at in (("path.position", 0), ("path.velocity", 3)):
         given, right = inside[:, 1 + at : 4 + at], true[:, at : 3 + at]

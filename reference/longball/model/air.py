@@ -17,8 +17,8 @@ from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, mode
 
 from longball.model import trace
 from longball.model.block import SMALLEST, Block, NotNegative, Point, Positive, Quantity, refuse
+from longball.model.numbers import Vector
 from longball.model.trace import ZERO
-from longball.model.vectors import Vector
 
 # --- coefficients ---------------------------------------------------------------------------------
 

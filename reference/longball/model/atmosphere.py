@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 from longball.model import trace
-from longball.model.numbers import N, Numbers, present
+from longball.model.numbers import N, Numbers, Vector, present
 from longball.model.trace import ZERO
-from longball.model.vectors import Vector, scaled
+from longball.model.vectors import scaled
 
 # --- density --------------------------------------------------------------------------------------
 
@@ -22,7 +22,7 @@ DRY_DENSITY = 1.2929  # kg/m³, at these two
 LIGHTER = 0.3783  # of a vapour's density, by which it is less than that of dry air
 
 
-def density(scene: Any, numbers: Numbers[N]) -> N:
+def density(scene: Any, numbers: Numbers) -> N:
     """Return the density of the air at height 0, kg/m³.
 
     A number of the scene; or by the weather, with the temperature T, the pressure p at sea level,
@@ -48,7 +48,7 @@ def density(scene: Any, numbers: Numbers[N]) -> N:
     return dry * (pressure - exact(LIGHTER) * vapour) / exact(STANDARD_PRESSURE)
 
 
-def station_pressure(scene: Any, numbers: Numbers[N]) -> N:
+def station_pressure(scene: Any, numbers: Numbers) -> N:
     """Return the pressure at the park, Pa: ``p e^(-βh)``, or as it is if the reading says so."""
     exact, given = numbers.exact, scene.air.density
     pressure = exact(given.pressure)
@@ -57,7 +57,7 @@ def station_pressure(scene: Any, numbers: Numbers[N]) -> N:
     return pressure * numbers.functions["exp"](-(exact(1.217e-4) * exact(given.elevation)))
 
 
-def speed_of_sound(scene: Any, numbers: Numbers[N]) -> N:
+def speed_of_sound(scene: Any, numbers: Numbers) -> N:
     """Return the speed of sound, m/s: ``331.3 √(T/273.15)``."""
     temperature = numbers.exact(scene.air.density.temperature)
     return numbers.exact(331.3) * numbers.sqrt(temperature / numbers.exact(ZERO_CELSIUS))
@@ -86,7 +86,7 @@ def wind(p: Any, height: Any) -> Vector:
 
 
 def wind_strengths(
-    scene: Any, frame: Any, numbers: Numbers[N]
+    scene: Any, frame: Any, numbers: Numbers
 ) -> tuple[tuple[dict[str, N], ...], tuple[N, ...]]:
     """Return the winds from the ground up, and the heights above which the next one blows."""
     given = scene.air.wind

@@ -8,7 +8,6 @@ those of the ledger.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic
 
 from longball.model.impact import inverse_mass, reduced_mass
 from longball.model.numbers import N, Numbers, Vector
@@ -16,26 +15,26 @@ from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
 
 
-def lever_arm(y: N, bat: Bat, numbers: Numbers[N]) -> N:
+def lever_arm(y: N, bat: Bat, numbers: Numbers) -> N:
     """Return r̃, m: the distance from B to the foot of the perpendicular from the ball."""
     return numbers.exact(bat.length) / 2 - y
 
 
-def bat_rotation(swing: Rotation, numbers: Numbers[N]) -> Vector[N]:
+def bat_rotation(swing: Rotation, numbers: Numbers) -> Vector:
     """Return ω' = ω(-sin θ, 0, cos θ), rad/s."""
     cos, sin = numbers.cos_sin(numbers.exact(swing.tilt))
     speed = numbers.exact(swing.angular_speed)
     return -(speed * sin), numbers.exact(0.0), speed * cos
 
 
-def bat_velocity(lever_arm: N, swing: Rotation, numbers: Numbers[N]) -> Vector[N]:
+def bat_velocity(lever_arm: N, swing: Rotation, numbers: Numbers) -> Vector:
     """Return V_b = ω' × r̃, m/s, with ω' = ω(-sin θ, 0, cos θ) and r̃ = (0, -lever_arm, 0)."""
     cos, sin = numbers.cos_sin(numbers.exact(swing.tilt))
     speed = numbers.exact(swing.angular_speed) * lever_arm
     return speed * cos, numbers.exact(0.0), speed * sin
 
 
-def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers[N]) -> N:
+def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers) -> N:
     """Return the bat's moment of inertia across its axis, kg m².
 
     About its end B (or as the reading slips); of a free bat, about its centre.
@@ -56,7 +55,7 @@ def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers[N]) -> N:
 
 
 @dataclass(frozen=True)
-class CollisionParameters(Generic[N]):
+class CollisionParameters:
     """Parameters of the impulse, besides the velocities."""
 
     restitution: N  # ẽ, between ball and bat
@@ -64,8 +63,8 @@ class CollisionParameters(Generic[N]):
 
 
 def collision_parameters(
-    ball: Ball, bat: Bat, lever_arm: N, reading: Reading, numbers: Numbers[N]
-) -> CollisionParameters[N]:
+    ball: Ball, bat: Bat, lever_arm: N, reading: Reading, numbers: Numbers
+) -> CollisionParameters:
     """Return ẽ and μ at a distance `lever_arm` (m) from the pivot, as the reading has them."""
     m, e, inertia = (
         numbers.exact(ball.mass),
@@ -99,9 +98,9 @@ def inverse_masses(
     ball: Ball,
     bat: Bat,
     lever_arm: N,
-    pair: CollisionParameters[N],
+    pair: CollisionParameters,
     reading: Reading,
-    numbers: Numbers[N],
+    numbers: Numbers,
 ) -> tuple[N, ...]:
     """Return K_nn, K_ny, K_yy, K_tt, 1/kg, of `longball.model.impact.inverse_mass`.
 
@@ -112,7 +111,7 @@ def inverse_masses(
 
 
 def inverse_mass_arguments(
-    ball: Ball, bat: Bat, lever_arm: N, reading: Reading, numbers: Numbers[N]
+    ball: Ball, bat: Bat, lever_arm: N, reading: Reading, numbers: Numbers
 ) -> dict[str, N]:
     """Return the arguments of `longball.model.impact.inverse_mass`, by name."""
     mass, radius = numbers.exact(bat.mass), numbers.exact(bat.radius)
@@ -132,12 +131,12 @@ def inverse_mass_arguments(
     }
 
 
-def inertia_factor(ball: Ball, numbers: Numbers[N]) -> N:
+def inertia_factor(ball: Ball, numbers: Numbers) -> N:
     """Return I/(m R²); the double 0.4 if the scene does not name it."""
     return numbers.exact(0.4 if ball.inertia_factor is None else ball.inertia_factor)
 
 
-def tangential_restitution(bat: Bat, numbers: Numbers[N]) -> N:
+def tangential_restitution(bat: Bat, numbers: Numbers) -> N:
     """Return e_T; the double 0.3 if the scene does not name it."""
     given = bat.tangential_restitution
     return numbers.exact(0.3 if given is None else given)

@@ -43,6 +43,13 @@ class ReadingDict(TypedDict, total=False):
     distance_origin: Literal["plate", "launch"]
 
 
+class _SceneBlocks(TypedDict, total=False):
+    id: str | int | None
+    """returned with the result, a whole number as its text; if left out, that bears the number of the line"""
+    ball: Ball | BallDict
+    reading: Reading | ReadingDict
+
+
 class WeatherDict(TypedDict, total=False):
     temperature: float
     """K"""
@@ -163,6 +170,17 @@ class EarthDict(TypedDict, total=False):
     """rad, of +x (from the plate to the pitcher), from north to east"""
 
 
+class _FlyingSceneBlocks(_SceneBlocks, total=False):
+    air: Air | AirDict | None
+    """null: no air at all"""
+    gravity: float
+    """m/s², downwards; paper, Sec. III.B"""
+    time_limit: float
+    """s of flight, after which the ball is reported airborne"""
+    earth: Earth | EarthDict | None
+    """left out: it does not rotate"""
+
+
 class LaunchDict(TypedDict, total=False):
     position: Required[Vector]
     """m, of the ball's centre"""
@@ -184,19 +202,7 @@ class FenceDict(TypedDict, total=False):
     """m, [x, y, height of the top] from the left pole (y > 0) to the right one"""
 
 
-class FlightSceneBlocks(TypedDict, total=False):
-    id: str | int | None
-    """returned with the result, a whole number as its text; if left out, that bears the number of the line"""
-    ball: Ball | BallDict
-    reading: Reading | ReadingDict
-    air: Air | AirDict | None
-    """null: no air at all"""
-    gravity: float
-    """m/s², downwards; paper, Sec. III.B"""
-    time_limit: float
-    """s of flight, after which the ball is reported airborne"""
-    earth: Earth | EarthDict | None
-    """left out: it does not rotate"""
+class FlightSceneBlocks(_FlyingSceneBlocks, total=False):
     launch: Required[Launch | LaunchDict]
     ground: Ground | GroundDict
     fence: Fence | FenceDict | None
@@ -219,19 +225,7 @@ class PitchDict(TypedDict, total=False):
     """rad/s, ω; left out: none is computed"""
 
 
-class PitchSceneBlocks(TypedDict, total=False):
-    id: str | int | None
-    """returned with the result, a whole number as its text; if left out, that bears the number of the line"""
-    ball: Ball | BallDict
-    reading: Reading | ReadingDict
-    air: Air | AirDict | None
-    """null: no air at all"""
-    gravity: float
-    """m/s², downwards; paper, Sec. III.B"""
-    time_limit: float
-    """s of flight, after which the ball is reported airborne"""
-    earth: Earth | EarthDict | None
-    """left out: it does not rotate"""
+class PitchSceneBlocks(_FlyingSceneBlocks, total=False):
     pitch: Pitch | PitchDict
 
 
@@ -272,11 +266,7 @@ class IncomingDict(TypedDict, total=False):
     """rad/s, of the ball"""
 
 
-class ImpactSceneBlocks(TypedDict, total=False):
-    id: str | int | None
-    """returned with the result, a whole number as its text; if left out, that bears the number of the line"""
-    ball: Ball | BallDict
-    reading: Reading | ReadingDict
+class ImpactSceneBlocks(_SceneBlocks, total=False):
     bat: Bat | BatDict
     swing: Rotation | RotationDict
     incoming: Required[Incoming | IncomingDict]
@@ -286,28 +276,12 @@ class ImpactSceneDict(ImpactSceneBlocks):
     kind: Required[Literal["impact"]]
 
 
-class SwingDict(TypedDict, total=False):
-    angular_speed: float
-    """rad/s, about an axis through B"""
-    tilt: float
-    """rad, of that axis from the vertical; default: the mean of 0° to 10°"""
+class SwingDict(RotationDict, total=False):
     height_offset: float
     """m, σ_b: height of the bat's axis above the pitch at x = 0"""
 
 
-class AtBatSceneBlocks(TypedDict, total=False):
-    id: str | int | None
-    """returned with the result, a whole number as its text; if left out, that bears the number of the line"""
-    ball: Ball | BallDict
-    reading: Reading | ReadingDict
-    air: Air | AirDict | None
-    """null: no air at all"""
-    gravity: float
-    """m/s², downwards; paper, Sec. III.B"""
-    time_limit: float
-    """s of flight, after which the ball is reported airborne"""
-    earth: Earth | EarthDict | None
-    """left out: it does not rotate"""
+class AtBatSceneBlocks(_FlyingSceneBlocks, total=False):
     pitch: Pitch | PitchDict
     bat: Bat | BatDict
     swing: Swing | SwingDict

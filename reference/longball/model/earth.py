@@ -9,7 +9,7 @@ from longball.model.numbers import N, Numbers, present
 ROTATION = 7.292115e-5  # rad/s
 
 
-def earth_strengths(scene: Any, frame: Any, numbers: Numbers[N]) -> dict[str, N]:
+def earth_strengths(scene: Any, frame: Any, numbers: Numbers) -> dict[str, N]:
     """Return the components of ``Ω (cos λ north + sin λ up)`` in the frame of a flight.
 
     λ is the latitude. The scene's +x has an azimuth, from north to the east, and +y is to its left.

@@ -14,13 +14,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from operator import methodcaller
 from types import SimpleNamespace
-from typing import Any, Generic, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from longball.model.law import PlaneState
 from longball.model.numbers import N
 
 
-class Functions(Protocol[N]):
+class Functions(Protocol):
     """The functions of analysis, under the names that Python's `math` gives them."""
 
     def sqrt(self, x: N, /) -> N: ...  # noqa: D102
@@ -45,14 +45,14 @@ METHODS: Any = SimpleNamespace(
 # --- closed forms ---------------------------------------------------------------------------------
 
 
-class Moment(NamedTuple, Generic[N]):
+class Moment(NamedTuple):
     """A state of a flight and its time, s since launch."""
 
     time: N
-    state: PlaneState[N]
+    state: PlaneState
 
 
-def parabola(start: PlaneState[N], gravity: N, time: N) -> PlaneState[N]:
+def parabola(start: PlaneState, gravity: N, time: N) -> PlaneState:
     """Return the state of a ball that only gravity acts on, `time` seconds after its launch.
 
     ``s = s₀ + u₀ t``, ``z = z₀ + w₀ t - g t²/2``, ``w = w₀ - g t``: u' = 0 and w' = -g, integrated
@@ -64,9 +64,7 @@ def parabola(start: PlaneState[N], gravity: N, time: N) -> PlaneState[N]:
     )
 
 
-def parabola_to_floor(
-    start: PlaneState[N], gravity: N, floor: N, functions: Functions[N]
-) -> Moment[N]:
+def parabola_to_floor(start: PlaneState, gravity: N, floor: N, functions: Functions) -> Moment:
     """Return when and in what state a ball that only gravity acts on falls to the height `floor`.
 
     ``w = -√(w₀² + 2g (z₀ - floor))`` from the energy, ``t = (w₀ - w)/g``; g > 0.
@@ -76,7 +74,7 @@ def parabola_to_floor(
     return Moment(time, PlaneState(start.s + start.u * time, floor, start.u, w))
 
 
-def parabola_to_wall(start: PlaneState[N], gravity: N, wall: N) -> Moment[N]:
+def parabola_to_wall(start: PlaneState, gravity: N, wall: N) -> Moment:
     """Return when and in what state a ball that only gravity acts on reaches ``s = wall``.
 
     ``t = (wall - s₀)/u₀``, since u is constant. The plane x = 0 is such a wall for a pitch.
@@ -85,9 +83,7 @@ def parabola_to_wall(start: PlaneState[N], gravity: N, wall: N) -> Moment[N]:
     return Moment(time, parabola(start, gravity, time)._replace(s=wall))
 
 
-def rise(
-    start: PlaneState[N], drag: N, gravity: N, time: N, functions: Functions[N]
-) -> PlaneState[N]:
+def rise(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) -> PlaneState:
     """Return the state of a ball on its way straight up through the air; u₀ = 0 <= w.
 
     ``w = v tan(φ - τ)``, ``z = z₀ + log(cos(φ - τ)/cos φ)/k_D`` with the terminal speed
@@ -105,7 +101,7 @@ def rise(
     )
 
 
-def apex(start: PlaneState[N], drag: N, gravity: N, functions: Functions[N]) -> Moment[N]:
+def apex(start: PlaneState, drag: N, gravity: N, functions: Functions) -> Moment:
     """Return when and where a ball thrown straight up through the air comes to rest.
 
     ``t √(g k_D) = φ = arctan(w₀/v)``, ``z = z₀ + log(1 + w₀²/v²)/(2 k_D)``: `rise` at τ = φ.
@@ -116,9 +112,7 @@ def apex(start: PlaneState[N], drag: N, gravity: N, functions: Functions[N]) -> 
     return Moment(time, PlaneState(start.s, start.z + height, start.u, 0 * start.w))
 
 
-def fall(
-    start: PlaneState[N], drag: N, gravity: N, time: N, functions: Functions[N]
-) -> PlaneState[N]:
+def fall(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) -> PlaneState:
     """Return the state of a ball on its way straight down through the air; u₀ = 0 >= w₀.
 
     ``w = -v tanh(ψ + τ)``, ``z = z₀ - log(cosh(ψ + τ)/cosh ψ)/k_D`` with tanh ψ = -w₀/v and the
@@ -136,9 +130,7 @@ def fall(
     )
 
 
-def fall_to_floor(
-    start: PlaneState[N], drag: N, gravity: N, floor: N, functions: Functions[N]
-) -> Moment[N]:
+def fall_to_floor(start: PlaneState, drag: N, gravity: N, floor: N, functions: Functions) -> Moment:
     """Return when and in what state a ball that falls straight down reaches the height `floor`.
 
     ``w² = v² + (w₀² - v²) exp(-2 k_D h)`` with h = z₀ - floor, since d(w²)/dz = 2 (k_D w² - g) is
@@ -156,8 +148,8 @@ def fall_to_floor(
 
 
 def weightless(
-    start: PlaneState[N], drag: N | None, lift: N | None, time: N, functions: Functions[N]
-) -> PlaneState[N]:
+    start: PlaneState, drag: N | None, lift: N | None, time: N, functions: Functions
+) -> PlaneState:
     """Return the state of a ball without weight, `time` seconds after its launch.
 
     ``V = V₀/(1 + k_D V₀ t)`` after the way ``σ = log(1 + k_D V₀ t)/k_D``, since V' = -k_D V²; the
@@ -192,7 +184,7 @@ def weightless(
 # --- what is constant along a flight --------------------------------------------------------------
 
 
-def drag_only_invariant(state: PlaneState[N], drag: N, gravity: N, functions: Functions[N]) -> N:
+def drag_only_invariant(state: PlaneState, drag: N, gravity: N, functions: Functions) -> N:
     """Return ``1/u² + (k_D/g) [p √(1 + p²) + arsinh p]``, p = w/u, s²/m²: constant without lift.
 
     With the slope p as the variable, u' = -k_D V u and p' = -g/u give
@@ -203,7 +195,7 @@ def drag_only_invariant(state: PlaneState[N], drag: N, gravity: N, functions: Fu
     return 1 / (state.u * state.u) + drag / gravity * bracket
 
 
-def energy(state: PlaneState[N], gravity: N) -> N:
+def energy(state: PlaneState, gravity: N) -> N:
     """Return ``E = g z + V²/2``, m²/s², the energy per unit mass: constant without drag.
 
     Lift is perpendicular to the velocity and does no work.
@@ -211,7 +203,7 @@ def energy(state: PlaneState[N], gravity: N) -> N:
     return gravity * state.z + (state.u * state.u + state.w * state.w) / 2
 
 
-def phugoid(state: PlaneState[N], lift: N, gravity: N, functions: Functions[N]) -> N:
+def phugoid(state: PlaneState, lift: N, gravity: N, functions: Functions) -> N:
     """Return ``K = k_L V³/3 - g u``, m²/s³: constant without drag, loops included.
 
     Without drag V V' = -g w and u' = -k_L V w, so K' = k_L V² V' - g u' = 0. Lanchester's phugoid.
@@ -223,13 +215,13 @@ def phugoid(state: PlaneState[N], lift: N, gravity: N, functions: Functions[N]) 
 # --- how fast drag changes what would be constant -------------------------------------------------
 
 
-def energy_rate(state: PlaneState[N], drag: N, functions: Functions[N]) -> N:
+def energy_rate(state: PlaneState, drag: N, functions: Functions) -> N:
     """Return ``E' = -k_D V³``, m²/s³, on every flight: only drag does work."""
     squared = state.u * state.u + state.w * state.w
     return -drag * squared * functions.sqrt(squared)
 
 
-def phugoid_rate(state: PlaneState[N], drag: N, lift: N, gravity: N, functions: Functions[N]) -> N:
+def phugoid_rate(state: PlaneState, drag: N, lift: N, gravity: N, functions: Functions) -> N:
     """Return ``K' = -k_D V (k_L V³ - g u)``, m²/s⁴, on every flight.
 
     Drag adds -k_D V² to V' and -k_D V u to u', in K' = k_L V² V' - g u'.
@@ -242,7 +234,7 @@ def phugoid_rate(state: PlaneState[N], drag: N, lift: N, gravity: N, functions: 
 # --- scaling --------------------------------------------------------------------------------------
 
 
-def scaled_state(state: PlaneState[N], length: N, functions: Functions[N]) -> PlaneState[N]:
+def scaled_state(state: PlaneState, length: N, functions: Functions) -> PlaneState:
     """Return the state with lengths times λ = `length` and times times √λ.
 
     In `scaled_strengths` it flies the scaled path: every term of the equations of motion, k V² and
@@ -257,9 +249,9 @@ def scaled_strengths(strengths: Mapping[str, N], length: N) -> dict[str, N]:
     return {n: k if n == "gravity" else k / length for n, k in strengths.items()}
 
 
-def _terminal_speed(drag: N, gravity: N, functions: Functions[N]) -> N:
+def _terminal_speed(drag: N, gravity: N, functions: Functions) -> N:
     return functions.sqrt(gravity / drag)
 
 
-def _tau(drag: N, gravity: N, time: N, functions: Functions[N]) -> N:
+def _tau(drag: N, gravity: N, time: N, functions: Functions) -> N:
     return time * functions.sqrt(gravity * drag)

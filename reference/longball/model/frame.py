@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Generic
+from typing import Any
 
 from longball.model.law import PlaneState, in_plane
-from longball.model.numbers import N, Numbers, Vector, absolute
+from longball.model.numbers import N, Numbers, Vector
 
 
 @dataclass(frozen=True)
-class Frame(Generic[N]):
+class Frame:
     """Where a flight starts, m, the horizontal unit vector that it heads for, and its spin.
 
     `spin` is that at the launch, rad/s, in space; None if the scene says nothing of it.
@@ -21,20 +21,20 @@ class Frame(Generic[N]):
     y: N
     cos: N
     sin: N
-    spin: Vector[N] | None = None
+    spin: Vector | None = None
 
-    def turned(self, vector: Vector[N]) -> Vector[N]:
+    def turned(self, vector: Vector) -> Vector:
         """Return a vector in space as the frame has it: along s, y and z."""
         x, y, z = vector
         # A rotation about z by minus the heading; its inverse is in `position` and `velocity`.
         return x * self.cos + y * self.sin, y * self.cos - x * self.sin, z
 
-    def components(self, vector: Sequence[float], numbers: Numbers[N]) -> Vector[N]:
+    def components(self, vector: Sequence[float], numbers: Numbers) -> Vector:
         """Return a vector of the scene as the frame has it."""
         x, y, z = map(numbers.exact, vector)
         return self.turned((x, y, z))
 
-    def position(self, state: Any) -> Vector[N]:
+    def position(self, state: Any) -> Vector:
         """Return the position in space, m."""
         if in_plane(state):
             return self.x + self.cos * state.s, self.y + self.sin * state.s, state.z
@@ -44,7 +44,7 @@ class Frame(Generic[N]):
             state.z,
         )
 
-    def velocity(self, state: Any) -> Vector[N]:
+    def velocity(self, state: Any) -> Vector:
         """Return the velocity in space, m/s."""
         if in_plane(state):
             return self.cos * state.u, self.sin * state.u, state.w
@@ -66,8 +66,8 @@ TINY, LARGER = 2.0**-500, 2.0**600
 
 
 def launch_frame(
-    position: Vector[N], velocity: Vector[N], numbers: Numbers[N], spin: Vector[N] | None = None
-) -> tuple[Frame[N], PlaneState[N]]:
+    position: Vector, velocity: Vector, numbers: Numbers, spin: Vector | None = None
+) -> tuple[Frame, PlaneState]:
     """Return the frame of a flight, and its launch in that frame.
 
     A launch straight up or down has no heading of its own and takes that of +x, towards the
@@ -77,7 +77,7 @@ def launch_frame(
     vx, vy, vz = velocity
     nothing = numbers.exact(0.0)
     # Zero exactly where both are, without a root.
-    size = absolute(vx) + absolute(vy)
+    size = abs(vx) + abs(vy)
     question = "whether the launch is vertical"
     heads = numbers.positive(size, nothing, question)
     tiny = numbers.positive(numbers.exact(TINY) - size, nothing, question)

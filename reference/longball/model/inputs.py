@@ -67,7 +67,7 @@ def with_input(scene: Scene, path: str, value: float) -> Scene | None:
         return None
 
 
-def axes_of(angle: N, direction: N, numbers: Numbers[N]) -> tuple[Vector[N], ...]:
+def axes_of(angle: N, direction: N, numbers: Numbers) -> tuple[Vector, ...]:
     """Return unit vectors along the velocity, and of the axes of backspin and of side spin.
 
     Backspin is about the horizontal axis across the velocity, and lifts the ball; side spin about
@@ -94,9 +94,9 @@ def tracked(scene: Scene) -> dict[str, float]:
 
 
 def tracks_of(
-    velocity: Vector[N],
-    spin: Vector[N] | None,
-    numbers: Numbers[N],
+    velocity: Vector,
+    spin: Vector | None,
+    numbers: Numbers,
     size: Callable[..., N],  # of a vector, from its components
     turn: Callable[[N, N], N],  # from the x axis to a vector, rad, from y and x
 ) -> dict[str, N]:
@@ -111,7 +111,7 @@ def tracks_of(
     return found
 
 
-def launched(values: Mapping[str, N], numbers: Numbers[N]) -> dict[str, Vector[N]]:
+def launched(values: Mapping[str, N], numbers: Numbers) -> dict[str, Vector]:
     """Return the velocity, and if there is one the spin, of a launch from what is tracked of it."""
     speed, angle, direction = (values[name] for name in OF_VELOCITY)
     along, back, side = axes_of(angle, direction, numbers)
@@ -123,7 +123,7 @@ def launched(values: Mapping[str, N], numbers: Numbers[N]) -> dict[str, Vector[N
     return made
 
 
-def _combined(parts: tuple[N, ...], axes: tuple[Vector[N], ...]) -> Vector[N]:
+def _combined(parts: tuple[N, ...], axes: tuple[Vector, ...]) -> Vector:
     x, y, z = (
         sum((part * axis[i] for part, axis in zip(parts[1:], axes[1:], strict=True)), first)
         for i in range(3)

@@ -16,7 +16,7 @@ from collections.abc import Callable, KeysView, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from types import SimpleNamespace
-from typing import Any, Generic, NamedTuple
+from typing import Any, NamedTuple
 
 from longball.model import trace
 from longball.model.air import (
@@ -40,12 +40,12 @@ from longball.model.atmosphere import (
 )
 from longball.model.block import Block
 from longball.model.earth import earth_strengths
-from longball.model.numbers import N, Numbers, present
+from longball.model.numbers import N, Numbers, Vector, present
 from longball.model.trace import ZERO, Node, Program
-from longball.model.vectors import Vector, cross, minus, norm, part_across, plus, scaled
+from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
 
 
-class PlaneState(NamedTuple, Generic[N]):
+class PlaneState(NamedTuple):
     """Position and velocity in the vertical plane of a flight: m, m, m/s, m/s."""
 
     s: N
@@ -54,7 +54,7 @@ class PlaneState(NamedTuple, Generic[N]):
     w: N
 
 
-class SpaceState(NamedTuple, Generic[N]):
+class SpaceState(NamedTuple):
     """Position and velocity in the frame of a flight: m, m, m, m/s, m/s, m/s."""
 
     s: N
@@ -65,8 +65,8 @@ class SpaceState(NamedTuple, Generic[N]):
     w: N
 
 
-# Others have further components behind these; see `state_of_variables`.
-State = PlaneState[N] | SpaceState[N]
+# One of these, or one with further components behind them; see `state_of_variables`.
+State = Any
 
 
 @cache
@@ -227,7 +227,7 @@ class Force(NamedTuple):
         From the `Motion` and an object with the parameters as attributes to the acceleration, m/s².
     """
 
-    strengths: Callable[[Any, Any, Numbers[Any]], Mapping[str, Any] | None]
+    strengths: Callable[[Any, Any, Numbers], Mapping[str, Any] | None]
     acceleration: Callable[[Motion, Any], Vector]
 
 
@@ -411,7 +411,7 @@ _SENSE = "sense"
 # --- the law of a scene ---------------------------------------------------------------------------
 
 
-class Bend(NamedTuple, Generic[N]):
+class Bend(NamedTuple):
     """A part of a law, whose strengths change where a function of the state passes a level."""
 
     of: str  # the wind, the coefficient of drag or lift, or the side force
@@ -436,7 +436,7 @@ class Bend(NamedTuple, Generic[N]):
 
 
 @dataclass(frozen=True)
-class Law(Generic[N]):
+class Law:
     """The law of motion of a scene.
 
     Where parts of it have several forms, no number is computed by the law itself, but by
@@ -463,7 +463,7 @@ class Law(Generic[N]):
     code: Program
     strengths: Mapping[str, N]
     shape: Shape
-    bends: tuple[Bend[N], ...] = ()
+    bends: tuple[Bend, ...] = ()
     form: tuple[int, ...] | None = None
     polynomial: bool = False
 
@@ -511,7 +511,7 @@ class Law(Generic[N]):
 
     # Other laws.
 
-    def on(self, branches: Sequence[int]) -> Law[N]:
+    def on(self, branches: Sequence[int]) -> Law:
         """Return the law with these forms of the parts that have several."""
         # Strengths of other branches go first: a branch may lack a strength that another has.
         changed = {name for bend in self.bends for name in bend.names}
@@ -521,14 +521,14 @@ class Law(Generic[N]):
         code = _code(self.shape, tuple(strengths), "y" in self.variables, self.polynomial)
         return replace(self, code=code, strengths=strengths, form=tuple(branches))
 
-    def without(self, strength: str) -> Law[N]:
+    def without(self, strength: str) -> Law:
         """Return the law without one of its strengths."""
         strengths = {name: x for name, x in self.strengths.items() if name != strength}
         names = tuple(name for name in self.code.parameters if name != strength)
         code = _code(self.shape, names, "y" in self.variables, self.polynomial)
         return replace(self, code=code, strengths=strengths)
 
-    def straight(self, sense: N) -> Law[N] | None:
+    def straight(self, sense: N) -> Law | None:
         """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
 
         The ball drifts with the wind, as it starts; up and down are through the air. The speed is
@@ -541,7 +541,7 @@ class Law(Generic[N]):
             return None
         return replace(self, code=code, strengths={**self.strengths, _SENSE: sense})
 
-    def in_polynomials(self) -> Law[N]:
+    def in_polynomials(self) -> Law:
         """Return the law with what bends depend on as variables; see `polynomial`, `completed`."""
         first = self.on([0] * len(self.bends))  # of all forms the arguments have the same functions
         passed = first._traced.passed
@@ -552,21 +552,20 @@ class Law(Generic[N]):
 
     # Numbers.
 
-    def rates(self, numbers: Numbers[N]) -> Callable[..., tuple[N, ...]]:
+    def rates(self, numbers: Numbers) -> Callable[..., tuple[N, ...]]:
         """Return the function from the components of a state to their rates."""
         return self.program.bind(self.strengths, numbers.functions)
 
-    def jacobian(self, numbers: Numbers[N]) -> Callable[..., tuple[N, ...]]:
+    def jacobian(self, numbers: Numbers) -> Callable[..., tuple[N, ...]]:
         """Return the function from the components of a state to the rates' partial derivatives."""
         return _jacobian(self.program).bind(self.strengths, numbers.functions)
 
-    def state_of(self, start: State[N]) -> State[N]:
+    def state_of(self, start: State) -> State:
         """Return a launch as a state of this law."""
         nothing = start.s * 0
-        state: State[N] = self.state(*(getattr(start, name, nothing) for name in self.variables))
-        return state
+        return self.state(*(getattr(start, name, nothing) for name in self.variables))
 
-    def completed(self, state: State[N], numbers: Numbers[N]) -> State[N]:
+    def completed(self, state: State, numbers: Numbers) -> State:
         """Return a state whose exponentials and logarithms are those of this form.
 
         They depend on the wind: where it sets in, they jump with the airspeed.
@@ -576,11 +575,11 @@ class Law(Generic[N]):
             state = state._replace(**{name: self._value(node, state, numbers)})
         return state
 
-    def spin_left(self, state: State[N], numbers: Numbers[N]) -> N:
+    def spin_left(self, state: State, numbers: Numbers) -> N:
         """Return the size of the spin in a state, relative to that at launch."""
         return self._value(self._traced.spin_left, state, numbers)
 
-    def aside(self, state: State[N], numbers: Numbers[N]) -> Vector:
+    def aside(self, state: State, numbers: Numbers) -> Vector:
         """Return ``d × u`` of the direction d of a side force, m/s.
 
         It is zero where the force has no direction.
@@ -588,10 +587,9 @@ class Law(Generic[N]):
         a, b, c = (self._value(node, state, numbers) for node in self._traced.aside)
         return a, b, c
 
-    def _value(self, node: Node, state: State[N], numbers: Numbers[N]) -> N:
+    def _value(self, node: Node, state: State, numbers: Numbers) -> N:
         bound = _value(self.program, node).bind(self.strengths, numbers.functions)
-        value: N = bound(*(getattr(state, name) for name in self.variables))[0]
-        return value
+        return bound(*(getattr(state, name) for name in self.variables))[0]
 
     def drift(self, nothing: N) -> Vector:
         """Return the wind, m/s, where it is the same in all of a form: `nothing`, if none blows."""
@@ -599,74 +597,52 @@ class Law(Generic[N]):
         s, y, z = (known.get(name, nothing) for name in ("wind_s", "wind_y", "wind_z"))
         return s, y, z
 
-    def passage(self, bend: Bend[N]) -> Program:
+    def passage(self, bend: Bend) -> Program:
         """Return a program that is positive where what a bend depends on is beyond a level.
 
         It has the law's variables and parameters, and the parameter `level`.
         """
         return _passage(self.program, *self._traced.passed[bend.of])
 
-    def beyond(self, bend: Bend[N], level: N, numbers: Numbers[N]) -> Callable[[Any], Any]:
+    def beyond(self, bend: Bend, level: N, numbers: Numbers) -> Callable[[Any], Any]:
         """Return a function of the state that is positive beyond a level of a bend."""
         known = {**self.strengths, "level": level}
         bound = self.passage(bend).bind(known, numbers.functions)
         return lambda state: bound(*state)[0]
 
-    def branches(self, state: Any, numbers: Numbers[N]) -> list[Any]:
+    def branches(self, state: Any, numbers: Numbers) -> list[Any]:
         """Return which forms the parts have in a state, or in many: by the levels passed.
 
         The numbers carry no radius.
         """
-        return self._branching(numbers)(state)
 
-    def _branching(self, numbers: Numbers[N]) -> Callable[[Any], list[Any]]:
-        """Return the function from a state to the forms that the parts have there."""
+        def passed(form: Law) -> list[Any]:
+            levels = (
+                [form.beyond(bend, level, numbers)(state) > 0 for level in bend.levels]
+                for bend in self.bends
+            )
+            return [sum(each, start=0) for each in levels]
+
         blowing = [bend.blows for bend in self.bends]
+        below = passed(self.on([0] * len(blowing)))
+        if not any(blowing):
+            return below
+        # Above the height where the wind sets in, the others depend on another airspeed.
+        above, more = below[blowing.index(True)], passed(self.on([*map(int, blowing)]))
+        return [
+            above if blows else less * (1 - above) + above * beyond
+            for blows, less, beyond in zip(blowing, below, more, strict=True)
+        ]
 
-        def passed(form: Law[N]) -> list[list[Callable[[Any], Any]]]:
-            return [[form.beyond(bend, x, numbers) for x in bend.levels] for bend in self.bends]
-
-        def counted(passages: list[list[Callable[[Any], Any]]], state: Any) -> list[Any]:
-            return [sum((value(state) > 0 for value in each), start=0) for each in passages]
-
-        calm = passed(self.on([0] * len(blowing)))
-        aloft = passed(self.on([int(blows) for blows in blowing])) if any(blowing) else []
-
-        def branches(state: Any) -> list[Any]:
-            below = counted(calm, state)
-            if not aloft:
-                return below
-            above = below[blowing.index(True)]
-            return [
-                above if blows else less * (1 - above) + above * more
-                for blows, less, more in zip(blowing, below, counted(aloft, state), strict=True)
-            ]
-
-        return branches
-
-    def pointwise(self, numbers: Numbers[N]) -> Callable[..., tuple[N, ...]]:
-        """Return the function from a state to its rates, each in the form valid there.
-
-        The numbers carry no radius.
-        """
-        if not self.bends:
-            return self.rates(numbers)
-        branches = self._branching(numbers)
-        forms: dict[tuple[int, ...], Callable[..., tuple[N, ...]]] = {}
-
-        def rates(*state: N) -> tuple[N, ...]:
-            there = tuple(map(int, branches(self.state(*state))))
-            if there not in forms:
-                forms[there] = self.on(there).rates(numbers)
-            return forms[there](*state)
-
-        return rates
+    def at(self, state: Any, numbers: Numbers) -> Law:
+        """Return the law in the form valid in a state, whose numbers carry no radius."""
+        return self.on([*map(int, self.branches(state, numbers))]) if self.bends else self
 
 
 PAPER = "drag", "lift", "gravity"  # the strengths of its law
 
 
-def law_of(scene: Any, frame: Any, numbers: Numbers[N], forces: Sequence[Force] = ()) -> Law[N]:
+def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = ()) -> Law:
     """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity.
 
     Parameters
@@ -675,7 +651,7 @@ def law_of(scene: Any, frame: Any, numbers: Numbers[N], forces: Sequence[Force] 
         What may act on the ball besides what the model has.
     """
     shape = Shape()
-    parts: list[Bend[N]] = []
+    parts: list[Bend] = []
     further: dict[str, N] = {}
     if scene.air is not None:
         shape, parts, further = _in_air(scene, frame, numbers)
@@ -699,25 +675,25 @@ def law_of(scene: Any, frame: Any, numbers: Numbers[N], forces: Sequence[Force] 
 
 def law_with(
     strengths: Mapping[str, N], forces: Sequence[Callable[[Motion, Any], Vector]] = ()
-) -> Law[N]:
+) -> Law:
     """Return the paper's law with some of its strengths, and what is zero left out, and forces."""
     shape = Shape(forces=tuple(forces))
     return Law(_code(shape, tuple(strengths)), strengths, shape)
 
 
-def _in_air(
-    scene: Any, frame: Any, numbers: Numbers[N]
-) -> tuple[Shape, list[Bend[N]], dict[str, N]]:
+def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend], dict[str, N]]:
     """Return the shape of a scene's law, its parts, and strengths of spin and density."""
     air, reading, exact = scene.air, scene.reading, numbers.exact
     spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
+    # the coefficients
     drag_law, drag = _coefficient("drag", scene, spins, numbers)
     # A ball that does not spin has no lift, but for the paper's, whose axis no scene names.
     lift_law: Any = ConstantLift
-    lift: Bend[N] = Bend("lift")
+    lift: Bend = Bend("lift")
     if spins or (frame.spin is None and not by_spin(air.lift_coefficient)):
         lift_law, lift = _coefficient("lift", scene, spins, numbers)
     parts, shape = [drag, lift], Shape(drag_law, lift_law)
+    # wind and side force: each may end the form of the law on the way
     found: dict[str, N] = {}
     if air.wind is not None:
         shape = shape._replace(wind_acts_on=reading.wind_acts_on)
@@ -729,6 +705,7 @@ def _in_air(
         if side:
             question = "the airspeed turns along air.side_coefficient.direction"
             parts.append(Bend("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
+    # the spin, as a vector in the frame and by its size, and what is left of it
     if frame.spin is not None:
         shape = shape._replace(
             spins=True,
@@ -761,7 +738,7 @@ PATH_SPEEDS = {"time": 44.704, "nathan": 1.0}
 ALONG = 2.0**-20
 
 
-def side_strengths(scene: Any, frame: Any, numbers: Numbers[N]) -> dict[str, N]:
+def side_strengths(scene: Any, frame: Any, numbers: Numbers) -> dict[str, N]:
     """Return ``k C_S`` of a side force, 1/m, and its direction as a unit vector."""
     given = scene.air.side_coefficient
     strength = per_metre(scene, given.value, numbers)
@@ -773,7 +750,7 @@ def side_strengths(scene: Any, frame: Any, numbers: Numbers[N]) -> dict[str, N]:
     return {"side": strength} | present(unit, numbers)
 
 
-def per_metre(scene: Any, value: float, numbers: Numbers[N]) -> N | None:
+def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:
     """Return ``k C = ρ C A / (2 m)``, 1/m, for a value of a coefficient; None if it is zero."""
     if numbers.absent(value) or numbers.absent(scene.air.density):
         return None
@@ -782,7 +759,7 @@ def per_metre(scene: Any, value: float, numbers: Numbers[N]) -> N | None:
     return density(scene, numbers) * numbers.exact(value) * area / (2 * mass)
 
 
-def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers[N]) -> tuple[Any, Bend[N]]:
+def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Bend]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
     given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
     # Of columns there is but the name.
@@ -808,9 +785,7 @@ def _keys(law: Any) -> tuple[str, ...]:
     return tuple(key for key in law.model_fields if key != "law")
 
 
-def _lines(
-    of: str, given: Any, scene: Any, spins: bool, numbers: Numbers[N]
-) -> tuple[Any, Bend[N]]:
+def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Bend]:
     """Return the law of a coefficient that is linear between nodes; see `_coefficient`."""
     unit = per_metre(scene, 1.0, numbers)
     if unit is None:

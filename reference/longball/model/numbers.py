@@ -10,34 +10,16 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
-from typing import Any, Generic, Protocol, Self, TypeVar, cast
+from typing import Any, Protocol
 
 import numpy as np
 
 from longball.model.result import ErrorCode, Number
 
-
-class Real(Protocol):
-    """A real number that can be added, subtracted, multiplied and divided."""
-
-    def __add__(self, other: Any, /) -> Self: ...
-    def __radd__(self, other: Any, /) -> Self: ...
-    def __sub__(self, other: Any, /) -> Self: ...
-    def __rsub__(self, other: Any, /) -> Self: ...
-    def __mul__(self, other: Any, /) -> Self: ...
-    def __rmul__(self, other: Any, /) -> Self: ...
-    def __truediv__(self, other: Any, /) -> Self: ...
-    def __rtruediv__(self, other: Any, /) -> Self: ...
-    def __neg__(self) -> Self: ...
-    def __abs__(self) -> Self: ...
-    # Of balls, only what is certain; of arrays, element by element.
-    def __lt__(self, other: Any, /) -> Any: ...
-    def __le__(self, other: Any, /) -> Any: ...
-    def __gt__(self, other: Any, /) -> Any: ...
-    def __ge__(self, other: Any, /) -> Any: ...
-
-
-N = TypeVar("N", bound=Real)
+# A number: float, mpf, ball, jet, a column of them, a node of a traced formula. Whatever adds,
+# subtracts, multiplies, divides and compares: of balls, only what is certain; of columns, element
+# by element.
+N = Any
 
 Vector = tuple[N, N, N]
 
@@ -47,18 +29,13 @@ def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[flo
     return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
 
 
-def absolute(x: N) -> N:
-    """Return the size of a number."""
-    return cast(N, abs(x))
-
-
 class Undecided(ArithmeticError):
     """A question whose answer lies within the error of the numbers at hand."""
 
     code: ErrorCode = "undecided"
 
 
-class Numbers(Protocol[N]):
+class Numbers(Protocol):
     """A number system."""
 
     @property
@@ -101,7 +78,7 @@ class Numbers(Protocol[N]):
         """Return `x` as a result writes it."""
 
 
-def present(strengths: dict[str, Any], numbers: Numbers[N]) -> dict[str, N]:
+def present(strengths: dict[str, Any], numbers: Numbers) -> dict[str, N]:
     """Return strengths without those that are zero: what they multiply is not there."""
     return {name: value for name, value in strengths.items() if not numbers.absent(value)}
 
@@ -111,7 +88,7 @@ def ratio(part: Any, whole: Any) -> Any:
     return part / whole if whole != 0 else part * 0
 
 
-def doubt(x: N, error: N, question: str, numbers: Numbers[N]) -> str:
+def doubt(x: N, error: N, question: str, numbers: Numbers) -> str:
     """Say that a question is open: whether ``x > 0``, of which `x` and its `error` tell nothing."""
     try:
         numbers.positive(x, error, question)
@@ -120,7 +97,7 @@ def doubt(x: N, error: N, question: str, numbers: Numbers[N]) -> str:
     return f"{question} cannot be decided: the two coincide"
 
 
-class Single(Generic[N]):
+class Single:
     """Base of number systems that hold one number at a time."""
 
     precision: str  # as messages have it
@@ -140,17 +117,17 @@ class Single(Generic[N]):
     def positive(self, x: N, error: N, question: str) -> bool:
         """True if ``x > 0``; see `Numbers.positive`."""
         # Exact zero with no error is a clean "no"; everything inside the error is not decided.
-        if abs(x) > error or x == cast(Any, error) == 0:
+        if abs(x) > error or x == error == 0:
             return bool(x > 0)
         # Three digits of each are enough to see by how much the question is open.
-        value, off = (float(cast(Any, number)) for number in (x, error))
+        value, off = (float(number) for number in (x, error))
         raise Undecided(
             f"{question} cannot be decided {self.precision}: "
             f"the value {value:.3g} lies within its error {off:.3g}"
         )
 
 
-class Doubles(Single[float]):
+class Doubles(Single):
     """IEEE 754 double precision."""
 
     precision = "in double precision"

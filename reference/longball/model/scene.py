@@ -379,10 +379,16 @@ class _FlyingScene(_Scene):
     )
     earth: Earth | None = Field(default=None, description="left out: it does not rotate")
 
+    @property
+    def _start(self) -> tuple[str, Launch | Pitch]:
+        """The block that sets the ball free, with its name."""
+        block = "launch" if isinstance(self, FlightScene) else "pitch"
+        return block, getattr(self, block)
+
     @model_validator(mode="after")
     def _air_and_spin_agree(self) -> Self:
-        block = "launch" if isinstance(self, FlightScene) else "pitch"
-        spin = getattr(self, block).spin
+        block, start = self._start
+        spin = start.spin
         if self.air is None:
             return self
         if spin is None and (key := self.air.needs_spin):
@@ -412,9 +418,9 @@ class _FlyingScene(_Scene):
 
     @model_validator(mode="after")
     def _above_ground(self) -> Self:
-        flight = isinstance(self, FlightScene)
-        block, key = ("launch", "position") if flight else ("pitch", "release")
-        z, floor = getattr(getattr(self, block), key)[2], landing_height(self)
+        block, start = self._start
+        key = "position" if isinstance(start, Launch) else "release"
+        z, floor = start.place[2], landing_height(self)
         if z < floor:
             under = f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}"
             if not isinstance(self, FlightScene):
@@ -428,11 +434,10 @@ class _FlyingScene(_Scene):
 
     @model_validator(mode="after")
     def _side_force_has_a_direction(self) -> Self:
-        block = "launch" if isinstance(self, FlightScene) else "pitch"
         side = None if self.air is None else self.air.side_coefficient
         if self.air is None or side is None or side.value == 0.0:
             return self
-        if not any(_across(side.direction, getattr(self, block), self.air, self.reading)):
+        if not any(_across(side.direction, self._start[1], self.air, self.reading)):
             _refuse(
                 f"air.side_coefficient.direction = {list(side.direction)} is parallel to the "
                 "velocity through the air at the start, across which the force must act; take "
@@ -442,8 +447,7 @@ class _FlyingScene(_Scene):
 
     @model_validator(mode="after")
     def _lift_has_a_direction(self) -> Self:
-        block = "launch" if isinstance(self, FlightScene) else "pitch"
-        start: Launch | Pitch = getattr(self, block)
+        block, start = self._start
         spin, air, reading = start.spin, self.air, self.reading
         # Laws that fall to zero with S have no jump where the spin is parallel to the velocity.
         if spin is None or not any(spin) or air is None or not air.lift_is_constant:
@@ -572,8 +576,8 @@ def may_be_mixed(scene: Scene) -> bool:
     """
     if isinstance(scene, ImpactScene):
         return False
-    spin = scene.launch.spin if isinstance(scene, FlightScene) else scene.pitch.spin
-    spun = spin is not None and scene.air is not None and scene.air.lift_is_constant
+    _, start = scene._start
+    spun = start.spin is not None and scene.air is not None and scene.air.lift_is_constant
     if scene.air is not None and scene.air.side_coefficient is not None:
         return False
     fence = None if isinstance(scene, PitchScene) else scene.fence

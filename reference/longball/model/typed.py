@@ -6,10 +6,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 from pydantic import BaseModel
 
+from longball.model import scene
 from longball.model.annotations import is_model, spelled, within
 from longball.model.scene import Scene
 
@@ -38,7 +39,7 @@ def text() -> str:
         _collect(kind, found)
     homes: dict[str, list[str]] = {}
     for model in found:
-        if model not in get_args(Scene):
+        if not model.__name__.endswith("Scene"):
             homes.setdefault(model.__module__, []).append(model.__name__)
     imports = (f"from {home} import {', '.join(sorted(homes[home]))}" for home in sorted(homes))
     head = HEAD.format(imports="\n".join(imports))
@@ -47,13 +48,16 @@ def text() -> str:
 
 
 def _collect(model: type[BaseModel], found: dict[type[BaseModel], str]) -> None:
-    """Add the class of a model, after those of the blocks in it."""
+    """Add the class of a model, after those of its base and of the blocks in it."""
     if model in found:
         return
+    base: Any = model.__base__
+    inherited = base.model_fields if base.__module__ == scene.__name__ else {}
     rows = []
-    is_scene = model in get_args(Scene)
+    if inherited:
+        _collect(base, found)
     for name, field in model.model_fields.items():
-        if name == "kind":
+        if name == "kind" or name in inherited:
             continue
         for inner in filter(is_model, within(field.annotation)):
             _collect(inner, found)
@@ -61,14 +65,18 @@ def _collect(model: type[BaseModel], found: dict[type[BaseModel], str]) -> None:
         rows.append(f"    {name}: {f'Required[{kind}]' if field.is_required() else kind}")
         if field.description:
             rows.append(f'    """{field.description}"""')
-    name = model.__name__
-    if not is_scene:
-        heads = [f"class {name}Dict(TypedDict, total=False):"]
-    else:  # a mapping must name the kind; a class, which takes the blocks, is of one
-        heads = [f"class {name}Blocks(TypedDict, total=False):"]
-        kind = spelled(model.model_fields["kind"].annotation, _or_dict)
-        rows += ["", "", f"class {name}Dict({name}Blocks):", f"    kind: Required[{kind}]"]
-    found[model] = "\n".join([*heads, *rows, ""])
+    if model in get_args(Scene):
+        # A mapping must name the kind; a class, which takes the blocks, is of one.
+        name, kind = _name(model), spelled(model.model_fields["kind"].annotation, _or_dict)
+        whole = name.removesuffix("Blocks") + "Dict"
+        rows += ["", "", f"class {whole}({name}):", f"    kind: Required[{kind}]"]
+    bases = f"{_name(base)}, total=False" if inherited else "TypedDict, total=False"
+    found[model] = "\n".join([f"class {_name(model)}({bases}):", *rows, ""])
+
+
+def _name(model: Any) -> str:
+    """Return the name of a model's class: of a scene, or what scenes have in common, its blocks."""
+    return f"{model.__name__}{'Blocks' if model.__name__.endswith('Scene') else 'Dict'}"
 
 
 def _or_dict(model: type[BaseModel]) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from longball.model import trace
+from longball.model.numbers import Vector
 from longball.model.trace import ZERO, Node
-
-Vector = tuple[Any, Any, Any]
 
 
 def plus(a: Vector, b: Vector) -> Vector:

@@ -112,7 +112,7 @@ def solve(
     measured: Measured,
     model: FlightModel | Sequence[FlightModel],
     spin: Array | None = None,
-    engine: Engine[Any] | None = None,
+    engine: Engine | None = None,
     change: Changes | None = None,
 ) -> list[Result]:
     """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
@@ -126,7 +126,7 @@ def predict(
     measured: Measured,
     model: FlightModel | Sequence[FlightModel],
     spin: Array | None = None,
-    engine: Engine[Any] | None = None,
+    engine: Engine | None = None,
     change: Changes | None = None,
 ) -> Prediction:
     """Predict measured balls; arguments as of `solve`."""
@@ -149,7 +149,7 @@ def measured(
     *,
     games: str | Path | pd.DataFrame | None = None,
     names: Mapping[str, str] | None = None,
-    engine: str | Engine[Any] = "batch",
+    engine: str | Engine = "batch",
 ) -> pd.DataFrame:
     """Predict measured pitches or batted balls, each in the weather of its game.
 

@@ -141,7 +141,7 @@ class _Trial:
 
 
 def _hits(
-    scene: FlightScene, target: Array, names: list[str], engine: PathEngine[Any]
+    scene: FlightScene, target: Array, names: list[str], engine: PathEngine
 ) -> list[FlightScene]:
     """Return the scenes that hit a target, by the first unknown: some are tried, roots refined."""
     main = names[0]
@@ -185,7 +185,7 @@ def _hits(
 
 
 def _trial(
-    scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine[Any]
+    scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine
 ) -> _Trial | None:
     """Return a launch at a target; None without a landing."""
     try:
@@ -196,13 +196,13 @@ def _trial(
         return None
 
 
-def _at_a_distance(scene: Any, distance: float, engine: PathEngine[Any]) -> _Trial:
+def _at_a_distance(scene: Any, distance: float, engine: PathEngine) -> _Trial:
     gets = float(_landed(scene, engine)["landing.distance"])
     return _Trial(scene, gets - distance, _getting(gets, distance))
 
 
 def _in_its_direction(
-    scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine[Any]
+    scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine
 ) -> _Trial:
     origin = np.array(scene.launch.position[:2])
     away, bearing = _polar(target[:2] - origin)
@@ -233,7 +233,7 @@ def _polar(vector: Array) -> tuple[float, float]:
     return math.hypot(*vector), math.atan2(vector[1], vector[0])
 
 
-def _landed(scene: Scene, engine: PathEngine[Any]) -> Solution:
+def _landed(scene: Scene, engine: PathEngine) -> Solution:
     found = solve(scene, engine)
     if found.landing is None:
         raise CannotSolve(f"the outcome is {found.outcome}")
@@ -250,9 +250,7 @@ def _passing(path: Path, origin: Array, away: float) -> float:
     return brentq(beyond, begin, end, xtol=_CLOSE) if beyond(begin) < 0 < beyond(end) else end
 
 
-def _closer(
-    scene: FlightScene, target: Array, names: list[str], engine: PathEngine[Any]
-) -> FlightScene:
+def _closer(scene: FlightScene, target: Array, names: list[str], engine: PathEngine) -> FlightScene:
     """Return a scene that is near the target by Newton's method at it.
 
     A point is one of the path at a time, which is one more unknown.

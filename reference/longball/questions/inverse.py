@@ -105,7 +105,7 @@ class _Measured:
     shape: tuple[int, ...]  # of the residuals
     place: NDArray[np.intp]  # where each stands among these
     # From a scene, unknowns and an engine to what is measured, and its derivatives, shape (m, n)
-    model: Callable[[Scene, Sequence[str], PathEngine[Any]], tuple[Array, Array]]
+    model: Callable[[Scene, Sequence[str], PathEngine], tuple[Array, Array]]
 
 
 def fit(
@@ -203,7 +203,7 @@ def fit(
 
 
 def _least_squares(
-    scene: Scene, names: list[str], data: _Measured, deviations: Array, engine: PathEngine[Any]
+    scene: Scene, names: list[str], data: _Measured, deviations: Array, engine: PathEngine
 ) -> tuple[list[float], Array, Array]:
     """Return the fitted unknowns, the residuals, and the derivatives of what is computed."""
     start = np.array([value_of(scene, name) for name in names])
@@ -311,9 +311,7 @@ def _measured(given: Any) -> _Measured:
     names = [f"{axis} at {t:g} s" for t in times for axis in _POINT[1:]]
     place = np.flatnonzero(seen)
 
-    def model(
-        scene: Scene, unknowns: Sequence[str], engine: PathEngine[Any]
-    ) -> tuple[Array, Array]:
+    def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
         found, slopes = of_path(scene, times, unknowns, engine)
         return found.reshape(-1)[place], slopes.reshape(-1, len(unknowns))[place]
 
@@ -322,7 +320,7 @@ def _measured(given: Any) -> _Measured:
 
 
 def of_path(
-    scene: Scene, times: Array, unknowns: Sequence[str], engine: PathEngine[Any]
+    scene: Scene, times: Array, unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return points of a path, shape (times, 3), and derivatives, (times, 3, unknowns)."""
     columns = []
@@ -333,7 +331,7 @@ def of_path(
     return found, np.stack(columns, axis=-1)
 
 
-def _points(scene: Scene, times: Array, engine: PathEngine[Any]) -> tuple[Array, Array]:
+def _points(scene: Scene, times: Array, engine: PathEngine) -> tuple[Array, Array]:
     """Return the points of a path at some times, and their derivatives, shape (times, 3) each."""
     tangent = Tangent(engine)
     with not_beyond_a_kink():
@@ -350,7 +348,7 @@ def _points(scene: Scene, times: Array, engine: PathEngine[Any]) -> tuple[Array,
     return found, slopes
 
 
-def _position(way: Trajectory[Any], time: Any) -> Any:
+def _position(way: Trajectory, time: Any) -> Any:
     """Return the position at a time; after the landing, as if there were no ground.
 
     So measured points may lie beyond the landing of the scene to start from.
@@ -365,9 +363,7 @@ def _of_result(given: Mapping[Any, Any]) -> _Measured:
     if values.dtype != float or values.ndim != 1 or not np.isfinite(values).all():
         raise ValueError("measured: every number of the result needs a finite value")
 
-    def model(
-        scene: Scene, unknowns: Sequence[str], engine: PathEngine[Any]
-    ) -> tuple[Array, Array]:
+    def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
         return of_result(scene, names, unknowns, engine)
 
     return _Measured(values, names, values.shape, np.arange(len(values)), model)
@@ -393,7 +389,7 @@ def _deviations(sigma: Any, data: _Measured) -> Array:
 
 
 def of_result(
-    scene: Scene, quantities: Sequence[str], unknowns: Sequence[str], engine: PathEngine[Any]
+    scene: Scene, quantities: Sequence[str], unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return numbers of a result, shape (m,), and their derivatives, shape (m, unknowns)."""
     result = solve(scene, engine).result

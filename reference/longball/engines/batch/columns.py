@@ -225,7 +225,7 @@ class BatchFlyer(Protocol):
 
 
 @dataclass(frozen=True)
-class Flights(Flight[Any]):
+class Flights(Flight):
     """Flights at their ends, `stop` being codes of `records`, with launches and marks.
 
     See `longball.engines.batch.engine.OneFlight`.
@@ -244,7 +244,7 @@ class Flights(Flight[Any]):
         """Return flags of the flights that an event of that name stopped."""
         return self.stop == records.STOPS[name]  # type: ignore[comparison-overlap]
 
-    def then(self, second: Flight[Any]) -> Flights:
+    def then(self, second: Flight) -> Flights:
         """Return these flights, those of `second` that were flown going on where these ended."""
         flown = second.stop != NOT_FLOWN  # type: ignore[comparison-overlap]
         stop: Any = np.where(flown, second.stop, self.stop)[()]
@@ -289,14 +289,12 @@ class Columns(Run):
         decided = rows & (np.greater(abs(x), error) | ((x == 0.0) & (error == 0.0)))
         return decided & positive, decided & ~positive
 
-    def touched(self, touch: Touch[Any], rows: Flags) -> tuple[Flags, Flags]:
+    def touched(self, touch: Touch, rows: Flags) -> tuple[Flags, Flags]:
         """See `Run`."""
         code: Any = touch.touched
         return rows & (code == 1), rows & (code == 0)
 
-    def fly(
-        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
-    ) -> Flights:
+    def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> Flights:
         """See `Run`. What the compiled code does not fly is left to be solved alone."""
         launch = Start(0.0, law.state_of(start))
         if records.flies_in_lanes(law):
@@ -312,9 +310,9 @@ class Columns(Run):
 
     def _flown(
         self,
-        law: Law[Any],
+        law: Law,
         start: Start,
-        events: Events[Any],
+        events: Events,
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
@@ -329,9 +327,7 @@ class Columns(Run):
             ends[rows] = flown
         return ends
 
-    def touch(
-        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Flags
-    ) -> Touch[Any]:
+    def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Flags) -> Touch:
         """See `Run`."""
         start = self._near(bat, pitch)
         error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
@@ -340,12 +336,12 @@ class Columns(Run):
         code, margin = self._how_they_meet(ends, over, rows)
         return Touch(margin, code, *records.noted(ends, law))
 
-    def _near(self, bat: BatSection[Any], pitch: Any) -> Start:
+    def _near(self, bat: BatSection, pitch: Any) -> Start:
         """Start of the search for the bat: the waypoint, where nothing can happen before it."""
         clear = records.approach_is_clear(bat, pitch.state.z)
         return _where(self.numbers, clear, pitch.mark, pitch.launch)
 
-    def _how_they_meet(self, ends: Records, over: Events[Any], rows: Flags) -> tuple[Any, Any]:
+    def _how_they_meet(self, ends: Records, over: Events, rows: Flags) -> tuple[Any, Any]:
         """Return 1 where ball and bat touch, 0 where they miss, else -1; and the margin, m."""
         stops = records.stops(ends, over)
         self.table.alone[self.table.rows] |= rows & (stops == Stop.FALLBACK)
@@ -355,7 +351,7 @@ class Columns(Run):
         code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
         return code, margin
 
-    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Flags) -> bool:
+    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. What others than the compiled code fly is left to be solved alone."""
         for i in np.flatnonzero(rows).tolist():
             one = Run(self.row(i), self.engine, self.model)
@@ -378,11 +374,11 @@ class Columns(Run):
     def refuse(self, reason: Exception, rows: Flags) -> None:
         """See `Run`."""
 
-    def follow(self, frame: Any, flight: Flight[Any], begin: Any, rows: Flags) -> None:
+    def follow(self, frame: Any, flight: Flight, begin: Any, rows: Flags) -> None:
         """See `Run`."""
 
 
-def without_size(events: Events[Any], rows: Flags) -> Flags:
+def without_size(events: Events, rows: Flags) -> Flags:
     """Flags of the rows of a mask in which an event has no size.
 
     Such is the plate for a pitch along its plane, which the scalar engine refuses.
@@ -391,7 +387,7 @@ def without_size(events: Events[Any], rows: Flags) -> Flags:
     return flags
 
 
-def not_flown(law: Law[Any], start: Start, rows: int) -> Records:
+def not_flown(law: Law, start: Start, rows: int) -> Records:
     """Return arrivals of flights that stay where they start."""
     program = records.general(law).program
     ends = np.zeros(rows, flights.arrival_dtype(program))
@@ -401,7 +397,7 @@ def not_flown(law: Law[Any], start: Start, rows: int) -> Records:
     return ends
 
 
-def _row_of(launch: Launch[Any], i: int) -> Launch[float]:
+def _row_of(launch: Launch, i: int) -> Launch:
     """Return the launch of a row."""
 
     def cell(value: Any) -> Any:

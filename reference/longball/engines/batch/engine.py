@@ -34,7 +34,7 @@ SCALAR = Ivp()
 
 
 @dataclass(frozen=True)
-class OneFlight(Flight[float]):
+class OneFlight(Flight):
     """A flight with its launch, and what was noted on the way.
 
     Of a pitch that is where it came near the plate, of another ball its highest point.
@@ -43,7 +43,7 @@ class OneFlight(Flight[float]):
     launch: Start
     mark: Start
 
-    def highest(self, numbers: Numbers[float]) -> tuple[float, State[float]] | None:
+    def highest(self, numbers: Numbers) -> tuple[float, State] | None:
         """See `Flight.highest`."""
         falls = not self.launch.state.w > 0.0
         known = self.mark.time == self.mark.time
@@ -51,7 +51,7 @@ class OneFlight(Flight[float]):
             return self.mark
         return self.launch if falls else None
 
-    def then(self, second: Flight[float]) -> Flight[float]:
+    def then(self, second: Flight) -> Flight:
         """See `Flight.then`."""
         whole, top = super().then(second), self.highest(DOUBLES)
         later = second.highest(DOUBLES)
@@ -118,9 +118,7 @@ class Batch(ManyAtOnce):
         """
         return 20 * max(self.truncation, DOUBLES.rounding)
 
-    def fly(
-        self, law: Law[float], start: State[float], events: Events[float], limit: float
-    ) -> Flight[float]:
+    def fly(self, law: Law, start: State, events: Events, limit: float) -> Flight:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         if records.flies_in_lanes(law):
             launch = Start(0.0, law.state_of(start))
@@ -139,12 +137,12 @@ class Batch(ManyAtOnce):
 
     def touch(
         self,
-        pitch: Flight[float],
-        law: Law[float],
-        bat: BatSection[float],
-        events: Events[float],
+        pitch: Flight,
+        law: Law,
+        bat: BatSection,
+        events: Events,
         limit: float,
-    ) -> Touch[float]:
+    ) -> Touch:
         """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
         if isinstance(pitch, OneFlight):
             clear = records.approach_is_clear(bat, pitch.state.z)
@@ -184,7 +182,7 @@ class Batch(ManyAtOnce):
         near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
         return max(8, 2 * self.order // 5) if near_bat else self.order
 
-    def _pieces(self, flight: Records, law: Law[float]) -> Iterator[Piece[float]]:
+    def _pieces(self, flight: Records, law: Law) -> Iterator[Piece]:
         """Yield the steps of a flight, expanded anew."""
         code = kernel(records.in_lanes(law).program)
         arrival, way = flights.fly_and_record(code, flight, self.order, self.truncation)

@@ -205,6 +205,8 @@ class _Expansion(Writer):
         build = self.builder
         count = build.ashr(build.sub(n, self.index(1)), self.index(1))
 
+        # two terms of each sum at a time, (j, n-j) and (n-j, j): two chains of additions, which the
+        # processor does at once; of a product of equal rows the two are the same
         def pair(i: Value, totals: list[Value]) -> list[Value]:
             j = build.sub(count, i)
             k = build.sub(n, j)
@@ -236,6 +238,7 @@ class _Expansion(Writer):
             next(coming) if a is b else self.add(next(coming), next(coming))
             for a, b in rows.values()
         ]
+        # the term in the middle, of even n alone: a loop of one round or none
         middle = build.ashr(n, self.index(1))
 
         def central(_: Value, totals: list[Value]) -> list[Value]:
@@ -373,6 +376,7 @@ class _Step(_Expansion):
         coefficients overflow, or those of second derivatives, up to order² times as large. Nor is
         one possible where an output behind the rates is not above zero: there the law ends.
         """
+        # truncation: |x_N| t^N and |x_(N-1)| t^(N-1) are at most `allowed`
         start = [self.zeroth[name] for name in velocities]
         square = self.number(0.0)
         for x in start:
@@ -387,16 +391,19 @@ class _Step(_Expansion):
             for x in last:
                 total = self.add(total, self.call("fabs", x))
         length = self.choose(lengths[0], "<", lengths[1], *lengths)
+        # overflow: the last terms stay finite, and so do derivatives of second order of them
         order = self.spread(self.order)
         for _ in range(3):
             total = self.multiply(total, order)
         ordinary = self.builder.fcmp_ordered("<", total, self.number(math.inf))
         ends = self.builder.fcmp_ordered(">=", length, self.number(NO_LIMIT))
+        # the roots: within half the distance of their singularities, unless the series ends
         for node in self.recurrence.roots:
             apart, limit = self.distance_to_zero(node)
             ordinary = self.builder.and_(ordinary, self.builder.or_(apart, ends))
             shorter = self.choose(limit, "<", length, limit, length)
             length = self.builder.select(ends, length, shorter)
+        # the law: not where it ends
         for guard in self.program.outputs[len(self.variables) :]:
             above = self.builder.fcmp_ordered(">", self.zeroth[guard], self.number(0.0))
             ordinary = self.builder.and_(ordinary, above)
@@ -463,9 +470,11 @@ class _Step(_Expansion):
             ]
             return sums + bounds
 
+        # by Horner's rule, values and bounds in one loop, as they load the same coefficients
         begin = [upper(name, self.order) for name in self.variables]
         begin += [self.call("fabs", self.at(name, last)) for name in self.positions]
         totals = self.repeat(self.index(0), self.order, begin, term)
+        # of a position, x(0) is added last: that is the sum with Kahan's compensation
         for i, (name, total) in enumerate(zip(names, totals, strict=True)):
             if i < len(self.variables):
                 if name in self.positions:

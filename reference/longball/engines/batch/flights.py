@@ -527,12 +527,14 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
     s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     for k in range(s.half):
         s.lost[k * WIDTH + lane] = 0.0
+    # state and strengths, each with a row of the lanes of its own
     source = shifted(flight, _STATE)
     for k in range(s.variables):
         s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
     source = shifted(source, s.variables)
     for k in range(s.parameters):
         s.strengths[k * WIDTH + lane] = source[k]
+    # the functions of the waypoint and the events, whose errors become absolute
     source = shifted(source, s.parameters + (_WAYPOINT - _ACROSS) * (s.variables + 2))
     error = s.variables + 1
     target = shifted(s.linear, lane)
@@ -842,6 +844,7 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
     flight, arrival, status, lane = slot
     reach, error = flight[_REACH], flight[_MARGIN_ERROR]
     noted = shifted(arrival, _END + 1 + s.variables)
+    # (d² - reach²)/2 and its derivatives, with bounds on how strongly they bend
     degree = _put_gap(s, reach, end)
     differentiate(s.p, degree, s.slope)
     differentiate(s.slope, degree - 1, s.bend)
@@ -851,6 +854,7 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
         status[_STOP] = Stop.FALLBACK
         return True
     approaching = s.slope[0] < 0.0
+    # the release, which must not lie in the bat, and may lie on it
     if status[_STEPS] <= 1:
         gap = _distance(s, 0.0) - reach
         arrival[_MARGIN] = -gap
@@ -862,6 +866,7 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
                 _evaluate(s, lane, 0.0)
                 _note(s, noted, time)
                 s.times[WIDTH + lane] = 0.0
+    # from turn to turn of the distance
     begin = 0.0
     while True:
         sign = -1.0 if approaching else 1.0

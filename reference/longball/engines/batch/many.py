@@ -21,7 +21,7 @@ from longball.engines.batch import records
 from longball.engines.batch.columns import OUTCOMES, UNSOLVED, BatchFlyer, Columns, Table
 from longball.engines.chain import DISCRETE, MODEL, PARTS, Model
 from longball.model import quantities
-from longball.model.arrays import Array, Flags
+from longball.model.arrays import Array
 from longball.model.frame import Frame
 from longball.model.law import law_of
 from longball.model.numbers import DOUBLES
@@ -148,6 +148,7 @@ def solve_columns_with_slopes(
     table.doubtful |= table.alone
     found = _named(table, scene, known, flyer)
 
+    # the rows whose derivatives the lanes leave open, one by one
     solver: Any = create("ivp")
     alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
     refused = {}
@@ -373,11 +374,6 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
 _OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
 
 
-def _count(columns: Mapping[str, Array]) -> int:
-    """Return the number of rows."""
-    return max(map(len, columns.values()), default=1)
-
-
 T = TypeVar("T", bound=Table)
 
 
@@ -393,7 +389,7 @@ def _in_blocks(
 
     What is zero is not computed: rows in a block have the same zeros in what their law is made of.
     """
-    n = _count(columns)
+    n = max(map(len, columns.values()), default=1)
     tables = empty(n)
     if not _flies_in_lanes(scene, model):
         for table in tables:
@@ -452,31 +448,21 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
         yield None if outcome == UNSOLVED else OUTCOMES[outcome], known
 
 
-def _known(column: NDArray[Any]) -> Flags:
-    found: Flags = np.isfinite(column) if column.dtype == float else column != ""
-    return found
-
-
 def _part(name: str, columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
     """Return a part of each row's result: what it has of its quantities."""
-    known = zip(*(_known(columns[0]).tolist() for columns in columns_of.values()), strict=True)
-    values = zip(
-        *(
-            zip(*(column.tolist() for column in columns), strict=True)
-            if len(columns) > 1
-            else _values(f"{name}.{key}", columns[0])
-            for key, columns in columns_of.items()
-        ),
-        strict=True,
-    )
+    known: list[list[bool]] = []
+    values: list[list[Any]] = []
+    for key, columns in columns_of.items():
+        first = columns[0]
+        known.append((np.isfinite(first) if first.dtype == float else first != "").tolist())
+        each: list[Any] = [column.tolist() for column in columns]
+        if len(each) > 1:
+            values.append([*zip(*each, strict=True)])
+        elif kind := DISCRETE.get(f"{name}.{key}"):  # whose column holds doubles
+            values.append([x if x != x else kind(x) for x in each[0]])
+        else:
+            values += each
     return [
         dict(compress(zip(columns_of, row, strict=True), there))
-        for row, there in zip(values, known, strict=True)
+        for row, there in zip(zip(*values, strict=True), zip(*known, strict=True), strict=True)
     ]
-
-
-def _values(name: str, column: NDArray[Any]) -> list[Any]:
-    """Return the values of a quantity, whose columns hold doubles even if it is none."""
-    values: list[Any] = column.tolist()
-    kind = DISCRETE.get(name)
-    return [x if x != x else kind(x) for x in values] if kind else values

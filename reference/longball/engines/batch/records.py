@@ -40,10 +40,10 @@ class Start(NamedTuple):
     """A time, s since launch, and the state then."""
 
     time: Any
-    state: State[Any]
+    state: State
 
 
-def flies_in_lanes(law: Law[Any]) -> bool:
+def flies_in_lanes(law: Law) -> bool:
     """True if the compiled code flies under a law.
 
     Not where the law changes its form on the way; nor where nothing keeps a ball from going
@@ -54,12 +54,12 @@ def flies_in_lanes(law: Law[Any]) -> bool:
     return law.is_paper or law.gravity is not None
 
 
-def formed(law: Law[Any]) -> Law[Any]:
+def formed(law: Law) -> Law:
     """Return a law in the form that the compiled code flies: a side force has a direction."""
     return law.on([1] * len(law.bends)) if law.bends and flies_in_lanes(law) else law
 
 
-def general(law: Law[Any]) -> Law[Any]:
+def general(law: Law) -> Law:
     """Return a law with all of the paper's forces, those that do not act with strength 0.
 
     So that the same compiled code serves all of the paper's scenes. A law of the extended model is
@@ -77,7 +77,7 @@ def general(law: Law[Any]) -> Law[Any]:
 _ALONG = 2.0**-20
 
 
-def in_lanes(law: Law[Any]) -> Law[Any]:
+def in_lanes(law: Law) -> Law:
     """Return a law as it is flown: with outputs behind the rates that must be above zero."""
     law = general(law)
     if not law.bends:
@@ -91,14 +91,14 @@ def in_lanes(law: Law[Any]) -> Law[Any]:
 class Bat(NamedTuple):
     """A bat to search for, and the error of the margin, m."""
 
-    section: BatSection[Any]
+    section: BatSection
     error: Any
 
 
 def records_of(
-    law: Law[Any],
+    law: Law,
     start: Start,
-    events: Events[Any],
+    events: Events,
     limit: Any,
     flight_error: float,
     bat: Bat | None = None,
@@ -123,6 +123,7 @@ def records_of(
         for i, number in enumerate([*line, size]):
             columns[(*way, i)] = number
 
+    # the events, as affine functions; before the plate lies the waypoint, along the same line
     for i, event in enumerate(events):
         line = linear(law, event.value)
         put(("events", i), line, event.size)
@@ -135,6 +136,7 @@ def records_of(
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
         put(("across",), linear(law, bat.section.frame.towards_x), 0.0)
         put(("above",), linear(law, lambda state: state.z - bat.section.height), 0.0)
+    # what is the same for all flights stays one number until the records are made
     columns = {way: value[rows] if np.ndim(value) else value for way, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
     flight = new_flights(law.program, shape, len(events))
@@ -145,9 +147,9 @@ def records_of(
 
 def flown(
     flyer: Any,
-    law: Law[Any],
+    law: Law,
     start: Start,
-    events: Events[Any],
+    events: Events,
     limit: Any,
     bat: Bat | None = None,
     rows: Any = ...,
@@ -157,14 +159,14 @@ def flown(
     return starts, flyer.fly_all(starts, in_lanes(law).program)
 
 
-def linear(law: Law[Any], value: Callable[[Any], Any]) -> list[Any]:
+def linear(law: Law, value: Callable[[Any], Any]) -> list[Any]:
     """Return the coefficients of a linear function of the state, and its constant."""
     names = law.variables
     along = [value(law.state(*(Dual(0.0, float(name == one)) for name in names))) for one in names]
     return [*(part.rate for part in along), along[0].value]
 
 
-def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
+def approach_is_clear(bat: BatSection, plate: Any) -> Any:
     """True if the approach to the plate, at height `plate`, holds all that counts of a pitch.
 
     Before it the ball is farther from the bat than the touching, and than at the plate.
@@ -173,13 +175,13 @@ def approach_is_clear(bat: BatSection[Any], plate: Any) -> Any:
     return (bat.reach < far) & (abs(bat.height - plate) < far)
 
 
-def noted(end: Records, law: Law[Any], prefix: str = "") -> Start:
+def noted(end: Records, law: Law, prefix: str = "") -> Start:
     """Return time and state that arrivals hold under names with a prefix."""
     time, *state = (end[prefix + name][()] for name in ("time", *law.variables))
     return Start(time, law.state(*state))
 
 
-def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
+def placed(end: Records, law: Law, events: Events) -> Start:
     """Return when and where flights ended, those that an event stopped being put onto it."""
     time, state = noted(end, law)
     for i, event in enumerate(events):
@@ -189,7 +191,7 @@ def placed(end: Records, law: Law[Any], events: Events[Any]) -> Start:
     return Start(time, state)
 
 
-def stops(end: Records, events: Events[Any]) -> Any:
+def stops(end: Records, events: Events) -> Any:
     """Return the reason each flight stopped: one of `STOPS`, TOUCH or FALLBACK."""
     numbers = np.array([STOPS[event.name] for event in events] or [0], np.int64)
     by_event = (end["stop"] >= 0) & (end["stop"] < len(events))

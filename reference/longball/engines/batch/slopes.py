@@ -57,18 +57,6 @@ class ColumnJet(Jet):
         sense = np.where(self.value < 0, -1.0, 1.0)
         return ColumnJet(abs(self.value), self.rate * sense)
 
-    def __lt__(self, other: Any) -> Any:
-        return self.value < plain_of(other)
-
-    def __le__(self, other: Any) -> Any:
-        return self.value <= plain_of(other)
-
-    def __gt__(self, other: Any) -> Any:
-        return self.value > plain_of(other)
-
-    def __ge__(self, other: Any) -> Any:
-        return self.value >= plain_of(other)
-
     def __eq__(self, other: object) -> Any:
         return (self.value == plain_of(other)) & np.all(self.rate == rate_of(other), axis=0)
 
@@ -118,7 +106,9 @@ class ColumnJets(Jets):
         value = NUMBERS.where(condition, plain_of(x), plain_of(y))
         if not isinstance(x, Jet) and not isinstance(y, Jet):
             return value
-        return ColumnJet(value, _chosen(condition, rate_of(x), rate_of(y)))
+        rates = rate_of(x), rate_of(y)
+        constant = all(isinstance(rate, int) for rate in rates)
+        return ColumnJet(value, 0 if constant else np.where(condition, *rates))
 
     def sqrt(self, x: Any) -> Jet:
         """Return the square root."""
@@ -153,12 +143,6 @@ class ColumnJets(Jets):
 def jets_for(rows: int) -> ColumnJets:
     """Return jets for columns of so many rows."""
     return ColumnJets(NUMBERS, np.zeros(rows, bool))
-
-
-def _chosen(condition: Any, x: Any, y: Any) -> Any:
-    if isinstance(x, int) and isinstance(y, int):
-        return 0
-    return np.where(condition, x, y)
 
 
 def _quotient(change: Any, divisor: Any) -> Any:
@@ -224,36 +208,32 @@ def seeded_columns(
     def known(path: str) -> Any:
         return cells[path] if path in cells else number(scene, path)
 
+    def vector(name: str) -> tuple[Any, Any, Any]:
+        return known(f"{name}[0]"), known(f"{name}[1]"), known(f"{name}[2]")
+
+    # each number of the scene changes with itself
     unit = np.eye(len(names))[:, :, np.newaxis]
     rates: dict[str, Any] = {}
     for name, rate in zip(names, unit, strict=True):
         if name not in TRACKED:
             rates[name] = rates.get(name, 0) + rate
+    # what trackers give changes all components of a vector, the others of these held fixed
     if isinstance(scene, FlightScene) and any(name in TRACKED for name in names):
-        spin = scene.launch.spin
-        vectors = {"launch.velocity": True, "launch.spin": spin is not None}
-        velocity, spinning = (
-            tuple(known(f"{vector}[{i}]") for i in range(3)) if there else None
-            for vector, there in vectors.items()
-        )
-        assert velocity is not None
-        parts = tracks_of(velocity, spinning, NUMBERS, _size, np.arctan2)
+        velocity = vector("launch.velocity")
+        spin = None if scene.launch.spin is None else vector("launch.spin")
+        parts = tracks_of(velocity, spin, NUMBERS, _norm, np.arctan2)
         jets = {
             name: ColumnJet(x, unit[names.index(name)] if name in names else 0)
             for name, x in parts.items()
         }
-        for vector, components in launched(jets, jets_for(1)).items():
+        for name, components in launched(jets, jets_for(1)).items():
             for i, x in enumerate(components):
-                path = f"{vector}[{i}]"
+                path = f"{name}[{i}]"
                 rates[path] = rates.get(path, 0) + rate_of(x)
     return {
         **cells,
         **{path: ColumnSeed(known(path), rate) for path, rate in rates.items()},
     }
-
-
-def _size(*components: Any) -> Any:
-    return np.sqrt(sum(x * x for x in components))
 
 
 # --- the run --------------------------------------------------------------------------------------
@@ -263,7 +243,7 @@ def _size(*components: Any) -> Any:
 class JetFlights(Flights):
     """Flights in jets, whose marks are at fixed times."""
 
-    law: Law[Any]  # in plain numbers
+    law: Law  # in plain numbers
 
     def highest(self, numbers: Any) -> Start:
         """See `Flights`; the ball is highest where it ceases to rise."""
@@ -274,7 +254,7 @@ class JetFlights(Flights):
 
 
 def _moved(
-    law: Law[Any], time: Any, state: Any, change: Any, falls: Callable[[Sequence[Any]], Any]
+    law: Law, time: Any, state: Any, change: Any, falls: Callable[[Sequence[Any]], Any]
 ) -> Start:
     """Return the time and state of an event, from those at a fixed time.
 
@@ -324,14 +304,12 @@ class SlopeColumns(Columns):
         if isinstance(value, Jet) and rows.any():
             self.table.put_slopes(name, rows, rate_of(value))
 
-    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Flags) -> bool:
+    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. Such rows are left to be solved alone."""
         self.table.alone[self.table.rows] |= rows
         return True
 
-    def fly(
-        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Any, rows: Flags
-    ) -> JetFlights:
+    def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> JetFlights:
         """See `Run`."""
         # The lanes fly plain numbers, by the same records as without derivatives: same bits.
         plain, launch = _plain_law(law), Start(0.0, law.state_of(start))
@@ -359,9 +337,9 @@ class SlopeColumns(Columns):
 
     def _flown_in_jets(
         self,
-        law: Law[Any],
+        law: Law,
         start: Start,
-        events: Events[Any],
+        events: Events,
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
@@ -393,16 +371,16 @@ class SlopeColumns(Columns):
         every[rows], whole[..., rows] = ends, found
         return every, whole
 
-    def _noted(self, ends: Any, found: Array, law: Law[Any], which: int) -> Start:
+    def _noted(self, ends: Any, found: Array, law: Law, which: int) -> Start:
         """Return time and state at the end or at a mark, which are at a fixed time."""
         time, state = records.noted(ends, _plain_law(law), flights.PREFIXES[which])
         return Start(time, type(state)(*map(ColumnJet, state, found[which])))
 
     def _stopped(
         self,
-        law: Law[Any],
-        events: Events[Any],
-        known: Events[Any],
+        law: Law,
+        events: Events,
+        known: Events,
         ends: Any,
         end: Start,
         limit: Any,
@@ -418,7 +396,7 @@ class SlopeColumns(Columns):
             here = stop == i
             change = rate_of(event.value(state))
             *slopes, _ = records.linear(law, plain.value)
-            falls = _along(slopes, speeds)
+            falls = sum((x * v for x, v in zip(slopes, speeds, strict=True)), np.float64(0.0))
             self._require_steep(slopes, speeds, falls, change, here)
             late = np.where(here, -_quotient(change, falls), late)
         time, moved = _later(end.time, state, speeds, late)
@@ -439,20 +417,20 @@ class SlopeColumns(Columns):
     ) -> None:
         """Leave rows to be solved alone in which a surface is grazed, or met at a small angle."""
         half = len(speeds) // 2
-        across = _norm(slopes[:half])
-        speed = _norm(speeds[:half])
+        across = _norm(*slopes[:half])
+        speed = _norm(*speeds[:half])
         steep = (falls < 0) & is_steep(falls, across * speed, NUMBERS.rounding)
         self.jets.doubt(rows & ~steep & np.any(change != 0, axis=0))
 
-    def touch(
-        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Flags
-    ) -> Touch[Any]:
+    def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Flags) -> Touch:
         """See `Run`."""
         numbers, plain = self.jets, _plain_law(law)
         start = self._near(bat, pitch)
         error = plain_of(margin_error(bat, pitch.state.z, self.engine.flight_error, numbers))
         over = [_plain_event(x) for x in (past(bat.frame, bat.reach, numbers), *events)]
-        section = BatSection(_plain_parts(bat.frame), plain_of(bat.height), plain_of(bat.reach))
+        parts = {name: plain_of(getattr(bat.frame, name)) for name in ("x", "y", "cos", "sin")}
+        frame = replace(bat.frame, **parts)
+        section = BatSection(frame, plain_of(bat.height), plain_of(bat.reach))
         limit = self.time_limit
         ends, found = self._flown_in_jets(law, start, over, limit, rows, Bat(section, error))
         code, margin = self._how_they_meet(ends, over, rows)
@@ -471,7 +449,7 @@ class SlopeColumns(Columns):
         )
         falls = section.approach(_plain_state(state))
         change = 0.5 * rate_of(bat.depth(state))
-        speed = _norm([plain_of(x) for x in bat.frame.velocity(state)])
+        speed = _norm(*map(plain_of, bat.frame.velocity(state)))
         steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
         numbers.doubt(rows & (code == 1) & ~steep & np.any(change != 0, axis=0))
         return Touch(margin, code, *_moved(plain, noted.time, state, change, lambda _: falls))
@@ -482,15 +460,11 @@ class SlopeColumns(Columns):
 _MOST_STEPS = 64
 
 
-def _along(slopes: Sequence[Any], speeds: Sequence[Any]) -> Any:
-    return sum((x * speed for x, speed in zip(slopes, speeds, strict=True)), np.float64(0.0))
-
-
-def _norm(components: Sequence[Any]) -> Any:
+def _norm(*components: Any) -> Any:
     return np.sqrt(sum(x * x for x in components))
 
 
-def _plain_law(law: Law[Any]) -> Law[Any]:
+def _plain_law(law: Law) -> Law:
     plain = replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
     return records.formed(plain)
 
@@ -499,13 +473,7 @@ def _plain_state(state: Any) -> Any:
     return type(state)(*map(plain_of, state))
 
 
-def _plain_parts(frame: Any) -> Any:
-    return replace(
-        frame, **{name: plain_of(getattr(frame, name)) for name in ("x", "y", "cos", "sin")}
-    )
-
-
-def _plain_event(event: Event[Any]) -> Event[Any]:
+def _plain_event(event: Event) -> Event:
     def value(state: Any) -> Any:
         return plain_of(event.value(type(state)(*map(ColumnJet, state))))
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from longball.engines.chain.collision import Ball, ContactState, meet, solve_impacts, strike
 from longball.engines.chain.flying import fly, lift_is_always_up, spin_at
 from longball.engines.chain.landing import land, solve_flights
-from longball.engines.chain.run import Mask, Number, Run
+from longball.engines.chain.run import Mask, Run
 from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Stepped, Touch
 from longball.engines.event import plate, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, State
+from longball.model.numbers import N
 from longball.model.vectors import dot, minus
 
 
@@ -23,10 +23,10 @@ from longball.model.vectors import dot, minus
 class Pitch:
     """A pitch, flown to the plate or to an earlier end."""
 
-    frame: Frame[Any]
-    law: Law[Any]
-    start: State[Any]
-    flight: Flight[Any]
+    frame: Frame
+    law: Law
+    start: State
+    flight: Flight
     crossed: Mask  # whether it reached the plate
 
 
@@ -78,8 +78,8 @@ class BatEncounter:
     """A pitch, the bat, and how they meet."""
 
     pitch: Pitch
-    bat: BatSection[Any]
-    touch: Touch[Any]
+    bat: BatSection
+    touch: Touch
 
 
 def approach_bat(run: Run) -> BatEncounter | None:
@@ -166,7 +166,7 @@ def finish(run: Run, contact: ContactState | None) -> None:
     land(run, launch, "batted", parted)
 
 
-def _contact_error(run: Run, contact: ContactState) -> Number:
+def _contact_error(run: Run, contact: ContactState) -> N:
     """Relative error of velocities and directions at the contact.
 
     A shift of the path by δ, in units of the reach r, turns the normal by ``δ |v|/|v·n|``. That
@@ -184,7 +184,7 @@ def _contact_error(run: Run, contact: ContactState) -> Number:
     return error + moved + turned
 
 
-def _launch_error(run: Run, contact: ContactState) -> Number:
+def _launch_error(run: Run, contact: ContactState) -> N:
     """Return a bound on the error of the velocity after the impulse, m/s.
 
     After it, ``V⁺ = V - (1 + ẽ) (μ/m) (Ṽ·n) n``. The error of V counts once, that of n twice, with

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from longball.engines.chain.run import Mask, Number, Run, Vector
+from longball.engines.chain.run import Mask, Run
 from longball.engines.engine import CannotSolve, OutOfRange
 from longball.model.bat import (
     CollisionParameters,
@@ -31,7 +31,7 @@ from longball.model.impact import (
     velocity_after_push,
 )
 from longball.model.law import Force
-from longball.model.numbers import Undecided
+from longball.model.numbers import N, Undecided, Vector
 from longball.model.vectors import dot, minus
 
 
@@ -60,7 +60,7 @@ class Ball:
     velocity: Vector
     spin: Vector | None = None
     # y by which the bat's end is decided, m; None: that of `position`
-    aside: Number | None = None
+    aside: N | None = None
     leaving: bool = False  # it is where it would leave the bat, instead of where it enters
     approach: Any = None  # the pitch and the bat; None: the touching is given
 
@@ -72,13 +72,13 @@ class ContactState:
     ball: Ball
     normal: Vector  # unit vector from the bat's axis to the ball
     bat_velocity: Vector  # of the bat on its axis, m/s
-    lever_arm: Number  # r̃, m
-    normal_speed: Number  # Ṽ·n, m/s
+    lever_arm: N  # r̃, m
+    normal_speed: N  # Ṽ·n, m/s
     closing: Mask  # whether they approach each other
 
 
 def meet(
-    run: Run, ball: Ball, offset: tuple[Number, Number], inherited: float, rows: Mask
+    run: Run, ball: Ball, offset: tuple[N, N], inherited: float, rows: Mask
 ) -> ContactState | None:
     """Return the contact of balls and bats that approach each other; None if none do.
 
@@ -131,16 +131,16 @@ def meet(
 class Impact:
     """The impulse, N s, and what it does: see `longball.model.result.Impact`."""
 
-    restitution: Number
-    impulse: Number
+    restitution: N
+    impulse: N
     velocity: Vector
-    energy_change: Number
+    energy_change: N
     spin: Vector | None = None
     mode: Any = None
-    friction_margin: Number | None = None
+    friction_margin: N | None = None
 
 
-def strike(run: Run, contact: ContactState, error: Number) -> tuple[Impact, Mask]:
+def strike(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
     """Apply the impulses and record their effects; see `collide`."""
     impact, parted = run.model.collide(run, contact, error)
     for quantity in fields(Impact):
@@ -173,7 +173,7 @@ def _tell_recontact(run: Run, contact: ContactState, impact: Impact, rows: Mask)
     run.record("impact.recontact", "possible", rows & ((again | parted) ^ True))
 
 
-def collide(run: Run, contact: ContactState, error: Number) -> tuple[Impact, Mask]:
+def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
     """Return the impulse of Appendix A, or of an oblique impact, and the rows in which they part.
 
     The impact is oblique on a bat with friction. The `error` is that of velocities and directions,
@@ -201,7 +201,7 @@ _MOST_LOST = 1e3
 
 
 def _rub(
-    run: Run, contact: ContactState, pair: CollisionParameters[Any], error: Number
+    run: Run, contact: ContactState, pair: CollisionParameters, error: N
 ) -> tuple[Impact, Mask]:
     """Let the ball grip the bat, or slide on it; see `longball.model.derivation`.
 

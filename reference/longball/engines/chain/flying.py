@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from longball.engines.branches import arrived
-from longball.engines.chain.run import Mask, Number, Run, Vector
+from longball.engines.chain.run import Mask, Run
 from longball.engines.event import Event, vertical
 from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State
-from longball.model.numbers import Numbers
+from longball.model.numbers import N, Numbers, Vector
 
 
 def fly(
     run: Run,
-    law: Law[Any],
-    start: State[Any],
-    surfaces: Callable[[State[Any]], list[Event[Any]]],
-    limit: Number,
+    law: Law,
+    start: State,
+    surfaces: Callable[[State], list[Event]],
+    limit: N,
     rows: Mask,
-) -> Flight[Any]:
+) -> Flight:
     """Fly to a surface or the time limit, s, through the vertical if necessary.
 
     With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
@@ -50,7 +49,7 @@ def fly(
     return first.then(second) if run.some(leaning) else second
 
 
-def lift_is_always_up(run: Run, law: Law[Any]) -> bool:
+def lift_is_always_up(run: Run, law: Law) -> bool:
     """Return True if lift points up whatever the ball's spin."""
     if law.shape.spins:  # then lift follows the spin: of the scene, or from a bat with friction
         return False
@@ -58,11 +57,11 @@ def lift_is_always_up(run: Run, law: Law[Any]) -> bool:
 
 
 def spin_at(
-    frame: Frame[Any],
-    law: Law[Any],
-    state: State[Any],
-    numbers: Numbers[Any],
-    error: Number | None = None,
+    frame: Frame,
+    law: Law,
+    state: State,
+    numbers: Numbers,
+    error: N | None = None,
 ) -> Vector | None:
     """Return the spin of the ball in a state that a flight has come to, rad/s.
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from longball.engines.chain.flying import fly, spin_at
-from longball.engines.chain.run import Mask, Number, Run, Vector
+from longball.engines.chain.run import Mask, Run
 from longball.engines.engine import Launch, Stepped
-from longball.engines.event import Piece, level
+from longball.engines.event import level
 from longball.engines.fence import Place, at_stop, first_crossing, stop_at
 from longball.engines.path import Flight, Path
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, State, in_plane
-from longball.model.numbers import Undecided
+from longball.model.numbers import N, Undecided, Vector
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
 
@@ -31,13 +29,13 @@ def solve_flights(run: Run) -> None:
 class Batted:
     """A batted ball: its launch, and the frame, law and start of its flight."""
 
-    launch: Launch[Any]
-    frame: Frame[Any]
-    law: Law[Any]
-    start: State[Any]
+    launch: Launch
+    frame: Frame
+    law: Law
+    start: State
 
 
-def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
+def land(run: Run, launch: Launch, outcome: Outcome, rows: Mask) -> None:
     """Fly to the ground or to a fence; a ball that lands has the given outcome.
 
     Without a fence the ball comes down. With one, a flight in its plane meets one place of the
@@ -47,17 +45,12 @@ def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
     law = run.law(frame)
     ball = Batted(launch, frame, law, start)
     if launch.landed:
-        down = Flight(Path(()), "ground", run.numbers.exact(0.0), start)
+        down = Flight(Path(()), "ground", run.numbers.exact(0.0), law.state_of(start))
         _come_down(run, ball, down, outcome, rows)
     elif run.scene.fence is None:
         # A pitch has not touched the ground, so that a batted ball starts above it.
         if hasattr(run.scene, "launch"):
             rows = _land_from_below(run, ball, outcome, rows)
-        if not run.some(rows):
-            return
-        aloft = _stays_aloft(run, ball, rows)
-        run.conclude("airborne", aloft)
-        rows = rows & (aloft ^ True)
         if run.some(rows):
             _come_down(run, ball, _fly_down(run, ball, start, run.time_limit, rows), outcome, rows)
     elif "v" not in law.variables and not isinstance(run.engine, Stepped):
@@ -66,7 +59,7 @@ def land(run: Run, launch: Launch[Any], outcome: Outcome, rows: Mask) -> None:
         _cross_fence_in_space(run, ball, outcome, rows)
 
 
-def _fly_down(run: Run, ball: Batted, start: State[Any], limit: Number, rows: Mask) -> Flight[Any]:
+def _fly_down(run: Run, ball: Batted, start: State, limit: N, rows: Mask) -> Flight:
     """Fly to the ground."""
     return fly(run, ball.law, start, lambda state: [run.ground(state)], limit, rows)
 
@@ -95,7 +88,7 @@ def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Ma
 def _come_down(
     run: Run,
     ball: Batted,
-    flight: Flight[Any],
+    flight: Flight,
     outcome: Outcome,
     rows: Mask,
     fair: bool | None = None,
@@ -117,7 +110,7 @@ def _come_down(
 
     # the landing
     _rise(run, ball, flight, rows)
-    state: Any = flight.state
+    state = flight.state
     x, y, z = position = frame.position(state)
     run.record("landing.time", launch.time + flight.time, rows)
     run.record("landing.hang_time", launch.delay + flight.time, rows)
@@ -145,7 +138,7 @@ def _come_down(
     run.conclude(outcome, rows)
 
 
-def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
+def _rise(run: Run, ball: Batted, flight: Flight, rows: Mask) -> None:
     """Record the highest point of flights, unless they only rise."""
     top = flight.highest(run.numbers)
     if top is not None:
@@ -154,7 +147,7 @@ def _rise(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> None:
         run.record("apex.position", ball.frame.position(state), rows)
 
 
-def _in_time(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> Mask:
+def _in_time(run: Run, ball: Batted, flight: Flight, rows: Mask) -> Mask:
     """Return the rows in which it is certain whether the ball lands in the time limit.
 
     The engine allows for the error of its flight, but not for that of the velocity at launch, δv,
@@ -169,55 +162,6 @@ def _in_time(run: Run, ball: Batted, flight: Flight[Any], rows: Mask) -> Mask:
     question = "whether the ball touches the ground in the time limit"
     certain, never = run.decide(margin, error * flight.time, question, rows)
     return certain | never
-
-
-# --- balls that never come down -------------------------------------------------------------------
-
-# Far more than the roundings of a flight.
-_TOUCHING = 1e-9
-
-
-def _stays_aloft(run: Run, ball: Batted, rows: Mask) -> Mask:
-    """Return the rows in which a ball without drag never comes down to the ground.
-
-    It loops, for ever, and an engine would fly every turn. But ``V² + 2 g z`` stays the same, and
-    so does ``u - k ∫ V² dV / g``, with the lift k: at the height of the ground, H below the start,
-    the speed would be ``V_H = √(V² + 2 g H)``, and its horizontal part
-
-        u + (2/3) k H (V_H² + V_H V + V²) / (V_H + V),
-
-    also where g = 0. A ball for which that is more than the speed cannot come there; and as speed
-    less horizontal speed is concave in V, any other ball can.
-    """
-    numbers, law, start = run.numbers, ball.law, ball.start
-    loops = (
-        law.is_paper
-        and "lift" in law.strengths
-        and numbers.absent(law.strengths.get("drag", 0.0))
-        and run.scene.reading.lift_direction == "fixed_spin_axis"
-        and not isinstance(run.engine, Stepped)  # whose scheme may well come down
-    )
-    if not loops:
-        return rows & False
-    # all compared without dividing by V_H + V, which may be zero
-    height = run.ground(start).value(start)
-    slow2 = start.u * start.u + start.w * start.w
-    fast2 = slow2 if law.gravity is None else slow2 + 2 * law.gravity * height
-    slow, fast = numbers.sqrt(slow2), numbers.sqrt(fast2)
-    total, lift = fast + slow, law.strengths["lift"]
-    level = start.u * total + 2 * lift * height * (fast2 + fast * slow + slow2) / 3
-    # A ball that only just touches the ground is left to the search for that event.
-    beyond = abs(level) - fast * total * (1 + _TOUCHING)
-    aloft, _ = run.decide(beyond, fast * 0, "whether the ball stays above the ground", rows)
-    path = Path(_when_asked(run, law, law.state_of(start)))
-    looping = Flight(path, "time", run.time_limit, start)
-    run.follow(ball.frame, looping, ball.launch.time, aloft)
-    return aloft
-
-
-def _when_asked(run: Run, law: Law[Any], start: State[Any]) -> Iterator[Piece[Any]]:
-    """Yield the pieces of a flight that is only computed if its path is asked for."""
-    yield from run.engine.fly(law, start, (), run.time_limit).path.pieces()
 
 
 # --- the fence ------------------------------------------------------------------------------------
@@ -296,11 +240,11 @@ def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
 def _meet_fence(
     run: Run,
     ball: Batted,
-    flight: Flight[Any],
-    place: Place[Any],
+    flight: Flight,
+    place: Place,
     outcome: Outcome,
     rows: Mask,
-    landing: Flight[Any] | None = None,
+    landing: Flight | None = None,
 ) -> None:
     """Conclude flights that are at the fence; `landing` has where they land if they go on."""
     numbers, frame, begin = run.numbers, ball.frame, ball.launch.time

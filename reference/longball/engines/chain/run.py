@@ -17,15 +17,13 @@ from longball.engines.event import Event, Events, ground
 from longball.engines.path import Flight, Leg, Path
 from longball.model.frame import Frame
 from longball.model.law import Law, State, law_of
-from longball.model.numbers import Undecided
+from longball.model.numbers import N, Undecided, Vector
 from longball.model.result import Outcome
 from longball.model.scene import landing_height
 
 if TYPE_CHECKING:
     from longball.engines.chain.collision import Model
 
-Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
-Vector = tuple[Number, Number, Number]
 Mask = Any  # bool or array of flags
 
 
@@ -53,7 +51,7 @@ class Run:
     engine: Any
     model: Model
     answer: dict[str, Any] = field(default_factory=dict)
-    legs: list[Leg[Any]] = field(default_factory=list)
+    legs: list[Leg] = field(default_factory=list)
     engines: list[str] = field(default_factory=list)
 
     # --- masks -----------------------------------------------------------------------------------
@@ -67,7 +65,7 @@ class Run:
         """Return True if a mask has any rows."""
         return bool(rows)
 
-    def decide(self, x: Number, error: Number, question: str, rows: Mask) -> tuple[Mask, Mask]:
+    def decide(self, x: N, error: N, question: str, rows: Mask) -> tuple[Mask, Mask]:
         """Return two masks: of the rows in which ``x > 0``, and of those in which it is not.
 
         A row of columns that is in doubt is in neither.
@@ -77,7 +75,7 @@ class Run:
         positive = rows and self.numbers.positive(x, error, question)
         return positive, rows and not positive
 
-    def touched(self, touch: Touch[Any], rows: Mask) -> tuple[Mask, Mask]:
+    def touched(self, touch: Touch, rows: Mask) -> tuple[Mask, Mask]:
         """Return the rows in which ball and bat touch, and in which they miss; see `decide`."""
         if touch.touched is None:
             raise Undecided(touch.doubt)
@@ -85,29 +83,25 @@ class Run:
 
     # --- flights ---------------------------------------------------------------------------------
 
-    def fly(
-        self, law: Law[Any], start: State[Any], events: Events[Any], limit: Number, rows: Mask
-    ) -> Flight[Any]:
+    def fly(self, law: Law, start: State, events: Events, limit: N, rows: Mask) -> Flight:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
 
         In other rows the flight stays at its start, and nothing stops it.
         """
         if not rows:
             return Flight(Path(()), "", self.numbers.exact(0.0), start)
-        flight: Flight[Any] = self.engine.fly(law, start, events, limit)
+        flight: Flight = self.engine.fly(law, start, events, limit)
         self.engines.append(flight.flown_by or self.engine.description)
         return flight
 
-    def touch(
-        self, pitch: Any, law: Law[Any], bat: BatSection[Any], events: Events[Any], rows: Mask
-    ) -> Touch[Any]:
+    def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Mask) -> Touch:
         """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
-        touch: Touch[Any] = self.engine.touch(pitch, law, bat, events, self.time_limit)
+        touch: Touch = self.engine.touch(pitch, law, bat, events, self.time_limit)
         if touch.decided_by:
             self.engines.append(touch.decided_by)
         return touch
 
-    def land_one_by_one(self, launch: Launch[Any], outcome: Outcome, rows: Mask) -> bool:
+    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Mask) -> bool:
         """Land the balls of columns one after the other; return False for one scene, as it is."""
         return False
 
@@ -127,7 +121,7 @@ class Run:
         if rows:
             raise reason
 
-    def follow(self, frame: Frame[Any], flight: Flight[Any], begin: Number, rows: Mask) -> None:
+    def follow(self, frame: Frame, flight: Flight, begin: N, rows: Mask) -> None:
         """Append a flight to the trajectory; it begins s after the start of the scene."""
         if rows:
             self.legs.append(Leg(begin, frame, flight))
@@ -140,7 +134,7 @@ class Run:
         return self.engine.numbers
 
     @property
-    def time_limit(self) -> Number:
+    def time_limit(self) -> N:
         """The longest time of flight, s."""
         return self.numbers.exact(self.scene.time_limit)
 
@@ -153,10 +147,10 @@ class Run:
         """Return the spin that the scene gives the ball, rad/s; None if it gives none."""
         return None if values is None else self.vector(values)
 
-    def law(self, frame: Frame[Any]) -> Law[Any]:
+    def law(self, frame: Frame) -> Law:
         """Return the law of motion of a flight in a frame."""
         return law_of(self.scene, frame, self.numbers, self.model.forces)
 
-    def ground(self, start: State[Any]) -> Event[Any]:
+    def ground(self, start: State) -> Event:
         """Return the landing of a flight from a state."""
         return ground(landing_height(self.scene, self.numbers.exact), start, self.numbers)

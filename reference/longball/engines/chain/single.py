@@ -21,12 +21,6 @@ from longball.model.quantities import nested, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene
 
-
-def described(engines: Iterable[str]) -> str:
-    """Return the description of all engines that flew a ball."""
-    return " and ".join(dict.fromkeys(engines))
-
-
 BLOCKS: dict[str, type[Any]] = {
     "plate": written.Plate,
     "contact": written.Contact,
@@ -53,16 +47,16 @@ DISCRETE: dict[str, type[bool] | type[int]] = {
 }
 
 
-def solve(scene: Scene, engine: Engine[Any], model: Model = MODEL) -> Result:
+def solve(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
     """Return the result of a scene; what cannot be solved is a result with an error.
 
     It has the digits that the engine promises; see `longball.engines.digits.to_digits`.
     """
-    result, _ = to_digits(scene, engine, lambda one: (solve_once(scene, one, model), None))
+    result, _ = solve_with_path(scene, engine, model)
     return result
 
 
-def solve_once(scene: Scene, engine: Engine[Any], model: Model = MODEL) -> Result:
+def solve_once(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
     """Return the result of a scene by this engine, whatever digits it has."""
     return _answer(Run(scene, engine, model), CHAINS[scene.kind])
 
@@ -72,7 +66,7 @@ _FEW = 100
 
 
 def solve_each(
-    scenes: Sequence[Scene], engine: Engine[Any] | ManyAtOnce, workers: int = 1
+    scenes: Sequence[Scene], engine: Engine | ManyAtOnce, workers: int = 1
 ) -> Iterable[Result]:
     """Return the results of scenes, in order; of most engines each when it is asked for.
 
@@ -85,18 +79,20 @@ def solve_each(
     return in_parallel(solve, ((scene, engine) for scene in scenes), workers)
 
 
-def solve_with_path(scene: Scene, engine: Engine[Any]) -> tuple[Result, Trajectory[Any]]:
+def solve_with_path(
+    scene: Scene, engine: Engine, model: Model = MODEL
+) -> tuple[Result, Trajectory]:
     """Return the result of a scene, and the way of its ball from the start of the scene on."""
 
-    def flown(one: Engine[Any]) -> tuple[Result, Trajectory[Any]]:
-        run = Run(scene, one, MODEL)
+    def flown(one: Engine) -> tuple[Result, Trajectory]:
+        run = Run(scene, one, model)
         result = _answer(run, CHAINS[scene.kind])
         return result, Trajectory(tuple(run.legs))
 
     return to_digits(scene, engine, flown)
 
 
-def solve_with_points(scene: Scene, engine: Engine[Any], points: int) -> Result:
+def solve_with_points(scene: Scene, engine: Engine, points: int) -> Result:
     """Return the result of a scene with so many points of its path, if it has any."""
     result, way = solve_with_path(scene, engine)
     if result.error is not None or not way.legs:
@@ -108,7 +104,7 @@ def solve_with_points(scene: Scene, engine: Engine[Any], points: int) -> Result:
 
 
 def solve_with_restitutions(
-    scene: AtBatScene, restitutions: Sequence[float], engine: Engine[Any]
+    scene: AtBatScene, restitutions: Sequence[float], engine: Engine
 ) -> list[Result]:
     """Return the results of an at-bat struck with balls that differ in restitution only.
 
@@ -136,7 +132,7 @@ def solve_with_restitutions(
     ]
 
 
-def quantities_of(scene: Scene, engine: Engine[Any]) -> dict[str, Any]:
+def quantities_of(scene: Scene, engine: Engine) -> dict[str, Any]:
     """Return a result's quantities and outcome by name, in the engine's own numbers.
 
     Raises `ArithmeticError` or `ValueError` if there is no result: `CannotSolve`, `InvalidScene`,
@@ -148,7 +144,7 @@ def quantities_of(scene: Scene, engine: Engine[Any]) -> dict[str, Any]:
     return run.answer
 
 
-def approach_of(scene: AtBatScene, engine: Engine[Any]) -> BatEncounter | None:
+def approach_of(scene: AtBatScene, engine: Engine) -> BatEncounter | None:
     """Return the approach of pitch and bat; None if the pitch does not reach the plate.
 
     Raises `CannotSolve` or `InvalidScene` or `Undecided`.
@@ -192,7 +188,7 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
     told = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
     return Result(
         id=run.scene.id,
-        engine=described(run.engines) or run.engine.description,
+        engine=" and ".join(dict.fromkeys(run.engines)) or run.engine.description,
         outcome=None if error else run.answer["outcome"],
         error=None if error is None else str(error),
         code=None if error is None else error.code,

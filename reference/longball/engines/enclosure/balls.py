@@ -19,7 +19,7 @@ from longball.model.result import Bounded
 _GUARD_BITS = 64
 
 
-class Balls(Single[arb]):
+class Balls(Single):
     """Real numbers as balls that contain them, written with a number of digits."""
 
     rounding = 0.0

@@ -151,10 +151,10 @@ class EnclosedPiece:
     length: arb
     # The components of the state as families of polynomials in the time since `begin`. They hold
     # for as much longer than `length` as `begin` is uncertain
-    families: State[Any]
-    start: State[arb]  # the state at `begin`
+    families: State
+    start: State  # the state at `begin`
 
-    def at(self, t: arb) -> State[arb]:
+    def at(self, t: arb) -> State:
         """Return balls that contain the states at all times of `t`, s since `begin`."""
         if t == 0:
             return self.start

@@ -81,9 +81,7 @@ class Motion:
     late: arb
 
 
-def _piece(
-    system: System, motion: Motion, begin: arb, state: State[arb]
-) -> tuple[EnclosedPiece, Start]:
+def _piece(system: System, motion: Motion, begin: arb, state: State) -> tuple[EnclosedPiece, Start]:
     """Return the piece that a motion makes from a state on, and the core at its end."""
     structure = system.structure
     # The core with its error, early + late t, in each component by its weight in the norm.
@@ -285,7 +283,7 @@ def _guess(
 
 
 @dataclass(frozen=True)
-class Enclosure(PathEngine[arb], Proving):
+class Enclosure(PathEngine, Proving):
     """Flights with proven bounds.
 
     Attributes
@@ -322,7 +320,7 @@ class Enclosure(PathEngine[arb], Proving):
         return 0.0
 
     def steps(
-        self, law: Law[arb], start: State[arb], begin: arb, limit: arb, events: Events[Any]
+        self, law: Law, start: State, begin: arb, limit: arb, events: Events
     ) -> Iterator[EnclosedPiece]:
         """Yield the pieces of a flight; see `PathEngine.steps`."""
         balls = self.numbers

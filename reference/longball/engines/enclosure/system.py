@@ -80,7 +80,7 @@ def _linear(node: Node) -> tuple[Node, Sequence[tuple[Node, Node]]] | None:
 class System:
     """The equations of a flight, with the values of their parameters."""
 
-    def __init__(self, law: Law[arb], balls: Balls) -> None:
+    def __init__(self, law: Law, balls: Balls) -> None:
         self.structure = structure(law.program)
         core = self.structure.core
         values = [law.strengths[name] for name in core.parameters]

@@ -214,7 +214,7 @@ def reason(
     chain: tuple[Stage, ...],
     dt: float | None = None,
     solve: Solve | None = None,
-    engine: Engine[float] | None = None,
+    engine: Engine | None = None,
 ) -> Reasoned:
     """Explain the candidate's errors stage by stage.
 

@@ -554,7 +554,7 @@ FRESH = 24  # scenes that rivals are told apart in
 
 
 def asking(
-    data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]], engine: Engine[float]
+    data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]], engine: Engine
 ) -> Ask | None:
     """Return a test of edits in random scenes, which the candidate and an engine solve.
 
