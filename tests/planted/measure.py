@@ -46,6 +46,7 @@ from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.diagnose import Conclusion, Solve, conclude, prepared
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
+from longball.judge.diagnosis.findings import Finding
 from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import Data, compared, follow, switches
@@ -217,7 +218,9 @@ def _holding(
 
     Of a conversion, digits, or a clock it is 1 of 1 if the new scenes do not show the same.
     """
-    data, converted = outputs(with_digits(plain, again), chain)
+    data, converted = with_digits(plain, again), list[Finding]()
+    if made.outputs:
+        data, converted = outputs(data, chain)
     data = replace(data, ways=made.data.ways)
     columns, followed = follow(made.chain, data)
     rough = {told.stage for told in told_by(made) if told.edit and told.edit.rough}

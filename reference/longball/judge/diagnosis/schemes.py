@@ -304,7 +304,7 @@ class Steps:
             trials = [self.made(slips(), h, self.few) for h in TRIALS]
             options = [
                 (one, h, chord)
-                for left, fit, one in self.fits(slips(), trials) if left < FITS
+                for left, fit, one in self.fits(slips(), trials) if left < CLOSELY
                 for h in near(fit, NEAR) for chord in (False, True)
             ]  # fmt: skip
             named = self._adequate(options, dt, math.log2(len(slips())))
@@ -320,7 +320,7 @@ class Steps:
         def left(steps: Array) -> Array:
             return np.array([self.left(one, abs(h), False, self.few) for (h,) in steps])
 
-        (c,), *_ = fitted(left, [(start,)])
+        (c,), *_ = fitted(left, [(start,)], 3)
         return abs(float(c))
 
     def _free(
