@@ -51,9 +51,9 @@ def command_line(*arguments: str, **options) -> subprocess.CompletedProcess:
 @pytest.mark.parametrize(
     ("engine", "lines"),
     [
+        ("verlet", SCENES),
         ("ivp", AT_BAT),
         pytest.param("ivp", SCENES, marks=pytest.mark.nightly),
-        ("verlet", SCENES),
         *(
             pytest.param(e, AT_BAT, marks=pytest.mark.nightly)
             for e in ("enclosure", "multiprecision")

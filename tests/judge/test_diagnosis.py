@@ -218,8 +218,8 @@ def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
 @pytest.mark.parametrize(
     ("family", "words"),
     [
-        ("flight-real", "takes 1 for the share of the spin that is left"),
         ("flight-spin-lift", "divides ω0 × v by the lengths of both, and not by its own"),
+        ("flight-real", "takes 1 for the share of the spin that is left"),
         ("flight-real", "counts r from the launch"),
         ("flight-both", "takes each component's own size for U in k·C_D·U·v"),
         # What programs write that have neither units nor vectors.

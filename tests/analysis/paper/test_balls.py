@@ -13,7 +13,7 @@ from longball.model.scene import AtBatScene, Ball
 
 # The inertia about the centre has home runs enough for small samples.
 BASE = Base(AtBatScene(id="base", reading=Reading(inertia="about_centre")))
-COUNT = 4_000
+COUNT = 2_000
 AT_BATS = paper_at_bats(BASE.sampling)
 
 

@@ -558,7 +558,11 @@ _origin = switch(
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
 _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
-_in_flight = named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])), _unshifted
+_in_flight = (
+    named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])),
+    named("a/(1 + ρ·V/2m) (added mass)", LAW / (1.0 + ρ * _ball / (2.0 * I["m"]))),
+    _unshifted,
+)
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
 OTHERWISE = {
     "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)),),
@@ -709,7 +713,18 @@ _by_parts = switch(
     "pitch",
     {"aimed": I["V_0"] / norm(_towards) * _towards, "velocity": I["pitch.velocity"]},
 )
-_thrown_forms = _forms | {"velocity": (_by_parts,)}
+# By the angle of the aim above the level.
+_ahead_of_aim = named("|(d_x, d_y)|", norm(level(_towards)))
+_rising = named("ε", function("atan", component(_towards, 2) / _ahead_of_aim))
+_by_angle = switch(
+    "pitch",
+    {
+        "aimed": I["V_0"] * function("cos", _rising) / norm(level(_towards)) * level(_towards)
+        + I["V_0"] * function("sin", _rising) * e_z,
+        "velocity": I["pitch.velocity"],
+    },
+)
+_thrown_forms = _forms | {"velocity": (_by_parts, _by_angle)}
 _begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
 CHAIN = (
     Stage(

@@ -374,6 +374,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "sin": np.sin,
     "cos": np.cos,
     "tan": np.tan,
+    "atan": np.arctan,
     "sqrt": np.sqrt,
     "square": np.square,
     "abs": np.abs,

@@ -537,7 +537,7 @@ def _directions(site: Site) -> Iterator[Option]:
 
 
 def _components(site: Site) -> Iterator[Option]:
-    """A vector with another component in place of one of its own."""
+    """A vector with another component, or a number of the candidate's own, for one of its own."""
     a = site.node
     if not (a.vector and a.op in ("symbol", "named")):
         return
@@ -549,6 +549,10 @@ def _components(site: Site) -> Iterator[Option]:
             cost = BITS["part"] + (BITS["unit"] if b.dimension != a.dimension else 0.0)
             text = f"takes {words(b)} for {words(own)}"
             yield vector(x, y, z), cost + math.log2(3 * (2 + len(others))), text, ()
+        if a.data in INPUT_NAMES:
+            x, y, z = (free(a.dimension) if k == i else part for k, part in enumerate(parts))
+            text = f"takes {{c}} for {words(own)}, whatever the scene says"
+            yield vector(x, y, z), BITS["free value"] + math.log2(3), text, (own,)
 
 
 def _states(site: Site) -> Iterator[Option]:
