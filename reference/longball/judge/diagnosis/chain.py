@@ -658,7 +658,7 @@ class Stage:
         return "spin" if "pitch" in self.scenes or self.name == "touching" else "spin after"
 
 
-_towards = vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - I["release"]
+_towards = named("aim - release", vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - I["release"])
 _thrown = switch(
     "pitch",
     {
@@ -714,12 +714,12 @@ _by_parts = switch(
     {"aimed": I["V_0"] / norm(_towards) * _towards, "velocity": I["pitch.velocity"]},
 )
 # By the angle of the aim above the level.
-_ahead_of_aim = named("|(d_x, d_y)|", norm(level(_towards)))
-_rising = named("ε", function("atan", component(_towards, 2) / _ahead_of_aim))
+_flat_aim = named("(aim - release)_xy", level(_towards))
+_rising = named("ε", function("atan", component(_towards, 2) / norm(_flat_aim)))
 _by_angle = switch(
     "pitch",
     {
-        "aimed": I["V_0"] * function("cos", _rising) / norm(level(_towards)) * level(_towards)
+        "aimed": I["V_0"] * (function("cos", _rising) * unit(_flat_aim))
         + I["V_0"] * function("sin", _rising) * e_z,
         "velocity": I["pitch.velocity"],
     },
