@@ -20,6 +20,8 @@ import pytest
 import longball as longball_package
 from tests.test_environment import PATIENCE
 
+pytestmark = pytest.mark.nightly  # a cluster starts
+
 distributed = pytest.importorskip("distributed")
 
 # Enough for dozens of tasks; a worker does one in some tenths of a second.
@@ -176,6 +178,7 @@ def test_a_worker_that_is_killed_in_mid_run_changes_no_bit(cluster: Cluster) -> 
     ],
 )
 @pytest.mark.sampled(every=3)
+@pytest.mark.nightly
 def test_an_address_where_nobody_answers_is_refused(called, address: str, named: str) -> None:
     run = called("homerun", "--samples", "10", "--scheduler", address)
     assert run.returncode == 2

@@ -13,6 +13,8 @@ from analysis.speed_error.measuring import difference, errors, ratio
 from analysis.speed_error.work import Work, at_bats, flights, truth
 from longball.model.result import Bounded, Result
 
+pytestmark = pytest.mark.nightly  # of a study alone
+
 
 @pytest.fixture(scope="module")
 def struck() -> tuple[Work, list[Result]]:

@@ -52,6 +52,7 @@ def files(folder: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.nightly
 def test_the_bytes_do_not_depend_on_the_workers(tmp_path: Path):
     seen = []
     writer.write(tmp_path / "one", SMALL, progress=lambda *done: seen.append(done))

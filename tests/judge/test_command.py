@@ -111,6 +111,7 @@ def test_scenes_are_sent_as_the_file_has_them(called, tmp_path: Path):
     assert called("judge", "--scenes", scenes, "--", *EXAMPLE).returncode == 0
 
 
+@pytest.mark.nightly
 def test_a_place_for_the_step_shows_how_it_converges(called, tmp_path: Path):
     html = tmp_path / "verdict.html"
     arguments = ("--golden", "flight-drag", "--profile", "converged", "--tolerance", "1",

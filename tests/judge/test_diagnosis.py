@@ -228,7 +228,7 @@ def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
         ("flight-both", "takes k·C_L·U for h_x in k·C_L·U·h_x"),
     ],
 )  # fmt: skip
-@pytest.mark.sampled(every=4)
+@pytest.mark.sampled(every=7)
 def test_what_is_planted_is_named(family: str, words: str):
     assert planted([family], 3, words) == [words]
 

@@ -101,6 +101,7 @@ def test_a_million_pitches_give_them_back_to_three_digits(columns):
 # ---- known answers -------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 def test_likeliest_normals_by_hand():
     speeds = {"straight": [140.0, 144.0] * 15, "breaking": [120.0, 120.0, 126.0] * 20}
     table = pd.DataFrame(

@@ -20,6 +20,8 @@ from longball.judge.verdict import compare
 from tests.planted import measure, sources
 from tests.planted.mutator import c_mutants, python_mutants
 
+pytestmark = pytest.mark.nightly  # of the measurement alone
+
 needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 
 

@@ -92,6 +92,7 @@ def test_a_landing_gives_its_launch_back(first, nightly):
 
 @PIECES
 @pytest.mark.sampled(every=20)
+@pytest.mark.nightly
 def test_the_air_of_random_scenes_is_determined_by_its_products_alone(first, nightly):
     # All forces of the air are ρ/m times something that knows neither.
     for seed in seeds(first, nightly)[:: 1 if nightly else 2]:

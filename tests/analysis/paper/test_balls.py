@@ -11,6 +11,8 @@ from longball.home_run import draw, monte_carlo, paper_at_bats
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene, Ball
 
+pytestmark = pytest.mark.nightly  # of the paper's analysis alone, and slow
+
 # The inertia about the centre has home runs enough for small samples.
 BASE = Base(AtBatScene(id="base", reading=Reading(inertia="about_centre")))
 COUNT = 2_000

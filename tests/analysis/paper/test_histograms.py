@@ -11,6 +11,8 @@ from longball.pitches import read_pitches
 from longball.pitches.fitting import normal
 from tests.pitches.test_fitting import CELLS, KINDS, METRES, PRINTED, SPEEDS, draw
 
+pytestmark = pytest.mark.nightly  # of the paper's analysis alone
+
 
 def laid(table, columns, bin_width=3.0, replicates=2):
     return curves(read_pitches(table, columns, KINDS), bin_width, replicates)

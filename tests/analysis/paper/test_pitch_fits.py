@@ -15,6 +15,8 @@ from analysis.paper.pitch_fits import (
 from analysis.writing import Report
 from longball.pitches import EXAMPLE, fit_pitches, read_pitches
 
+pytestmark = pytest.mark.nightly  # of the paper's analysis alone
+
 WIDENED = Printed("spread", "cells", 0.77, "aim", "spread", 1.0, 1.0)
 
 
