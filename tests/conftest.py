@@ -17,7 +17,7 @@ from hypothesis import settings
 # The same examples in every run: a change of the code is what makes a test fail, not the day. Who
 # hunts for new ones runs `pytest --hypothesis-profile=default`.
 SAME = settings(derandomize=True, database=None, deadline=None)
-settings.register_profile("same", SAME, max_examples=15)
+settings.register_profile("same", SAME, max_examples=10)
 settings.register_profile("nightly", SAME, max_examples=100)
 settings.load_profile("same")
 

@@ -22,6 +22,8 @@ from longball.judge.verdict import Submission, Verdict
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
+pytestmark = pytest.mark.nightly  # large samples
+
 Scene = dict[str, Any]
 
 
