@@ -226,9 +226,11 @@ def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
         ("flight-both", "takes C_L for ρ_0"),
         ("flight-both", "leaves out k and U in drag"),
         ("flight-both", "takes k·C_L·U for h_x in k·C_L·U·h_x"),
+        # Leads the balls far from their paths.
+        ("flight-both", "takes 1 for k·C_L·U in k·C_L·U·(v · h)"),
     ],
 )  # fmt: skip
-@pytest.mark.sampled(every=7)
+@pytest.mark.sampled(every=8)
 def test_what_is_planted_is_named(family: str, words: str):
     assert planted([family], 3, words) == [words]
 

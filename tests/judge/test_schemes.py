@@ -117,6 +117,37 @@ def test_a_scheme_is_named_with_its_step(step, h, name, order):
     assert (found.order, found.step) == (order, pytest.approx(h, rel=1e-9))
 
 
+def runge_kutta(nodes=(0.5, 0.5, 1.0), weights=(1, 2, 2, 1), divisor=6):
+    def step(state, h, *law):
+        slopes = [CANDIDATE["rates"](state, *law)]
+        for node in nodes:
+            at = [x + node * h * k for x, k in zip(state, slopes[-1], strict=True)]
+            slopes.append(CANDIDATE["rates"](at, *law))
+        rows = zip(state, *slopes, strict=True)
+        return [x + h / divisor * np.dot(weights, each) for x, *each in rows]
+
+    return step
+
+
+@pytest.mark.parametrize(
+    ("mistake", "words", "order"),
+    [
+        ({"nodes": (0.5, -0.5, 1.0)}, "-1/2 k2 for 1/2 k2 in the state of k3", 1),
+        ({"nodes": (0.5, 0.5, 0.0)}, "no k3 in the state of k4", 1),
+        ({"weights": (1, 1, 2, 1)}, "1/6 k2 for 1/3 k2 in the last sum", 0),
+        ({"divisor": 7}, "6/7 times its last sum", 0),
+    ],
+)
+@pytest.mark.parametrize("h", [0.02, 0.005])
+@pytest.mark.sampled(every=8)
+def test_a_wrong_coefficient_is_named_with_its_step(h, mistake, words, order):
+    found = explain_scheme(*wrong(flown(h, runge_kutta(**mistake))))
+    assert found is not None
+    assert found.adequate
+    assert found.words == f"errs like RK4 with {words} in steps of {h:.6g} s"
+    assert found.order == order
+
+
 @pytest.mark.parametrize("landing", ["interpolated", "first_below"])
 @pytest.mark.sampled(every=3)
 def test_the_scheme_of_the_paper_is_named_with_its_last_step(landing):

@@ -189,9 +189,8 @@ def _beside() -> Iterator[Edit]:
 
 # --- what they do ---------------------------------------------------------------------------------
 
-# Of a Gauss-Legendre rule over the time of flight, at which laws are evaluated. Effects along the
-# right path are right to a factor near 1, where an edit is noticed by many powers of ten or not at
-# all.
+# Nodes of the rule over the time of flight. Effects of first order are right to a factor near 1;
+# edits are noticed by many powers of ten or not at all.
 NODES = 4
 
 
@@ -244,7 +243,7 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     own["spin"] = own[stage.spins]
     flies = stage.kind == "flight"
     at = Values(own)
-    effects = Response(stage, at, answer=free, nodes=NODES) if flies else Direct(stage, at)
+    effects = Response(stage, at, sensitivity=free, nodes=NODES) if flies else Direct(stage, at)
     passed = {"through", "law"} if stage.name in PARTS else {"through"}
     nodes = {
         name: frozenset(ordered([root])) for name, root in stage.roots.items() if name not in passed

@@ -659,13 +659,14 @@ class Stage:
 
 
 _towards = named("aim - release", vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - I["release"])
-_thrown = switch(
-    "pitch",
-    {
-        "aimed": I["V_0"] * unit(_towards),
-        "velocity": I["pitch.velocity"],
-    },
-)
+
+
+def _released(aimed: Node) -> Node:
+    """The velocity at the release, with that of an aimed pitch in one of its forms."""
+    return switch("pitch", {"aimed": aimed, "velocity": I["pitch.velocity"]})
+
+
+_thrown = _released(I["V_0"] * unit(_towards))
 _no_spin = constant(0.0, RATE, True)
 
 
@@ -708,21 +709,13 @@ def _formula(
 
 _STRUCK = ("impact", "at-bat")
 _forms = {"law": OTHER_FORMS}
-# By components of a speed.
-_by_parts = switch(
-    "pitch",
-    {"aimed": I["V_0"] / norm(_towards) * _towards, "velocity": I["pitch.velocity"]},
-)
-# By the angle of the aim above the level.
+# By components of a speed, and by the angle of the aim above the level.
+_by_parts = _released(I["V_0"] / norm(_towards) * _towards)
 _flat_aim = named("(aim - release)_xy", level(_towards))
 _rising = named("ε", function("atan", component(_towards, 2) / norm(_flat_aim)))
-_by_angle = switch(
-    "pitch",
-    {
-        "aimed": I["V_0"] * (function("cos", _rising) * unit(_flat_aim))
-        + I["V_0"] * function("sin", _rising) * e_z,
-        "velocity": I["pitch.velocity"],
-    },
+_by_angle = _released(
+    I["V_0"] * (function("cos", _rising) * unit(_flat_aim))
+    + I["V_0"] * function("sin", _rising) * e_z
 )
 _thrown_forms = _forms | {"velocity": (_by_parts, _by_angle)}
 _begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
@@ -816,8 +809,8 @@ CHAIN = (
 
 # --- the paper's scheme ---------------------------------------------------------------------------
 
-# There the ball meets the bat on the straight line from the last step before: |d + v τ| = R + r_b,
-# with d from the bat's axis to the ball in the (x, z) plane (Appendix B).
+# In the paper's scheme the ball meets the bat on a straight line from the last step before it, at
+# t_k + τ with |d + v τ| = R + r_b; d runs from the bat's axis to the ball (Appendix B).
 last_step = symbol("t_k", S)
 _back = contact_time - last_step
 _x, _z = x - component(V, 0) * _back, z - bat_height - component(V, 2) * _back

@@ -1,8 +1,8 @@
 """Integrators in fixed steps as data, and flights by them.
 
 An integrator is a step from one state to the next: place, velocity, and the path through the air
-(`longball.judge.diagnosis.residual.Launched`). Nearly all are one function of a table of
-coefficients. Authors err in those as in formulas: `slips` edits tables.
+(`longball.judge.diagnosis.residual.Launched`). All but two are one function of a table of
+coefficients, which `slips` edits as `operators` edits formulas.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def _table(
 
 
 def _runge_kutta(matrix: Array) -> Table:
-    """The table of an explicit Runge-Kutta method, whose last row are its weights."""
+    """Table of an explicit Runge-Kutta method; the last row of its matrix holds the weights."""
     return Table(matrix.sum(axis=1), matrix @ matrix[:-1], matrix)
 
 
@@ -134,7 +134,7 @@ class Integrator:
     words
         Its name.
     order
-        Of its errors; 0 if they do not vanish with the step, None if it is not known.
+        Of its errors; 0 if they do not vanish with the step, None if it is unknown.
     step
         The step.
     matrix
@@ -151,7 +151,7 @@ class Integrator:
 
     @property
     def like(self) -> Any:
-        """A key that is the same of integrators that can fly `together`."""
+        """A key that integrators share if they can fly `together`."""
         if not isinstance(self.step, Table):
             return self.words
         return len(self.step.c), self.step.carries, self.order == 0, self.frozen
@@ -190,7 +190,7 @@ _FORCES = {
     0.5: ("the force at the half-step velocity", 1),
     1.0: ("the force at a predicted velocity", 2),
 }
-_ROUNDS = 8  # after which an implicit velocity stands
+_ROUNDS = 8  # iterations of an implicit velocity
 VERLET = {
     Treatment(ahead, False, carries): Integrator(
         f"velocity Verlet with {words}{', which the next step begins with' * carries}",
@@ -220,7 +220,7 @@ _SEMI_IMPLICIT = (
 
 
 def _rk4_moved(share: float) -> Table:
-    """RK4 whose place moves with the velocity after so much of the step's change."""
+    """RK4 that moves the ball at the step's first velocity plus a share of its change."""
     table = _runge_kutta(_matrix(_HALVES, _CLASSICAL))
     return replace(table, place=np.vstack([table.place[:-1], share * table.velocity[-1]]))
 
@@ -265,9 +265,9 @@ INTEGRATORS = (
 
 _EXPLICIT = (one for how, one in VERLET.items() if not how.iterates)
 SLIPPED = (_RK4, _MIDPOINT, _HEUN, _EULER, *_SEMI_IMPLICIT, *_EXPLICIT)
-TIMES = (0.0, 2.0, 0.5, -1.0, 1.5, 3.0)  # factors of a coefficient that is wrong
-# Of all weights: 1/6 for 1/3, and what a wrong divisor of 1 + 2 + 2 + 1 makes.
-DIVIDED = (2.0, 0.5, -1.0, 6 / 4, 6 / 5, 6 / 7, 6 / 8, 3.0, 1 / 3)
+TIMES = (0.0, 2.0, 0.5, -1.0, 1.5, 3.0)  # factors of a wrong coefficient
+# Factors of all weights: a wrong sign, or another divisor than the 6 of 1 + 2 + 2 + 1.
+DIVIDED = (-1.0, *(6 / n for n in (2, 3, 4, 5, 7, 8, 9, 12, 18)))
 
 
 @cache
@@ -291,7 +291,8 @@ def _of_matrix(matrix: Array) -> Iterator[tuple[Table, str]]:
     last = len(matrix) - 1
     for i, j in zip(*np.nonzero(matrix), strict=True):
         where = "the last sum" if i == last else f"the state of k{i + 1}"
-        for other in {float(factor * matrix[i, j]) for factor in TIMES}:
+        for factor in TIMES:
+            other = factor * matrix[i, j]
             yield _with(matrix, {(i, j): other}), _said(other, matrix[i, j], f"k{j + 1}", where)
         for k in range(i):
             if matrix[i, k] == 0.0:
@@ -321,8 +322,8 @@ def _of_table(table: Table, first: int) -> Iterator[tuple[Table, str]]:
             what = unit.format(at[1] + 1 if len(at) > 1 else "")
             whose = "velocity" if name == "velocity" else "place"
             where = f"the {whose}" + ("" if i == last else f" of a{i + 1}")
-            for other in {float(factor * numbers[at]) for factor in TIMES}:
-                changed = numbers.copy()
+            for factor in TIMES:
+                changed, other = numbers.copy(), factor * numbers[at]
                 changed[at] = other
                 yield replace(table, **{name: changed}), _said(other, numbers[at], what, where)
 
@@ -363,8 +364,8 @@ def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[A
     """The states after so many steps, what the last ones leave, and the states' doubt.
 
     Errors of a method with constant steps have an expansion in powers of the step: what m and the
-    exact path (1/m = 0) give for some m gives what any other number of steps gives. The path of a
-    method of order 0 is no limit of its own.
+    exact path (1/m = 0) give for some m gives what any other number of steps gives. A method of
+    order 0 does not converge to the exact path, which is left out.
     """
     if one.step is None:
         y = flown(balls, np.asarray(counts * h))
@@ -434,7 +435,7 @@ class Way:
 
 
 def in_steps(data: Data, engine: Verlet) -> Data:
-    """Data that the paper's scheme makes: to the line between steps, and straight on to the bat."""
+    """Data with the integrators of the paper's scheme, and the last step before each contact."""
     way = Way(VERLET[TREATMENTS[engine.forces]], engine.dt, chord=True)
     batted = replace(way, push=engine.contact_force)
     ways = {"pitch": way, "touching": straight(way), **dict.fromkeys(BATTED, batted)}

@@ -78,11 +78,11 @@ class Many:
 WIDTHS = 1, 4, 16, 64  # numbers of edits that are evaluated together; the last ones are padding
 
 
-# States of launched balls after shares of their flights: shape (7, shares, balls).
+# From balls and fractions of their flights to their states then, shape (7, fractions, balls).
 Path = Callable[[Launched, Array], Array]
-# Derivatives of the end by the states of a path after shares of the flight, place and velocity:
-# shape (6, 6, shares, balls).
-Answer = Callable[[Launched, Array, Array], Array]
+# From balls, the states of a path and their fractions to the derivatives of the end, place and
+# velocity, by these states: shape (6, 6, fractions, balls).
+Sensitivity = Callable[[Launched, Array, Array], Array]
 
 
 def flown_path(balls: Launched, shares: Array) -> Array:
@@ -106,7 +106,7 @@ def cubic(end: Array) -> Path:
 
 
 def kicked(balls: Launched, y: Array, shares: Array) -> Array:
-    """The answer of ends to what happens on the way, by flights from states that are kicked."""
+    """Sensitivity of the end, from flights that begin at displaced states of the path."""
     moved = np.tile(y.reshape(7, 1, -1), (1, 7, 1))
     moved[range(6), range(1, 7)] += KICK
     every = _repeated(balls, 7 * len(shares))
@@ -116,7 +116,7 @@ def kicked(balls: Launched, y: Array, shares: Array) -> Array:
 
 
 def free(balls: Launched, y: Array, shares: Array) -> Array:
-    """The answer of the ends of balls that move freely after a kick."""
+    """Sensitivity of the end without forces: a change of velocity moves it by the time left."""
     left = (1.0 - shares)[:, None] * balls.duration
     found = np.zeros((6, 6, *left.shape))
     found[range(6), range(6)] = 1.0
@@ -131,13 +131,13 @@ def _repeated(balls: Launched, times: int) -> Launched:
 class Response:
     """First-order effects of edits on the ends of a stage's flights.
 
-    A change of the acceleration moves an end by its integral along a path, weighted by how the end
-    answers to a kick at each time. The path and the answer are those of the stage's law by default.
+    A change of the acceleration moves an end by its integral along a path, weighted by the
+    sensitivity of the end. Path and sensitivity are those of the stage's law by default.
 
-    With `free` balls the weights are 1 of the velocity at the end and T - t of the place. These two
-    integrals of the acceleration are known from the ends of any flight, whatever its law: where an
-    edit leads a ball far from its path, the right one nearly makes them along the `cubic` between
-    the candidate's own ends.
+    Of `free` balls the weights are 1 for the velocity and T - t for the place. These integrals of
+    the acceleration follow from the ends of any flight, whatever its law. If an edit leads a ball
+    far from its path, the right one nearly makes them along the `cubic` between the candidate's
+    own ends.
 
     Attributes
     ----------
@@ -146,7 +146,8 @@ class Response:
     """
 
     def __init__(
-        self, stage: Stage, known: Values, path: Path = flown_path, answer: Answer = kicked,
+        self, stage: Stage, known: Values, path: Path = flown_path,
+        sensitivity: Sensitivity = kicked,
         nodes: int = NODES,
     ) -> None:  # fmt: skip
         self.stage, self._launch, columns = stage, known, known.columns
@@ -155,7 +156,7 @@ class Response:
         balls = launched(stage, columns)
         self._start, self._duration = balls.y[:6], balls.duration
         y = path(balls, shares)
-        by_state = answer(balls, y[:, :-1], shares[:-1])
+        by_state = sensitivity(balls, y[:, :-1], shares[:-1])
         self._at_launch = {"place": by_state[:, :3, 0], "velocity": by_state[:, 3:, 0]}
         self._during = by_state[:, 3:, 1:] * (weights[:, None] / 2.0 * balls.duration)
         self._at_end = balls.rates(y[:, -1], balls.duration)[:6]

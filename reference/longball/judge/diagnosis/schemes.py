@@ -61,8 +61,8 @@ SHORTEST = 2e-5  # s: of the steps of candidates
 # Of the size of a number: an error that steps do not make.
 ELSEWHERE = 0.9
 LOST = 1e12  # floors: what a scheme leaves that makes no number
-ALIKE = 0.3  # of the errors of order 0 that are compared: they may depend on the step so much
-MANY = 100, 24, 8  # integrators that are tried again in steps that fit better
+ALIKE = 0.3  # fraction by which errors of order 0 may depend on the step
+MANY = 100, 24, 8  # numbers of integrators that are flown again in steps that fit better
 # Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
 ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
 LIKE, MOST = 0.1, 0.8  # errors are of an order if so much is left, at most, in most scenes
@@ -84,7 +84,7 @@ def _nearer(one: Integrator, h: float, share: float) -> float:
 
 
 def _shares(a: Array, b: Array) -> tuple[Array, Array]:
-    """Errors a over those of some schemes b, shape (numbers, schemes, scenes), and what is left."""
+    """Ratios of errors a to those of schemes b, shape (numbers, schemes, scenes); residuals."""
     share = (a * b).sum(axis=(0, 2)) / np.maximum((b * b).sum(axis=(0, 2)), LEAST)
     rest = np.square(a - share[:, None] * b).sum(axis=(0, 2))
     return share, rest / np.maximum(np.square(a).sum(axis=(0, 2)), LEAST)
@@ -231,7 +231,7 @@ class Steps:
         ]
         for most in MANY:
             share, left = _shares(self.off, again)
-            # Of order 0, most of the errors are the same in all steps, and the rest is linear.
+            # Errors of order 0 are nearly the same in all steps; the rest is linear in the step.
             slope = (again - made) / np.where(other == h, 1.0, other - h)[:, None]
             by, _ = _shares(self.off - again, slope)
             zero = np.array([one.order == 0 for one in some])
@@ -311,12 +311,14 @@ class Steps:
         return named
 
     def _chord_leaves(self, h: float) -> float:
-        """The share of the errors that the chords of an exact path leave."""
+        """Fraction of the squared errors that remains beside chords of the exact path."""
         made, _ = self.errors(EXACT, h, True, self.few)
         _, left = _shares(self.off, np.nan_to_num(made / self.followed.scale[:, self.few])[:, None])
         return float(left[0])
 
     def _fitted_step(self, one: Integrator, start: float) -> float:
+        """The step of an integrator with the smallest residual in the first scenes, s."""
+
         def left(steps: Array) -> Array:
             return np.array([self.left(one, abs(h), False, self.few) for (h,) in steps])
 
@@ -340,7 +342,7 @@ class Steps:
     def _adequate(
         self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None, more: float = 0.0
     ) -> Scheme | None:
-        """The first option that makes all numbers; `more` bits are those of a slip."""
+        """The first option that makes all numbers. A slip costs `more` bits."""
         for one, h, chord in options:
             # The shortest flights tell most of them.
             if not self._holds(one, h, chord, self.few[:2]) or not self._holds(one, h, chord):

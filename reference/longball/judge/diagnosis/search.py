@@ -67,7 +67,8 @@ from longball.model.scene import AtBatScene
 WRONG, RIGHT = 10, 10
 # Scenes in which an edit is verified.
 MOST_WRONG, MOST_RIGHT = 60, 30
-FAR_OFF = 0.03  # typical relative error of a flight, beyond which no path is near the right one
+# Median relative error of a flight beyond which effects along the right path say little.
+FAR_OFF = 0.03
 TWINS = 5  # edits that are equal at a stage, of which one may explain other stages too
 PROBES = 40  # scenes, moved at random, in which equal edits are found
 TIMES = 3  # copies of the screening scenes among them
