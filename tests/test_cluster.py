@@ -20,8 +20,6 @@ import pytest
 import longball as longball_package
 from tests.test_environment import PATIENCE
 
-pytestmark = pytest.mark.nightly  # a cluster starts
-
 distributed = pytest.importorskip("distributed")
 
 # Enough for dozens of tasks; a worker does one in some tenths of a second.

@@ -16,8 +16,6 @@ from longball.golden.reader import DATA
 from tests.golden.test_writing import SMALL
 from tests.test_environment import PATIENCE
 
-pytestmark = pytest.mark.nightly  # processes of installations without some library
-
 AT_BAT = '{"id": "a", "kind": "at-bat"}'
 BLOCK = "import sys\nfor name in {names!r}: sys.modules[name] = None\n"
 

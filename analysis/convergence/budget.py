@@ -5,7 +5,7 @@ that is written once, and the parts can be added up and held against the whole.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
@@ -18,7 +18,7 @@ from longball.convergence.family import mean_over_phases
 from longball.convergence.order import fit_power_law, typical
 from longball.engines.contact import BatSection
 from longball.engines.engine import Engine, Launch, Stepped, Touch
-from longball.engines.event import Event, first_met, plate
+from longball.engines.event import Event, Events, first_met, plate
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
 from longball.engines.polynomial import PolynomialPiece
@@ -58,20 +58,14 @@ TITLES = {
 
 # --- engines that are the reference but for one part ----------------------------------------------
 
-Flown = Flight
-Touched = Touch
-Air = Law
-Section = BatSection
-Ground = Event
-Events = Sequence[Ground]
-LawOf = Callable[[Frame], Air]
+LawOf = Callable[[Frame], Law]
 
 
 class StruckAtOnce(Stepped):
     """The whole impulse at once, where the ball touches the bat."""
 
     def rebound(
-        self, frame: Frame, touch: Any, delta_v: Vector, law_in: LawOf, ground: Ground
+        self, frame: Frame, touch: Any, delta_v: Vector, law_in: LawOf, ground: Event
     ) -> Launch:
         """Set the ball free; see `longball.engines.engine.Stepped`."""
         at: Any = touch.exact if isinstance(touch, LineTouch) else touch
@@ -107,7 +101,9 @@ class Smooth(StruckAtOnce, Verlet):
         assert met is not None
         return met.event.name, met.time, met.state
 
-    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
+    def touch(
+        self, pitch: Flight, law: Law, bat: BatSection, events: Events, limit: float
+    ) -> Touch:
         """Touch as the reference does, from a step that is surely before the bat."""
         near = pitch.path.at(0.0)
         early = pitch.time - 2 * bat.reach / pitch.state.u
@@ -126,7 +122,7 @@ class ButOnePart(Ivp):
 
     scheme: Verlet = field(default_factory=Verlet)
 
-    def steps_at(self, flight: Flown, time: float) -> tuple[float, State, State]:
+    def steps_at(self, flight: Flight, time: float) -> tuple[float, State, State]:
         """Return the time of the step before a time, and the exact states there and at the next."""
         dt = self.scheme.dt
         count = math.floor(time / dt)
@@ -136,7 +132,7 @@ class ButOnePart(Ivp):
 class PlateOnTheLine(ButOnePart):
     """The height at the plate from the line between two steps; all else exact."""
 
-    def fly(self, law: Air, start: State, events: Events, limit: float) -> Flown:
+    def fly(self, law: Law, start: State, events: Events, limit: float) -> Flight:
         """Fly exactly, and report a pitch on the chord."""
         exact = super().fly(law, start, events, limit)
         if exact.stop != "plate":
@@ -145,7 +141,9 @@ class PlateOnTheLine(ButOnePart):
         share = (exact.state.s - before.s) / (after.s - before.s)
         return replace(exact, state=exact.state._replace(z=interpolate(before.z, after.z, share)))
 
-    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
+    def touch(
+        self, pitch: Flight, law: Law, bat: BatSection, events: Events, limit: float
+    ) -> Touch:
         """Touch on the exact path a bat that is put on the chord."""
         exact = replace(pitch, state=pitch.path.at(pitch.time))
         return super().touch(exact, law, bat, events, limit)
@@ -158,7 +156,9 @@ class StraightToTheBat(StruckAtOnce, ButOnePart):
     normal, velocities and restitution.
     """
 
-    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
+    def touch(
+        self, pitch: Flight, law: Law, bat: BatSection, events: Events, limit: float
+    ) -> Touch:
         """Touch as Appendix B does; see `longball.engines.engine.Engine.touch`."""
         exact = super().touch(pitch, law, bat, events, limit)
         assert exact.time is not None
@@ -173,7 +173,9 @@ class StraightToTheBat(StruckAtOnce, ButOnePart):
 class HalfForce(ButOnePart, Stepped):
     """Half of the force over two steps, from the step before an exact contact; all else exact."""
 
-    def touch(self, pitch: Flown, law: Air, bat: Section, events: Events, limit: float) -> Touched:
+    def touch(
+        self, pitch: Flight, law: Law, bat: BatSection, events: Events, limit: float
+    ) -> Touch:
         """Touch exactly, and remember the step before."""
         exact = super().touch(pitch, law, bat, events, limit)
         margin, time, state = exact.margin, exact.time, exact.state
@@ -187,7 +189,7 @@ class HalfForce(ButOnePart, Stepped):
         )
 
     def rebound(
-        self, frame: Frame, touch: Any, delta_v: Vector, law_in: LawOf, ground: Ground
+        self, frame: Frame, touch: Any, delta_v: Vector, law_in: LawOf, ground: Event
     ) -> Launch:
         """Push for two steps, as the scheme does."""
         return self.scheme.rebound(frame, touch, delta_v, law_in, ground)
@@ -202,7 +204,7 @@ class GroundBetweenSteps(ButOnePart):
 
     contact: float = 0.0  # s, when the flight that lands begins
 
-    def fly(self, law: Air, start: State, events: Events, limit: float) -> Flown:
+    def fly(self, law: Law, start: State, events: Events, limit: float) -> Flight:
         """Fly exactly, and land by the scheme's rule."""
         exact = super().fly(law, start, events, limit)
         if [event.name for event in events] != ["ground"]:

@@ -24,6 +24,7 @@ from longball.pitches.fitting import (
     STARTS,
     Aim,
     count_cells,
+    estimated,
     likeliest_aim,
     nearest_aim,
     normal,
@@ -136,7 +137,7 @@ def gain_over_one_normal(pitches: Pitches) -> float:
     return float(2.0 * counts.sum() * (likeliest_aim(counts, edges, *one)[1] - cost))
 
 
-# From counts, and how they are fitted, to the errors of what is fitted.
+# From counts, and a function that fits them, to the standard errors of the fitted numbers.
 Bootstrap = Callable[[Integers, Callable[[Integers], Sequence[float]]], list[float]]
 
 
@@ -146,25 +147,12 @@ def _bootstrap(
     counts: Integers,
     fit: Callable[[Integers], Sequence[float]],
 ) -> list[float]:
-    """Return the spread of what is fitted to counts that are drawn from the observed shares."""
+    """Return the standard deviations of fits to counts drawn from the observed shares."""
     total = int(counts.sum())
     shares = counts.ravel() / total
     drawn = generator.multinomial(total, shares, size=replicates).reshape(-1, *counts.shape)
     spread: list[float] = np.std([fit(each) for each in drawn], axis=0, ddof=1).tolist()
     return spread
-
-
-def _estimates(
-    values: Sequence[float], errors: Sequence[float], inside: Sequence[bool]
-) -> list[Estimate]:
-    return [
-        Estimate(
-            value=value,
-            standard_error=error if free else None,
-            status="fitted" if free else "at_bound",
-        )
-        for value, error, free in zip(values, errors, inside, strict=True)
-    ]
 
 
 def _speeds_through(
@@ -191,7 +179,7 @@ def _speeds_through(
     found, everything, fitted = mixed(counts, start)
     errors = bootstrap(counts, lambda drawn: mixed(drawn, found)[0])
     inside = [True] * 4 + [0.0 < found[-1] < 1.0]
-    mean_1, spread_1, mean_2, spread_2, weight = _estimates(found, errors, inside)
+    mean_1, spread_1, mean_2, spread_2, weight = estimated(found, errors, inside)
     determined = r_squared(everything, fitted)
     return SpeedCurve(mean_1, spread_1, mean_2, spread_2, weight, determined)
 
@@ -222,6 +210,6 @@ def _aim_through(
 
     found = fit(counts, starts)
     errors = bootstrap(counts, lambda drawn: fit(drawn, [found]))
-    weight, left, right, spread = _estimates(found, errors, within(found))
+    weight, left, right, spread = estimated(found, errors, within(found))
     determined = r_squared(counts / counts.sum(), found.density(y))
     return AimCurve(weight, left, right, spread, determined)

@@ -93,7 +93,7 @@ def fitted(table: Any, columns: Columns | None = None, types: PitchTypes | None 
 
 @cache
 def synthetic_fit() -> Fits:
-    """Return the fits of as many pitches as the paper had, drawn from what it prints."""
+    """Return the fits of pitches drawn from the printed distributions, as many as the paper had."""
     return fitted(draw_pitches(PITCHES, SYNTHETIC_SEED), CHART, KINDS)
 
 
@@ -172,7 +172,7 @@ def curves_of(table: pd.DataFrame, bin_width: float) -> Curves:
 
 def cover(draws: int) -> Rows:
     """Return the deviations of many draws' fits from the printed numbers, in standard errors."""
-    # Errors that are known to 10 % widen what is found by half a percent.
+    # Errors from 50 replicates are known to 10 %, which widens the spread of z by half a per cent.
     fit = partial(fit_pitches, columns=CHART, types=KINDS, replicates=50)
     tables = ((draw_pitches(PITCHES, seed),) for seed in range(draws))
     fits = list(in_parallel(fit, tables, workers=-1))

@@ -58,7 +58,6 @@ def test_plain_scipy_lands_where_the_batch_engine_does() -> None:
 
 
 @pytest.mark.parametrize("law", laws.LAWS)
-@pytest.mark.sampled(every=2)
 def test_batch_and_plain_scipy_land_alike_under_a_law(law: str) -> None:
     work = laws.works(2)[law]
     true = truth(work)

@@ -106,7 +106,7 @@ def test_engines_agree_in_the_extended_model(monkeypatch, nightly):
 
 def test_the_extended_model_has_every_key_of_the_air():
     known = set()
-    for number in range(60):
+    for number in range(200):
         air = getattr(random_scene("extended", number, SEED), "air", None)
         known |= {key for key, value in air or () if value is not None}
     assert known == {*Air.model_fields}

@@ -17,6 +17,7 @@ from longball.model import exact
 from longball.model.frame import Frame
 from longball.model.law import (
     PlaneState,
+    SpaceState,
     law_of,
     law_with,
 )
@@ -115,6 +116,18 @@ def test_independent_methods_agree_with_taylors(method):
         off = engine.flight_error * truth.state.s / abs(truth.state.w / truth.state.u)
         assert landing.time == pytest.approx(truth.time, abs=off)
         assert landing.state == pytest.approx(truth.state, abs=max(off, engine.flight_error * 100))
+
+
+def test_a_force_across_the_plane_is_flown_in_space():
+    """A wind from the side that pushes steadily: y = a t²/2, and nothing else changes."""
+    air = law_with({"drag": 0.0075, "gravity": 9.8})
+    pushed = law_with({"gravity": 9.8, "side": 2.0}, (lambda motion, p: (0.0, p.side, 0.0),))
+    end = ENGINE.fly(pushed, SpaceState(0.0, 0.0, 1.0, 35.0, 0.0, 30.0), [ground()], 60.0)
+    plane = fly(BATTED, NO_AIR, ground())
+    assert end.time == plane.time
+    assert end.state.y == pytest.approx(end.time**2, rel=1e-15)
+    assert (end.state.s, end.state.w) == (plane.state.s, plane.state.w)
+    assert air.state is PlaneState
 
 
 # ---- the singular point: V = 0 -------------------------------------------------------------------

@@ -11,8 +11,6 @@ from tests import nightly as by_oracle
 from tests.oracle_check import LATER
 from tests.scenes import FAMILIES, cases_of
 
-pytestmark = pytest.mark.nightly  # what is written once in a version
-
 EACH = 40  # cases, of which one is solved in every run; `make nightly` solves all
 # In comments of kinks: a law changes its form for less than the 5 ms between the oracle's samples.
 NEXT_TO = "next to"

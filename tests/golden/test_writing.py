@@ -23,8 +23,6 @@ from longball.model.inputs import inputs, with_input
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
 
-pytestmark = pytest.mark.nightly  # what is written once in a version
-
 FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
 
 

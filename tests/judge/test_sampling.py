@@ -22,8 +22,6 @@ from longball.judge.verdict import Submission, Verdict
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
-pytestmark = pytest.mark.nightly  # large samples
-
 Scene = dict[str, Any]
 
 

@@ -52,7 +52,6 @@ def test_name_is_right_only_within_four_floors_everywhere():
 
 
 @pytest.mark.parametrize("family", ["flight-both", "pitch", "impact", "at-bat", "fence"])
-@pytest.mark.sampled(every=3)
 def test_chain_without_an_edit_answers_the_truth(family):
     cases = sources.golden((family,), 6)
     chain = specialised_to(data_of(cases, sources.truth(cases)), CHAIN)
@@ -131,7 +130,6 @@ def test_mutants_in_c():
 
 
 @pytest.mark.parametrize("family", ["flight-both", "flight-vertical", "pitch", "impact", "at-bat"])
-@pytest.mark.sampled(every=3)
 def test_right_program_is_right_to_its_accuracy(family):
     cases = [case for case in golden.load(family) if decidable(case)][:30]
     program = sources.Program([sys.executable, str(sources.HERE / "right.py"), "--step", "0.005"])
@@ -150,7 +148,6 @@ def test_without_a_mistake_the_program_in_c_is_right_to_the_digits_of_doubles(fo
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="there is no Node")
 @pytest.mark.parametrize("family", sources.PAPER)
-@pytest.mark.sampled(every=3)
 def test_without_a_mistake_the_program_in_javascript_is_right_to_the_digits_of_doubles(family):
     assert judge(["node", str(sources.HERE / "flight.js")], family).passed
 

@@ -51,7 +51,7 @@ def path() -> None:
 def export(output: Path | None = None, folder: Path | None = None, quiet: bool = False) -> None:
     """Write a set as one archive, the same bytes every time."""
     target = output or Path(f"{files.ARCHIVE}.zip")
-    # Of a family, or of a folder: neither is what is written here.
+    # The name of a family or of a folder would become a file of that name.
     if target.suffix.lower() != ".zip":
         wrong_call(f"{target}: the name of an archive ends in .zip; --folder DIR names the set")
     with refusing():

@@ -91,15 +91,7 @@ def fit_pitches(
         drawn = random.integers(len(pitches.speed), size=len(pitches.speed))
         replicated.append([*speeds_of(drawn), *aim_of(drawn, [aim])])
     errors = np.std(replicated, axis=0, ddof=1).tolist()
-    inside = [True] * len(speeds) + within(aim)
-    estimates = [
-        Estimate(
-            value=value,
-            standard_error=error if free else None,
-            status="fitted" if free else "at_bound",
-        )
-        for value, error, free in zip([*speeds, *aim], errors, inside, strict=True)
-    ]
+    estimates = estimated([*speeds, *aim], errors, [True] * len(speeds) + within(aim))
     straight, breaking = (
         dict(Counter(np.array(pitches.types)[chosen].tolist()).most_common())
         for chosen in (pitches.straight, ~pitches.straight)
@@ -128,6 +120,20 @@ def fit_pitches(
         bootstrap_replicates=replicates,
         bootstrap_seed=seed,
     )
+
+
+def estimated(
+    values: Sequence[float], errors: Sequence[float], inside: Sequence[bool]
+) -> list[Estimate]:
+    """Return fitted numbers with their errors; those at the end of their range have none."""
+    return [
+        Estimate(
+            value=value,
+            standard_error=error if free else None,
+            status="fitted" if free else "at_bound",
+        )
+        for value, error, free in zip(values, errors, inside, strict=True)
+    ]
 
 
 def _enough(pitches: Pitches) -> None:

@@ -35,7 +35,7 @@ from longball.solution import real_numbers
 # Of a share: of a ball whose spin is all active the law there and back gives 1 to 1e-13.
 _ROUNDING = 1e-12
 
-# m: by what a movement may be missed; rounding misses it by 1e-14.
+# m: largest error of a movement; rounding leaves 1e-14.
 _MISSED = 1e-9
 
 # Laws of the spin parameter, which can be asked for it.
@@ -191,17 +191,16 @@ def _asked(scene: object) -> Scene:
 def spin_for(
     scene: object, moved: Movement, since: float | None = None, **options: Any
 ) -> PitchScene:
-    """Find the spin across its way with which a pitch moves as it should.
+    """Find the transverse spin that gives a pitch a movement.
 
     Parameters
     ----------
     scene
-        A pitch, as `solve` takes it: its release, speed, air and law of lift count, and the part of
-        its spin along the velocity, if it has one.
+        A pitch, as `solve` takes it. The part of its spin along the velocity is kept.
     moved
-        How far it should move from where gravity alone would take it; see `movement`.
+        Movement relative to a flight under gravity alone, m; see `movement`.
     since
-        m, x of the place from which that counts; the release if left out.
+        x of the point from which the movement counts, m; the release by default.
     options
         ``engine=`` and options of it, as of `solve`.
 
@@ -215,7 +214,7 @@ def spin_for(
     InvalidScene
         If `scene` describes no pitch.
     ValueError
-        If its law of lift cannot be asked for a spin, or reaches no such movement.
+        If its law of lift cannot be inverted, or no spin reaches the movement.
     CannotSolve
         If no spin is found.
 

@@ -68,7 +68,6 @@ def test_balls_beyond_a_distance():
 
 
 @pytest.mark.parametrize("contact_force", ["carried", "early"])
-@pytest.mark.sampled(every=2)
 def test_another_contact_force_is_its_limit_without_steps(contact_force):
     """The impulse is multiplied; the same balls are batted, as by the scheme in short steps."""
     base = BASE._replace(contact_force=contact_force)
@@ -101,7 +100,6 @@ def test_a_difference_of_the_same_at_bats_is_known_better(balls):
     assert error == pytest.approx(math.sqrt(rise * (1 - rise) / COUNT), rel=1e-9)
 
 
-@pytest.mark.nightly
 def test_the_printed_scheme_sees_few_of_the_balls(balls):
     (stepped,) = strike_in_steps(BASE, BASE.drawn(1_000, 5), [0.42], Verlet(0.05))
     (fine,) = strike_in_steps(BASE, BASE.drawn(200, 5), [0.42], Verlet(2e-4))

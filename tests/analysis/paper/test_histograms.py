@@ -18,7 +18,6 @@ def laid(table, columns, bin_width=3.0, replicates=2):
     return curves(read_pitches(table, columns, KINDS), bin_width, replicates)
 
 
-@pytest.mark.nightly
 def test_so_does_the_histogram_if_its_bins_are_narrow():
     seeds = 12
     deviations = {name: [] for name in (*SPEEDS, "p")}

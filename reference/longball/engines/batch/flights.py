@@ -527,7 +527,7 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
     s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     for k in range(s.half):
         s.lost[k * WIDTH + lane] = 0.0
-    # state and strengths, each with a row of the lanes of its own
+    # state and strengths: a row of the lanes for each number
     source = shifted(flight, _STATE)
     for k in range(s.variables):
         s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]

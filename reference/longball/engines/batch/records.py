@@ -136,7 +136,7 @@ def records_of(
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
         put(("across",), linear(law, bat.section.frame.towards_x), 0.0)
         put(("above",), linear(law, lambda state: state.z - bat.section.height), 0.0)
-    # what is the same for all flights stays one number until the records are made
+    # numbers that all flights share are broadcast when the records are made
     columns = {way: value[rows] if np.ndim(value) else value for way, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
     flight = new_flights(law.program, shape, len(events))
