@@ -43,7 +43,7 @@ from scipy.stats import binomtest
 from longball.judge.cases import Case, Profile
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.clocks import Scheme
-from longball.judge.diagnosis.diagnose import Conclusion, Solve, conclude, prepared
+from longball.judge.diagnosis.diagnose import Conclusion, conclude, prepared
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
 from longball.judge.diagnosis.findings import Finding
@@ -52,6 +52,7 @@ from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import Data, compared, follow, switches
 from longball.judge.diagnosis.schemes import explain_scheme
 from longball.judge.diagnosis.search import Named
+from longball.judge.diagnosis.unseen import Solve, followed
 from longball.judge.verdict import compare
 from tests.planted import sources
 from tests.planted.sources import EXACT, Answers, Crashed, Subject, fresh, golden
@@ -222,11 +223,12 @@ def _holding(
     if made.outputs:
         data, converted = outputs(data, chain)
     data = replace(data, ways=made.data.ways)
-    columns, followed = follow(made.chain, data)
+    located = [step.followed.stage.name for step in made.steps if not step.explained]
+    columns, every = followed(made.chain, data, located)
     rough = {told.stage for told in told_by(made) if told.edit and told.edit.rough}
-    followed = [
+    every = [
         compared(f.stage, data, columns, f.some, rough=True)[0] if f.stage.name in rough else f
-        for f in followed
+        for f in every
     ]
     shaken = follow(made.chain, _shaken(data))[1]
 
@@ -236,10 +238,10 @@ def _holding(
         if told.stage == "digits":
             return [int(explain_digits(chain, plain, again) != told.words), 1]
         if told.scheme is not None and told.scheme.way is None:
-            own = [f for f in followed if f.stage.name == told.stage and f.wrong.any()]
+            own = [f for f in every if f.stage.name == told.stage and f.wrong.any()]
             found = [explain_scheme(made.chain, f.stage, data, columns, f, dt) for f in own]
             return [int(not all(x is not None and x.adequate for x in found)), 1]
-        return _off(followed, shaken, told.stage)
+        return _off(every, shaken, told.stage)
 
     return left
 

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from longball.engines.ivp import Ivp
 from longball.golden import header, load
@@ -30,8 +29,9 @@ from longball.judge.diagnosis.expression import Node, evaluate
 from longball.judge.diagnosis.operators import edits
 from longball.judge.diagnosis.residual import Data, begun, data_of, specialised_to, take, values
 from longball.judge.diagnosis.search import defaults
+from longball.judge.fresh import moved
 from longball.judge.quantities import values_of
-from longball.model.scene import KINDS, Scene
+from longball.model.scene import Scene
 from tests.planted.mutator import c_mutants, python_mutants
 
 HERE = Path(__file__).resolve().parent
@@ -75,31 +75,6 @@ class Subject:
 # --- scenes that nobody has seen ------------------------------------------------------------------
 
 
-def moved(scene: Scene, draw: random.Random) -> dict[str, Any]:
-    """A scene with every number moved by up to a tenth; ball and bat still touch."""
-
-    def shifted(value: Any, key: str = "", inside: bool = False) -> Any:
-        if isinstance(value, dict):
-            return {k: shifted(x, k) for k, x in value.items()}
-        if isinstance(value, list):
-            return [shifted(x, key, True) for x in value]
-        if not isinstance(value, float) or key == "time_limit":
-            return value
-        return value * draw.uniform(0.9, 1.1) + (inside and value == 0.0) * draw.uniform(-0.1, 0.1)
-
-    before = json.loads(scene.line())
-    after: dict[str, Any] = shifted(before)
-    if incoming := before.get("incoming"):
-        q = draw.uniform(0.9, 1.1)
-        after["ball"]["radius"] = q * before["ball"]["radius"]
-        after["bat"]["radius"] = q * before["bat"]["radius"]
-        x, _, z = incoming["position"]
-        height = after["incoming"]["bat_height"]
-        after["incoming"]["position"][0] = q * x
-        after["incoming"]["position"][2] = height + q * (z - incoming["bat_height"])
-    return after
-
-
 def pushed_aside(scene: Scene) -> bool:
     """True if a side force acts, which none of the programs knows."""
     air = getattr(scene, "air", None)
@@ -120,15 +95,9 @@ def golden(families: tuple[str, ...], most: int) -> tuple[Case, ...]:
 @cache
 def fresh(families: tuple[str, ...], count: int) -> tuple[Case, ...]:
     """New cases like those of the golden data: their scenes moved at random, and solved."""
-    draw, scenes = random.Random(1), list[Scene]()
     old = [case.scene for case in golden(families, 10**6)]
-    draw.shuffle(old)
-    for number in range(3 * count):
-        try:
-            new = moved(old[number % len(old)], draw) | {"id": f"fresh-{number}"}
-            scenes.append(KINDS[new["kind"]].model_validate_json(json.dumps(new)))
-        except ValidationError:  # underground, for one
-            continue
+    random.Random(1).shuffle(old)
+    scenes = moved([old[number % len(old)] for number in range(3 * count)], seed=2)
     found = list[Case]()
     for scene in scenes:
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
@@ -229,13 +229,16 @@ class Judge:
         self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
         conduct: list[str], ask: Ask | None,
     ) -> Diagnosis:  # fmt: skip
-        answers = submission.collected.answers
-        written = {
-            c.id: as_written(c.scene, usable(a)) for c in self.cases if (a := answers.get(c.id))
-        }
+        def written(scenes: Iterable[Any], answers: Mapping[str, Answer]) -> dict[str, Answer]:
+            return {s.id: as_written(s, usable(a)) for s in scenes if (a := answers.get(s.id))}
+
+        def again(scenes: Sequence[Any]) -> Mapping[str, Answer]:
+            return written(scenes, ask(scenes)) if ask else {}
+
         diagnosis = diagnose(
-            truths, written, self.dt, scheme=self.profile.scheme(), causes=not conduct,
-            granted=self.profile.error, solve=ask,
+            truths, written([c.scene for c in self.cases], submission.collected.answers), self.dt,
+            scheme=self.profile.scheme(), causes=not conduct, granted=self.profile.error,
+            solve=again if ask else None,
         )  # fmt: skip
         more: dict[str, Any] = {"conduct": conduct}
         if wrong and not diagnosis.findings:

@@ -9,6 +9,7 @@ import csv
 import itertools
 import json
 import math
+import random
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from io import StringIO
 from typing import Any
@@ -122,6 +123,39 @@ def _drawn(kind: str, rng: np.random.Generator) -> dict[str, Any]:
         drawn["incoming.position[2]"] = height + reach * math.sin(angle)
         drawn = {name: x for name, x in drawn.items() if not name.startswith("air.")}
     return nested(drawn)
+
+
+def moved(scenes: Sequence[Scene], seed: int) -> Iterator[Scene]:
+    """Yield scenes with every number moved by up to a tenth, a number 0 of a vector by up to 0.1.
+
+    Ball and bat still touch. What is no scene any more, such as one underground, is left out.
+    """
+    draw = random.Random(seed)
+
+    def shifted(value: Any, key: str = "", inside: bool = False) -> Any:
+        if isinstance(value, dict):
+            return {k: shifted(x, k) for k, x in value.items()}
+        if isinstance(value, list):
+            return [shifted(x, key, True) for x in value]
+        if not isinstance(value, float) or key == "time_limit":
+            return value
+        return value * draw.uniform(0.9, 1.1) + (inside and value == 0.0) * draw.uniform(-0.1, 0.1)
+
+    for number, scene in enumerate(scenes):
+        before = json.loads(scene.line())
+        after: dict[str, Any] = shifted(before) | {"id": f"moved-{seed}-{number:04}"}
+        if incoming := before.get("incoming"):
+            q = draw.uniform(0.9, 1.1)
+            after["ball"]["radius"] = q * before["ball"]["radius"]
+            after["bat"]["radius"] = q * before["bat"]["radius"]
+            x, _, z = incoming["position"]
+            height = after["incoming"]["bat_height"]
+            after["incoming"]["position"][0] = q * x
+            after["incoming"]["position"][2] = height + q * (z - incoming["bat_height"])
+        try:
+            yield KINDS[scene.kind].model_validate_json(json.dumps(after))
+        except ValidationError:
+            continue
 
 
 def as_csv(scenes: Iterable[Scene]) -> Iterator[bytes]:

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from longball.engines.engine import Engine
-from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
@@ -35,10 +33,8 @@ from longball.judge.diagnosis.residual import (
 )
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.schemes import Steps, explain_push, explain_scheme, with_edit
-from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named, asking
-
-# Runs a candidate again: from scenes to answers by id.
-Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
+from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named
+from longball.judge.diagnosis.unseen import Solve, Unseen
 
 
 @np.errstate(all="ignore")  # a wrong number may be of any size
@@ -67,7 +63,7 @@ def diagnose(
     granted
         The error of a quantity that passes, in its SI unit.
     solve
-        Runs the candidate again, to tell edits apart that agree in these cases.
+        Runs the candidate again: what is named has to hold in scenes that nobody has seen.
     """
     known = [
         case
@@ -135,11 +131,15 @@ def conclude(
     plain, chain = prepared(cases, answers, scheme, granted)
     data = with_digits(plain, answers)
     _, first = follow(chain, data)
+    unseen = None if solve is None else Unseen(data, chain, solve, scheme)
     mended, found = outputs(data, chain)
-    reasoned = reason(mended, chain, dt, solve, scheme)
+    converted = unseen.converted(found) if unseen and found else unseen
+    if unseen and not converted:  # new scenes refute the conversions
+        mended, found, converted = data, [], unseen
+    reasoned = reason(mended, chain, dt, converted)
     if found:
         # Another unit of an input may look like those of some outputs.
-        other = reason(data, chain, dt, solve, scheme)
+        other = reason(data, chain, dt, unseen)
         counts = [(x.unexplained, len(x.steps) + extra) for x, extra in
                   ((other, 0), (reasoned, len(found)))]  # fmt: skip
         if counts[0] < counts[1]:
@@ -213,16 +213,14 @@ def reason(
     data: Data,
     chain: tuple[Stage, ...],
     dt: float | None = None,
-    solve: Solve | None = None,
-    engine: Engine | None = None,
+    unseen: Unseen | None = None,
 ) -> Reasoned:
     """Explain the candidate's errors stage by stage.
 
     The chain is the only thing that changes: an edit that is named is applied to it, and later
     stages inherit the mistake. After a stage that is only located the candidate's own values go
-    on.
+    on. A name that `unseen` scenes refute is withdrawn.
     """
-    ask = None if solve is None else asking(data, solve, engine or Ivp())
     columns, last = follow(chain, data)
     steps: list[Step] = []
     tried: Counter[tuple[str, str]] = Counter()
@@ -237,6 +235,7 @@ def reason(
             and tried[stage.name, stage.kind] < ROUNDS
         ]
         if not wrong:
+            steps = steps if unseen is None else _confirmed(steps, chain, data, unseen)
             return Reasoned(chain, data, _standing(steps, last))
         stage, one = _clearest(wrong)
         at = stage.name, stage.kind
@@ -251,7 +250,7 @@ def reason(
             columns, last = follow(chain, data, unknown)
             continue
         search = Explanation(chain, stage, data, columns, one, pairs=PAIRS[stage.kind])
-        found = search.explain(ask)
+        found = search.explain(unseen)
         if isinstance(found, Named):
             for edit in found.edits:
                 chain = edit.apply(chain)
@@ -301,6 +300,26 @@ def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]
 def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:
     """The stages without an error, by name and kind."""
     return {(one.stage.name, one.stage.kind) for one in last if not one.beyond.any()}
+
+
+def _confirmed(
+    steps: Sequence[Step], chain: tuple[Stage, ...], data: Data, unseen: Unseen
+) -> list[Step]:
+    """The same steps, without the names that unseen scenes refute."""
+    found = []
+    located = [step.followed.stage.name for step in steps if not step.explained]
+    refuted = unseen.refuting(chain, data.ways, located)
+    for step in steps:
+        is_edit = isinstance(step.found, Named)
+        rough = not is_edit or any(edit.rough for edit in step.found.edits)
+        count = refuted(step.followed.stage, rough) if step.explained else None
+        if count is None:
+            found.append(step)
+        elif isinstance(step.found, Named):
+            found.append(replace(step, found=Located(step.found.edits[0], refuted=count)))
+        else:
+            found.append(replace(step, found=replace(step.found, adequate=False)))
+    return found
 
 
 def _standing(steps: Sequence[Step], last: Sequence[Followed]) -> tuple[Step, ...]:

@@ -111,7 +111,11 @@ def styles(answers: Mapping[str, Answer]) -> dict[str, Digits]:
 
 def with_digits(data: Data, answers: Mapping[str, Answer]) -> Data:
     """Data whose floors include the digits that the candidate writes."""
-    cut = {quantity: style.cut for quantity, style in styles(answers).items()}
+    return with_cut(data, {quantity: style.cut for quantity, style in styles(answers).items()})
+
+
+def with_cut(data: Data, cut: Mapping[str, tuple[float, float]]) -> Data:
+    """Data whose floors include half a unit in the last digit of some quantities."""
     known: dict[tuple[Any, ...], Array] = {}
 
     def kept(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:

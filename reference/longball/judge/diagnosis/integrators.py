@@ -425,6 +425,11 @@ class Way:
         end = ", and ends on the chord between two of them" if self.chord else ""
         return f"errs like {self.one.words} in steps of {self.h:.6g} s{end}"
 
+    @property
+    def reads(self) -> Sequence[str]:
+        """Columns that it takes besides those of the stage's formulas."""
+        return () if self.push is None else AT_BAT
+
     def __call__(
         self, stage: Stage, columns: Mapping[str, Any]
     ) -> tuple[dict[str, Array], dict[str, Array]]:
@@ -444,6 +449,12 @@ def in_steps(data: Data, engine: Verlet) -> Data:
 
 
 BATTED = ("flight", "fence")  # stages of a batted ball's flight
+# Columns of a push: time, place and velocity of the contact, the velocity after, the time of
+# flight.
+AT_BAT = *(
+    str(OWN[quantity].data)
+    for quantity in ("contact.time", "contact.position", "contact.velocity", "impact.velocity")
+), "hang_time"  # fmt: skip
 _PUSHED: dict[ContactForce, str] = {
     "whole": "as a constant over two steps",
     "carried": "at three steps in a row, as velocity Verlet carries an acceleration on",
@@ -497,12 +508,7 @@ def _pushed(
     struck = columns["kind"] == "at-bat"
     if step is None or not struck.any():
         return steps(stage, columns, way.one, h, way.chord, way.last)
-    time, place, velocity, after, hang = (
-        "hang_time" if quantity is None else str(OWN[quantity].data)
-        for quantity in (
-            "contact.time", "contact.position", "contact.velocity", "impact.velocity", None
-        )
-    )  # fmt: skip
+    time, place, velocity, after, hang = AT_BAT
     # From the step gone back to, a straight line leads to the contact.
     ahead = columns[time] - np.floor(columns[time] / h + ON_STEP) * h
     before = columns[velocity]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
@@ -47,6 +48,7 @@ from longball.judge.diagnosis.expression import (
     dot,
     each,
     function,
+    named,
     norm,
     ordered,
     rebuilt,
@@ -109,7 +111,8 @@ class Edit:
     @property
     def rough(self) -> bool:
         """True if it adds a jump or a kink."""
-        return any(node.op in JUMPS | KINKS for node in ordered([self.by]))
+        before = ordered([self.place])
+        return any(node.op in JUMPS | KINKS and node not in before for node in ordered([self.by]))
 
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
@@ -626,6 +629,8 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
             root for one in before for name, root in one.roots.items()
             if one.kind != "flight" or name == "duration"
         ]  # fmt: skip
+        formulas = (x for one in chain if one.kind == "formula" for x in one.roots.values())
+        roots += [node for node in ordered(formulas) if node.data in INPUT_NAMES]
     if stage.kind == "event":  # where the flight that it ends began
         ends = (s for s in chain if s.kind == "flight" and s.quantities[0] == stage.quantities[0])
         roots += [flight.roots["place"] for flight in ends]
@@ -671,55 +676,60 @@ def edits(
         nodes = ordered([root], (), arguments)
         site = Site(root, (), here, defaults, flies, left_out)
         yield from _of_formula(root, root, nodes, frozenset(), site)
-        yield from _of_options(root, nodes, site)
-        yield from _of_uses(nodes, site)
+        yield from _of_regions(root, root, nodes, frozenset(), site)
         for form in stage.forms.get(name, ()):
             others = ordered([form], (), arguments)
             yield from _of_formula(root, form, others, frozenset(nodes), site)
+            yield from _of_regions(root, form, others, frozenset(nodes), site)
 
 
-def _of_options(root: Node, nodes: Sequence[Node], whole: Site) -> Iterator[Edit]:
-    """Edits in one option of a switch, of nodes that stand elsewhere as well.
+def _of_regions(
+    root: Node, form: Node, nodes: Sequence[Node], known: Container[Node], whole: Site
+) -> Iterator[Edit]:
+    """Edits in one option of a switch, or in one use of a definition, of what stands elsewhere too.
 
-    Programs write each option on its own, so that a mistake in one leaves the others right.
+    Programs write each option on its own, and write a definition out that they have no name for, so
+    that a mistake in one place leaves the others right.
     """
-    here = frozenset(nodes)
-    for chosen in (node for node in nodes if node.op == "switch"):
-        key, options = chosen.data
-        for option, form in zip(options, chosen.args, strict=True):
-            if form not in here:
-                continue
-            elsewhere = here.intersection(ordered([root], {form}))
-            inside = [node for node in ordered([form]) if node in here]
-            shared = [node for node in inside if node is not form and node in elsewhere]
-            said, places = f" where {key} is {option}", math.log2(1 + len(nodes))
-            for node in shared:
-                above = tuple(x for x in inside if node in x.args)
-                site = replace(whole, node=node, parents=above)
-                for operator in OF_ITSELF:
-                    for by, bits, text, starts in operator(site):
-                        cost = bits + places + UNNAMED.get(node.op, 1.5) + 2
-                        yield Edit(form, by, cost, text + said, starts, None, (form, node))
-
-
-def _of_uses(nodes: Sequence[Node], whole: Site) -> Iterator[Edit]:
-    """Edits in a definition where one formula uses it, which others use as well.
-
-    Programs that have no name for it write it out in each place.
-    """
-    places = math.log2(1 + len(nodes))
-    for definition in (node for node in nodes if node.op == "named"):
-        made = _meaning(definition)
-        uses = [(use, k) for use in nodes for k, arg in enumerate(use.args) if arg is definition]
-        if len(uses) < 2 or made.op not in ("product", "quotient", "sum"):
+    here, places = frozenset(nodes), math.log2(1 + len(nodes))
+    used = Counter(arg for node in nodes for arg in dict.fromkeys(node.args))
+    # What is edited, the part of it in which a node may err, and where that is in words.
+    regions: list[tuple[Node, Node, str]] = []
+    for node in nodes:
+        if node.op == "switch":
+            key, options = node.data
+            arms = zip(options, node.args, strict=True)
+            regions += [(arm, arm, f" where {key} is {option}") for option, arm in arms]
+        for arg in node.args if node.op != "switch" else ():
+            if arg.op == "named" and used[arg] > 1 and arg.args[0].op in PRODUCTS:
+                regions.append((node, arg.args[0], f" in {words(node)}"))
+    for region, inside, where in regions:
+        if region not in here or region in known:
             continue
-        for node in (x for x in ordered([made]) if x.op in ("symbol", "named")):
-            for by, bits, said, starts in _others(replace(whole, node=node, parents=(made,))):
-                other = substitute(made, node, by)
-                for use, k in uses:
-                    new = rebuilt(use, [*use.args[:k], other, *use.args[k + 1 :]])
-                    text = f"{said} in {words(use)}"
-                    yield Edit(use, new, bits + places + UNNAMED[node.op] + 2, text, starts)
+        elsewhere = here.intersection(ordered([form], {region}))
+        # Of a definition, what it is written with: not what that in turn stands for.
+        below = attrgetter("args") if inside is region else _written
+        parts = [node for node in ordered([inside], (), below) if node in here]
+        for node in (x for x in parts if x is not region and x in elsewhere):
+            site = replace(whole, node=node, parents=tuple(x for x in parts if node in x.args))
+            hole = named(words(node), node)
+            opened = substitute(region, node, hole)
+            if form is not root:
+                opened = substitute(form, region, opened)
+            variable = region is not inside and node.op in ("symbol", "named")
+            for operator in (*OF_ITSELF, *((_others,) if variable else ())):
+                for by, bits, text, starts in operator(site):
+                    cost = bits + places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)
+                    place = region if form is root else root
+                    yield Edit(place, by, cost, text + where, starts, within=(opened, hole))
+
+
+def _written(node: Node) -> tuple[Node, ...]:
+    """The arguments of a node as people write it: those of a definition are its name."""
+    return () if node.op == "named" else node.args
+
+
+PRODUCTS = "product", "quotient", "sum"  # definitions that programs write out
 
 
 # Bits of a place that is no definition with a name. Nobody writes a switch as one: its words say

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,19 @@ CUTS = 150  # further steps: an edited law may switch wherever a ball goes
 Index = NDArray[np.integer[Any]]  # numbers of scenes
 
 
+class Flying(Protocol):
+    """A candidate's way to fly: from a stage and columns to quantities and their errors."""
+
+    @property
+    def reads(self) -> Sequence[str]:
+        """Columns that it takes besides those of the stage's formulas."""
+
+    def __call__(
+        self, stage: Stage, columns: Mapping[str, Any]
+    ) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Quantities of the stage, and their errors."""
+
+
 @dataclass(frozen=True)
 class Data:
     """Scenes and answers as columns: one entry a scene, NaN where there is nothing.
@@ -104,8 +117,8 @@ class Data:
     granted
         The error of a quantity that passes, in its SI unit.
     ways
-        The candidate's integrators by the names of stages, as far as they are known: functions from
-        a stage and columns to quantities and their errors. Other stages are flown exactly.
+        The candidate's integrators by the names of stages, as far as they are known. Other stages
+        are flown exactly.
     blind
         Scenes in which the right chain does not reproduce the true value from the true earlier
         values, by the stage's name and kind, such as balls that graze a jump of the law. They are
@@ -122,11 +135,11 @@ class Data:
     cut: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     slips: Callable[..., Array] | None = None
     granted: float = 0.0
-    ways: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+    ways: Mapping[str, Flying] = field(default_factory=dict)
     blind: Mapping[tuple[str, Kind], Index] = field(default_factory=dict)
     flights: dict[Any, Any] = field(default_factory=dict, compare=False)
 
-    def way(self, stage: Stage) -> Callable[..., Any] | None:
+    def way(self, stage: Stage) -> Flying | None:
         """The candidate's way to fly a stage; None for an exact flight, or if it is no flight."""
         return self.ways.get(stage.name) if stage.kind == "flight" else None
 
@@ -566,24 +579,33 @@ def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str,
         return {stage.quantities[0]: np.broadcast_to(Evaluator([root], columns)()[0], shape)}
 
 
-def _with_doubt(
-    stage: Stage, columns: Columns, known: dict[Any, Any], limits: Stepping
+def _flown_once(
+    stage: Stage, columns: Columns, data: Data, limits: Stepping
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """The quantities of a flight, and the same with about their error added."""
+    """The quantities of a flight by the candidate's way, and the same with about their error added.
+
+    A flight that was flown before is looked up: an edit of one stage leaves the others as they are.
+    """
     roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
-    for name in ("kind", stage.spins, *names_in(roots)):
+    way = data.way(stage)
+    for name in ("kind", stage.spins, *names_in(roots), *(way.reads if way else ())):
         if name in columns:  # a symbol that moves has none
             numbers.update(columns[name].tobytes())
-    key = stage.name, roots, numbers.digest(), limits
-    if key in known:
-        found: tuple[dict[str, Array], dict[str, Array]] = known[key]
-        return found
-    balls = launched(stage, {**columns, "spin": columns[stage.spins]})
-    y, doubt = _flown(balls, balls.duration, limits)
-    off = doubt * np.maximum(np.abs(y), 1.0)
-    again = np.where(doubt > 0, y + off, flown(balls, balls.duration, DOUBLE))
-    found = known[key] = balls.ended(y), balls.ended(again)
-    return found
+    key = stage.name, roots, numbers.digest(), limits, way
+    if key not in data.flights:
+        columns = {**columns, "spin": columns[stage.spins]}
+        if way is not None:
+            found, doubt = way(stage, columns)
+            again = {quantity: found[quantity] + doubt[quantity] for quantity in found}
+        else:
+            balls = launched(stage, columns)
+            y, share = _flown(balls, balls.duration, limits)
+            off = share * np.maximum(np.abs(y), 1.0)
+            twice = np.where(share > 0, y + off, flown(balls, balls.duration, DOUBLE))
+            found, again = balls.ended(y), balls.ended(twice)
+        data.flights[key] = found, again
+    known: tuple[dict[str, Array], dict[str, Array]] = data.flights[key]
+    return known
 
 
 @dataclass(frozen=True)
@@ -653,11 +675,8 @@ def compared(
     jumps or kinks.
     """
     own = take(columns, some)
-    if (way := data.way(stage)) is not None:
-        found, unsure_by = way(stage, {**own, "spin": own[stage.spins]})
-        again = {quantity: found[quantity] + unsure_by[quantity] for quantity in found}
-    elif stage.kind == "flight":
-        found, again = _with_doubt(stage, own, data.flights, limits)
+    if stage.kind == "flight":
+        found, again = _flown_once(stage, own, data, limits)
     else:
         again = found = values(stage, own)
     rows = []

@@ -261,7 +261,8 @@ class Effects:
         starts: Sequence[Sequence[float]], off: Array,
     ) -> None:  # fmt: skip
         off = np.nan_to_num(off)
-        rows = slice(ROWS) if off[:ROWS].any() else slice(ROWS, None)
+        at_end = len(off) > ROWS and not off[:ROWS].any()
+        rows = slice(ROWS, None) if at_end else slice(ROWS)
         off = off[rows]
         sizes = np.sqrt((off * off).sum(axis=0))
         wrong = sizes > sizes.max(initial=0.0) * RIGHT

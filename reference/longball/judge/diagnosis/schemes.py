@@ -476,7 +476,7 @@ def with_edit(
     for edit in edits:
         for variant in _numbered(edit):
             search = searched(variant, followed.some[short])
-            if not (search.followed.wrong.any() and (like or search.null < null)):
+            if not (search.few.size and (like or search.null < null)):
                 continue
             tried, h = ([like.one], like.h) if like else (plain.possible, TRIALS[0])
             share, rest = _shares(search.off, search.made(tried, h, search.few))

@@ -18,10 +18,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.engine import Engine
-from longball.engines.verlet import Verlet
-from longball.judge.answers import Answer
-from longball.judge.cases import decidable, solved
 from longball.judge.diagnosis.chain import OWN, Kind, Stage
 from longball.judge.diagnosis.evidence import (
     CHANCE,
@@ -37,7 +33,6 @@ from longball.judge.diagnosis.expression import (
     ordered,
     symbol,
 )
-from longball.judge.diagnosis.integrators import in_steps
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
 from longball.judge.diagnosis.residual import (
     COARSE,
@@ -50,16 +45,13 @@ from longball.judge.diagnosis.residual import (
     Index,
     Stepping,
     compared,
-    data_of,
     evenly,
-    follow,
     inputs,
-    switches,
     take,
     values,
 )
 from longball.judge.diagnosis.response import Direct, Effects, Response, cubic, free
-from longball.judge.fresh import random_scenes
+from longball.judge.diagnosis.unseen import Unseen
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
 
@@ -98,6 +90,8 @@ class Located:
     nearest: Edit | None = None
     left: float = 1.0  # fraction of the initial cost that remains with `nearest`
     near: tuple[Edit, ...] = ()  # edits that leave least in the first scenes
+    # Of scenes that nobody had seen, in how many `nearest` is refuted, and all; else none is.
+    refuted: tuple[int, int] | None = None
 
 
 @cache
@@ -399,7 +393,7 @@ class Explanation:
         edit = edit.settled(x, bits)
         return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
 
-    def explain(self, ask: Ask | None = None) -> Named | Located:
+    def explain(self, unseen: Unseen | None = None) -> Named | Located:
         """The cheapest edit that explains the stage in all scenes; or two, if none does."""
         found, tried = self.candidates()
         near = tuple(group[0] for left, group in found[:NEAR])
@@ -430,7 +424,7 @@ class Explanation:
             else:
                 partial.append((cost(r) + edit.bits, edit))
         if adequate:  # rule 3: no rival
-            return self._named(adequate, ask)
+            return self._named(adequate, unseen)
         partial.sort(key=lambda one: one[0])
         for edit in self._in_pairs(alone) if self.pairs else ():
             if (both := self._with_another(edit)) is not None:
@@ -509,7 +503,7 @@ class Explanation:
             return None
         return Named((edit, *second.edits), second.evidence)
 
-    def _named(self, adequate: Sequence[tuple[Edit, float]], ask: Ask | None) -> Named:
+    def _named(self, adequate: Sequence[tuple[Edit, float]], unseen: Unseen | None) -> Named:
         """Choose among adequate edits: the one that breaks least elsewhere, then the cheapest.
 
         Those that the candidate does not make in scenes that nobody has seen drop out, unless all
@@ -531,8 +525,9 @@ class Explanation:
             chosen = everywhere if after <= before else here
             ranked.append((min(after, before) - before, edit.bits, evidence, chosen))
         ranked.sort(key=lambda one: one[:2])
-        if ask is not None and len(ranked) > 1:
-            ranked = [one for one in ranked if ask(self.chain, self.stage, one[3])] or ranked
+        if unseen is not None and len(ranked) > 1:
+            holds = [one for one in ranked if unseen.holds(self.chain, self.stage, one[3])]
+            ranked = holds or ranked
         _, _, evidence, best = ranked[0]
         return Named((best,), evidence, tuple(edit for *_, edit in ranked[1:4]))
 
@@ -547,49 +542,6 @@ class Explanation:
                 one, _ = compared(stage, self.data, self.columns, some, limits=EQUAL)
             self.counted[key] = int(one.wrong.sum())
         return self.counted[key]
-
-
-# True if an edit also makes the candidate's numbers in scenes that nobody has seen.
-Ask = Callable[[tuple[Stage, ...], Stage, Edit], bool]
-FRESH = 24  # scenes that rivals are told apart in
-
-
-def asking(
-    data: Data, solve: Callable[[Sequence[Any]], Mapping[str, Answer]], engine: Engine
-) -> Ask | None:
-    """Return a test of edits in random scenes, which the candidate and an engine solve.
-
-    None if the scenes at hand have readings or keys that random scenes never have.
-    """
-    kinds = sorted(set(data.columns["kind"]))
-    scenes = list(random_scenes(FRESH, seed=1, kinds=kinds))
-    cases = solved(scenes, engine)
-
-    @cache
-    def asked() -> Data:
-        answers = solve(scenes)
-        known = [case for case in cases if case.id in answers and decidable(case)]
-        fresh = data_of(known, answers, data.granted)
-        if isinstance(engine, Verlet):
-            fresh = in_steps(fresh, engine)
-        return replace(fresh, ways=data.ways)
-
-    # What the candidate does not tell follows from the edits that are in the chain by then.
-    followed: list[tuple[tuple[Stage, ...], Mapping[str, Any]]] = []
-
-    def holds(chain: tuple[Stage, ...], stage: Stage, edit: Edit) -> bool:
-        other = asked()
-        if not followed or followed[0][0] is not chain:
-            followed[:] = [(chain, follow(chain, other)[0])]
-        columns = followed[0][1]
-        (edited,) = edit.apply([stage])
-        some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
-        f = compared(edited, other, columns, some, rough=edit.rough)[0]
-        return is_adequate(f.off / f.floor, edit.rough)
-
-    usual = switches(scenes)
-    alike = all(set(usual[key]) <= set(data.columns[key]) for key in usual)
-    return holds if alike else None
 
 
 RIVAL = 0.2  # fraction of the initial cost that a right edit leaves in screening scenes at most

@@ -95,6 +95,11 @@ def located(
         kind: Kind = "located"
     else:
         kind = "nearest"
+    if found.nearest is not None and found.refuted is not None:
+        wrong, of = found.refuted
+        sentence += f" Your numbers are those of a program that {found.nearest.words}, but not in "
+        sentence += f"{wrong} of {many(of, 'new scene')} like these."
+    elif found.nearest is not None:
         sentence += " No single edit that is tried explains all your numbers. The nearest, that "
         sentence += f"your program {found.nearest.words}, "
         sentence += f"explains {100 * (1 - found.left):.0f}% of the error."

@@ -1,0 +1,139 @@
+"""Scenes that nobody has seen, in which a name has to make the candidate's numbers as well.
+
+They are the scenes at hand with every number moved. They have the same keys, options and readings,
+so that the candidate solves them; and a coincidence of the golden data's numbers shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from longball.engines.engine import CannotSolve
+from longball.engines.ivp import Ivp
+from longball.engines.verlet import Verlet
+from longball.judge.answers import Answer
+from longball.judge.cases import Known, decidable, solved
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.digits import with_cut
+from longball.judge.diagnosis.evidence import ADEQUATE, is_adequate
+from longball.judge.diagnosis.findings import Finding
+from longball.judge.diagnosis.integrators import in_steps
+from longball.judge.diagnosis.operators import Edit
+from longball.judge.diagnosis.outputs import outputs
+from longball.judge.diagnosis.residual import (
+    Data,
+    Flying,
+    Followed,
+    compared,
+    data_of,
+    evenly,
+    follow,
+    seen,
+)
+from longball.judge.fresh import moved
+from longball.model.numbers import Undecided
+from longball.model.scene import Scene
+
+# Runs a candidate again: from scenes to answers by id.
+Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
+
+SCENES = 32  # that are tried
+
+
+class Unseen:
+    """Moved scenes, which the candidate and the engine of the truth solve when they are needed."""
+
+    def __init__(
+        self, known: Data, chain: Sequence[Stage], solve: Solve, scheme: Verlet | None
+    ) -> None:
+        self._known, self._chain, self._solve, self._scheme = known, chain, solve, scheme
+        # What the candidate does not tell follows from the edits that are in a chain by then.
+        self._followed: tuple[tuple[Stage, ...], Mapping[str, Any]] = ((), {})
+
+    @cached_property
+    def data(self) -> Data:
+        """The candidate's answers in these scenes, where it has the right outcome."""
+        known = self._known
+        some = evenly(np.arange(len(known.cases)), SCENES)
+        scenes = [*moved([known.cases[i].scene for i in some], seed=1)]
+        cases = [*self._cases(scenes)]
+        answers = self._solve([case.scene for case in cases])
+        cases = [
+            case for case in cases
+            if (told := answers.get(case.id)) and told.error is None
+            and told.outcome in (None, case.expected.outcome)
+        ]  # fmt: skip
+        data = data_of(cases, answers, known.granted)
+        if self._scheme is not None:
+            data = in_steps(data, self._scheme)
+        return seen(self._chain, with_cut(data, known.cut))
+
+    def _cases(self, scenes: Iterable[Scene]) -> Iterator[Known]:
+        """Scenes with their truth, as far as doubles can tell it."""
+        for scene in scenes:
+            try:
+                (case,) = solved([scene], self._scheme or Ivp())
+            except (CannotSolve, Undecided):
+                continue
+            if decidable(case):
+                yield case
+
+    def converted(self, found: Sequence[Finding]) -> Unseen | None:
+        """The same with outputs converted back; None if these scenes refute a conversion."""
+        data, conversions = outputs(self.data, self._chain)
+        if not {one.edit for one in found} <= {one.edit for one in conversions}:
+            return None
+        other = Unseen(self._known, self._chain, self._solve, self._scheme)
+        other.data = data
+        return other
+
+    def holds(self, chain: tuple[Stage, ...], stage: Stage, edit: Edit) -> bool:
+        """True if an edit of a stage makes the candidate's numbers there."""
+        (edited,) = edit.apply([stage])
+        data = replace(self.data, ways=self._known.ways)
+        if self._followed[0] is not chain:
+            self._followed = chain, follow(chain, data)[0]
+        columns = self._followed[1]
+        some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
+        f = compared(edited, data, columns, some, rough=edit.rough)[0]
+        return is_adequate(f.off / f.floor, edit.rough)
+
+    def refuting(
+        self, chain: tuple[Stage, ...], ways: Mapping[str, Flying], located: Iterable[str]
+    ) -> Callable[[Stage, bool], tuple[int, int] | None]:
+        """From a stage that is explained, with rough edits or not, to the scenes that refute that.
+
+        They are counted among all that have the stage; None if all of them agree.
+        """
+        data = replace(self.data, ways=ways)
+        columns, every = followed(chain, data, located)
+        of = {(f.stage.name, f.stage.kind): f for f in every}
+
+        def refuted(stage: Stage, rough: bool) -> tuple[int, int] | None:
+            f = of[stage.name, stage.kind]
+            if rough:
+                f, _ = compared(f.stage, data, columns, f.some, rough=True)
+            r = f.off / f.floor
+            if not f.checked.any() or is_adequate(r, rough):
+                return None
+            return int((np.abs(r) > ADEQUATE).any(axis=0).sum()), int(f.checked.sum())
+
+        return refuted
+
+
+def followed(
+    chain: Sequence[Stage], data: Data, located: Iterable[str]
+) -> tuple[dict[str, Any], list[Followed]]:
+    """Residuals of all stages, as `follow` has them, beside stages that are only located.
+
+    Where a pitch is wrong without a known cause, what it brings to the bat is not known.
+    """
+    columns, every = follow(chain, data)
+    pitches = {"pitch", "touching"}.intersection(located)
+    lost = [f.some[f.wrong] for f in every if f.stage.kind == "flight" and f.stage.name in pitches]
+    return follow(chain, data, np.unique(np.concatenate(lost))) if lost else (columns, every)
