@@ -9,7 +9,7 @@ the candidate reports.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
@@ -119,11 +119,11 @@ I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
 
 # The variables of a flight, and its launch; and the formulas that hold during it.
 MOVING = frozenset(("r", "v", "t", "path"))
-IN_FLIGHT = MOVING | {"v0", "ω0"}
+IN_FLIGHT = MOVING | {"r0", "v0", "ω0"}
 FLYING = "law", "spin_left", "through"
 r, v = symbol("r", M, True), symbol("v", SPEED, True)
 t, path = symbol("t", S), symbol("path", M)
-v0, spin0 = symbol("v0", SPEED, True), symbol("ω0", RATE, True)
+r0, v0, spin0 = symbol("r0", M, True), symbol("v0", SPEED, True), symbol("ω0", RATE, True)
 
 e_x = named("e_x", vector(1.0, 0.0, 0.0))
 e_y = named("e_y", vector(0.0, 1.0, 0.0))
@@ -263,15 +263,28 @@ C_L = named(
 # --- the law of motion ----------------------------------------------------------------------------
 
 
+def _parts(a: Node) -> tuple[Node, Node, Node]:
+    return component(a, 0), component(a, 1), component(a, 2)
+
+
 def _heading(velocity: Node) -> Node:
     flat = level(velocity)
     return where(norm(flat), unit(flat), e_x)
 
 
-_ahead = named(
-    "h",
-    switch("reading.lift_direction", {"fixed_spin_axis": _heading(v0), "always_up": _heading(v)}),
-)
+def _heading_by_parts(velocity: Node) -> Node:
+    size = norm(level(velocity))
+    ahead, aside, _ = (where(size, each / size, e) for each, e in zip(_parts(velocity), _parts(e_x)))
+    return vector(ahead, aside, 0.0)
+
+
+def _headed(heading: Callable[[Node], Node]) -> Node:
+    """The horizontal direction of the launch, or of the ball's velocity by another reading."""
+    options = {"fixed_spin_axis": heading(v0), "always_up": heading(v)}
+    return named("h", switch("reading.lift_direction", options))
+
+
+_ahead = _headed(_heading)
 about = named("ê", cross(_ahead, e_z))
 _per_spin = I["R"] * (
     C_L / S_lift
@@ -316,13 +329,10 @@ def _law(drag: Node, paper_lift: Node, turned: Node) -> Node:
     return acting + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
 
 
-def _parts(a: Node) -> tuple[Node, Node, Node]:
-    return component(a, 0), component(a, 1), component(a, 2)
-
-
 def _by_components() -> Node:
     """The law as programs write it that have no vectors."""
-    (x, y, z), (p, q, s), (ahead, aside, _) = _parts(u_lift), _parts(spin), _parts(_ahead)
+    (x, y, z), (p, q, s) = _parts(u_lift), _parts(spin)
+    ahead, aside, _ = _parts(_headed(_heading_by_parts))
     lift = -(_lift * ahead * z), -(_lift * aside * z), _lift * (ahead * x + aside * y)
     turned = q * z - s * y, s * x - p * z, p * y - q * x
     return _law(vector(*(-(_drag * each) for each in _parts(u))), vector(*lift), vector(*turned))

@@ -275,6 +275,7 @@ def reason(
                     chain = edit.apply(chain)
         steps.append(Step(one, scheme or found))
         if scheme is not None and scheme.adequate and scheme.way is not None:
+            data = replace(data, ways={**data.ways, stage.name: scheme.way})
             data = _flown(scheme.way, chain, data, columns)
             columns, last = follow(chain, data, unknown)
             continue
@@ -350,7 +351,7 @@ def _beside(
 
 
 def _flown(way: Way, chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]) -> Data:
-    """Data whose flights go by a way, wherever less is wrong by it than on exact paths."""
+    """Data whose other flights go by a way where less is wrong by it than on exact paths."""
     ways = dict(data.ways)
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))

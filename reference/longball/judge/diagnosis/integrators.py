@@ -356,7 +356,8 @@ def together(some: Sequence[Integrator], count: int) -> Integrator:
 
 ON_STEP = 1e-7  # of a step: a time that is nearer to one is there
 DIRECT = 2000  # steps of a flight that are taken one by one
-# s: where it has more, the state is extrapolated from flights in these steps and the exact one.
+# s: where it has more, and more than flights in all these steps, the state is extrapolated from
+# those and the exact one.
 NODES = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
 
@@ -370,13 +371,13 @@ def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[A
     if one.step is None:
         y = flown(balls, np.asarray(counts * h))
         return y, None, np.zeros_like(y)
-    direct = counts <= DIRECT
+    way: Array = np.asarray(counts * h, dtype=float)
+    many = [math.ceil(way.max(initial=0.0) / node) for node in NODES]
+    direct = counts <= max(DIRECT, sum(many))
     short, last = stepped(balls, one.step, h, np.where(direct, counts, 0))
     if direct.all():
         return short, last, np.zeros_like(short)
-    way: Array = np.asarray(counts * h, dtype=float)
     exact = flown(balls, way)
-    many = [math.ceil(way.max() / node) for node in NODES]
     found = [stepped(balls, one.step, way / m, np.full(len(counts), m)) for m in many]
     x = np.array([0.0, *(1.0 / m for m in many)])
     target = 1.0 / np.maximum(counts, 1)

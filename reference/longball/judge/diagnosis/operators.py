@@ -27,6 +27,7 @@ from longball.judge.diagnosis.chain import (
     e_z,
     n,
     r,
+    r0,
     t,
     v,
     v0,
@@ -563,7 +564,7 @@ def _states(site: Site) -> Iterator[Option]:
     a, said = site.node, words(site.node)
     if not site.flies or not depends(a, frozenset(("r", "v"))):
         return
-    at_launch = substitute(substitute(a, v, v0), r, symbol("r0", M, True))
+    at_launch = substitute(substitute(a, v, v0), r, r0)
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
         if a.op in ("symbol", "component") and a.dimension == M:
@@ -641,7 +642,8 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         places = [x for x in found.values() if x.op == "symbol" and x.vector and x.dimension == M]
         found |= {id(x): x for place in places for i in range(3) for x in [component(place, i)]}
     if stage.kind == "flight":
-        found |= {id(x): x for moving in (v, r) for i in range(3) for x in [component(moving, i)]}
+        states = v, r, v0, r0
+        found |= {id(x): x for state in states for i in range(3) for x in [component(state, i)]}
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
         found[id(node)] = node

@@ -347,7 +347,10 @@ class Steps:
             # The shortest flights tell most of them.
             if not self._holds(one, h, chord, self.few[:2]) or not self._holds(one, h, chord):
                 continue
-            r = self.left(one, h, chord, self.all)
+            ways = {**self.data.ways, self.stage.name: Way(one, h, chord)}
+            data = replace(self.data, ways=ways)  # whose flights are looked up later
+            after, _ = compared(self.stage, data, self.columns, self.followed.some)
+            r = after.off / after.floor
             bits = TRIED_BITS + more + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
             evidence = self.null - cost(r) - bits - CHANCE
             if evidence > 0 and is_adequate(r, is_rough(self.stage)):

@@ -128,12 +128,14 @@ def _median(x: Any) -> float:
 class Effort(NamedTuple):
     """Budget of a search: the number of edits that reach each phase."""
 
-    foreseen: int  # ranked by their first-order effects: the cheapest ones
+    # Ranked by their first-order effects: the cheapest ones first, and if none of them explains the
+    # stage, so many others.
+    foreseen: tuple[int, ...]
     tried: int  # computed in the screening scenes
     held: int  # verified in all scenes
 
 
-ALONE, BESIDE_ANOTHER = Effort(10000, 100, 16), Effort(5000, 50, 16)
+ALONE, BESIDE_ANOTHER = Effort((10_000, 70_000), 100, 16), Effort((5000,), 50, 16)
 # Edits that are tried with a second one; few of flights, since each trial integrates them.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
@@ -284,42 +286,56 @@ class Explanation:
 
     # --- the search -------------------------------------------------------------------------------
 
+    def explain(self, unseen: Unseen | None = None) -> Named | Located:
+        """The cheapest edit that explains the stage in all scenes; or two, if none does."""
+        wrong = take(self.columns, self.followed.some[self.followed.beyond])
+        options = {**wrong, "spin": wrong[self.stage.spins]}
+        every = edits(self.chain, self.stage, defaults(), options)
+        cheapest = heapq.nsmallest(sum(self.effort.foreseen), every, key=lambda edit: edit.bits)
+        found, looked_at = Located(), 0
+        for count in self.effort.foreseen:
+            some, looked_at = cheapest[looked_at : looked_at + count], looked_at + count
+            other = self._explained_by(some, min(looked_at, len(cheapest)), unseen)
+            if isinstance(other, Named):
+                return other
+            if looked_at == self.effort.foreseen[0] or other.left < found.left:
+                found = replace(other, near=(*found.near, *other.near))
+            if looked_at >= len(cheapest):
+                break
+        return found
+
     @np.errstate(all="ignore")
-    def candidates(self) -> tuple[list[tuple[float, list[Edit]]], int]:
-        """Screen the edits of the stage.
+    def candidates(self, some: Sequence[Edit]) -> list[tuple[float, list[Edit]]]:
+        """Screen some edits of the stage.
 
         Return groups of equal edits with the cost that they leave in the screening scenes, the
-        cheapest in all first; and the number of edits, for the cost of searching among them.
+        cheapest in all first.
         """
         # Random inputs, in which equal edits are found. Few wrong scenes are repeated, so that
         # their random moves give several values.
-        some = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
-        probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, some)))
+        scenes = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
+        probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, scenes)))
         place = str(OWN[self.stage.quantities[0]].data)
         self.beside = [
             Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
         ]
-        # The cheapest edits, ranked by the cost that their first-order effects leave.
-        wrong = take(self.columns, self.followed.some[self.followed.beyond])
-        options = {**wrong, "spin": wrong[self.stage.spins]}
-        every = edits(self.chain, self.stage, defaults(), options)
-        cheapest = heapq.nsmallest(self.effort.foreseen, every, key=lambda edit: edit.bits)
+        # They are ranked by the cost that their first-order effects leave.
         flies = self.stage.kind == "flight"
         effects = (Response if flies else Direct)(self.stage, self.near)
-        starts = [self._starts(edit, effects.at) for edit in cheapest]
+        starts = [self._starts(edit, effects.at) for edit in some]
         errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
         if self.stage.kind == "event":
             # The function is 0 at the candidate's value if the edit is right: the edit moves it by
             # minus the residual.
             errors = -errors
-        self.fits = Effects(effects, cheapest, starts, errors)
+        self.fits = Effects(effects, some, starts, errors)
         remains = self.fits.left()
         if flies and _median(self.followed.relative[self.followed.beyond]) > FAR_OFF:
             ends = self._given(self.few)[:6]
             along = Response(self.stage, self.near, cubic(ends), free)
-            others = Effects(along, cheapest, starts, along.off(ends))
+            others = Effects(along, some, starts, along.off(ends))
             remains = [min(both) for both in zip(remains, others.left(), strict=True)]
-        shares = dict(zip(cheapest, remains, strict=True))
+        shares = dict(zip(some, remains, strict=True))
         # Groups of equal edits, which leave equal costs and so follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
@@ -354,7 +370,7 @@ class Explanation:
             if left <= RIVAL * self.null:
                 last = k
         found.sort(key=lambda one: one[0] + one[1][0].bits)
-        return found, len(cheapest)
+        return found
 
     @np.errstate(all="ignore")
     def _is_possible(self, stage: Stage) -> bool:
@@ -393,9 +409,11 @@ class Explanation:
         edit = edit.settled(x, bits)
         return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
 
-    def explain(self, unseen: Unseen | None = None) -> Named | Located:
-        """The cheapest edit that explains the stage in all scenes; or two, if none does."""
-        found, tried = self.candidates()
+    def _explained_by(
+        self, some: Sequence[Edit], tried: int, unseen: Unseen | None
+    ) -> Named | Located:
+        """One or two of some edits that explain the stage; `tried` were looked at so far."""
+        found = self.candidates(some)
         near = tuple(group[0] for left, group in found[:NEAR])
         alone = min((left for left, _ in found), default=self.null)
         found = [(left, group) for left, group in found if left <= HALF * self.null]
