@@ -274,8 +274,10 @@ def _heading(velocity: Node) -> Node:
 
 def _heading_by_parts(velocity: Node) -> Node:
     size = norm(level(velocity))
-    ahead, aside, _ = (where(size, each / size, e) for each, e in zip(_parts(velocity), _parts(e_x)))
-    return vector(ahead, aside, 0.0)
+    ahead, aside, _ = _parts(velocity)
+    return vector(
+        where(size, ahead / size, constant(1.0)), where(size, aside / size, constant(0.0)), 0
+    )
 
 
 def _headed(heading: Callable[[Node], Node]) -> Node:

@@ -644,7 +644,8 @@ def words(node: Node) -> str:
         ]
     match node.op:
         case "component":
-            return f"{args[0]}_{'xyz'[node.data]}"
+            whole = f"({args[0]})" if node.args[0].op in _WEAK else args[0]
+            return f"{whole}_{'xyz'[node.data]}"
         case "axes":
             return f"{args[0]} as {node.data[1]}"
         case "switch":

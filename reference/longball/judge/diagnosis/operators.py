@@ -458,6 +458,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             for square, text in _mixed(b, b):
                 size = function("sqrt", square, dimension=a.dimension)
                 yield size, 3.0, f"takes {text} in the length of {words(b)}"
+        case "cross", (b, c):
+            yield from ((made, 3.0, f"takes {text}") for made, text in _slipped(b, c))
         case "dot", (b, c):  # as programs write it out, with a slip in one index or sign
             for product, text in (*_mixed(b, c), *_mixed(c, b)):
                 yield product, 3.0, f"takes {text} in {said}"
@@ -506,6 +508,27 @@ def _mixed(a: Node, b: Node) -> Iterator[tuple[Node, str]]:
             if j != i:
                 other = component(a, i) * component(b, j)
                 yield dot(a, b) - here + other, f"{words(other)} for {words(here)}"
+
+
+def _slipped(a: Node, b: Node) -> Iterator[tuple[Node, str]]:
+    """The vector product of two vectors with another sign, or another component, in one term."""
+    right = [component(cross(a, b), i) for i in range(3)]
+
+    def instead(i: int, by: Node) -> tuple[Node, str]:
+        made = vector(*(by if k == i else each for k, each in enumerate(right)))
+        return made, f"{words(by)} for {words(right[i])}"
+
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        first, last = component(a, j) * component(b, k), component(a, k) * component(b, j)
+        yield instead(i, -right[i])
+        yield instead(i, first + last)
+        for p, q in itertools.product(range(3), range(3)):
+            other = component(a, p) * component(b, q)
+            if (p == j) != (q == k):
+                yield instead(i, other - last)
+            if (p == k) != (q == j):
+                yield instead(i, first - other)
 
 
 def _meaning(node: Node) -> Node:
@@ -679,6 +702,7 @@ def edits(
         site = Site(root, (), here, defaults, flies, left_out)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
+        yield from _of_functions(root, nodes)
         for form in stage.forms.get(name, ()):
             others = ordered([form], (), arguments)
             yield from _of_formula(root, form, others, frozenset(nodes), site)
@@ -724,6 +748,37 @@ def _of_regions(
                     cost = bits + places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)
                     place = region if form is root else root
                     yield Edit(place, by, cost, text + where, starts, within=(opened, hole))
+
+
+def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
+    """Edits of every scalar or vector product of a formula.
+
+    Programs have one function for each, and a slip in it shows wherever it is called. A length is
+    the root of a scalar product.
+    """
+    for name, ops, slips in FUNCTIONS:
+        if sum(node.op in ops for node in nodes) < 2:  # one alone is edited in its place
+            continue
+        for number, (_, text) in enumerate(slips(_A, _B)):
+            made: dict[Node, Node] = {}
+            for node in nodes:  # arguments come first
+                again = rebuilt(node, [made.get(arg, arg) for arg in node.args])
+                if node.op in ops:
+                    a, b = (again.args * 2)[:2]
+                    again, _ = [*slips(a, b)][number]
+                if node.op in ("norm", "unit"):
+                    size = function("sqrt", again, dimension=a.dimension)
+                    again = size if node.op == "norm" else a / size
+                made[node] = again
+            cost = BITS["sibling"] + 3.0 + math.log2(1 + len(nodes))
+            yield Edit(root, made[root], cost, f"takes {text} in every {name} a, b")
+
+
+FUNCTIONS = (
+    ("scalar product of", ("dot", "norm", "unit"), _mixed),
+    ("vector product of", ("cross",), _slipped),
+)
+_A, _B = symbol("a", NONE, True), symbol("b", NONE, True)
 
 
 def _written(node: Node) -> tuple[Node, ...]:

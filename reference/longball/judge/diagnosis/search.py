@@ -12,7 +12,8 @@ import heapq
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -128,14 +129,14 @@ def _median(x: Any) -> float:
 class Effort(NamedTuple):
     """Budget of a search: the number of edits that reach each phase."""
 
-    # Ranked by their first-order effects: the cheapest ones first, and if none of them explains the
+    # Ranked by their first-order effects: the cheapest ones, and if none of those explains the
     # stage, so many others.
-    foreseen: tuple[int, ...]
+    foreseen: tuple[int, int]
     tried: int  # computed in the screening scenes
     held: int  # verified in all scenes
 
 
-ALONE, BESIDE_ANOTHER = Effort((10_000, 70_000), 100, 16), Effort((5000,), 50, 16)
+ALONE, BESIDE_ANOTHER = Effort((10_000, 70_000), 100, 16), Effort((5000, 0), 50, 16)
 # Edits that are tried with a second one; few of flights, since each trial integrates them.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
@@ -185,6 +186,7 @@ class Explanation:
     followed: Followed
     effort: Effort = ALONE
     pairs: int = 0
+    searched: int = 0  # edits, among which one is chosen
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
 
     def __post_init__(self) -> None:
@@ -292,21 +294,39 @@ class Explanation:
         options = {**wrong, "spin": wrong[self.stage.spins]}
         every = edits(self.chain, self.stage, defaults(), options)
         cheapest = heapq.nsmallest(sum(self.effort.foreseen), every, key=lambda edit: edit.bits)
-        found, looked_at = Located(), 0
-        for count in self.effort.foreseen:
-            some, looked_at = cheapest[looked_at : looked_at + count], looked_at + count
-            other = self._explained_by(some, min(looked_at, len(cheapest)), unseen)
-            if isinstance(other, Named):
-                return other
-            if looked_at == self.effort.foreseen[0] or other.left < found.left:
-                found = replace(other, near=(*found.near, *other.near))
-            if looked_at >= len(cheapest):
-                break
+        first = self.effort.foreseen[0]
+        self.searched = min(first, len(cheapest))
+        found = self._explained_by(cheapest[:first], unseen)
+        if isinstance(found, Named) or len(cheapest) <= first:
+            return found
+        self.searched, self.pairs = len(cheapest), 0
+        other = self._explained_by(cheapest[first:], unseen, slice(-1, None))
+        if isinstance(other, Named):
+            return other
+        return replace(min(found, other, key=attrgetter("left")), near=(*found.near, *other.near))
+
+    @cached_property
+    def responses(self) -> list[tuple[Response | Direct, Array]]:
+        """First-order effects along a path, with the errors that they are compared with.
+
+        If an edit leads a ball far off, the effects along the cubic between the candidate's own
+        ends stand beside those along the right path.
+        """
+        flies = self.stage.kind == "flight"
+        way = (Response if flies else Direct)(self.stage, self.near)
+        errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
+        # An event function is 0 at the candidate's value if the edit is right: the edit moves it by
+        # minus the residual.
+        found = [(way, -errors if self.stage.kind == "event" else errors)]
+        if flies and _median(self.followed.relative[self.followed.beyond]) > FAR_OFF:
+            ends = self._given(self.few)[:6]
+            along = Response(self.stage, self.near, cubic(ends), free)
+            found.append((along, along.off(ends)))
         return found
 
     @np.errstate(all="ignore")
-    def candidates(self, some: Sequence[Edit]) -> list[tuple[float, list[Edit]]]:
-        """Screen some edits of the stage.
+    def candidates(self, some: Sequence[Edit], which: slice) -> list[tuple[float, list[Edit]]]:
+        """Screen some edits of the stage, ranked by `which` of its `responses`.
 
         Return groups of equal edits with the cost that they leave in the screening scenes, the
         cheapest in all first.
@@ -320,22 +340,12 @@ class Explanation:
             Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
         ]
         # They are ranked by the cost that their first-order effects leave.
-        flies = self.stage.kind == "flight"
-        effects = (Response if flies else Direct)(self.stage, self.near)
-        starts = [self._starts(edit, effects.at) for edit in some]
-        errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
-        if self.stage.kind == "event":
-            # The function is 0 at the candidate's value if the edit is right: the edit moves it by
-            # minus the residual.
-            errors = -errors
-        self.fits = Effects(effects, some, starts, errors)
-        remains = self.fits.left()
-        if flies and _median(self.followed.relative[self.followed.beyond]) > FAR_OFF:
-            ends = self._given(self.few)[:6]
-            along = Response(self.stage, self.near, cubic(ends), free)
-            others = Effects(along, some, starts, along.off(ends))
-            remains = [min(both) for both in zip(remains, others.left(), strict=True)]
-        shares = dict(zip(some, remains, strict=True))
+        flies, at = self.stage.kind == "flight", self.responses[0][0].at
+        starts = [self._starts(edit, at) for edit in some]
+        every = [Effects(way, some, starts, errors) for way, errors in self.responses[which]]
+        self.fits = every[0]
+        remains = np.min([one.left() for one in every], axis=0)
+        shares = dict(zip(some, remains.tolist(), strict=True))
         # Groups of equal edits, which leave equal costs and so follow each other.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
@@ -358,7 +368,7 @@ class Explanation:
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
             if edit.starts:
-                c, r = _fitted_from(screened, self._starts(edit, effects.at), edit.factor)
+                c, r = _fitted_from(screened, self._starts(edit, at), edit.factor)
                 group[0] = replace(edit, starts=(c,))
                 made = self.edited(edit.settled(c, 0.0))
                 if not self._is_possible(made):
@@ -410,16 +420,16 @@ class Explanation:
         return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
 
     def _explained_by(
-        self, some: Sequence[Edit], tried: int, unseen: Unseen | None
+        self, some: Sequence[Edit], unseen: Unseen | None, which: slice = slice(None)
     ) -> Named | Located:
-        """One or two of some edits that explain the stage; `tried` were looked at so far."""
-        found = self.candidates(some)
+        """One or two of some edits that explain the stage; see `candidates`."""
+        found = self.candidates(some, which)
         near = tuple(group[0] for left, group in found[:NEAR])
         alone = min((left for left, _ in found), default=self.null)
         found = [(left, group) for left, group in found if left <= HALF * self.null]
         # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
         # tried.
-        needed = CHANCE + math.log2(1 + tried)
+        needed = CHANCE + math.log2(1 + self.searched)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
         for i, (left, group) in enumerate(found[: self.effort.held]):
