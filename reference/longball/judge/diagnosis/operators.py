@@ -276,7 +276,8 @@ def _others(site: Site) -> Iterator[Option]:
     like = [b for b in site.pool if b.vector == a.vector and b is not a and words(b) != words(a)]
     same = [b for b in like if b.dimension == a.dimension]
     choice = math.log2(1 + len(same))
-    if a.op in ("symbol", "named", "component", "dot") and not a.vector:
+    variable = a.op in ("symbol", "named", "component", "dot") or not site.parents
+    if variable and not a.vector:
         # A wrong variable or key may be of any unit: programs have none.
         cost = BITS["other"] + BITS["unit"] + math.log2(1 + len(like))
         for b in like:

@@ -336,9 +336,11 @@ class Explanation:
         scenes = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
         probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, scenes)))
         place = str(OWN[self.stage.quantities[0]].data)
-        self.beside = [
-            Values({**probe.columns, place: probe.columns[place] + by}) for by in (MOVED, -MOVED)
-        ]
+        at = take(self.columns, self.all) | {FREE: np.full(len(self.all), USUAL_NUMBER)}
+        self.there, *self.beside = (
+            Values({**at, "spin": at[self.stage.spins], place: at[place] + by})
+            for by in (0.0, MOVED, -MOVED)
+        )
         # They are ranked by the cost that their first-order effects leave.
         flies, at = self.stage.kind == "flight", self.responses[0][0].at
         starts = [self._starts(edit, at) for edit in some]
@@ -393,11 +395,11 @@ class Explanation:
         zero, old = stage.roots["zero"], self.stage.roots["zero"]
         if np.mean(np.abs(self.probe.of(zero)) < NOTHING) > ANYWHERE:
             return False
-        changes = [
-            [np.median(np.abs(beside.of(x) - self.probe.of(x))) for x in (zero, old)]
-            for beside in self.beside
-        ]
-        return all(change > FLAT * usual for change, usual in changes)
+        for beside in self.beside:
+            change, usual = (np.abs(beside.of(x) - self.there.of(x)) for x in (zero, old))
+            if np.mean(change <= FLAT * usual) > ANYWHERE:
+                return False
+        return True
 
     def _starts(self, edit: Edit, at: Values) -> list[float]:
         """Initial values of an edit's free number; the median of an expression."""
@@ -579,10 +581,11 @@ ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chos
 TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
 NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
 RIVALS = 10.0  # bits: an edit that costs so much more than the cheapest is no rival
-# An edited event function is no event if it is below NOTHING, m, in more than a fraction ANYWHERE
-# of the random scenes, or if a ball MOVED by so many metres changes it by less than FLAT of the
-# change without the edit.
+# An edited event function is no event if in more than a fraction ANYWHERE of the scenes it is below
+# NOTHING, m, for balls anywhere, or if a ball MOVED by so many metres changes it by less than FLAT
+# of the change without the edit.
 NOTHING, ANYWHERE = 1e-9, 0.1
+USUAL_NUMBER = 0.5  # a value of a free number
 MOVED, FLAT = 0.1, 0.3
 
 
