@@ -555,17 +555,6 @@ fence_side = switch(
         "a polyline": component(cross(unit(_chord), _beside), 2),
     },
 )
-# As it is written out: the signed area between chord and ball, over the chord's length.
-_ahead_of_a = component(_b, 0) - component(_a, 0), component(_b, 1) - component(_a, 1)
-_ball_of_a = component(at_fence, 0) - component(_a, 0), component(at_fence, 1) - component(_a, 1)
-_by_area = switch(
-    "fence",
-    {
-        "a circle": norm(level(at_fence)) - I["fence.radius"],
-        "a polyline": (_ahead_of_a[0] * _ball_of_a[1] - _ahead_of_a[1] * _ball_of_a[0])
-        / norm(_chord),
-    },
-)
 _clear = switch("reading.fence_clearance", {"centre": constant(0.0, M), "surface": I["R"]})
 _surface = switch("reading.ground_contact", {"centre": constant(0.0, M), "surface": I["R"]})
 _launched_at = switch("kind", {"flight": I["launch.position"], "at-bat": place})
@@ -813,7 +802,7 @@ CHAIN = (
         "fence", ("fence.position", "fence.velocity"), "flight", _batted(fence_time - _begun),
         _forms,
     ),
-    Stage("fence", ("fence.position",), "event", {"zero": fence_side}, {"zero": (_by_area,)}),
+    Stage("fence", ("fence.position",), "event", {"zero": fence_side}),
     _formula("clearance", "fence.clearance", component(at_fence, 2) - fence_top - _clear),
     _formula(
         "fence margin", "fence.margin",
