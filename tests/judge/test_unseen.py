@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
@@ -24,7 +24,8 @@ def test_moved_scenes_have_the_same_keys_and_other_numbers():
     assert again == [*moved(scenes, 3)] != [*moved(scenes, 4)]
     for scene, other in zip(scenes, again, strict=True):
         before, after = dict(numbers(scene)), dict(numbers(other))
-        assert before.keys() == after.keys() and other.reading == scene.reading
+        assert before.keys() == after.keys()
+        assert other.reading == scene.reading
         kept = {name for name in before if before[name] == after[name]}
         assert all(before[name] == 0 for name in kept - {"time_limit"})
 
@@ -36,29 +37,50 @@ def test_ball_and_bat_of_a_moved_impact_still_touch():
         assert math.isclose(math.hypot(x, z - height), reach, rel_tol=1e-12)
 
 
-def backwards(scenes: Iterable[Scene]) -> dict[str, Answer]:
-    """Landings of a program that steps x against the velocity."""
+def answers(scenes: Iterable[Scene], flown: Callable[[Scene], dict]) -> dict[str, Answer]:
     asked = list(scenes)
     collector = Collector([str(scene.id) for scene in asked])
     for number, scene in enumerate(asked, 1):
-        landing = solve(scene, Ivp()).landing
-        x, y, z = map(float, landing.position)
-        position = [2 * scene.launch.position[0] - x, y, z]
-        told = {"id": scene.id, "outcome": "landed",
-                "landing": {"time": float(landing.time), "position": position}}  # fmt: skip
+        told = {"id": scene.id, "outcome": "landed", "landing": flown(scene)}
         collector.take_line(number, json.dumps(told).encode())
     return collector.answers
 
 
-def test_a_name_that_holds_by_chance_is_withdrawn():
+def landed(scene: Scene) -> dict:
+    landing = solve(scene, Ivp()).landing
+    return {"time": float(landing.time), "position": [*map(float, landing.position)]}
+
+
+def backwards(scene: Scene) -> dict:
+    """The landing of a program that steps x against the velocity."""
+    told = landed(scene)
+    x, y, z = told["position"]
+    return {**told, "position": [2 * scene.launch.position[0] - x, y, z]}
+
+
+def heavy(scene: Scene) -> dict:
+    return landed(scene.model_copy(update={"gravity": 9.9}))
+
+
+def test_what_holds_by_chance_gives_way_to_what_holds_in_new_scenes():
     scenes = []
     for scene in flights():
         _, y, z = scene.launch.position
         launch = scene.launch.model_copy(update={"position": (0.0, y, z)})
         scenes.append(scene.model_copy(update={"launch": launch}))
-    cases, answers = solved(scenes, Ivp()), backwards(scenes)
+    cases, said = solved(scenes, Ivp()), answers(scenes, backwards)
     # From x = 0 it is only another sign. Elsewhere it is not.
     by_chance = "landing.position is given as (-x, y, z)"
-    assert [found.edit for found in diagnose(cases, answers).findings] == [by_chance]
-    (found,) = diagnose(cases, answers, solve=backwards).findings
-    assert (found.stage, found.kind) == ("flight", "located")
+    assert [found.edit for found in diagnose(cases, said).findings] == [by_chance]
+    (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
+    assert (found.stage, found.edit) == ("flight", "takes (-x, y, z) of dr/dt")
+
+
+def test_a_name_that_new_scenes_refute_is_withdrawn():
+    scenes = flights()
+    cases, said = solved(scenes, Ivp()), answers(scenes, heavy)
+    (found,) = diagnose(cases, said, solve=lambda new: answers(new, heavy)).findings
+    assert (found.kind, found.edit) == ("named", "takes 9.9 for g, whatever the scene says")
+    (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
+    assert (found.kind, found.edit) == ("nearest", None)
+    assert "but not in" in found.sentence

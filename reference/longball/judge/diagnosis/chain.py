@@ -118,10 +118,11 @@ INPUTS = (
 I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
 
 # The variables of a flight, and its launch; and the formulas that hold during it.
-MOVING = frozenset(("r", "v", "t", "path"))
+MOVING = frozenset(("r", "dr/dt", "v", "t", "path"))
 IN_FLIGHT = MOVING | {"r0", "v0", "ω0"}
-FLYING = "law", "spin_left", "through"
+FLYING = "rate", "law", "spin_left", "through"
 r, v = symbol("r", M, True), symbol("v", SPEED, True)
+moves = symbol("dr/dt", SPEED, True)  # which is v, apart from its symbol
 t, path = symbol("t", S), symbol("path", M)
 r0, v0, spin0 = symbol("r0", M, True), symbol("v0", SPEED, True), symbol("ω0", RATE, True)
 
@@ -626,7 +627,8 @@ class Stage:
         What it gives. A flight gives position, velocity and spin at its end.
     kind
         A "formula" has the root `value`. A "flight" has `place`, `velocity`, `spin`, `duration`,
-        `law` and `spin_left`. An "event" has `zero`, which is 0 at the quantity given.
+        `rate` (of the place), `law` (the acceleration) and `spin_left`. An "event" has `zero`,
+        which is 0 at the quantity given.
     roots
         Its expressions, by name.
     forms
@@ -688,8 +690,8 @@ _spin_reported = named("the share of the spin that is left", spin_left)
 
 def _flight(duration: Node, place: Node, velocity: Node, spinning: Node) -> dict[str, Node]:
     return {
-        "place": place, "velocity": velocity, "spin": spinning, "duration": duration, "law": LAW,
-        "spin_left": _spin_reported, "through": U,
+        "place": place, "velocity": velocity, "spin": spinning, "duration": duration,
+        "rate": moves, "law": LAW, "spin_left": _spin_reported, "through": U,
     }  # fmt: skip
 
 
@@ -720,7 +722,7 @@ def _formula(
 
 
 _STRUCK = ("impact", "at-bat")
-_forms = {"law": OTHER_FORMS}
+_forms = {"law": OTHER_FORMS, "rate": (vector(*_parts(moves)),)}
 # By components of a speed, and by the angle of the aim above the level.
 _by_parts = _released(I["V_0"] / norm(_towards) * _towards)
 _flat_aim = named("(aim - release)_xy", level(_towards))

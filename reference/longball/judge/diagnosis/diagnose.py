@@ -371,7 +371,9 @@ def _is_same_flight(a: Stage, b: Stage) -> bool:
     """True for flights of one ball, such as to the fence and to the ground."""
     if a.kind != "flight" or b.kind != "flight":
         return False
-    return all(a.roots[name] is b.roots[name] for name in ("place", "velocity", "spin", "law"))
+    return all(
+        a.roots[name] is b.roots[name] for name in ("place", "velocity", "spin", "rate", "law")
+    )
 
 
 def _is_wrong(one: Followed) -> bool:

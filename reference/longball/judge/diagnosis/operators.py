@@ -21,6 +21,7 @@ from longball.judge.diagnosis.chain import (
     FLYING,
     IN_FLIGHT,
     INPUTS,
+    OWN,
     Stage,
     e_x,
     e_y,
@@ -311,14 +312,14 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield free(a.dimension), BITS["free value"] + 1, f"takes {{c}} for {said}", (a.data,)
     if a.op == "constant":
         return
-    summand = not site.parents or site.under("sum")
+    summand = not site.parents or site.under("sum", "vector")
     divides = any(p.op == "quotient" and p.args[1] is a for p in site.parents)
     known = a.data in INPUT_NAMES or (a.op == "named" and (a.dimension != NONE or not a.vector))
     if (summand or known) and not divides:
         cost = BITS["zero"] + (0.0 if summand or a.op == "named" else 1.0)
         yield constant(0.0, a.dimension, a.vector), cost, f"leaves out {said}", ()
     whole = not site.parents and a.dimension == NONE
-    if (site.under("product", "quotient", "dot") or whole) and not a.vector:
+    if (site.under("product", "quotient", "dot", "vector") or whole) and not a.vector:
         yield constant(1.0, a.dimension), BITS["one"], f"takes 1 for {said}", ()
     if a.op == "symbol" and (usual := site.defaults.get(a.data)) is not None and not a.vector:
         assert isinstance(usual, float)
@@ -668,6 +669,8 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     if stage.kind == "flight":
         states = v, r, v0, r0
         found |= {id(x): x for state in states for i in range(3) for x in [component(state, i)]}
+    if stage.kind == "formula":  # which its own quantity is no part of
+        found.pop(id(OWN.get(stage.quantities[0])), None)
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
         found[id(node)] = node
@@ -735,15 +738,15 @@ def _of_regions(
             continue
         elsewhere = here.intersection(ordered([form], {region}))
         # Of a definition, what it is written with: not what that in turn stands for.
-        below = attrgetter("args") if inside is region else _written
-        parts = [node for node in ordered([inside], (), below) if node in here]
+        written = ordered([inside], (), _written)
+        parts = [x for x in (ordered([region]) if inside is region else written) if x in here]
         for node in (x for x in parts if x is not region and x in elsewhere):
             site = replace(whole, node=node, parents=tuple(x for x in parts if node in x.args))
             hole = named(words(node), node)
             opened = substitute(region, node, hole)
             if form is not root:
                 opened = substitute(form, region, opened)
-            variable = region is not inside and node.op in ("symbol", "named")
+            variable = node in written and node.op in ("symbol", "named")
             for operator in (*OF_ITSELF, *((_others,) if variable else ())):
                 for by, bits, text, starts in operator(site):
                     cost = bits + places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)

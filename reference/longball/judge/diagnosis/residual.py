@@ -21,7 +21,17 @@ from scipy.integrate import DOP853
 from longball.engines.fence import chords
 from longball.judge.answers import Answer
 from longball.judge.cases import SLACK, Case, attainable
-from longball.judge.diagnosis.chain import CHAIN, INPUTS, MOVING, OWN, SPEED, Kind, Stage, closest
+from longball.judge.diagnosis.chain import (
+    CHAIN,
+    INPUTS,
+    MOVING,
+    OWN,
+    SPEED,
+    Kind,
+    Stage,
+    closest,
+    moves,
+)
 from longball.judge.diagnosis.evidence import ADEQUATE
 from longball.judge.diagnosis.expression import (
     JUMPS,
@@ -393,15 +403,17 @@ def launched(stage: Stage, columns: Columns) -> Launched:
     }
     follows = depends(roots["law"], _PATH) or depends(roots["spin_left"], _PATH)
     moving = MOVING | {str(node.data) for node in START.values()}
-    law = Evaluator([roots["law"], *([roots["through"]] if follows else [])], columns, moving)
+    strays = roots["rate"] is not moves
+    every = [roots["law"], *([roots["through"]] if follows else [])]
+    law = Evaluator([*every, *([roots["rate"]] if strays else [])], columns, moving)
     began = [str(START[name].data) for name in ("r", "v")]
 
     def rates(at: Array, t: Any, start: Array | None = None) -> Array:
         start = at if start is None else start
         begin = {began[0]: start[:3], began[1]: start[3:6]}
-        pushed = law(r=at[:3], v=at[3:6], t=t, path=at[6], **begin)
+        pushed = law(r=at[:3], v=at[3:6], t=t, path=at[6], **{**begin, "dr/dt": at[3:6]})
         slope = np.empty_like(at)
-        slope[:3], slope[3:6] = at[3:6], pushed[0]
+        slope[:3], slope[3:6] = pushed[-1] if strays else at[3:6], pushed[0]
         slope[6] = pushed[1] if follows else 0.0
         return slope
 

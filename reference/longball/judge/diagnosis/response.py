@@ -158,7 +158,8 @@ class Response:
         y = path(balls, shares)
         by_state = sensitivity(balls, y[:, :-1], shares[:-1])
         self._at_launch = {"place": by_state[:, :3, 0], "velocity": by_state[:, 3:, 0]}
-        self._during = by_state[:, 3:, 1:] * (weights[:, None] / 2.0 * balls.duration)
+        during = by_state[:, :, 1:] * (weights[:, None] / 2.0 * balls.duration)
+        self._during = {"rate": during[:, :3], "law": during[:, 3:]}
         self._at_end = balls.rates(y[:, -1], balls.duration)[:6]
 
         # The path, on which laws are evaluated.
@@ -171,18 +172,20 @@ class Response:
             begun = {"r0": balls.y[:3], "v0": balls.y[3:6], "ω0": balls.spin}
             begun = {name: np.tile(x, len(times) // count) for name, x in begun.items()}
             steps = {str(START["r"].data): r, str(START["v"].data): v}
-            return Values({**tiled, **begun, **steps, "r": r, "v": v, "t": times, "path": at[6]})
+            return Values(
+                {**tiled, **begun, **steps, "r": r, "v": v, "dr/dt": v, "t": times, "path": at[6]}
+            )
 
         self.at = on_path(slice(1, -1))
         self._at_start, self._on_path = Many(known), Many(self.at)
         self._left = Many(on_path(slice(-1, None)))
         self._turned = Evaluator([stage.roots["law"]], self.at.columns, frozenset(("ω0",)))
 
-    def _pushed(self, law: Array) -> Array:
-        """The change of the end, shape (6, balls), by an acceleration along the path."""
-        a = np.broadcast_to(law, (3, self._during.shape[2] * self._during.shape[3]))
-        shape = self._during.shape[2:]
-        return np.asarray(np.einsum("ijkn,jkn->in", self._during, a.reshape(3, *shape)))
+    def _pushed(self, by: Array, name: str = "law") -> Array:
+        """The change of the end, shape (6, balls), by an acceleration or a speed along the path."""
+        _, _, nodes, balls = self._during[name].shape
+        a = np.broadcast_to(by, (3, nodes * balls)).reshape(3, nodes, balls)
+        return np.asarray(np.einsum("ijkn,jkn->in", self._during[name], a))
 
     def off(self, end: Array) -> Array:
         """The difference of given ends from those that the law leads `free` balls to."""
@@ -196,7 +199,7 @@ class Response:
         The change of the spin is that on the undisturbed path.
         """
         total = np.zeros((len(changes), 9, len(self._duration)))
-        places = {"law": self._on_path, "spin_left": self._left}
+        places = {"rate": self._on_path, "law": self._on_path, "spin_left": self._left}
         share = self._left.at.of(self.stage.roots["spin_left"])
         for name, root in self.stage.roots.items():
             if name == "through":
@@ -211,8 +214,8 @@ class Response:
             for i, value in zip(here, where.of(root, [changes[i] for i in here]), strict=True):
                 change = value - old
                 match name:
-                    case "law":
-                        total[i, :6] += self._pushed(change)
+                    case "law" | "rate":
+                        total[i, :6] += self._pushed(change, name)
                     case "place" | "velocity":
                         change = np.broadcast_to(change, (3, total.shape[2]))
                         total[i, :6] += np.einsum("ijn,jn->in", self._at_launch[name], change)
@@ -220,7 +223,7 @@ class Response:
                         total[i, 6:] += change * self._spin
                     case "spin":
                         total[i, 6:] += share * change
-                        turned = np.tile(change + self._spin, self._during.shape[2])
+                        turned = np.tile(change + self._spin, self._during["law"].shape[2])
                         law = self._turned(ω0=turned)[0]
                         total[i, :6] += self._pushed(law - self.at.of(self.stage.roots["law"]))
                     case "duration":
@@ -260,10 +263,10 @@ class Effects:
         self, way: Response | Direct, edits: Sequence[Edit],
         starts: Sequence[Sequence[float]], off: Array,
     ) -> None:  # fmt: skip
-        off = np.nan_to_num(off)
+        known, off = np.isfinite(off), np.nan_to_num(off)  # what is not given says nothing
         at_end = len(off) > ROWS and not off[:ROWS].any()
         rows = slice(ROWS, None) if at_end else slice(ROWS)
-        off = off[rows]
+        known, off = known[rows], off[rows]
         sizes = np.sqrt((off * off).sum(axis=0))
         wrong = sizes > sizes.max(initial=0.0) * RIGHT
         scale = np.where(wrong, sizes, np.median(sizes[wrong]) if wrong.any() else 1.0)
@@ -281,7 +284,7 @@ class Effects:
         self._free = np.array([other is not None for other in second], bool)
         every = way.moved([*changes, *filter(None, second)])[:, rows]
         every = np.broadcast_to(every, (len(every), *off.shape)) / scale
-        every = np.where(np.abs(every) < FAR, every, 0.0).reshape(len(every), off.size)
+        every = np.where(known & (np.abs(every) < FAR), every, 0.0).reshape(len(every), off.size)
         moved, other = every[: len(changes)], np.zeros((len(changes), every.shape[1]))
         # Orthonormal axes of the effects of each trial.
         self._size, one = _unit(moved)

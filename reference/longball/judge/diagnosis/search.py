@@ -172,7 +172,9 @@ class Explanation:
     base, null_all
         Their residuals without an edit, and the cost of those in bits.
     few
-        Positions in `all` of the screening scenes; `near` has their values.
+        Positions in `all` of the screening scenes.
+    mild
+        Positions of the scenes in which edits are ranked: those with small errors, and right ones.
     off, roughly, null
         Residuals in the screening scenes, what they are compared with there, and their cost.
     own_error
@@ -207,8 +209,11 @@ class Explanation:
             evenly(np.flatnonzero(near & is_wrong), WRONG),
             evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
         ])  # fmt: skip
-        own = take(self.columns, self.all[few])
-        self.near = Values({**own, "spin": own[stage.spins]})
+        # Effects of first order say most where errors are small.
+        mild = np.flatnonzero(is_wrong)  # from the worst to the least
+        small = int((base.relative[mild] < FAR_OFF).sum())
+        mild = mild[-max(small, math.ceil(len(mild) / 3)) :]
+        self.mild = np.concatenate([evenly(mild, WRONG), evenly(np.flatnonzero(~is_wrong), RIGHT)])
         # The error of long steps is found once, without an edit, and subtracted from every trial.
         # What remains of it grows with the effect of the edit, which is the residual itself if the
         # edit is right: a fraction of the residual is allowed. Where the law has no value without
@@ -312,16 +317,22 @@ class Explanation:
         If an edit leads a ball far off, the effects along the cubic between the candidate's own
         ends stand beside those along the right path.
         """
-        flies = self.stage.kind == "flight"
-        way = (Response if flies else Direct)(self.stage, self.near)
-        errors = np.where(np.abs(self.off) > self.base.floor[:, self.few], self.off, 0.0)
+        flies, own = self.stage.kind == "flight", take(self.columns, self.all[self.mild])
+        known = Values({**own, "spin": own[self.stage.spins]})
+        way = (Response if flies else Direct)(self.stage, known)
+        off, floor = self.base.off[:, self.mild], self.base.floor[:, self.mild]
+        off = np.where(np.abs(off) >= HUGE, self._given(self.mild), off)
+        errors = np.where(np.abs(off) <= floor, 0.0, off)  # NaN where nothing is given
         # An event function is 0 at the candidate's value if the edit is right: the edit moves it by
         # minus the residual.
         found = [(way, -errors if self.stage.kind == "event" else errors)]
-        if flies and _median(self.followed.relative[self.followed.beyond]) > FAR_OFF:
-            ends = self._given(self.few)[:6]
-            along = Response(self.stage, self.near, cubic(ends), free)
-            found.append((along, along.off(ends)))
+        if flies and _median(self.base.relative[self.mild[:WRONG]]) > FAR_OFF:
+            given = self._given(self.mild)[:6]
+            ends = values(self.stage, known.columns, COARSE)
+            made = np.concatenate([ends[q] for q in self.stage.quantities[:2]])[: len(given)]
+            ends = np.where(np.isfinite(given), given, made)
+            along = Response(self.stage, known, cubic(ends), free)
+            found.append((along, np.where(np.isfinite(given), along.off(ends), np.nan)))
         return found
 
     @np.errstate(all="ignore")
@@ -628,7 +639,7 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
     # 30).
     launch = np.array([[30.0], [3.0], [10.0]]) * (1 + 0.5 * draw.normal(size=(3, count)))
     moved |= {
-        "v0": launch, "v": 0.7 * launch + 5.0 * draw.normal(size=(3, count)),
+        "v0": launch, "v": (v := 0.7 * launch + 5.0 * draw.normal(size=(3, count))), "dr/dt": v,
         "r": 20.0 * draw.normal(size=(3, count)) + np.array([[0.0], [0.0], [30.0]]),
         "r0": draw.normal(size=(3, count)), "t": draw.uniform(0.1, 3.0, count),
         "path": draw.uniform(10.0, 90.0, count), "ω0": 100.0 * draw.normal(size=(3, count)),

@@ -152,6 +152,7 @@ def _where(one: Followed) -> str:
 
 # A stage's expressions in words; others are called by the quantity.
 _ROOTS = {
+    "rate": "the derivative of the position",
     "law": "the acceleration",
     "zero": "the event function",
     "place": "the starting position",
