@@ -235,8 +235,9 @@ def reason(
             and tried[stage.name, stage.kind] < ROUNDS
         ]
         if not wrong:
-            steps = steps if unseen is None else _confirmed(steps, chain, data, unseen)
-            return Reasoned(chain, data, _standing(steps, last))
+            told = _standing(steps, last)
+            told = told if unseen is None else _confirmed(told, chain, data, unseen)
+            return Reasoned(chain, data, told)
         stage, one = _clearest(wrong)
         at = stage.name, stage.kind
         tried[at] += 1
@@ -305,7 +306,7 @@ def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:
 
 def _confirmed(
     steps: Sequence[Step], chain: tuple[Stage, ...], data: Data, unseen: Unseen
-) -> list[Step]:
+) -> tuple[Step, ...]:
     """The same steps, without the names that unseen scenes refute."""
     found = []
     located = [step.followed.stage.name for step in steps if not step.explained]
@@ -320,7 +321,7 @@ def _confirmed(
             found.append(replace(step, found=Located(step.found.edits[0], refuted=count)))
         else:
             found.append(replace(step, found=replace(step.found, adequate=False)))
-    return found
+    return tuple(found)
 
 
 def _standing(steps: Sequence[Step], last: Sequence[Followed]) -> tuple[Step, ...]:

@@ -411,15 +411,17 @@ class Way:
     chord: bool = False
     last: Integrator | None = None
     push: ContactForce | None = None
+    times: float = 1.0  # how often the push is as large as half of the contact force
 
     @property
     def words(self) -> str:
         """The way as a clause without its subject."""
         if self.push is not None:
+            half = "half of" if self.times == 1.0 else f"{self.times:g} times half of"
             said = (
-                f"pushes the ball with half of the contact force {_PUSHED[self.push]}, in steps of"
+                f"pushes the ball with {half} the contact force {_PUSHED[self.push]}, in steps of"
             )
-            share = impulse_share(self.push)
+            share = self.times * impulse_share(self.push)
             return f"{said} {self.h:.6g} s" + f" ({share:g} times the impulse)" * (share != 1.0)
         if self.one is EXACT:
             return f"puts the end of the flight on the chord between two steps of {self.h:.6g} s"
@@ -436,7 +438,7 @@ class Way:
     ) -> tuple[dict[str, Array], dict[str, Array]]:
         """A stage's quantities and their doubt."""
         if self.push is not None:
-            return _pushed(stage, columns, self, PUSHES[self.push])
+            return _pushed(stage, columns, self, [self.times * on for on in PUSHES[self.push]])
         return steps(stage, columns, self.one, self.h, self.chord, self.last)
 
 
@@ -502,7 +504,7 @@ def steps(
 
 
 def _pushed(
-    stage: Stage, columns: Mapping[str, Any], way: Way, on: Sequence[int]
+    stage: Stage, columns: Mapping[str, Any], way: Way, on: Sequence[float]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The same of batted balls that the contact force F̄/2 pushes at some steps (Appendix B)."""
     h, step = way.h, way.one.step

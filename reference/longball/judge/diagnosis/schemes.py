@@ -435,7 +435,8 @@ def explain_push(
     # Integrators of one order may be alike without a push, and differ with one.
     alike = [one for one in VERLET.values() if one.order == pitch.one.order and one != pitch.one]
     tried = [
-        replace(pitch, one=one, push=push) for one in (pitch.one, *alike) for push in PUSHES
+        replace(pitch, one=one, push=push, times=times)
+        for times in (1.0, 2.0, 0.5, -1.0, 0.0) for one in (pitch.one, *alike) for push in PUSHES
     ]  # fmt: skip
     null, bits = cost(followed.off / followed.floor), math.log2(len(tried))
     for way in tried:
