@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from longball.engines.batch import Batch
-from longball.engines.branches import arrived, branches_at
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
+from longball.engines.path_engine import arrived, branches_at
 from longball.engines.verlet import Verlet
 from longball.model.frame import launch_frame
 from longball.model.law import law_of

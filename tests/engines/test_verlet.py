@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from longball.engines import create, event
 from longball.engines.chain import Model, approach_of, solve, solve_with_path
 from longball.engines.compiled import Code
-from longball.engines.contact import BatSection
+from longball.engines.event import BatSection
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.verlet import (

@@ -15,8 +15,6 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from longball.engines.branches import arrived
-from longball.engines.contact import BatSection, margin_error
 from longball.engines.digits import to_digits
 from longball.engines.engine import (
     CannotSolve,
@@ -27,10 +25,20 @@ from longball.engines.engine import (
     Stepped,
     Touch,
 )
-from longball.engines.event import Event, Events, ground, level, plate, vertical
+from longball.engines.event import (
+    BatSection,
+    Event,
+    Events,
+    ground,
+    level,
+    margin_error,
+    plate,
+    vertical,
+)
 from longball.engines.fence import Place, at_stop, first_crossing, stop_at
 from longball.engines.parallel import in_parallel
 from longball.engines.path import Flight, Leg, Path, Trajectory
+from longball.engines.path_engine import arrived
 from longball.model import bat as bats
 from longball.model import impact as formulas
 from longball.model import result as written

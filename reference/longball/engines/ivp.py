@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 import scipy.integrate
 
-from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong, Touch
-from longball.engines.event import Event, Events
+from longball.engines.event import BatSection, Event, Events
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece

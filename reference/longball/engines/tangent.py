@@ -22,10 +22,9 @@ from pydantic import BaseModel
 
 from longball.engines.arithmetic import Dual
 from longball.engines.chain import quantities_of
-from longball.engines.contact import BatSection
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import CannotSolve, Touch
-from longball.engines.event import Curve, Event, Events, Piece
+from longball.engines.event import BatSection, Curve, Event, Events, Piece
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine
 from longball.engines.variation import RATE, variational

@@ -30,16 +30,16 @@ from longball.model.air import (
     by_spin,
     law_name,
 )
-from longball.model.atmosphere import (
+from longball.model.block import Block
+from longball.model.environment import (
     ROUGHNESS,
     density,
+    earth_strengths,
     speed_of_sound,
     thinned,
     wind,
     wind_strengths,
 )
-from longball.model.block import Block
-from longball.model.earth import earth_strengths
 from longball.model.numbers import N, Numbers, Vector, present
 from longball.model.trace import ZERO, Node, Program
 from longball.model.vectors import cross, minus, norm, part_across, plus, scaled

@@ -21,9 +21,8 @@ from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
 from longball.engines.chain import Run, land
-from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Touch
-from longball.engines.event import Events, past
+from longball.engines.event import BatSection, Events, margin_error, past
 from longball.engines.path import Flight, Path
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.law import Law, State

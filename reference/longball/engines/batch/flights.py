@@ -143,57 +143,38 @@ def fly_all(
     flights: Records,  # of `flight_dtype`, of any shape
     order: int,  # of the series
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
+    changes: Array | None = None,
     steps: Array | None = None,
-) -> Records:
-    """Fly every flight to its end; return records of `arrival_dtype`, of the same shape.
-
-    `steps`, of shape (steps, 1 + variables), is filled with time, s, and state at the beginning of
-    each step of the one flight.
-    """
-    none = np.empty((0, 0, flights.size))
-    return _run(kernel, flights, order, truncation, 0, none, none, steps)
-
-
-def fly_all_with_tangents(
-    kernel: Kernel,
-    flights: Records,
-    order: int,
-    truncation: float,
-    # shape (sources, tangents, flights): derivatives of variables and parameters by some numbers
-    changes: Array,
 ) -> tuple[Records, Array]:
-    """Fly flights as `fly_all` does, and derivatives of the state with them.
+    """Fly every flight to its end, and derivatives of its state with it.
 
-    Returns arrivals, and derivatives of shape (times, variables, tangents, flights): of the state
-    at the end, at the mark and where the ball is closest to the bat, each at a fixed time.
+    Parameters
+    ----------
+    changes : array, shape (sources, tangents, flights)
+        Derivatives of variables and parameters by some numbers; none if left out.
+    steps : array, shape (steps, 1 + variables)
+        Is filled with time, s, and state at the beginning of each step of the one flight.
+
+    Returns
+    -------
+    arrivals : array
+        Records of `arrival_dtype`, of the shape of `flights`.
+    found : array, shape (times, variables, tangents, flights)
+        Derivatives of the state at the end, at the mark and where the ball is closest to the bat,
+        each at a fixed time; NaN where there is no mark, or no bat.
     """
-    shape = TIMES, len(kernel.layout.program.variables), *changes.shape[1:]
-    found = np.full(shape, math.nan)  # there may be no mark, or no bat
-    code = tangents(kernel.layout.program).address
-    return _run(kernel, flights, order, truncation, code, changes, found), found
-
-
-def _run(
-    kernel: Kernel,
-    flights: Records,
-    order: int,
-    truncation: float,
-    code: int,  # of the tangents
-    changes: Array,
-    found: Array,
-    steps: Array | None = None,
-) -> Records:
-    """Allocate the workspace and run the compiled loop."""
-    program, layout = kernel.layout.program, kernel.layout
+    program, layout, memory = kernel.layout.program, kernel.layout, Tangents(kernel.layout.program)
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
     starts = np.ascontiguousarray(flights).reshape(-1)
     arrivals = np.empty(len(starts), arrival_dtype(program))
+    if changes is None:
+        changes = np.empty((0, 0, len(starts)))
+    count = changes.shape[1]
+    found = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
     lanes = layout.allocate(order)
     rows, width = lanes.shape[1], 2 * order + 4
-    steps = np.array([]) if steps is None else steps
-    layout_of_tangents = Tangents(program)
-    count = changes.shape[1]
+    steps = np.empty((0, 0)) if steps is None else steps
     _fly_all(
         (kernel.code.address, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
@@ -208,23 +189,19 @@ def _run(
         np.zeros(2 * WIDTH, np.int64),
         steps.ravel(),
         len(steps),
-        (code, count, layout_of_tangents.first, layout_of_tangents.size),
-        (
-            layout_of_tangents.allocate(count).ravel(),
-            changes.ravel(),
-            found.ravel(),
-        ),
+        (tangents(program).address if count else 0, count, memory.first, memory.size),
+        (memory.allocate(count).ravel(), changes.ravel(), found.ravel()),
     )
-    return arrivals.reshape(flights.shape)
+    return arrivals.reshape(flights.shape), found
 
 
 def fly_and_record(
     kernel: Kernel, flights: Records, order: int, truncation: float
 ) -> tuple[Records, Array]:
     """Fly one ball twice: first to count the steps, then to record them."""
-    arrival = fly_all(kernel, flights, order, truncation)
+    arrival, _ = fly_all(kernel, flights, order, truncation)
     steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
-    return fly_all(kernel, flights, order, truncation, steps), steps
+    return fly_all(kernel, flights, order, truncation, steps=steps)[0], steps
 
 
 # --- the loop -------------------------------------------------------------------------------------
@@ -297,7 +274,7 @@ class _Tangents(NamedTuple):
     variables: int
     first: int
     size: int
-    # memory: of the lanes; starts, found: see `fly_all_with_tangents`
+    # memory: of the lanes; starts, found: see `fly_all`
     memory: Any
     starts: Any
     found: Any
@@ -318,8 +295,33 @@ def _fly_all(
     tangent_memory: tuple[Array, Array, Array],
 ) -> None:
     """Fill free lanes, step all lanes, locate events lane by lane, and advance, to the last end."""
-    variables, parameters, functions, order, rows, _ = sizes
-    s = _workspace(code, sizes, memory, unowned_view(tangent_memory[0]))
+    variables, parameters, functions, order, rows, width = sizes
+    x, step = unowned_view(memory[0]), shifted(unowned_view(memory[0]), code[2] * WIDTH)
+    work = unowned_view(memory[2])
+    scratch = shifted(work, variables * width)
+    s = _Workspace(
+        variables // 2,
+        variables,
+        parameters,
+        functions,
+        order,
+        order + 1,
+        rows * WIDTH,
+        width,
+        x,
+        shifted(x, code[1] * WIDTH),
+        step,
+        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
+        unowned_view(memory[1]),
+        work,
+        scratch,
+        shifted(scratch, width),
+        shifted(scratch, 2 * width),
+        shifted(scratch, 3 * width),
+        shifted(scratch, 4 * width),
+        shifted(scratch, 5 * width),
+        unowned_view(tangent_memory[0]),
+    )
     t = _Tangents(
         tangent_sizes[0],
         record_sizes[2],
@@ -335,7 +337,6 @@ def _fly_all(
     pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
     active, way = unowned_view(numbers), unowned_view(steps)
     flying = shifted(active, WIDTH)  # in the step
-    x, step = s.x, s.step
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     lost_row, farthest_row = (variables + TIME_LOST) * WIDTH, (variables + FARTHEST) * WIDTH
     clearance_row = (variables + CLEARANCE) * WIDTH
@@ -424,45 +425,17 @@ def _fly_all(
 
         # derivatives over the step
         if t.each > 0:
-            call(t.code, (x, s.times, order, rows, t.each, _wanted(s)))
+            # Up to how many of the times any lane wants them; the last argument of all machine code
+            # is a double.
+            wanted = 1.0
+            for k in range(1, TIMES):
+                for lane in range(WIDTH):
+                    if not math.isnan(s.times[k * WIDTH + lane]):
+                        wanted = k + 1.0
+            call(t.code, (x, s.times, order, rows, t.each, wanted))
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
                     _take_tangents(t, flying[lane], lane)
-
-
-@inner
-def _workspace(
-    code: tuple[int, int, int],
-    sizes: tuple[int, int, int, int, int, int],
-    memory: tuple[Array, Array, Array],
-    times: Any,
-) -> _Workspace:
-    variables, parameters, functions, order, rows, width = sizes
-    x, work = unowned_view(memory[0]), unowned_view(memory[2])
-    step, scratch = shifted(x, code[2] * WIDTH), shifted(work, variables * width)
-    return _Workspace(
-        variables // 2,
-        variables,
-        parameters,
-        functions,
-        order,
-        order + 1,
-        rows * WIDTH,
-        width,
-        x,
-        shifted(x, code[1] * WIDTH),
-        step,
-        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
-        unowned_view(memory[1]),
-        work,
-        scratch,
-        shifted(scratch, width),
-        shifted(scratch, 2 * width),
-        shifted(scratch, 3 * width),
-        shifted(scratch, 4 * width),
-        shifted(scratch, 5 * width),
-        times,
-    )
 
 
 @inner
@@ -483,20 +456,6 @@ def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
             target[k * WIDTH] = source[(t.variables + k) * t.each * t.flights]
         for k in range(t.variables):
             target[(parameters + k) * WIDTH] = source[k * t.each * t.flights]
-
-
-@inner
-def _wanted(s: _Workspace) -> float:
-    """Number of output times, from 1 to `TIMES`, at which tangents are needed in this step.
-
-    A double, as the last argument of all machine code is.
-    """
-    wanted = 1.0
-    for k in range(1, TIMES):
-        for lane in range(WIDTH):
-            if not math.isnan(s.times[k * WIDTH + lane]):
-                wanted = k + 1.0
-    return wanted
 
 
 @inner
@@ -604,7 +563,10 @@ def _locate_first_event(s: _Workspace, slot: _Slot, time: float, length: float) 
             continue
         differentiate(s.p, s.degree, s.slope)
         if number > 0 and s.p[0] <= error and (not launched or s.p[0] <= 0.0):
-            if not _rises(s.p, s.degree):
+            first = 1  # the order of the first coefficient that is not zero: its sign decides
+            while first < s.degree and s.p[first] == 0.0:
+                first += 1
+            if not s.p[first] > 0.0:  # it does not rise
                 if launched:  # on the surface, and not rising: the flight ends at once
                     stop, end = event, 0.0
                     break
@@ -730,15 +692,6 @@ def _put_function(
             for k in range(s.degree + 1):
                 p[k] = fma(factor, row[k], p[k])
     return True
-
-
-@inner
-def _rises(p: Any, degree: int) -> bool:
-    """True if a polynomial rises at 0."""
-    for k in range(1, degree + 1):
-        if p[k] != 0.0:
-            return bool(p[k] > 0.0)
-    return False
 
 
 # Relative, of the largest coordinate: a flight that comes back to the ground from a height keeps
@@ -879,7 +832,9 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
             return True
         if settled and margin > arrival[_MARGIN]:
             arrival[_MARGIN] = margin
-            _note_nearest(s, slot, time, until)
+            _evaluate(s, lane, until)
+            _note(s, shifted(arrival, _END + 2 * (1 + s.variables)), time + until)
+            s.times[2 * WIDTH + lane] = until
         if margin > 0.0 and math.isnan(noted[0]):
             touch = first_zero(s.p, s.slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
             touch = touch if touch < until else until
@@ -895,14 +850,6 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
             return False
         begin = turn
         approaching = not approaching
-
-
-@inner
-def _note_nearest(s: _Workspace, slot: _Slot, time: float, t: float) -> None:
-    """Note where in a step the margin is taken."""
-    _evaluate(s, slot.lane, t)
-    _note(s, shifted(slot.arrival, _END + 2 * (1 + s.variables)), time + t)
-    s.times[2 * WIDTH + slot.lane] = t
 
 
 @inner

@@ -27,9 +27,8 @@ from longball.engines.batch.columns import (
 from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
 from longball.engines.batch.tangents import TIMES
-from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Touch
-from longball.engines.event import Event, Events, past
+from longball.engines.event import BatSection, Event, Events, margin_error, past
 from longball.engines.path import Path
 from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
 from longball.model.arrays import Array, Flags, Integers
@@ -276,7 +275,7 @@ class TangentFlyer(BatchFlyer, Protocol):
     def fly_all_with_tangents(
         self, starts: Records, program: Program, changes: Array
     ) -> tuple[Records, Array]:
-        """Fly records, and derivatives; see `longball.engines.batch.flights`."""
+        """Fly records, and derivatives; see `longball.engines.batch.flights.fly_all`."""
 
 
 @dataclass

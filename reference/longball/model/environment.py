@@ -1,4 +1,4 @@
-"""The air around a ball in flight: its density, the speed of sound, the wind.
+"""The surroundings of a ball in flight: density of the air, speed of sound, wind, rotating Earth.
 
 Heights are those of the scene's z, above the plane z = 0. Sources: density, Nathan's trajectory
 calculator as coryfront.in and pybaseball have it; vapour pressure, A. L. Buck, J. Appl. Meteorol.
@@ -37,7 +37,9 @@ def density(scene: Any, numbers: Numbers) -> N:
     if not hasattr(given, "temperature"):
         return numbers.exact(given)
     exact, exp = numbers.exact, numbers.functions["exp"]
-    temperature, pressure = exact(given.temperature), station_pressure(scene, numbers)
+    temperature, pressure = exact(given.temperature), exact(given.pressure)
+    if scene.reading.pressure != "station":
+        pressure = pressure * exp(-(exact(1.217e-4) * exact(given.elevation)))
     # °C, the argument of Buck's formula.
     t = temperature - exact(ZERO_CELSIUS)
     exponent = (exact(18.687) - t / exact(234.5)) * t / (exact(257.14) + t)
@@ -46,15 +48,6 @@ def density(scene: Any, numbers: Numbers) -> N:
     dry = exact(DRY_DENSITY) * (exact(ZERO_CELSIUS) / temperature)
     # Vapour replaces air of the same pressure and weighs 0.6217 of it.
     return dry * (pressure - exact(LIGHTER) * vapour) / exact(STANDARD_PRESSURE)
-
-
-def station_pressure(scene: Any, numbers: Numbers) -> N:
-    """Return the pressure at the park, Pa: ``p e^(-βh)``, or as it is if the reading says so."""
-    exact, given = numbers.exact, scene.air.density
-    pressure = exact(given.pressure)
-    if scene.reading.pressure == "station":
-        return pressure
-    return pressure * numbers.functions["exp"](-(exact(1.217e-4) * exact(given.elevation)))
 
 
 def speed_of_sound(scene: Any, numbers: Numbers) -> N:
@@ -105,3 +98,25 @@ def wind_strengths(
         # Still air below the height, the wind above it: a bend of the law.
         return ({}, found), (numbers.exact(given.above),)
     return (found,), ()
+
+
+# --- the Earth ------------------------------------------------------------------------------------
+
+ROTATION = 7.292115e-5  # rad/s
+
+
+def earth_strengths(scene: Any, frame: Any, numbers: Numbers) -> dict[str, N]:
+    """Return the components of ``Ω (cos λ north + sin λ up)`` in the frame of a flight.
+
+    λ is the latitude. The scene's +x has an azimuth, from north to the east, and +y is to its left.
+    """
+    if scene.earth is None:
+        return {}
+    rotation = numbers.exact(ROTATION)
+    level, up = numbers.cos_sin(numbers.exact(scene.earth.latitude))
+    # North as x and y: +x is at the azimuth α from it, so that north is at α to the left of +x.
+    north_x, north_y = numbers.cos_sin(numbers.exact(scene.earth.azimuth))
+    # Ω cos λ, which points to the north.
+    level = rotation * level
+    s, y, z = frame.turned((level * north_x, level * north_y, rotation * up))
+    return present({"earth_s": s, "earth_y": y, "earth_z": z}, numbers)
