@@ -20,7 +20,7 @@ from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel
 
-from longball.engines.arithmetic import Dual
+from longball.engines.arithmetic import Arithmetic, Dual
 from longball.engines.chain import quantities_of
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import CannotSolve, Touch
@@ -70,11 +70,11 @@ def _marked(block: Any, steps: Sequence[str], rate: float) -> Any:
     return tuple(_marked(x, rest, rate) if str(i) == step else x for i, x in enumerate(block))
 
 
-class Jet:
+class Jet(Arithmetic):
     """A number and its derivative; of the inner engine's numbers, or of polynomials of these.
 
     It compares as its number does, but equals another only if the derivatives do as well: what the
-    chain leaves out where it is zero must stay zero nearby.
+    chain leaves out where it is zero must stay zero nearby. A `Dual` has jets as its parts.
     """
 
     __slots__ = ("rate", "value")
@@ -83,43 +83,27 @@ class Jet:
         self.value, self.rate = value, rate
 
     def __add__(self, other: Any) -> Jet:
-        if isinstance(other, Jet):
-            return type(self)(self.value + other.value, self.rate + other.rate)
         if isinstance(other, Dual):
             return NotImplemented
+        if isinstance(other, Jet):
+            return type(self)(self.value + other.value, self.rate + other.rate)
         return type(self)(self.value + other, self.rate)
-
-    __radd__ = __add__
 
     def __neg__(self) -> Jet:
         return type(self)(-self.value, -self.rate)
 
-    def __sub__(self, other: Any) -> Jet:
-        if isinstance(other, Jet):
-            return type(self)(self.value - other.value, self.rate - other.rate)
+    def __mul__(self, other: Any) -> Jet:
         if isinstance(other, Dual):
             return NotImplemented
-        return type(self)(self.value - other, self.rate)
-
-    def __rsub__(self, other: Any) -> Jet:
-        return type(self)(other - self.value, -self.rate)
-
-    def __mul__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
             rate = self.rate * other.value + self.value * other.rate
             return type(self)(self.value * other.value, rate)
-        if isinstance(other, Dual):
-            return NotImplemented
         return type(self)(self.value * other, self.rate * other)
-
-    __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
             ratio = self.value / other.value
             return type(self)(ratio, (self.rate - ratio * other.rate) / other.value)
-        if isinstance(other, Dual):
-            return NotImplemented
         return type(self)(self.value / other, self.rate / other)
 
     def __rtruediv__(self, other: Any) -> Jet:
