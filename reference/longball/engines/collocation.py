@@ -31,8 +31,8 @@ import numpy as np
 import scipy.linalg
 from mpmath import MPContext
 
-from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.engine import OutOfRange
+from longball.engines.polynomial import ARRAYS, Dual
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers

@@ -106,17 +106,14 @@ class Flight:
                     break
                 yield piece
             for piece in second.path.pieces():
+                # rounded such that the part reaches its end from its beginning
                 begin, end = self.time + piece.begin, self.time + (piece.begin + piece.length)
-                yield Part(piece, reaching(begin, piece.length, end), self.time)
+                length = piece.length
+                while begin + length < end:
+                    length += end - (begin + length)
+                yield Part(piece, length, self.time)
 
         return Flight(Path(pieces()), second.stop, self.time + second.time, second.state)
-
-
-def reaching(begin: N, length: N, end: N) -> N:
-    """Return the length of a piece, rounded such that it reaches its end from its beginning."""
-    while begin + length < end:
-        length += end - (begin + length)
-    return length
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from longball.engines.arithmetic import Dual
 from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
 from longball.engines.event import (
     STARTS_INSIDE,
@@ -33,6 +32,7 @@ from longball.engines.event import (
     zero_of,
 )
 from longball.engines.path import Flight, Part, Path, Rest
+from longball.engines.polynomial import Dual
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, doubt
 from longball.model.trace import Program

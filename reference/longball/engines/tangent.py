@@ -20,13 +20,13 @@ from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel
 
-from longball.engines.arithmetic import Arithmetic, Dual
 from longball.engines.chain import quantities_of
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import CannotSolve, Touch
 from longball.engines.event import BatSection, Curve, Event, Events, Piece
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine
+from longball.engines.polynomial import Arithmetic, Dual
 from longball.engines.variation import RATE, variational
 from longball.model.inputs import TRACKED, launched, tracked, value_of
 from longball.model.law import Law, State
@@ -285,7 +285,15 @@ class Tangent(PathEngine):
         except ZeroDivisionError:
             raise Kink("the ball is at rest in the air, where its forces have a corner") from None
         moved = [xi - v * rate_of(begin) for xi, v in zip(moved, speeds, strict=True)]
-        ends = [_inner_event(event, law.state) for event in events]
+
+        def inner(event: Event) -> Event:
+            def value(state: Any) -> Any:
+                return plain_of(event.value(jets_of(state, law.state)))
+
+            size, slope = plain_of(event.size), plain_of(event.slope)
+            return Event(event.name, event.question, value, lambda state: state, size, slope)
+
+        ends = [inner(event) for event in events]
         first, last = plain_of(begin), plain_of(limit)
         for piece in self.inner.steps(flown, flown.state(*now, *moved), first, last, ends):
             yield JetPiece(piece, law.state, rates, numbers.rounding)
@@ -318,17 +326,6 @@ class Tangent(PathEngine):
 
 # Of the reach: the direction in which a pitch passes the axis is then known to six digits.
 ON_THE_AXIS = 1e-9
-
-
-def _inner_event(event: Event, state: Callable[..., Any]) -> Event:
-    return Event(
-        event.name,
-        event.question,
-        lambda inner: plain_of(event.value(jets_of(inner, state))),
-        lambda inner: inner,
-        plain_of(event.size),
-        plain_of(event.slope),
-    )
 
 
 def jets_of(inner: Sequence[Any], state: Callable[..., Any]) -> Any:
@@ -472,26 +469,18 @@ _GOOD, _ROUNDINGS = 1e-12, 8
 # --- derivatives ----------------------------------------------------------------------------------
 
 
-def rates_of(scene: Scene, name: str) -> dict[str, float]:
-    """Return the derivatives of a scene's numbers by an input, by path.
-
-    The input is one of them, or is named in `longball.model.inputs.TRACKED`.
-    """
-    if name not in TRACKED:
-        return {name: 1.0}
-    parts = {known: Jet(x, float(known == name)) for known, x in tracked(scene).items()}
-    vectors = launched(parts, Jets(DOUBLES))
-    return {f"{v}[{i}]": float(x.rate) for v, part in vectors.items() for i, x in enumerate(part)}
-
-
 def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
     """Return a scene that changes with an input, and how fast the input does.
 
     As fast as it is large: derivatives are then of the size of the result.
     """
     speed = abs(value_of(scene, name)) or 1.0
-    rates = {path: rate * speed for path, rate in rates_of(scene, name).items()}
-    return seeded(scene, rates), speed
+    rates = {name: 1.0}
+    if name in TRACKED:  # it changes all components of a vector
+        parts = {known: Jet(x, float(known == name)) for known, x in tracked(scene).items()}
+        vectors = launched(parts, Jets(DOUBLES))
+        rates = {f"{v}[{i}]": float(x.rate) for v, of in vectors.items() for i, x in enumerate(of)}
+    return seeded(scene, {path: rate * speed for path, rate in rates.items()}), speed
 
 
 def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any]:

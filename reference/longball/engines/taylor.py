@@ -109,19 +109,16 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
     def _step_impl(self) -> tuple[bool, str | None]:
         self._parts: list[tuple[float, Array]] = []
-        heights = self._heights()
+        after = [event(self.t, self.y) for event in self._until]
         while True:
             begin, (moved, message) = self.t, self._advance()
             if not moved:  # the next step fails, too, if this one has a series
                 return bool(self._parts), message
             self._parts.append((begin, self._x))
-            before, heights = heights, self._heights()
-            same = all(a * b > 0 for a, b in zip(before, heights, strict=True))
+            before, after = after, [event(self.t, self.y) for event in self._until]
+            same = all(a * b > 0 for a, b in zip(before, after, strict=True))
             if not (self._until and same) or self.t == self.t_bound:
                 return True, None
-
-    def _heights(self) -> list[float]:
-        return [event(self.t, self.y) for event in self._until]
 
     def _advance(self) -> tuple[bool, str | None]:
         """Advance by one series.
@@ -139,17 +136,14 @@ class Taylor(OdeSolver):  # type: ignore[misc]
             if length >= abs(self.t_bound - self.t):
                 t = self.t_bound
             if t != self.t:
-                # The difference of two times that are close is exact.
-                self.y, self.t = self._at_end(t - self.t - waited), t
+                # The difference of two times that are close is exact. The next step compensates for
+                # the rounding of the state.
+                self.y, self._low = advanced(self._x, t - self.t - waited, self._low)
+                self.t = t
                 return True, None
-            self.y = self._at_end(self.direction * length)
+            self.y, self._low = advanced(self._x, self.direction * length, self._low)
             waited += self.direction * length
         return False, self.TOO_SMALL_STEP
-
-    def _at_end(self, h: float) -> Array:
-        """Return the state at the end of a step; the next step compensates for its rounding."""
-        end, self._low = advanced(self._x, h, self._low)
-        return end
 
     def _dense_output_impl(self) -> Callable[[float], Array]:
         return Series(self._parts, self.t)

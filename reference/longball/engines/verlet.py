@@ -43,12 +43,12 @@ from typing import Any, NamedTuple, TypeVar, get_args
 
 import numpy as np
 
-from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.compiled import BEYOND, Code
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
 from longball.engines.event import TURNS_VERTICAL, BatSection, Event, Events, inside_bat
 from longball.engines.path import Flight, Path
 from longball.engines.path_engine import branches_at, no_direction, require_law
+from longball.engines.polynomial import ARRAYS, Dual
 from longball.model.arrays import Array
 from longball.model.environment import ROUGHNESS
 from longball.model.frame import Frame, launch_frame

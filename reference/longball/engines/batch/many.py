@@ -161,7 +161,7 @@ def solve_columns_with_slopes(
         ]
         one = derivatives_of(quantities.replaced(scene, cells), there, names, solver)
         for quantity, by in one.items():
-            table.put_slopes_of_row(quantity, i, [by[name] for name in names])
+            table.slopes_of(quantity)[:, i] = [by[name] for name in names]
         if one.refused:
             refused[i] = one.refused
     return found, Slopes(table.slopes, alone, refused)

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from longball.engines.arithmetic import Dual
 from longball.engines.batch.flights import Records, Stop, new_flights
 from longball.engines.event import BatSection, Events
+from longball.engines.polynomial import Dual
 from longball.model.law import PAPER, Law, State, law_with
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A

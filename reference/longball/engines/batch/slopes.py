@@ -163,15 +163,8 @@ class SlopeTable(Table):
         self.slopes: dict[str, Array] = {}
         self.doubtful = np.zeros(rows, bool)  # rows of which a derivative is to be found alone
 
-    def put_slopes(self, name: str, rows: Flags, rates: Any) -> None:
-        """Write derivatives of a quantity into rows."""
-        np.copyto(self._slopes_of(name)[:, self.rows], rates, where=rows)
-
-    def put_slopes_of_row(self, name: str, row: int, rates: Sequence[float]) -> None:
-        """Write the derivatives of a quantity in one row of the whole table."""
-        self._slopes_of(name)[:, row] = rates
-
-    def _slopes_of(self, name: str) -> Array:
+    def slopes_of(self, name: str) -> Array:
+        """Return the derivatives of a quantity in all rows of the whole table."""
         if name not in self.slopes:
             empty = np.full((self.inputs, len(self.whole)), np.nan)
             self.slopes.setdefault(name, empty)  # another thread may have made it
@@ -301,7 +294,8 @@ class SlopeColumns(Columns):
             return
         super().record(name, plain_of(value), rows)
         if isinstance(value, Jet) and rows.any():
-            self.table.put_slopes(name, rows, rate_of(value))
+            slopes = self.table.slopes_of(name)[:, self.table.rows]
+            np.copyto(slopes, rate_of(value), where=rows)
 
     def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. Such rows are left to be solved alone."""
