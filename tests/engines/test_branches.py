@@ -140,7 +140,7 @@ def test_within_the_error_of_the_switch_the_spin_is_undecided():
 
 def test_a_spin_that_does_not_depend_on_the_wind_is_decided_anywhere():
     law, start = law_and_start()
-    assert not law.bends_of_spin
+    assert not law.switches_of_spin
     assert arrived(law, start._replace(z=0.5), DOUBLES, 1e-14).form == (0,)
 
 

@@ -3,7 +3,7 @@
 Written once, over any engine, any number system, and one scene or columns of scenes (`Run`). It
 follows the paper's Sec. III: the throw, the swing that is aimed at where the throw would cross the
 plate, the collision of Sec. III.C and Appendix A, the flight to the ground or the fence. Its parts,
-the forces and the collision, are handed in (`Model`): a known mistake is the same chain with
+the forces and the collision, are passed in (`Model`): a known mistake is the same chain with
 another part. `solve` and its kin make results of scenes, one by one.
 """
 
@@ -92,7 +92,7 @@ class Run:
         """The mask of all scenes."""
         return True
 
-    def some(self, rows: Mask) -> bool:
+    def any(self, rows: Mask) -> bool:
         """Return True if a mask has any rows."""
         return bool(rows)
 
@@ -214,11 +214,11 @@ def fly(
     leaning = rows & (upright ^ True)
     first = run.fly(law, start, [*surfaces(start), turn], limit, leaning)
     upright = rows & (upright | first.stopped("vertical"))
-    if not run.some(upright):
+    if not run.any(upright):
         return first
     there = turn.place(first.state)
     second = run.fly(law.without("lift"), there, surfaces(there), limit - first.time, upright)
-    return first.then(second) if run.some(leaning) else second
+    return first.then(second) if run.any(leaning) else second
 
 
 def lift_is_always_up(run: Run, law: Law) -> bool:
@@ -292,7 +292,7 @@ def throw(run: Run) -> Pitch:
 
     # the plate
     crossed = run.everything & flight.stopped("plate")
-    if run.some(crossed):
+    if run.any(crossed):
         _, y, z = frame.position(flight.state)
         u, v, w = velocity = frame.velocity(flight.state)
         angle, level = numbers.angle, numbers.sqrt(u * u + v * v)
@@ -316,7 +316,7 @@ class BatEncounter:
 def approach_bat(run: Run) -> BatEncounter | None:
     """Fly the pitch, place the bat and search for the contact; None if no pitch is at the plate."""
     pitch, numbers, scene = throw(run), run.numbers, run.scene
-    if not run.some(pitch.crossed):
+    if not run.any(pitch.crossed):
         return None
     # z_b = z'_b + σ_b: the batter swings at the height of the pitch at the plate, but for an offset
     # (paper, Sec. III.A)
@@ -343,7 +343,7 @@ def meet_bat(run: Run) -> ContactState | None:
     run.record("contact.margin", touch.margin, pitch.crossed)
     touched, missed = run.touched(touch, pitch.crossed)
     run.conclude("missed", missed)
-    if not run.some(touched):
+    if not run.any(touched):
         return None
     error, frame, state = run.engine.flight_error, pitch.frame, touch.state
     assert state is not None
@@ -371,7 +371,7 @@ def finish(run: Run, contact: ContactState | None) -> None:
     # the impulse: only the choice between grip and slide needs an error
     error = 0.0 if run.scene.bat.friction is None else _contact_error(run, contact)
     impact, parted = strike(run, contact, error)
-    if not run.some(parted):
+    if not run.any(parted):
         return
 
     # the launch: at the contact, or after the contact force has acted for two or three steps
@@ -482,7 +482,7 @@ def meet(
     question = "whether the ball meets the bat or its end"
     on_bat, beyond = run.decide(half - abs(aside), slack, question, rows)
     run.conclude("beyond_bat", beyond)
-    if not run.some(on_bat):
+    if not run.any(on_bat):
         return None
 
     # across the bat
@@ -506,7 +506,7 @@ def meet(
     run.record("contact.bat_velocity", moving, on_bat)
     run.record("contact.normal_speed", normal_speed, on_bat)
     run.conclude("separating", separating)
-    if not run.some(closing):
+    if not run.any(closing):
         return None
     return ContactState(ball, normal, moving, arm, normal_speed, closing)
 
@@ -543,7 +543,7 @@ def strike(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
     rate = dot(minus(impact.velocity, contact.bat_velocity), contact.normal)
     parting = run.numbers.where(contact.normal_speed < 0, rate, -rate)
     speeds = sum(map(abs, (*contact.ball.velocity, *contact.bat_velocity)), rate * 0)
-    doubt = speeds * run.numbers.exact(_TOLD_APART)
+    doubt = speeds * run.numbers.exact(_RESOLVED)
     again, apart = parting < -doubt, parting > doubt
     run.record("impact.recontact", "certain", parted & again)
     run.record("impact.recontact", "possible", parted & ((again | apart) ^ True))
@@ -551,7 +551,7 @@ def strike(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
 
 
 # Of the speeds. No engine's error at a contact is as large, but in a graze of 1e-7 m and less.
-_TOLD_APART = 1e-6
+_RESOLVED = 1e-6
 
 
 def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
@@ -617,14 +617,14 @@ def _rub(
     margin = friction * wanted[0] - rubbed
     question = "whether the ball grips the bat or slides on it"
     grips, slides = run.decide(margin, doubt, question, rows)
-    told = grips | slides
+    decided = grips | slides
     if numbers.rounding:
         whole = k[0] * k[2]
-        gripping = grips if scene.reading.slide_direction == "initial" else told
+        gripping = grips if scene.reading.slide_direction == "initial" else decided
         lost = gripping & (abs(whole - k[1] * k[1]) * _MOST_LOST < whole)
         reason = "the ball is too heavy for the bat: the impulse by which it grips loses its digits"
         run.refuse(OutOfRange(f"{reason}; take the engine enclosure"), lost)
-        told = told & (lost ^ True)
+        decided = decided & (lost ^ True)
 
     # or else a slide, which needs a direction, and must make them part
     if scene.reading.slide_direction == "initial":
@@ -659,7 +659,7 @@ def _rub(
         numbers.where(grips, "grip", "slide"),
         margin / (friction * abs(wanted[0])),
     )
-    return impact, told & known & parts
+    return impact, decided & known & parts
 
 
 @dataclass(frozen=True)
@@ -718,7 +718,7 @@ def land(run: Run, launch: Launch, outcome: Outcome, rows: Mask) -> None:
         # A pitch has not touched the ground, so that a batted ball starts above it.
         if hasattr(run.scene, "launch"):
             rows = _land_from_below(run, ball, outcome, rows)
-        if run.some(rows):
+        if run.any(rows):
             _come_down(run, ball, _fly_down(run, ball, start, run.time_limit, rows), outcome, rows)
     elif "v" not in law.variables and not isinstance(run.engine, Stepped):
         _cross_fence_in_plane(run, ball, outcome, rows)
@@ -740,12 +740,12 @@ def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Ma
     height, limit = landing_height(run.scene, run.numbers.exact), run.time_limit
     rise = height - ball.start.z
     under, others = run.decide(rise, rise * 0, "whether the ball starts below the ground", rows)
-    if run.some(under):
+    if run.any(under):
         flight = fly(
             run, ball.law, ball.start, lambda at: [level(height, at, run.numbers)], limit, under
         )
         risen = under & flight.stopped("level")
-        if run.some(risen):
+        if run.any(risen):
             down = _fly_down(run, ball, flight.state, limit - flight.time, risen)
             flight = flight.then(down)
         _come_down(run, ball, flight, outcome, under)
@@ -781,7 +781,7 @@ def _come_down(
     aloft: Outcome = "home_run" if outcome == "home_run" else "airborne"
     run.conclude(aloft, rows & flight.stopped("time"))
     rows = rows & flight.stopped("ground")
-    if not run.some(rows):
+    if not run.any(rows):
         return
 
     # the landing
@@ -862,11 +862,11 @@ def _cross_fence_in_plane(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
         run, ball.law, start, lambda state: [run.ground(state), *fences], run.time_limit, rows
     )
     inside = rows & (flight.stopped("ground") | flight.stopped("time"))
-    if run.some(inside):
+    if run.any(inside):
         _come_down(run, ball, flight, outcome, inside)
     for name, stop in stops.items():
         stopped = rows & flight.stopped(name)
-        if run.some(stopped):
+        if run.any(stopped):
             _meet_fence(run, ball, flight, stop.place, outcome, stopped)
 
 
@@ -938,11 +938,11 @@ def _meet_fence(
     )
     into = known & into
     run.follow(frame, flight, begin, into)
-    if run.some(into):
+    if run.any(into):
         _rise(run, ball, flight, into)
     run.conclude("wall", into)
     over = known & over
-    if not run.some(over):
+    if not run.any(over):
         return
 
     # out of the field
@@ -951,9 +951,9 @@ def _meet_fence(
         landing = flight.then(_fly_down(run, ball, flight.state, left, over))
     foul, fair = _foul(run, frame.position(flight.state), "leaves the field fair", over)
     around = run.scene.fence.polyline is None
-    if run.some(fair):
+    if run.any(fair):
         _come_down(run, ball, landing, "home_run", fair, True)
-    if run.some(foul):
+    if run.any(foul):
         _come_down(run, ball, landing, "home_run" if around else outcome, foul, False)
 
 
@@ -1115,12 +1115,12 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
             return tuple(map(run.numbers.report, value))
         return value if isinstance(value, str | int) else run.numbers.report(value)
 
-    told = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
+    quantities = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
     return Result(
         id=run.scene.id,
         engine=" and ".join(dict.fromkeys(run.engines)) or run.engine.description,
         outcome=None if error else run.answer["outcome"],
         error=None if error is None else str(error),
         code=None if error is None else error.code,
-        **nested(told),
+        **nested(quantities),
     )

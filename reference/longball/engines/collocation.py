@@ -476,9 +476,9 @@ class SegmentCurve:
         # (mpmath's own bracketing solvers stop by the size of the function, which says nothing of
         # the time where that is as flat as at a graze.)
         resolution = 16 * self.segment.context.eps * self.segment.half
-        share = self.segment.context.mpf(0.5)
+        fraction = self.segment.context.mpf(0.5)
         while True:
-            x = x1 + share * (x2 - x1)
+            x = x1 + fraction * (x2 - x1)
             f = function(x)
             if (f > 0) == (f1 > 0):
                 x3, f3 = x1, f1
@@ -489,11 +489,11 @@ class SegmentCurve:
             if f1 == 0 or least > 0.5:
                 return x1 if abs(f1) < abs(f2) else x2
             xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
-            share = self.segment.context.mpf(0.5)
+            fraction = self.segment.context.mpf(0.5)
             if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
-                share = f1 / (f2 - f1) * f3 / (f2 - f3)
-                share += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
-            share = min(max(share, least), 1 - least)
+                fraction = f1 / (f2 - f1) * f3 / (f2 - f3)
+                fraction += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+            fraction = min(max(fraction, least), 1 - least)
 
 
 # Coefficients below this, relative to the largest, are the rounding of the doubles they are in.

@@ -189,7 +189,7 @@ class Ivp(PathEngine):
         the same state, so that bat and ball share its error, and their distance has none of it. A
         law with switches has no such expansion.
         """
-        if law.bends:
+        if law.switches:
             for piece in pitch.path.pieces():
                 yield View(piece, 0.0, piece.length, self._plate_error(pitch, bat))
             return

@@ -220,7 +220,9 @@ class Trajectory:
     def evenly(self, points: int, numbers: Numbers) -> list[tuple[N, ...]]:
         """Return t, s, x, y, z and their rates at evenly spaced times from beginning to end."""
         begin, end = self.legs[0].begin, self.end
-        shares = (numbers.exact(float(i)) / numbers.exact(float(points - 1)) for i in range(points))
-        times = [begin + (end - begin) * share for share in shares]
+        fractions = (
+            numbers.exact(float(i)) / numbers.exact(float(points - 1)) for i in range(points)
+        )
+        times = [begin + (end - begin) * fraction for fraction in fractions]
         times[-1] = end
         return [(t, *row) for t, row in zip(times, self.sample(times), strict=True)]

@@ -60,7 +60,7 @@ class PathEngine(Engine, ABC):
         has more pieces than can be searched for such places within seconds.
         """
         begin = self.numbers.exact(0.0)
-        if not law.bends:
+        if not law.switches:
             yield from self._smooth(law, start, begin, limit, events)
             return
         # A flight under a law with switches is a chain of smooth flights: fly on one branch up to
@@ -97,7 +97,7 @@ class PathEngine(Engine, ABC):
                 branches[which] += passed.way
                 # Where the wind sets in or ends, the airspeed jumps, and with it whatever the
                 # tables depend on: their branches are looked up afresh.
-                if law.bends[which].blows:
+                if law.switches[which].is_wind:
                     branches = branches_at(law, start, self.numbers, {which: branches[which]})
                     start = law.on(branches).completed(start, self.numbers)
                 break
@@ -115,19 +115,21 @@ class PathEngine(Engine, ABC):
         height above which the wind blows, a landing is a landing.
         """
         found = []
-        for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
+        for which, (switch, branch) in enumerate(zip(form.switches, branches, strict=True)):
             for way, number in ((-1, branch - 1), (1, branch)):
-                if 0 <= number < len(bend.levels):
-                    level = bend.levels[number]
-                    if bend.blows and way < 0 and self._ends_all_at(level, form, events):
+                if 0 <= number < len(switch.thresholds):
+                    threshold = switch.thresholds[number]
+                    if switch.is_wind and way < 0 and self._ends_all_at(threshold, form, events):
                         continue
-                    value = form.beyond(bend, level, self.numbers)
+                    value = form.beyond(switch, threshold, self.numbers)
                     if way > 0:  # events fall through zero, and this value rises
                         value = partial(lambda beyond, state: -beyond(state), value)
-                    size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
-                    question = bend.question
-                    event = Event("bend", question, value, lambda state: state, size)
-                    found.append(_End(event, which, way, form.passage(bend), level))
+                    size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
+                    question = switch.question
+                    event = Event("switch", question, value, lambda state: state, size)
+                    found.append(
+                        _End(event, which, way, form.switching_function(switch), threshold)
+                    )
         return found
 
     def _ends_all_at(self, height: N, law: Law, events: Events) -> bool:
@@ -160,9 +162,9 @@ class PathEngine(Engine, ABC):
             curve = piece.curve(event.value)
             # Forces are the same on both sides of a node: a touch within an error that is not
             # proven changes them by as little.
-            touch_matters = self.flight_error == 0.0 or form.bends[end.which].blows
+            touch_matters = self.flight_error == 0.0 or form.switches[end.which].is_wind
             question = event.question if touch_matters else None
-            # As at a launch: a piece may begin on the level that the one before ended on.
+            # As at a launch: a piece may begin on the threshold that the one before ended on.
             time = first_fall(
                 curve, piece.length, error, question, self.numbers,
                 launch=first or self.flight_error > 0.0,
@@ -343,15 +345,16 @@ class _End(NamedTuple):
     event: Event
     which: int
     way: int
-    passage: Program  # the switching function
-    level: N  # the threshold
+    switching_function: Program  # the switching function
+    threshold: N  # the threshold
 
     def is_threshold_of(self, other: _End) -> bool:
         """True if function and threshold are equal; balls are, if both their parts are."""
-        if self.passage.outputs != other.passage.outputs:
+        if self.switching_function.outputs != other.switching_function.outputs:
             return False
         one, two = (
-            (x.mid(), x.rad()) if hasattr(x, "mid") else x for x in (self.level, other.level)
+            (x.mid(), x.rad()) if hasattr(x, "mid") else x
+            for x in (self.threshold, other.threshold)
         )
         return bool(one == two)
 
@@ -415,7 +418,7 @@ def branches_at(
 
     Raises `Undecided` if a ball leaves open on which side of a threshold a state is.
     """
-    return _branches(law, state, numbers, known, range(len(law.bends)), 1, state.z * 0)
+    return _branches(law, state, numbers, known, range(len(law.switches)), 1, state.z * 0)
 
 
 def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:
@@ -426,10 +429,10 @@ def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:
 
     Raises `Undecided` if the state is within an `error` of a threshold.
     """
-    if not law.bends:
+    if not law.switches:
         return law
     none: dict[int, int] = {}
-    return law.on(_branches(law, state, numbers, none, law.bends_of_spin, -1, error))
+    return law.on(_branches(law, state, numbers, none, law.switches_of_spin, -1, error))
 
 
 def require_law(law: Law, branches: Sequence[Any], time: Any) -> None:
@@ -437,8 +440,8 @@ def require_law(law: Law, branches: Sequence[Any], time: Any) -> None:
 
     The time, s since the launch, is for the message.
     """
-    for bend, branch in zip(law.bends, branches, strict=True):
-        if bend.ends and branch == 0:
+    for switch, branch in zip(law.switches, branches, strict=True):
+        if switch.ends_law and branch == 0:
             raise no_direction(time)
 
 
@@ -460,22 +463,24 @@ def _branches(
     sense: int,  # on a threshold: 1 for the branch that the flight enters, -1 for the one it leaves
     error: N,  # of the switching functions
 ) -> list[int]:
-    branches = [known.get(which, 0) for which in range(len(law.bends))]
+    branches = [known.get(which, 0) for which in range(len(law.switches))]
     # The wind's switch first: the others depend on the airspeed.
-    for which, bend in sorted(enumerate(law.bends), key=lambda numbered: not numbered[1].blows):
+    for which, switch in sorted(
+        enumerate(law.switches), key=lambda numbered: not numbered[1].is_wind
+    ):
         if which in known or which not in asked:
             continue
         form = law.on(branches)
         state = form.completed(state, numbers)
-        for level in bend.levels:
-            value = form.beyond(bend, level, numbers)
+        for threshold in switch.thresholds:
+            value = form.beyond(switch, threshold, numbers)
             there, off = value(state), error
             # Exactly on the threshold, the direction in which the flight passes it decides. It is
             # exact, too: a state that lies there was put there.
             if there == 0:
                 moving = map(Dual, state, form.rates(numbers)(*state))
                 there, off = sense * value(law.state(*moving)).rate, error * 0
-            question = f"whether {bend.question}"
+            question = f"whether {switch.question}"
             # The thresholds rise, so that the branch is the number of those below the value.
             branches[which] += numbers.positive(there, off, question)
     return branches

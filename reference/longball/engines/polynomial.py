@@ -112,9 +112,9 @@ def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
 
     `low` is what their values at 0 lack of the true ones.
     """
-    run, end, lost = COEFFICIENTS.now, np.empty(len(x)), np.empty(len(x))
-    run.advance(run.taken(x), h, run.taken(low), end, lost)
-    return end, lost
+    run, end, rounding = COEFFICIENTS.now, np.empty(len(x)), np.empty(len(x))
+    run.advance(run.taken(x), h, run.taken(low), end, rounding)
+    return end, rounding
 
 
 class Polynomial(Arithmetic):

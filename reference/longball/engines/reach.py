@@ -25,12 +25,12 @@ def reach_of_terms(x: Any, order: int, rtol: float, changing: tuple[int, ...]) -
     step within a third of a turn.
     """
     reach, power = inf, 0
-    size, bend = total(x, 0, changing), total(x, 2, changing)
+    size, curvature = total(x, 0, changing), total(x, 2, changing)
     # the circle: |x_2| t² <= 2 |x_0|
     if size == 0.0:
         size, power = total(x, 1, changing), 1
-    elif bend > 0.0:
-        reach = sqrt(2.0 * size / bend)
+    elif curvature > 0.0:
+        reach = sqrt(2.0 * size / curvature)
     # Two terms, as by symmetry every other one may be zero.
     for n in (order - 1, order):
         last = total(x, n, changing)
@@ -65,7 +65,7 @@ def total(x: Any, n: int, rows: tuple[int, ...]) -> float:
 # half of the larger of the two.
 
 
-def bend_of_square(root: Any) -> float:
+def square_term(root: Any) -> float:
     """Return S₂ from the coefficients of V."""
     return abs(root[1] * root[1] + 2.0 * root[0] * root[2])  # type: ignore[no-any-return]
 
@@ -78,6 +78,6 @@ def square_of_rates(x: Any, parts: tuple[int, ...]) -> float:
     return found
 
 
-def reach_of_root(reach: float, size: float, bend: float) -> float:
+def reach_of_root(reach: float, size: float, curvature: float) -> float:
     """Return a reach, s, shortened to half the distance to the zeros of a root of that size."""
-    return min(reach, 0.5 * size / sqrt(bend)) if bend != 0.0 else reach
+    return min(reach, 0.5 * size / sqrt(curvature)) if curvature != 0.0 else reach

@@ -401,8 +401,8 @@ class JetCurve:
         h = self.piece.piece.length * _APART
         found = []
         for t in turns:
-            bend = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
-            step = -self._falling(t) / bend if bend else 0
+            curvature = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
+            step = -self._falling(t) / curvature if curvature else 0
             found.append(Jet(t + step if abs(step) < h else t))
         return found
 

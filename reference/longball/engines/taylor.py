@@ -247,7 +247,7 @@ def _printed(program: Program) -> _Printed:
 # Names in printed code.
 _TAKEN = re.compile(
     "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|"
-    "reach_of_(terms|root)|bend_of_square|square_of_rates"
+    "reach_of_(terms|root)|square_term|square_of_rates"
 )
 
 
@@ -268,12 +268,12 @@ def _source(program: Program, at_rest: bool) -> str:
     for i, root in enumerate(series.rows):
         if root.kind != "sqrt":
             continue
-        bend = f"bend_of_square(x[{i}])"
+        curvature = f"square_term(x[{i}])"
         parts = [series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static]
         if parts:
-            bend = f"min({bend}, square_of_rates(x, {tuple(parts)}))"
+            curvature = f"min({curvature}, square_of_rates(x, {tuple(parts)}))"
         moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
-        lines.append(f"    {moving}h = reach_of_root(h, x[{i}][0], {bend})")
+        lines.append(f"    {moving}h = reach_of_root(h, x[{i}][0], {curvature})")
     return "\n".join(
         [
             Path(reach.__file__).read_text("utf-8"),

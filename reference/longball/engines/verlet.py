@@ -373,7 +373,7 @@ class Verlet(Stepped):
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
         branches = branches_at(law, start, DOUBLES)
         require_law(law, branches, 0.0)
-        form = law.on(branches) if law.bends else law
+        form = law.on(branches) if law.switches else law
         force = _acceleration(form, start)
         while done < steps:
             states = np.full((len(start), 1 + min(length, steps - done)), math.nan)
@@ -657,7 +657,7 @@ def air_in_space(law_in: Callable[[Frame], Law]) -> Callable[..., Vector]:
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
         there = law.state_of(launch)
-        form = law.on(_branches(law, there, DOUBLES)) if law.bends else law
+        form = law.on(_branches(law, there, DOUBLES)) if law.switches else law
         acceleration = _acceleration(form, there)
         state = PlaneState if len(acceleration) == 2 else SpaceState
         return frame.velocity(state(*(0.0 for _ in acceleration), *acceleration))

@@ -72,10 +72,10 @@ def wind(p: Any, height: Any) -> Vector:
 
     Of a profile, the strengths are ``W_h / ln((h + z_0)/z_0)``.
     """
-    blows = p.wind_s, p.wind_y, p.wind_z
+    velocity = p.wind_s, p.wind_y, p.wind_z
     if p.roughness is ZERO:
-        return blows
-    return scaled(p.made_of(trace.log(1.0 + height / p.roughness)), blows)
+        return velocity
+    return scaled(p.made_of(trace.log(1.0 + height / p.roughness)), velocity)
 
 
 def wind_strengths(
@@ -83,19 +83,19 @@ def wind_strengths(
 ) -> tuple[tuple[dict[str, N], ...], tuple[N, ...]]:
     """Return the winds from the ground up, and the heights above which the next one blows."""
     given = scene.air.wind
-    blows = frame.components(getattr(given, "velocity", given), numbers)
+    velocity = frame.components(getattr(given, "velocity", given), numbers)
     profile: dict[str, N] = {}
     if hasattr(given, ROUGHNESS):
         height, roughness = numbers.exact(given.height), numbers.exact(given.roughness)
         # Divided once here: the law multiplies by the logarithm of the present height.
         rise = numbers.functions["log"]((height + roughness) / roughness)
-        blows = blows[0] / rise, blows[1] / rise, blows[2]
+        velocity = velocity[0] / rise, velocity[1] / rise, velocity[2]
         profile = {ROUGHNESS: roughness}
-    found = present({"wind_s": blows[0], "wind_y": blows[1], "wind_z": blows[2]}, numbers)
+    found = present({"wind_s": velocity[0], "wind_y": velocity[1], "wind_z": velocity[2]}, numbers)
     # Without a wind there is nothing to profile.
     found = found and found | profile
     if hasattr(given, "above") and found:
-        # Still air below the height, the wind above it: a bend of the law.
+        # Still air below the height, the wind above it: a switch of the law.
         return ({}, found), (numbers.exact(given.above),)
     return (found,), ()
 

@@ -294,7 +294,8 @@ class _Traced:
 
     rates: Mapping[str, Node]  # of the variables, by name
     spin_left: Node  # the size of the spin, relative to that at launch
-    passed: Mapping[str, tuple[Node, Node]]  # what passes levels, by `Bend.of`: top and bottom
+    # Top and bottom of what passes the thresholds, by `Switch.of`
+    passed: Mapping[str, tuple[Node, Node]]
     # What the variables are that stand for exponentials and logarithms, by name: each in terms of
     # the variables before it.
     made: Mapping[str, Node]
@@ -389,10 +390,10 @@ def _code(
 
 
 @lru_cache(maxsize=1024)
-def _passage(program: Program, top: Node, bottom: Node) -> Program:
-    # top/bottom passes the level where this is zero; nothing is divided.
-    value = top - trace.parameter("level") * bottom
-    return replace(program, outputs=(value,), parameters=(*program.parameters, "level"))
+def _switching_function(program: Program, top: Node, bottom: Node) -> Program:
+    # top/bottom passes the threshold where this is zero; nothing is divided.
+    value = top - trace.parameter("threshold") * bottom
+    return replace(program, outputs=(value,), parameters=(*program.parameters, "threshold"))
 
 
 @lru_cache(maxsize=1024)
@@ -411,13 +412,14 @@ _SENSE = "sense"
 # --- the law of a scene ---------------------------------------------------------------------------
 
 
-class Bend(NamedTuple):
-    """A part of a law, whose strengths change where a function of the state passes a level."""
+class Switch(NamedTuple):
+    """A part of a law, whose strengths change where a function of the state passes a threshold."""
 
     of: str  # the wind, the coefficient of drag or lift, or the side force
-    strengths: tuple[Mapping[str, N], ...] = ({},)  # below the first level, between levels, beyond
-    levels: tuple[N, ...] = ()  # in rising order; without any it is no bend
-    question: str = ""  # whether a level is passed, as a clause
+    # below the first threshold, between two, beyond the last
+    strengths: tuple[Mapping[str, N], ...] = ({},)
+    thresholds: tuple[N, ...] = ()  # in rising order; without any it is no switch
+    question: str = ""  # whether a threshold is passed, as a clause
 
     @property
     def names(self) -> KeysView[str]:
@@ -425,12 +427,12 @@ class Bend(NamedTuple):
         return dict.fromkeys(name for strengths in self.strengths for name in strengths).keys()
 
     @property
-    def ends(self) -> bool:
-        """True if the law ends at its level, below which the side force has no direction."""
+    def ends_law(self) -> bool:
+        """True if the law ends at its threshold, below which the side force has no direction."""
         return self.of == "side"
 
     @property
-    def blows(self) -> bool:
+    def is_wind(self) -> bool:
         """True if it is the wind: where that changes, airspeeds jump."""
         return self.of == "wind"
 
@@ -448,22 +450,22 @@ class Law:
         The rates of change of a state, component by component; of a law without a form, those of
         all forms at once, which only tell the variables.
     strengths
-        Values of the program's parameters, by name; without a form, not those of `bends`.
+        Values of the program's parameters, by name; without a form, not those of `switches`.
     shape
         What the program was traced from.
-    bends
+    switches
         The parts that have several forms.
     form
         Which branch each of them has; None: the law has no form, or needs none.
     polynomial
-        Whether each exponential and logarithm that a bend may depend on is a variable of its own,
+        Whether each exponential and logarithm that a switch may depend on is a variable of its own,
         so that where the form changes is the zero of a polynomial in the variables.
     """
 
     code: Program
     strengths: Mapping[str, N]
     shape: Shape
-    bends: tuple[Bend, ...] = ()
+    switches: tuple[Switch, ...] = ()
     form: tuple[int, ...] | None = None
     polynomial: bool = False
 
@@ -473,7 +475,7 @@ class Law:
 
         Raises `TypeError` if parts have several forms and none is chosen.
         """
-        if self.bends and self.form is None:
+        if self.switches and self.form is None:
             raise TypeError("parts of this law have several forms: ask law.on(branches)")
         return self.code
 
@@ -495,14 +497,14 @@ class Law:
     @property
     def is_paper(self) -> bool:
         """True if nothing acts but the paper's drag, lift and gravity."""
-        return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.bends
+        return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.switches
 
     @property
-    def bends_of_spin(self) -> frozenset[int]:
-        """The numbers of the bends on whose branches the size of the spin depends."""
+    def switches_of_spin(self) -> frozenset[int]:
+        """The numbers of the switches on whose branches the size of the spin depends."""
         nodes = Program((), (), (self._traced.spin_left,)).nodes
         used = {node.args[0] for node in nodes if node.kind == "parameter"}
-        return frozenset(which for which, bend in enumerate(self.bends) if bend.names & used)
+        return frozenset(which for which, switch in enumerate(self.switches) if switch.names & used)
 
     @property
     def _traced(self) -> _Traced:
@@ -514,10 +516,10 @@ class Law:
     def on(self, branches: Sequence[int]) -> Law:
         """Return the law with these forms of the parts that have several."""
         # Strengths of other branches go first: a branch may lack a strength that another has.
-        changed = {name for bend in self.bends for name in bend.names}
+        changed = {name for switch in self.switches for name in switch.names}
         strengths = {name: x for name, x in self.strengths.items() if name not in changed}
-        for bend, branch in zip(self.bends, branches, strict=True):
-            strengths |= bend.strengths[branch]
+        for switch, branch in zip(self.switches, branches, strict=True):
+            strengths |= switch.strengths[branch]
         code = _code(self.shape, tuple(strengths), "y" in self.variables, self.polynomial)
         return replace(self, code=code, strengths=strengths, form=tuple(branches))
 
@@ -542,10 +544,11 @@ class Law:
         return replace(self, code=code, strengths={**self.strengths, _SENSE: sense})
 
     def in_polynomials(self) -> Law:
-        """Return the law with what bends depend on as variables; see `polynomial`, `completed`."""
-        first = self.on([0] * len(self.bends))  # of all forms the arguments have the same functions
+        """Return the law with variables for what switches depend on; see `completed`."""
+        # In all forms the arguments of the switches have the same functions.
+        first = self.on([0] * len(self.switches))
         passed = first._traced.passed
-        if all(_is_polynomial(node) for bend in self.bends for node in passed[bend.of]):
+        if all(_is_polynomial(node) for switch in self.switches for node in passed[switch.of]):
             return self
         law = replace(self, polynomial=True)
         return replace(law, code=law.on(first.form or ()).code)
@@ -597,46 +600,46 @@ class Law:
         s, y, z = (known.get(name, nothing) for name in ("wind_s", "wind_y", "wind_z"))
         return s, y, z
 
-    def passage(self, bend: Bend) -> Program:
-        """Return a program that is positive where what a bend depends on is beyond a level.
+    def switching_function(self, switch: Switch) -> Program:
+        """Return a program that is positive where what a switch depends on is beyond a threshold.
 
-        It has the law's variables and parameters, and the parameter `level`.
+        It has the law's variables and parameters, and the parameter `threshold`.
         """
-        return _passage(self.program, *self._traced.passed[bend.of])
+        return _switching_function(self.program, *self._traced.passed[switch.of])
 
-    def beyond(self, bend: Bend, level: N, numbers: Numbers) -> Callable[[Any], Any]:
-        """Return a function of the state that is positive beyond a level of a bend."""
-        known = {**self.strengths, "level": level}
-        bound = self.passage(bend).bind(known, numbers.functions)
+    def beyond(self, switch: Switch, threshold: N, numbers: Numbers) -> Callable[[Any], Any]:
+        """Return a function of the state that is positive beyond a threshold of a switch."""
+        known = {**self.strengths, "threshold": threshold}
+        bound = self.switching_function(switch).bind(known, numbers.functions)
         return lambda state: bound(*state)[0]
 
     def branches(self, state: Any, numbers: Numbers) -> list[Any]:
-        """Return which forms the parts have in a state, or in many: by the levels passed.
+        """Return which forms the parts have in a state, or in many: by the thresholds passed.
 
         The numbers carry no radius.
         """
 
         def passed(form: Law) -> list[Any]:
-            levels = (
-                [form.beyond(bend, level, numbers)(state) > 0 for level in bend.levels]
-                for bend in self.bends
-            )
-            return [sum(each, start=0) for each in levels]
+            counts = []
+            for switch in self.switches:
+                values = (form.beyond(switch, x, numbers)(state) for x in switch.thresholds)
+                counts.append(sum((value > 0 for value in values), start=0))
+            return counts
 
-        blowing = [bend.blows for bend in self.bends]
-        below = passed(self.on([0] * len(blowing)))
-        if not any(blowing):
+        winds = [switch.is_wind for switch in self.switches]
+        below = passed(self.on([0] * len(winds)))
+        if not any(winds):
             return below
         # Above the height where the wind sets in, the others depend on another airspeed.
-        above, more = below[blowing.index(True)], passed(self.on([*map(int, blowing)]))
+        above, more = below[winds.index(True)], passed(self.on([*map(int, winds)]))
         return [
-            above if blows else less * (1 - above) + above * beyond
-            for blows, less, beyond in zip(blowing, below, more, strict=True)
+            above if is_wind else less * (1 - above) + above * beyond
+            for is_wind, less, beyond in zip(winds, below, more, strict=True)
         ]
 
     def at(self, state: Any, numbers: Numbers) -> Law:
         """Return the law in the form valid in a state, whose numbers carry no radius."""
-        return self.on([*map(int, self.branches(state, numbers))]) if self.bends else self
+        return self.on([*map(int, self.branches(state, numbers))]) if self.switches else self
 
 
 PAPER = "drag", "lift", "gravity"  # the strengths of its law
@@ -651,12 +654,14 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
         What may act on the ball besides what the model has.
     """
     shape = Shape()
-    parts: list[Bend] = []
+    parts: list[Switch] = []
     further: dict[str, N] = {}
     if scene.air is not None:
         shape, parts, further = _in_air(scene, frame, numbers)
-    bends = [part for part in parts if part.levels]
-    strengths = {n: x for part in parts if not part.levels for n, x in part.strengths[0].items()}
+    switches = [part for part in parts if part.thresholds]
+    strengths = {
+        n: x for part in parts if not part.thresholds for n, x in part.strengths[0].items()
+    }
     if not numbers.absent(scene.gravity):
         strengths["gravity"] = numbers.exact(scene.gravity)
     strengths |= further | earth_strengths(scene, frame, numbers)
@@ -669,8 +674,8 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
     if acting:
         shape = shape._replace(forces=tuple(acting))
     # The variables are the same on all branches: those of space, if one of them needs those.
-    names = dict.fromkeys([*strengths, *(name for bend in bends for name in bend.names)])
-    return Law(_code(shape, tuple(names)), strengths, shape, tuple(bends))
+    names = dict.fromkeys([*strengths, *(name for switch in switches for name in switch.names)])
+    return Law(_code(shape, tuple(names)), strengths, shape, tuple(switches))
 
 
 def law_with(
@@ -681,7 +686,7 @@ def law_with(
     return Law(_code(shape, tuple(strengths)), strengths, shape)
 
 
-def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend], dict[str, N]]:
+def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switch], dict[str, N]]:
     """Return the shape of a scene's law, its parts, and strengths of spin and density."""
     air, reading, exact = scene.air, scene.reading, numbers.exact
     spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
@@ -689,7 +694,7 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend]
     drag_law, drag = _coefficient("drag", scene, spins, numbers)
     # A ball that does not spin has no lift, but for the paper's, whose axis no scene names.
     lift_law: Any = ConstantLift
-    lift: Bend = Bend("lift")
+    lift: Switch = Switch("lift")
     if spins or (frame.spin is None and not by_spin(air.lift_coefficient)):
         lift_law, lift = _coefficient("lift", scene, spins, numbers)
     parts, shape = [drag, lift], Shape(drag_law, lift_law)
@@ -698,13 +703,13 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend]
     if air.wind is not None:
         shape = shape._replace(wind_acts_on=reading.wind_acts_on)
         question = "the ball passes the height above which the wind blows"
-        parts.append(Bend("wind", *wind_strengths(scene, frame, numbers), question))
+        parts.append(Switch("wind", *wind_strengths(scene, frame, numbers), question))
     if air.side_coefficient is not None:
         side = side_strengths(scene, frame, numbers)
         found |= side
         if side:
             question = "the airspeed turns along air.side_coefficient.direction"
-            parts.append(Bend("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
+            parts.append(Switch("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
     # the spin, as a vector in the frame and by its size, and what is left of it
     if frame.spin is not None:
         shape = shape._replace(
@@ -759,7 +764,7 @@ def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:
     return density(scene, numbers) * numbers.exact(value) * area / (2 * mass)
 
 
-def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Bend]:
+def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
     given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
     # Of columns there is but the name.
@@ -775,8 +780,8 @@ def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[An
         elif (strength := per_metre(scene, value, numbers)) is not None:
             linear[_strength(of, key)] = strength
     if not linear:
-        return laws["constant"], Bend(of)
-    return law, Bend(of, (linear | present(others, numbers),))
+        return laws["constant"], Switch(of)
+    return law, Switch(of, (linear | present(others, numbers),))
 
 
 @cache
@@ -785,11 +790,11 @@ def _keys(law: Any) -> tuple[str, ...]:
     return tuple(key for key in law.model_fields if key != "law")
 
 
-def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Bend]:
+def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
     """Return the law of a coefficient that is linear between nodes; see `_coefficient`."""
     unit = per_metre(scene, 1.0, numbers)
     if unit is None:
-        return ConstantDrag if of == "drag" else ConstantLift, Bend(of)
+        return ConstantDrag if of == "drag" else ConstantLift, Switch(of)
     nodes, lines = given.lines(numbers.exact)
     law = BySpin if given.of == "spin_parameter" else BySpeed
     if given.of == "mach":
@@ -800,5 +805,5 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
         nodes, lines = (), ((lines[0][0], numbers.exact(0.0)),)
     at_0, slope = _strength(of, "at_0"), _strength(of, "slope")
     strengths = tuple(present({at_0: unit * x, slope: unit * y}, numbers) for x, y in lines)
-    levels = tuple(node * node for node in nodes)
-    return law, Bend(of, strengths, levels, f"{law.passes} passes a node of a table")
+    thresholds = tuple(node * node for node in nodes)
+    return law, Switch(of, strengths, thresholds, f"{law.passes} passes a node of a table")

@@ -278,7 +278,7 @@ class Columns(Run):
         """See `Run`."""
         return np.ones(len(self.table), bool)
 
-    def some(self, rows: Flags) -> bool:
+    def any(self, rows: Flags) -> bool:
         """See `Run`."""
         return bool(rows.any())
 
@@ -336,7 +336,7 @@ class Columns(Run):
         return Touch(margin, code, *records.noted(ends, law))
 
     def _near(self, bat: BatSection, pitch: Any) -> Start:
-        """Start of the search for the bat: the waypoint, where nothing can happen before it."""
+        """Start of the search for the bat: the sampling plane, if nothing can happen before it."""
         clear = records.approach_is_clear(bat, pitch.state.z)
         return _where(self.numbers, clear, pitch.mark, pitch.launch)
 
