@@ -555,10 +555,28 @@ _RESOLVED = 1e-6
 
 
 def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
-    """Return the impulse of Appendix A, or of an oblique impact, and the rows in which they part.
+    """Return the impulse of Appendix A, or of an oblique impact on a bat with friction.
 
-    The impact is oblique on a bat with friction. The `error` is that of velocities and directions,
-    relative, without the rounding here.
+    Parameters
+    ----------
+    run
+        The scene, or columns of them, and the engine's numbers.
+    contact
+        Ball and bat at the touching.
+    error
+        Of velocities and directions, relative, without the rounding here.
+
+    Returns
+    -------
+    impact : Impact
+        The impulse, N s, and the velocity, m/s, and spin, rad/s, after it.
+    parted : bool or array of flags
+        The rows in which ball and bat part.
+
+    Raises
+    ------
+    CannotSolve, Undecided
+        Of one scene: no impulse parts them, or its numbers leave open whether the ball slides.
     """
     scene, numbers = run.scene, run.numbers
     pair = bats.collision_parameters(

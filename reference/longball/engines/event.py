@@ -20,7 +20,20 @@ from longball.model.scene import InvalidScene
 
 
 class Event(NamedTuple):
-    """A scalar function of the state, and how a flight reports its zero."""
+    """A scalar function of the state, and how a flight reports its zero.
+
+    Examples
+    --------
+    A ball is thrown level at 30 m/s from a height of 4.9 m, without air. When is it 20 m away?
+
+    >>> from longball.engines.ivp import Ivp
+    >>> from longball.model.law import PlaneState, law_with
+    >>> far = Event("far", "it is 20 m away", lambda at: 20.0 - at.s, lambda at: at, 20.0)
+    >>> start = PlaneState(s=0.0, z=4.9, u=30.0, w=0.0)
+    >>> flight = Ivp().fly(law_with({"gravity": 9.8}), start, [far], 60.0)
+    >>> flight.stop, round(flight.time, 9), round(flight.state.z, 9)
+    ('far', 0.666666667, 2.722222222)
+    """
 
     name: str  # under which a flight reports it
     question: str  # what is reached, as a clause: "the ball touches the ground"

@@ -527,9 +527,7 @@ def not_beyond_a_kink() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Derivatives(Mapping[str, Mapping[str, Any]]):
-    """Derivatives of the numbers of a result by numbers of its scene.
-
-    ``derivatives["landing.distance"]["launch.velocity[0]"]`` is one of them, in SI units.
+    """Derivatives of the numbers of a result by numbers of its scene, in SI units.
 
     Attributes
     ----------
@@ -537,6 +535,16 @@ class Derivatives(Mapping[str, Mapping[str, Any]]):
         By result number and scene number. NaN where there is no derivative.
     refused
         Why there are no derivatives by some scene numbers.
+
+    Examples
+    --------
+    Without air, a ball that leaves level ground at 45° with speed v lands v²/g away:
+
+    >>> import longball as lb
+    >>> ball = lb.Flight(launch={"position": (0, 0, 0), "velocity": (20, 0, 20)}, air=None)
+    >>> by = lb.solve(ball, derivatives=["gravity"]).derivatives["landing.distance"]
+    >>> round(by["gravity"], 6)  # -v²/g²
+    -8.329863
     """
 
     table: Mapping[str, Mapping[str, Any]]

@@ -43,7 +43,32 @@ _MOST_SHORT_STEPS = 5_000
 
 
 def right_hand_side(law: Law) -> Callable[[float, Array], Sequence[float]]:
-    """Return the law as `solve_ivp` takes it: a function of time and state."""
+    """Return the law as `solve_ivp` takes it.
+
+    Parameters
+    ----------
+    law
+        Of n variables; see `longball.model.law.law_of`.
+
+    Returns
+    -------
+    callable
+        From the time, s, and the state, array of shape (n,), to its n rates of change.
+
+    Examples
+    --------
+    A ball that only gravity acts on falls 4.9 m in its first second:
+
+    >>> from scipy.integrate import solve_ivp
+    >>> from longball.model.law import law_with
+    >>> law = law_with({"gravity": 9.8})
+    >>> law.variables
+    ('s', 'z', 'u', 'w')
+    >>> start = [0.0, 10.0, 30.0, 0.0]  # m, m, m/s, m/s
+    >>> flown = solve_ivp(right_hand_side(law), (0.0, 1.0), start, method=Taylor, law=law)
+    >>> flown.y[:, -1].round(12).tolist()
+    [30.0, 5.1, 30.0, -9.8]
+    """
     rates = law.rates(DOUBLES)
 
     def function(_: float, y: Array) -> Sequence[float]:

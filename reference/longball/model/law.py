@@ -646,12 +646,37 @@ PAPER = "drag", "lift", "gravity"  # the strengths of its law
 
 
 def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = ()) -> Law:
-    """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity.
+    """Return the law of motion of a flight.
 
     Parameters
     ----------
+    scene
+        With ball, air, gravity and reading: a scene, or any object with these attributes, whose
+        numbers may be arrays of shape (n,), of n scenes.
+    frame : longball.model.frame.Frame
+        Of the flight, with its spin.
+    numbers : longball.model.numbers.Numbers
+        That the law computes with.
     forces
         What may act on the ball besides what the model has.
+
+    Returns
+    -------
+    Law
+        In the vertical plane of the launch, if its forces lie there; in space otherwise.
+
+    Examples
+    --------
+    >>> from longball.model.frame import launch_frame
+    >>> from longball.model.numbers import DOUBLES
+    >>> from longball.model.scene import FlightScene, Launch
+    >>> scene = FlightScene(launch=Launch(position=(0, 0, 1), velocity=(30, 0, 20)))
+    >>> frame, start = launch_frame((0.0, 0.0, 1.0), (30.0, 0.0, 20.0), DOUBLES)
+    >>> law = law_of(scene, frame, DOUBLES)
+    >>> law.variables, [*law.strengths]
+    (('s', 'z', 'u', 'w'), ['drag', 'lift', 'gravity'])
+    >>> [round(rate, 6) for rate in law.rates(DOUBLES)(*start)]  # m/s, m/s, m/s², m/s²
+    [30.0, 20.0, -10.799295, -11.149912]
     """
     shape = Shape()
     parts: list[Switch] = []
