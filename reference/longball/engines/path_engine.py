@@ -114,13 +114,20 @@ class PathEngine(Engine, ABC):
         A height of the wind at which an event ends the flight is none: where the ground is the
         height above which the wind blows, a landing is a landing.
         """
+        one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
         found = []
         for which, (switch, branch) in enumerate(zip(form.switches, branches, strict=True)):
             for way, number in ((-1, branch - 1), (1, branch)):
                 if 0 <= number < len(switch.thresholds):
                     threshold = switch.thresholds[number]
-                    if switch.is_wind and way < 0 and self._ends_all_at(threshold, form, events):
-                        continue
+                    if switch.is_wind and way < 0:
+                        # Dual numbers tell whether an event's value is zero at that height wherever
+                        # else the ball is: the value, and its rate if all else changes, are both 0.
+                        anywhere = form.state(*(Dual(nothing, one) for _ in form.variables))
+                        there = anywhere._replace(z=Dual(threshold, nothing))
+                        values = [event.value(there) for event in events]
+                        if any(value.value == 0 and value.rate == 0 for value in values):
+                            continue
                     value = form.beyond(switch, threshold, self.numbers)
                     if way > 0:  # events fall through zero, and this value rises
                         value = partial(lambda beyond, state: -beyond(state), value)
@@ -131,16 +138,6 @@ class PathEngine(Engine, ABC):
                         _End(event, which, way, form.switching_function(switch), threshold)
                     )
         return found
-
-    def _ends_all_at(self, height: N, law: Law, events: Events) -> bool:
-        """True if an event's value is zero at a height, m, wherever else the ball is.
-
-        Dual numbers tell: the value at that height, and its rate if all else changes, are both 0.
-        """
-        one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
-        anywhere = law.state(*(Dual(nothing, one) for _ in law.variables))
-        values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
-        return any(value.value == 0 and value.rate == 0 for value in values)
 
     def _first_end(
         self,

@@ -65,19 +65,16 @@ def total(x: Any, n: int, rows: tuple[int, ...]) -> float:
 # half of the larger of the two.
 
 
-def square_term(root: Any) -> float:
-    """Return S₂ from the coefficients of V."""
-    return abs(root[1] * root[1] + 2.0 * root[0] * root[2])  # type: ignore[no-any-return]
+def reach_of_root(reach: float, x: Any, root: int, parts: tuple[int, ...] | None) -> float:
+    """Return a reach, s, shortened to half the distance to the zeros of the argument of a root.
 
-
-def square_of_rates(x: Any, parts: tuple[int, ...]) -> float:
-    """Return a² from the rows of the components of a vector."""
-    found = 0.0
-    for i in parts:
-        found += x[i][1] * x[i][1]
-    return found
-
-
-def reach_of_root(reach: float, size: float, curvature: float) -> float:
-    """Return a reach, s, shortened to half the distance to the zeros of a root of that size."""
+    The rows of the root V and of the components of the vector that it is the size of, if it is one.
+    """
+    size = x[root][0]
+    curvature = abs(x[root][1] * x[root][1] + 2.0 * size * x[root][2])  # S₂
+    if parts is not None:
+        square = 0.0  # of a
+        for i in parts:
+            square += x[i][1] * x[i][1]
+        curvature = min(curvature, square)
     return min(reach, 0.5 * size / sqrt(curvature)) if curvature != 0.0 else reach

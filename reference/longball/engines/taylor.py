@@ -271,8 +271,7 @@ def _printed(program: Program) -> _Printed:
 
 # Names in printed code.
 _TAKEN = re.compile(
-    "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|"
-    "reach_of_(terms|root)|square_term|square_of_rates"
+    "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|reach_of_(terms|root)"
 )
 
 
@@ -293,12 +292,9 @@ def _source(program: Program, at_rest: bool) -> str:
     for i, root in enumerate(series.rows):
         if root.kind != "sqrt":
             continue
-        curvature = f"square_term(x[{i}])"
-        parts = [series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static]
-        if parts:
-            curvature = f"min({curvature}, square_of_rates(x, {tuple(parts)}))"
+        parts = tuple(series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static)
         moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
-        lines.append(f"    {moving}h = reach_of_root(h, x[{i}][0], {curvature})")
+        lines.append(f"    {moving}h = reach_of_root(h, x, {i}, {parts or None})")
     return "\n".join(
         [
             Path(reach.__file__).read_text("utf-8"),

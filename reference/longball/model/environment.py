@@ -56,12 +56,6 @@ def speed_of_sound(scene: Any, numbers: Numbers) -> N:
     return numbers.exact(331.3) * numbers.sqrt(temperature / numbers.exact(ZERO_CELSIUS))
 
 
-def thinned(p: Any, height: Any) -> Any:
-    """Return the density of the air, relative to that at height 0: ``e^(-βz)``."""
-    # The strength is 1/H; with a height z it is not constant along a flight.
-    return 1.0 if p.thinning is ZERO else trace.exp(-p.thinning * height)
-
-
 # --- the wind -------------------------------------------------------------------------------------
 
 ROUGHNESS = "roughness"  # z_0, m, as a strength of the law: the profile ends at z = -z_0

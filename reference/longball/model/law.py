@@ -36,7 +36,6 @@ from longball.model.environment import (
     density,
     earth_strengths,
     speed_of_sound,
-    thinned,
     wind,
     wind_strengths,
 )
@@ -171,7 +170,9 @@ def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Mo
         # points to the right, so that ê × u turns a level velocity upwards.
         spin, size = (ZERO, trace.constant(-1.0), ZERO), trace.constant(1.0)
     lift = _flow(p, velocity if p.shape.wind_acts_on == "drag" else through, left, spin, size)
-    return Motion(position, velocity, air, lift, thinned(p, position[2]), left)
+    # e^(-z/H), which is not constant along a flight; the strength is 1/H
+    thin = 1.0 if p.thinning is ZERO else trace.exp(-p.thinning * position[2])
+    return Motion(position, velocity, air, lift, thin, left)
 
 
 def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) -> Flow:
