@@ -43,7 +43,7 @@ class PathEngine(Engine, ABC):
 
     @abstractmethod
     def steps(self, law: Law, start: State, begin: N, limit: N, events: Events) -> Iterator[Piece]:
-        """Yield the pieces of a flight under a law that is smooth all the way, up to a time.
+        """Yield the pieces of a flight under a law that is smooth all along, up to a time.
 
         It starts at `begin` and may go on to `limit`, s since the launch; it is likely to end with
         the `events`, which an engine that integrates ahead may stop at until it is asked for more.
@@ -68,12 +68,12 @@ class PathEngine(Engine, ABC):
         law = law.in_polynomials()
         branches = branches_at(law, start, self.numbers)
         start = law.on(branches).completed(start, self.numbers)
-        passed: _End | None = None  # on whose threshold the form begins
+        passed: _SwitchEvent | None = None  # on whose threshold the form begins
         pieces = 0
         for _ in range(_MOST_BRANCHES):
             require_law(law, branches, begin)
             form = law.on(branches)
-            ends = self._ends_of(form, branches, events)
+            ends = self._switch_events(form, branches, events)
             met, first = None, True
             stops = [*(event for event, *_ in ends), *events]
             for piece in self._smooth(form, start, begin, limit, stops):
@@ -83,7 +83,7 @@ class PathEngine(Engine, ABC):
                         f"under a law with tables, or with wind above a height, the flight takes "
                         f"over {_MOST_PIECES} steps; try a shorter time_limit"
                     )
-                met = self._first_end(piece, ends, form, first, passed)
+                met = self._first_switch(piece, ends, form, first, passed)
                 if met is None:
                     yield piece
                     first = False
@@ -94,7 +94,7 @@ class PathEngine(Engine, ABC):
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
                 which = passed.which
-                branches[which] += passed.way
+                branches[which] += passed.direction
                 # Where the wind sets in or ends, the airspeed jumps, and with it whatever the
                 # tables depend on: their branches are looked up afresh.
                 if law.switches[which].is_wind:
@@ -108,7 +108,9 @@ class PathEngine(Engine, ABC):
             f"{_MOST_BRANCHES} times"
         )
 
-    def _ends_of(self, form: Law, branches: Sequence[int], events: Events) -> list[_End]:
+    def _switch_events(
+        self, form: Law, branches: Sequence[int], events: Events
+    ) -> list[_SwitchEvent]:
         """Return the events that switch from these branches of a law: the thresholds next to each.
 
         A height of the wind at which an event ends the flight is none: where the ground is the
@@ -117,10 +119,10 @@ class PathEngine(Engine, ABC):
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
         found = []
         for which, (switch, branch) in enumerate(zip(form.switches, branches, strict=True)):
-            for way, number in ((-1, branch - 1), (1, branch)):
+            for direction, number in ((-1, branch - 1), (1, branch)):
                 if 0 <= number < len(switch.thresholds):
                     threshold = switch.thresholds[number]
-                    if switch.is_wind and way < 0:
+                    if switch.is_wind and direction < 0:
                         # Dual numbers tell whether an event's value is zero at that height wherever
                         # else the ball is: the value, and its rate if all else changes, are both 0.
                         anywhere = form.state(*(Dual(nothing, one) for _ in form.variables))
@@ -129,30 +131,32 @@ class PathEngine(Engine, ABC):
                         if any(value.value == 0 and value.rate == 0 for value in values):
                             continue
                     value = form.beyond(switch, threshold, self.numbers)
-                    if way > 0:  # events fall through zero, and this value rises
+                    if direction > 0:  # events fall through zero, and this value rises
                         value = partial(lambda beyond, state: -beyond(state), value)
                     size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
                     question = switch.question
                     event = Event("switch", question, value, lambda state: state, size)
                     found.append(
-                        _End(event, which, way, form.switching_function(switch), threshold)
+                        _SwitchEvent(
+                            event, which, direction, form.switching_function(switch), threshold
+                        )
                     )
         return found
 
-    def _first_end(
+    def _first_switch(
         self,
         piece: Piece,
-        ends: Sequence[_End],
+        ends: Sequence[_SwitchEvent],
         form: Law,
         first: bool,
-        passed: _End | None,
-    ) -> tuple[N, _End] | None:
+        passed: _SwitchEvent | None,
+    ) -> tuple[N, _SwitchEvent] | None:
         """First of the switching events on a piece, with its time.
 
         The `first` piece on a branch begins on the threshold that was `passed`; another switch of
         the same function may have that threshold, too.
         """
-        found: tuple[N, _End] | None = None
+        found: tuple[N, _SwitchEvent] | None = None
         for end in ends:
             event = end.event
             error = self.numbers.exact(self.flight_error) * event.size
@@ -336,16 +340,16 @@ _MOST_BRANCHES = 1000
 _MOST_PIECES = 10_000
 
 
-class _End(NamedTuple):
+class _SwitchEvent(NamedTuple):
     """A switching event: the number of its switch, its direction, and the threshold crossed."""
 
     event: Event
     which: int
-    way: int
+    direction: int
     switching_function: Program  # the switching function
     threshold: N  # the threshold
 
-    def is_threshold_of(self, other: _End) -> bool:
+    def is_threshold_of(self, other: _SwitchEvent) -> bool:
         """True if function and threshold are equal; balls are, if both their parts are."""
         if self.switching_function.outputs != other.switching_function.outputs:
             return False
