@@ -821,14 +821,16 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
     unit = per_metre(scene, 1.0, numbers)
     if unit is None:
         return ConstantDrag if of == "drag" else ConstantLift, Switch(of)
-    nodes, lines = given.lines(numbers.exact)
     law = BySpin if given.of == "spin_parameter" else BySpeed
+    if law is BySpin and not spins:
+        # The value at S = 0. The nodes do not matter; in columns, they are not those of a block.
+        nodes, lines = (), ((numbers.exact(given.values[0]), numbers.exact(0.0)),)
+    else:
+        nodes, lines = given.lines(numbers.exact)
     if given.of == "mach":
         sound = speed_of_sound(scene, numbers)
         nodes = tuple(node * sound for node in nodes)
         lines = tuple((at_0, slope / sound) for at_0, slope in lines)
-    if law is BySpin and not spins:
-        nodes, lines = (), ((lines[0][0], numbers.exact(0.0)),)
     at_0, slope = _strength(of, "at_0"), _strength(of, "slope")
     strengths = tuple(present({at_0: unit * x, slope: unit * y}, numbers) for x, y in lines)
     thresholds = tuple(node * node for node in nodes)
