@@ -630,7 +630,7 @@ def test_a_ball_that_stays_up_is_airborne_and_one_on_the_ground_is_down():
 
 
 def test_a_flight_of_too_many_steps_is_given_up_before_the_first(monkeypatch):
-    """Whether it lands or not: only the time limit is known beforehand."""
+    """Only the time limit is known beforehand, not whether the ball lands."""
     monkeypatch.setattr(Code, "count", lambda self, work=1: pytest.fail("a step was taken"))
     for scene, dt in ((flight(), 1e-12), (flight(gravity=0.0, time_limit=1e12), 0.05)):
         result = solve(scene, Verlet(dt))

@@ -27,7 +27,5 @@ that are polynomials with balls as coefficients (`curve`). What is open when par
 `Undecided`.
 """
 
-from longball.engines.enclosure.balls import Balls
-from longball.engines.enclosure.engine import Enclosure
-
-__all__ = ["Balls", "Enclosure"]
+from longball.engines.enclosure.balls import Balls as Balls
+from longball.engines.enclosure.engine import Enclosure as Enclosure
