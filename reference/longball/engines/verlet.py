@@ -607,7 +607,7 @@ def print_law(program: Program) -> str:
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
     path = [2 * both] * (len(positions) - both)
-    further = "".join(
+    paths = "".join(
         f"{name} + dt * {names[rate]}, "
         for name, rate in zip(program.variables, program.outputs, strict=True)
         if name in positions[both:]
@@ -616,8 +616,8 @@ def print_law(program: Program) -> str:
         "accelerate(position, velocity, parameters)": [*unpack, *lines, f"return {outputs}"],
         "plus(a, factor, b)": [f"return ({each('a[{i}] + factor * b[{i}]')})"],
         "moved(position, dt, velocity, parameters)": [
-            *(unpack + lines if further else []),
-            f"return ({each('position[{i}] + dt * velocity[{i}]')}{further})",
+            *(unpack + lines if paths else []),
+            f"return ({each('position[{i}] + dt * velocity[{i}]')}{paths})",
         ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
         "write(states, k, position, velocity)": [

@@ -69,7 +69,7 @@ def wind(p: Any, height: Any) -> Vector:
     velocity = p.wind_s, p.wind_y, p.wind_z
     if p.roughness is ZERO:
         return velocity
-    return scaled(p.made_of(trace.log(1.0 + height / p.roughness)), velocity)
+    return scaled(p.auxiliary_for(trace.log(1.0 + height / p.roughness)), velocity)
 
 
 def wind_strengths(

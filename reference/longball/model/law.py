@@ -210,7 +210,7 @@ def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
     way = -p.decay * path
     if p.shape.spin_decay == "nathan":
         way = -(p.decay / p.decay_speed) * (path * speed)
-    return p.made_of(trace.exp(way))
+    return p.auxiliary_for(trace.exp(way))
 
 
 # --- what a law is traced with --------------------------------------------------------------------
@@ -256,21 +256,22 @@ class Strengths:
         self.shape = shape
         self.given = SimpleNamespace(**{name: trace.parameter(name) for name in names})
         self.polynomial = polynomial
-        self.made: dict[str, Node] = {}
+        self.auxiliary: dict[str, Node] = {}
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.given, name, ZERO)
 
-    def made_of(self, value: Node) -> Node:
+    def auxiliary_for(self, value: Node) -> Node:
         """Return an exponential or a logarithm, or the variable that stands for it."""
         # The Taylor engines and the proofs handle sums, products, quotients and roots. An
         # exponential becomes a variable with an equation of its own.
         if not self.polynomial or value.static:
             return value
         name = next(
-            (n for n, x in self.made.items() if x is value), f"{value.kind}_{len(self.made)}"
+            (n for n, x in self.auxiliary.items() if x is value),
+            f"{value.kind}_{len(self.auxiliary)}",
         )
-        self.made[name] = value
+        self.auxiliary[name] = value
         return trace.variable(name)
 
 
@@ -297,9 +298,9 @@ class _Traced:
     spin_left: Node  # the size of the spin, relative to that at launch
     # Top and bottom of what passes the thresholds, by `Switch.of`
     passed: Mapping[str, tuple[Node, Node]]
-    # What the variables are that stand for exponentials and logarithms, by name: each in terms of
-    # the variables before it.
-    made: Mapping[str, Node]
+    # The auxiliary variables, which stand for exponentials and logarithms, by name: each in terms
+    # of the variables before it.
+    auxiliary: Mapping[str, Node]
     aside: Vector  # see `_aside`
 
 
@@ -337,14 +338,14 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
         passed["side"] = size * size, speed * speed
     # Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
     # singularity that small errors of x come near to.
-    for name, value in p.made.items():
+    for name, value in p.auxiliary.items():
         (x,), y = value.args, trace.variable(name)
         grows = trace.total(
             trace.derivative(x, trace.variable(v), ratio="quotient") * rate
             for v, rate in rates.items()
         )
         rates[name] = (y if value.kind == "exp" else trace.exp(-y)) * grows
-    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.made, aside)
+    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.auxiliary, aside)
 
 
 def _is_polynomial(node: Node) -> bool:
@@ -575,7 +576,7 @@ class Law:
         They depend on the wind: where it sets in, they jump with the airspeed.
         """
         state = self.state_of(state)
-        for name, node in self._traced.made.items():
+        for name, node in self._traced.auxiliary.items():
             state = state._replace(**{name: self._value(node, state, numbers)})
         return state
 
@@ -681,16 +682,16 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
     """
     shape = Shape()
     parts: list[Switch] = []
-    further: dict[str, N] = {}
+    others: dict[str, N] = {}
     if scene.air is not None:
-        shape, parts, further = _in_air(scene, frame, numbers)
+        shape, parts, others = _in_air(scene, frame, numbers)
     switches = [part for part in parts if part.thresholds]
     strengths = {
         n: x for part in parts if not part.thresholds for n, x in part.strengths[0].items()
     }
     if not numbers.absent(scene.gravity):
         strengths["gravity"] = numbers.exact(scene.gravity)
-    strengths |= further | earth_strengths(scene, frame, numbers)
+    strengths |= others | earth_strengths(scene, frame, numbers)
     acting = []
     for force in forces:
         found = force.strengths(scene, frame, numbers)
