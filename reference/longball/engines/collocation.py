@@ -179,13 +179,14 @@ class Dynamics:
     """A law of motion: its rates in full precision, and with their Jacobian over arrays."""
 
     def __init__(self, law: Law, numbers: Numbers) -> None:
-        # Each position, and the velocity that it is the integral of. The other variables, which
-        # are called velocities here, are the unknowns of a step, whose error is relative to theirs.
-        rates = list(enumerate(law.program.outputs))
-        self.positions = {
-            i: law.variables.index(rate.args[0]) for i, rate in rates if rate.kind == "variable"
+        # Each position, and the velocity that it is the integral of. All other variables, which are
+        # called velocities here, are the unknowns of a step, whose error is relative to theirs.
+        names, rates = law.variables, law.program.outputs
+        mover = {
+            i: names.index(rate.args[0]) for i, rate in enumerate(rates) if rate.kind == "variable"
         }
-        self.velocities = [i for i, rate in rates if rate.kind != "variable"]
+        self.positions = {i: velocity for i, velocity in mover.items() if velocity not in mover}
+        self.velocities = [i for i in range(len(names)) if i not in self.positions]
         self.exact = law.rates(numbers)
         in_doubles: Law = replace(law, strengths={k: float(x) for k, x in law.strengths.items()})
         self.rough = in_doubles.rates(ARRAYS)
