@@ -50,7 +50,7 @@ from longball.engines.path import Flight, Path
 from longball.engines.path_engine import branches_at, no_direction, require_law
 from longball.engines.polynomial import ARRAYS, Dual
 from longball.model.arrays import Array
-from longball.model.environment import ROUGHNESS
+from longball.model.atmosphere import ROUGHNESS
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
 from longball.model.numbers import DOUBLES, Numbers, Vector, plus

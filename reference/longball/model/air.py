@@ -322,7 +322,7 @@ DRAG_LAWS, LIFT_LAWS = (
 
 
 class Weather(Block):
-    """Weather, which sets the density of the air; see `longball.model.environment.density`."""
+    """Weather, which sets the density of the air; see `longball.model.atmosphere.density`."""
 
     temperature: float = Field(default=288.15, ge=150.0, le=350.0, description="K")
     # The sea-level pressure has never been measured below 870 hPa; at 10 kPa nobody could play.

@@ -30,8 +30,7 @@ from longball.model.air import (
     by_spin,
     law_name,
 )
-from longball.model.block import Block
-from longball.model.environment import (
+from longball.model.atmosphere import (
     ROUGHNESS,
     density,
     earth_strengths,
@@ -39,6 +38,7 @@ from longball.model.environment import (
     wind,
     wind_strengths,
 )
+from longball.model.block import Block
 from longball.model.numbers import N, Numbers, Vector, present
 from longball.model.trace import ZERO, Node, Program
 from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
