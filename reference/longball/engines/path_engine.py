@@ -116,31 +116,31 @@ class PathEngine(Engine, ABC):
         A height of the wind at which an event ends the flight is none: where the ground is the
         height above which the wind blows, a landing is a landing.
         """
+        # threshold        0       1       2
+        # branch       0   |   1   |   2   |   3
+        #                  <-- - - -->           leaving branch 1: down (-1) or up (1)
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
         found = []
         for which, (switch, branch) in enumerate(zip(form.switches, branches, strict=True)):
             for direction, number in ((-1, branch - 1), (1, branch)):
-                if 0 <= number < len(switch.thresholds):
-                    threshold = switch.thresholds[number]
-                    if switch.is_wind and direction < 0:
-                        # Dual numbers tell whether an event's value is zero at that height wherever
-                        # else the ball is: the value, and its rate if all else changes, are both 0.
-                        anywhere = form.state(*(Dual(nothing, one) for _ in form.variables))
-                        there = anywhere._replace(z=Dual(threshold, nothing))
-                        values = [event.value(there) for event in events]
-                        if any(value.value == 0 and value.rate == 0 for value in values):
-                            continue
-                    value = form.beyond(switch, threshold, self.numbers)
-                    if direction > 0:  # events fall through zero, and this value rises
-                        value = partial(lambda beyond, state: -beyond(state), value)
-                    size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
-                    question = switch.question
-                    event = Event("switch", question, value, lambda state: state, size)
-                    found.append(
-                        _SwitchEvent(
-                            event, which, direction, form.switching_function(switch), threshold
-                        )
-                    )
+                if not 0 <= number < len(switch.thresholds):
+                    continue
+                threshold = switch.thresholds[number]
+                if switch.is_wind and direction < 0:
+                    # Dual numbers tell whether an event's value is zero at that height wherever
+                    # else the ball is: the value, and its rate if all else changes, are both 0.
+                    anywhere = form.state(*(Dual(nothing, one) for _ in form.variables))
+                    there = anywhere._replace(z=Dual(threshold, nothing))
+                    values = [event.value(there) for event in events]
+                    if any(value.value == 0 and value.rate == 0 for value in values):
+                        continue
+                value = form.beyond(switch, threshold, self.numbers)
+                if direction > 0:  # events fall through zero, and this value rises
+                    value = partial(lambda beyond, state: -beyond(state), value)
+                size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
+                event = Event("switch", switch.question, value, lambda state: state, size)
+                function = form.switching_function(switch)
+                found.append(_SwitchEvent(event, which, direction, function, threshold))
         return found
 
     def _first_switch(
