@@ -823,9 +823,11 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
     if unit is None:
         return ConstantDrag if of == "drag" else ConstantLift, Switch(of)
     law = BySpin if given.of == "spin_parameter" else BySpeed
+    nodes: Sequence[N] = ()
+    lines: Sequence[tuple[N, N]]
     if law is BySpin and not spins:
         # The value at S = 0. The nodes do not matter; in columns, they are not those of a block.
-        nodes, lines = (), ((numbers.exact(given.values[0]), numbers.exact(0.0)),)
+        lines = [(numbers.exact(given.values[0]), numbers.exact(0.0))]
     else:
         nodes, lines = given.lines(numbers.exact)
     if given.of == "mach":
