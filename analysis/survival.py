@@ -150,7 +150,7 @@ def _least(scene: Scene, truth: Result, name: str) -> float:
     if ".position" in name or name == "landing.distance":
         return _ROUNDINGS * ROUNDING * _start(scene)
     if name == "contact.margin" and isinstance(scene, AtBatScene):
-        # A height less that of the bat, as `longball.engines.contact.margin_error` counts.
+        # A height less that of the bat, as `longball.engines.event.margin_error` counts.
         return 8 * ROUNDING * (_height(truth) + abs(scene.swing.height_offset))
     return 0.0
 

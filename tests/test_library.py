@@ -20,6 +20,8 @@ import pytest
 
 import longball as lb
 from longball import api, engines, solution, tables
+from longball.engines import event, tangent, taylor
+from longball.model import law
 from longball.model.quantities import flat, numbers
 from longball.pitches import prediction
 from longball.questions import movement, parks, spin
@@ -44,7 +46,8 @@ class TestImport:
             _ = lb.solv
 
     @pytest.mark.parametrize(
-        "module", [lb, api, solution, tables, movement, parks, prediction, spin]
+        "module",
+        [lb, api, solution, tables, movement, parks, prediction, spin, event, law, tangent, taylor],
     )
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)

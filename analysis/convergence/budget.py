@@ -16,9 +16,8 @@ from analysis.speed_error.work import batted
 from analysis.writing import STYLES, Report
 from longball.convergence.family import mean_over_phases
 from longball.convergence.order import fit_power_law, typical
-from longball.engines.contact import BatSection
 from longball.engines.engine import Engine, Launch, Stepped, Touch
-from longball.engines.event import Event, Events, first_met, plate
+from longball.engines.event import BatSection, Event, Events, first_met, plate
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
 from longball.engines.polynomial import PolynomialPiece

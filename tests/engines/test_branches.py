@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from longball.engines.batch import Batch
-from longball.engines.branches import arrived, branches_at
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
+from longball.engines.path_engine import arrived, branches_at
 from longball.engines.verlet import Verlet
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
@@ -140,7 +140,7 @@ def test_within_the_error_of_the_switch_the_spin_is_undecided():
 
 def test_a_spin_that_does_not_depend_on_the_wind_is_decided_anywhere():
     law, start = law_and_start()
-    assert not law.bends_of_spin
+    assert not law.switches_of_spin
     assert arrived(law, start._replace(z=0.5), DOUBLES, 1e-14).form == (0,)
 
 

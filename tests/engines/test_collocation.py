@@ -14,7 +14,8 @@ from scipy.special import eval_legendre
 from longball.engines import collocation
 from longball.engines.collocation import Collocation, SegmentCurve, gauss_legendre, legendre
 from longball.engines.multiprecision import MultiprecisionNumbers, _collocation
-from longball.model.law import PlaneState, law_with
+from longball.model.law import Law, PlaneState, Shape, law_with
+from longball.model.trace import Program, variable
 
 DIGITS = 10
 METHOD: Collocation = _collocation(DIGITS)
@@ -197,3 +198,14 @@ def test_where_a_value_falls_through_zero(parabola: Any) -> None:
 def test_whether_a_value_is_certainly_positive(parabola: Any, floor: float, above: bool) -> None:
     """With x from -1 to 1 it is 8/3 - 8 P₁ - 32/3 P₂: at least 8/3 - 8 - 32/3 = -16."""
     assert curve(parabola, lambda y: y.z - floor).positive(exact(0), exact(4)) is above
+
+
+@pytest.mark.parametrize(("outputs", "wanted"), [("y", (math.e,)), ("xy", (math.e, math.e))])
+def test_a_rate_that_is_a_variable_is_an_integral_only_of_another_one(outputs, wanted) -> None:
+    """y' = y; and x' = y with it: both are e^t."""
+    names = tuple(outputs)
+    program = Program(names, (), tuple(variable("y") for _ in names))
+    law = Law(program, {}, Shape())
+    start = law.state(*(exact(1) for _ in names))
+    *_, last = METHOD.segments(law, exact(0), start, exact(1))
+    assert [float(x) for x in last.end] == pytest.approx(wanted, rel=1e-13)

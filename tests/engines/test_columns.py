@@ -144,3 +144,15 @@ def test_pitches_along_the_plane_of_the_plate_are_declined_as_alone():
     wanted = [result.line() for result in alone([crossing, beside])]
     assert [result.line() for result in results] == wanted * 16
     assert results[1].code == "out_of_range"
+
+
+def test_values_of_a_table_in_columns_of_a_ball_without_spin():
+    """Under a table of the spin parameter it keeps the first value; the nodes do not matter."""
+    drag = {"law": "table", "of": "spin_parameter", "at": [0.0, 0.5], "values": [0.3, 0.5]}
+    launch = {"position": [0, 0, 1], "velocity": [30, 0, 20], "spin": [0.0, 0.0, 0.0]}
+    line = {"kind": "flight", "launch": launch, "air": {"drag_coefficient": drag}}
+    scene, name = parse_scene(json.dumps(line)), "air.drag_coefficient.values[0]"
+    values = [0.3, 0.4]
+    table = solve_columns(scene, {name: values}, ENGINE)
+    wanted = [solve(replaced(scene, {name: x}), ENGINE).landing.distance for x in values]
+    assert table["landing.distance"].tolist() == wanted

@@ -1,7 +1,7 @@
 """No bat missed, none invented: steep pitches, odd meetings, and the margin of a miss.
 
 The margin is positive where ball and bat touch. The engine decides its sign beyond the limit that
-`contact.margin_error` states, and says that it cannot below. Grazes from 1e-3 m to 1e-15 m are in
+`event.margin_error` states, and says that it cannot below. Grazes from 1e-3 m to 1e-15 m are in
 the golden data (`hard`); `test_stated_errors.py` asks what is decided just beyond the limit.
 """
 
@@ -11,10 +11,10 @@ import math
 import numpy as np
 import pytest
 
-from longball.engines import contact, create
+from longball.engines import create, event
 from longball.engines.chain import approach_of, solve
-from longball.engines.contact import BatSection
 from longball.engines.enclosure import Enclosure
+from longball.engines.event import BatSection
 from longball.engines.ivp import Ivp
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_of, law_with
@@ -35,7 +35,7 @@ def bat_of(approach):
 def stated_error(approach, engine=ENGINE):
     """The bound on the margin's error that decides what the engine decides."""
     plate_height = approach.pitch.flight.state.z
-    return contact.margin_error(bat_of(approach), plate_height, engine.flight_error, DOUBLES)
+    return event.margin_error(bat_of(approach), plate_height, engine.flight_error, DOUBLES)
 
 
 def assert_decided_rightly(scene, margin, engine=ENGINE):

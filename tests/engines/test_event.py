@@ -18,12 +18,11 @@ from flint import arb, ctx
 
 from analysis.random_scenes import random_scene
 from longball.engines import event
-from longball.engines.arithmetic import Dual
 from longball.engines.chain import solve, solve_once
 from longball.engines.enclosure import Enclosure
 from longball.engines.fence import Stop, at_stop
 from longball.engines.ivp import Ivp
-from longball.engines.polynomial import PolynomialPiece
+from longball.engines.polynomial import Dual, PolynomialPiece
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_with
 from longball.model.numbers import DOUBLES, Undecided

@@ -18,10 +18,9 @@ import pytest
 
 from longball.engines.batch import Batch
 from longball.engines.chain import approach_of, solve
-from longball.engines.contact import BatSection, margin_error
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
-from longball.engines.event import ground, past, plate, vertical
+from longball.engines.event import BatSection, ground, margin_error, past, plate, vertical
 from longball.engines.ivp import Ivp
 from longball.model.frame import Frame
 from longball.model.law import PlaneState

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from longball.model.air import Weather
-from longball.model.atmosphere import density, speed_of_sound
-from longball.model.earth import earth_strengths
+from longball.model.atmosphere import density, earth_strengths, speed_of_sound
 from longball.model.frame import Frame
 from longball.model.numbers import DOUBLES
 from longball.model.scene import AtBatScene, InvalidScene, _meet, parse_scene

@@ -207,6 +207,6 @@ def test_an_exponential_that_is_a_variable_is_that_of_the_form():
     law = law_of(flight, frame, DOUBLES).in_polynomials()
     state = law.state_of(start)._replace(path=2.0)  # s times 1 m/s
     for branch, wind in ((0, 0.0), (1, 12.0)):
-        form = law.on([branch if bend.blows else 0 for bend in law.bends])
+        form = law.on([branch if switch.is_wind else 0 for switch in law.switches])
         left = math.exp(-2.0 * math.hypot(20.0 - wind, 9.0) / 50.0)
         assert form.spin_left(form.completed(state, DOUBLES), DOUBLES) == pytest.approx(left)

@@ -25,7 +25,7 @@ def values(x: Any, h: float, found: Any) -> None:
         found[i] = x[i][0] + _change(x[i], h)
 
 
-def advance(x: Any, h: float, low: Any, end: Any, lost: Any) -> None:
+def advance(x: Any, h: float, low: Any, end: Any, rounding: Any) -> None:
     """Evaluate polynomials, the rows of `x`, at `h`: rounded values, and their rounding errors.
 
     `low` has the rounding errors of the values at 0.
@@ -38,7 +38,7 @@ def advance(x: Any, h: float, low: Any, end: Any, lost: Any) -> None:
         after = start + change
         taken = after - start
         end[i] = after
-        lost[i] = (start - (after - taken)) + (change - taken)
+        rounding[i] = (start - (after - taken)) + (change - taken)
 
 
 def _change(p: Any, t: float) -> float:
@@ -137,15 +137,15 @@ def turning_points(p: Any, end: float) -> Any:
         left, right = parts.pop()
         half = 0.5 * (right - left)
         q = shifted(slope, left + half)
-        change, bend = 0.0, 0.0  # of the slope from the middle; of its rate
+        change, curvature = 0.0, 0.0  # of the slope from the middle; of its rate
         for k in range(len(q) - 1, 0, -1):
             change = (change + abs(q[k])) * half
-            bend = bend * half + (k * abs(q[k]) if k > 1 else 0.0)
+            curvature = curvature * half + (k * abs(q[k]) if k > 1 else 0.0)
         # no zero of the slope: its value in the middle exceeds all that it can change by
         if abs(q[0]) > change * (1.0 + 4 * len(q) * _ROUNDING):
             continue
         # one zero at most: the slope is monotonic, and the signs at the ends decide
-        if len(q) > 1 and abs(q[1]) >= bend:
+        if len(q) > 1 and abs(q[1]) >= curvature:
             first, last = value(slope, left), value(slope, right)
             if first != 0.0 and last != 0.0 and (first > 0.0) != (last > 0.0):
                 points.append(zero(slope, left, right))

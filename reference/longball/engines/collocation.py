@@ -31,8 +31,8 @@ import numpy as np
 import scipy.linalg
 from mpmath import MPContext
 
-from longball.engines.arithmetic import ARRAYS, Dual
 from longball.engines.engine import OutOfRange
+from longball.engines.polynomial import ARRAYS, Dual
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import Numbers
@@ -179,15 +179,28 @@ class Dynamics:
     """A law of motion: its rates in full precision, and with their Jacobian over arrays."""
 
     def __init__(self, law: Law, numbers: Numbers) -> None:
-        # Of the variables those that are no integral of another one, as a position is of a
-        # velocity: what a step leaves out is relative to their size.
-        self.velocities = [
-            i for i, rate in enumerate(law.program.outputs) if rate.kind != "variable"
-        ]
+        # Each position, and the velocity that it is the integral of. All other variables, which are
+        # called velocities here, are the unknowns of a step, whose error is relative to theirs.
+        names, rates = law.variables, law.program.outputs
+        mover = {
+            i: names.index(rate.args[0]) for i, rate in enumerate(rates) if rate.kind == "variable"
+        }
+        self.positions = {i: velocity for i, velocity in mover.items() if velocity not in mover}
+        self.velocities = [i for i in range(len(names)) if i not in self.positions]
         self.exact = law.rates(numbers)
         in_doubles: Law = replace(law, strengths={k: float(x) for k, x in law.strengths.items()})
         self.rough = in_doubles.rates(ARRAYS)
         self.jacobian = in_doubles.jacobian(ARRAYS)
+
+    def values(self, start: State, rates: list[Any], integrate: Callable[[Any, Any], Any]) -> Any:
+        """Return the variables at the nodes; write the rates of positions, given the others."""
+        values = [*start]
+        for i in self.velocities:
+            values[i] = integrate(start[i], rates[i])
+        for i, velocity in self.positions.items():
+            rates[i] = values[velocity]
+            values[i] = integrate(start[i], rates[i])
+        return values
 
 
 @dataclass(frozen=True)
@@ -263,7 +276,7 @@ class Collocation:
         All others change the velocity by less than the tolerance. If Newton's method fails, there
         is no step, and no number would do.
         """
-        rule, state = self.rule, type(start)
+        rule, state, unknown = self.rule, type(start), dynamics.velocities
 
         # Newton's method in doubles; its factored Jacobian serves the refinement, too
         rough = self._roughly(dynamics, start, float(half))
@@ -272,19 +285,17 @@ class Collocation:
         guess, jacobian, speed = rough
         fastest = max(fastest, speed)
 
+        def integrate(x: Mpf, row: list[Mpf]) -> list[Mpf]:
+            return [x + half * rise for rise in rule.integrals @ row]
+
         # refinement: residuals in full, corrections by the Jacobian factored in doubles
-        rates = [list(map(self.context.mpf, row)) for row in guess.tolist()]
+        rates = [list(map(self.context.mpf, row)) for row in guess]
         before = None
         while True:
-            values = [
-                [x + half * rise for rise in rule.integrals @ row]
-                for x, row in zip(start, rates, strict=True)
-            ]
+            values = dynamics.values(start, rates, integrate)
             at_nodes = [state(*column) for column in zip(*values, strict=True)]
-            found = zip(*(dynamics.exact(*there) for there in at_nodes), strict=True)
-            residual = [
-                x - y for a, b in zip(found, rates, strict=True) for x, y in zip(a, b, strict=True)
-            ]
+            found = [*zip(*(dynamics.exact(*there) for there in at_nodes), strict=True)]
+            residual = [x - y for i in unknown for x, y in zip(found[i], rates[i], strict=True)]
             largest = max(map(abs, residual))
             if half * largest <= _SOLVED * self.tolerance * fastest:
                 break
@@ -294,11 +305,9 @@ class Collocation:
             before = largest
             # Scaled: with hundreds of digits, residuals are below the range of doubles.
             scaled = np.array([float(r / largest) for r in residual])
-            correction = scipy.linalg.lu_solve(jacobian, scaled).reshape(guess.shape).tolist()
-            rates = [
-                [rate + largest * c for rate, c in zip(row, change, strict=True)]
-                for row, change in zip(rates, correction, strict=True)
-            ]
+            correction = scipy.linalg.lu_solve(jacobian, scaled).reshape(len(unknown), -1).tolist()
+            for i, change in zip(unknown, correction, strict=True):
+                rates[i] = [rate + largest * c for rate, c in zip(rates[i], change, strict=True)]
 
         # the state as Legendre series, and how many of their coefficients matter
         rising = [rule.coefficients @ row for row in rates]
@@ -315,7 +324,7 @@ class Collocation:
             rule,
             self.context,
         )
-        velocities = [rising[i] for i in dynamics.velocities]
+        velocities = [rising[i] for i in unknown]
         sizes = [half * max(map(abs, each)) for each in zip(*velocities, strict=True)]
         return segment, self._needed(sizes, fastest)
 
@@ -331,35 +340,40 @@ class Collocation:
 
     def _roughly(
         self, dynamics: Dynamics, start: State, half: float
-    ) -> tuple[Array, Any, float] | None:
+    ) -> tuple[list[Array], Any, float] | None:
         """Solve in doubles: the rates at the nodes, the Jacobian factored, the fastest speed."""
-        size, n = len(start), len(self.rule.nodes)
-        integrals = half * self.rule.integrals_in_doubles
-        at_start = np.array(list(map(float, start)))[:, np.newaxis]
-        rates = np.zeros((size, n))
+        n, unknown = len(self.rule.nodes), dynamics.velocities
+        once = half * self.rule.integrals_in_doubles
+        twice = once @ once
+        at_start = type(start)(*map(float, start))
+        rates = [np.zeros(n)] * len(start)
         previous = np.inf
         for _ in range(_ROUGH_STEPS):
             # A step too long runs away.
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                values = at_start + rates @ integrals.T
-                found = np.array([np.broadcast_to(x, n) for x in dynamics.rough(*values)])
+                values = dynamics.values(at_start, rates, lambda x, row: x + once @ row)
+                found = dynamics.rough(*values)
                 # The rates at all nodes depend on the variables there, and these on the rates at
-                # all nodes: blocks of ∂f_i/∂x_k times the integrals, taken from the unit matrix.
-                jacobian = np.eye(rates.size)
-                for block, partial in enumerate(dynamics.jacobian(*values)):
-                    row, column = (n * place for place in divmod(block, size))
-                    jacobian[row : row + n, column : column + n] -= (
-                        np.broadcast_to(partial, n)[:, np.newaxis] * integrals
-                    )
-            residual = (found - rates).ravel()
+                # all nodes: blocks of ∂f_i/∂x_k times the integrals, taken from the unit matrix;
+                # twice the integrals if x_k is a position, with the rates of its velocity.
+                jacobian, partials = np.eye(n * len(unknown)), dynamics.jacobian(*values)
+                for row, i in enumerate(unknown):
+                    for k, partial in enumerate(partials[i * len(start) :][: len(start)]):
+                        integrals = twice if k in dynamics.positions else once
+                        column = unknown.index(dynamics.positions.get(k, k))
+                        jacobian[n * row : n * (row + 1), n * column : n * (column + 1)] -= (
+                            np.broadcast_to(partial, n)[:, np.newaxis] * integrals
+                        )
+            residual = np.concatenate([found[i] - rates[i] for i in unknown])
             if not (np.isfinite(jacobian).all() and np.isfinite(residual).all()):
                 return None
             factored = scipy.linalg.lu_factor(jacobian)
-            correction = scipy.linalg.lu_solve(factored, residual).reshape(rates.shape)
-            rates = rates + correction
+            correction = scipy.linalg.lu_solve(factored, residual).reshape(len(unknown), n)
+            for i, more in zip(unknown, correction, strict=True):
+                rates[i] = rates[i] + more
             # The change of the velocity that the rates make in half the step.
-            velocities = values[dynamics.velocities]
-            change = half * np.abs(correction[dynamics.velocities]).max()
+            velocities = np.array([values[i] for i in unknown])
+            change = half * np.abs(correction).max()
             if change <= _ROUGHLY * np.abs(velocities).max():
                 return rates, factored, float(np.linalg.norm(velocities, axis=0).max())
             if change > 2 * previous:
@@ -463,9 +477,9 @@ class SegmentCurve:
         # (mpmath's own bracketing solvers stop by the size of the function, which says nothing of
         # the time where that is as flat as at a graze.)
         resolution = 16 * self.segment.context.eps * self.segment.half
-        share = self.segment.context.mpf(0.5)
+        fraction = self.segment.context.mpf(0.5)
         while True:
-            x = x1 + share * (x2 - x1)
+            x = x1 + fraction * (x2 - x1)
             f = function(x)
             if (f > 0) == (f1 > 0):
                 x3, f3 = x1, f1
@@ -476,11 +490,11 @@ class SegmentCurve:
             if f1 == 0 or least > 0.5:
                 return x1 if abs(f1) < abs(f2) else x2
             xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
-            share = self.segment.context.mpf(0.5)
+            fraction = self.segment.context.mpf(0.5)
             if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
-                share = f1 / (f2 - f1) * f3 / (f2 - f3)
-                share += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
-            share = min(max(share, least), 1 - least)
+                fraction = f1 / (f2 - f1) * f3 / (f2 - f3)
+                fraction += (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+            fraction = min(max(fraction, least), 1 - least)
 
 
 # Coefficients below this, relative to the largest, are the rounding of the doubles they are in.

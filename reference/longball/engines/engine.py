@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from longball.engines.contact import BatSection
-from longball.engines.event import Event, Events
+from longball.engines.event import BatSection, Event, Events
 from longball.engines.path import Flight
 from longball.model.frame import Frame
 from longball.model.law import Law, State

@@ -49,11 +49,11 @@ class Chord:
         x, y = self.b[0] - self.a[0], self.b[1] - self.a[1]
         return numbers.sqrt(x * x + y * y)
 
-    def place(self, share: N, to_end: N, to_break: N, numbers: Numbers) -> Place:
-        """Return the place at a share of the way from a to b; `to_end` is the other share."""
+    def place(self, fraction: N, to_end: N, to_break: N, numbers: Numbers) -> Place:
+        """Return the place at a fraction of the way from a to b; `to_end` is the other fraction."""
         length, rise = self.length(numbers), self.b[2] - self.a[2]
-        shorter = numbers.where(to_end < share, to_end, share)
-        height = self.a[2] + share * rise
+        shorter = numbers.where(to_end < fraction, to_end, fraction)
+        height = self.a[2] + fraction * rise
         return Place(height, self.segment, shorter * length, to_break, rise / length)
 
     def inside(self, position: Sequence[Any]) -> Any:
@@ -130,13 +130,15 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
         hit = left_a & (left_b ^ True)
         at_b = numbers.where(near_b, one, zero)
         apart = numbers.where(hit, aside_a - aside_b, one)
-        share = numbers.where(hit, aside_a / apart, at_b)
+        fraction = numbers.where(hit, aside_a / apart, at_b)
         to_end = numbers.where(hit, -aside_b / apart, 1 - at_b)
-        there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * share
+        there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * fraction
         # Beside an open end, the offset of the heading is how far the ball passes it.
         open_a = abs(aside_a) if chord.open_a else far
         open_b = abs(aside_b) if chord.open_b else far
-        place = chord.place(share, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers)
+        place = chord.place(
+            fraction, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers
+        )
         # Of several crossings, the nearest one ahead of s.
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
         nearer = nearer & (sense * (there - first.s) < 0)

@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 import scipy.integrate
 
-from longball.engines.contact import BatSection
 from longball.engines.engine import OutOfRange, TooLong, Touch
-from longball.engines.event import Event, Events
+from longball.engines.event import BatSection, Event, Events
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine, View
 from longball.engines.polynomial import PolynomialPiece
@@ -190,9 +189,11 @@ class Ivp(PathEngine):
         the same state, so that bat and ball share its error, and their distance has none of it. A
         law with switches has no such expansion.
         """
-        if law.bends:
+        # m, of a place near the plate
+        error = self.flight_error * float(max(abs(bat.frame.x), abs(pitch.state.z)))
+        if law.switches:
             for piece in pitch.path.pieces():
-                yield View(piece, 0.0, piece.length, self._plate_error(pitch, bat))
+                yield View(piece, 0.0, piece.length, error)
             return
         centred = self.around(law, pitch.time, pitch.state)
         speed = math.hypot(*bat.frame.velocity(pitch.state))
@@ -201,7 +202,6 @@ class Ivp(PathEngine):
         near = bat.distance(pitch.state, self.numbers) + _NEAR * bat.reach
         half = min(centred.length, near / speed)
         begin, end = max(0.0, pitch.time - half), pitch.time + half
-        error = self._plate_error(pitch, bat)
         seen = False
         for piece in pitch.path.pieces():
             if piece.begin < begin:
@@ -211,10 +211,6 @@ class Ivp(PathEngine):
                 yield View(centred, begin - pitch.time, half, 0.0)
             if piece.begin + piece.length > end:
                 yield View(piece, max(0.0, end - piece.begin), piece.length, error)
-
-    def _plate_error(self, pitch: Flight, bat: BatSection) -> float:
-        """Return the error of a place near the plate, m."""
-        return self.flight_error * float(max(abs(bat.frame.x), abs(pitch.state.z)))
 
     def around(self, law: Law, time: float, state: State) -> PolynomialPiece:
         """Taylor expansion of the flight about a time, s since the launch, and its state.

@@ -106,17 +106,14 @@ class Flight:
                     break
                 yield piece
             for piece in second.path.pieces():
+                # rounded such that the part reaches its end from its beginning
                 begin, end = self.time + piece.begin, self.time + (piece.begin + piece.length)
-                yield Part(piece, reaching(begin, piece.length, end), self.time)
+                length = piece.length
+                while begin + length < end:
+                    length += end - (begin + length)
+                yield Part(piece, length, self.time)
 
         return Flight(Path(pieces()), second.stop, self.time + second.time, second.state)
-
-
-def reaching(begin: N, length: N, end: N) -> N:
-    """Return the length of a piece, rounded such that it reaches its end from its beginning."""
-    while begin + length < end:
-        length += end - (begin + length)
-    return length
 
 
 @dataclass(frozen=True)
@@ -223,7 +220,9 @@ class Trajectory:
     def evenly(self, points: int, numbers: Numbers) -> list[tuple[N, ...]]:
         """Return t, s, x, y, z and their rates at evenly spaced times from beginning to end."""
         begin, end = self.legs[0].begin, self.end
-        shares = (numbers.exact(float(i)) / numbers.exact(float(points - 1)) for i in range(points))
-        times = [begin + (end - begin) * share for share in shares]
+        fractions = (
+            numbers.exact(float(i)) / numbers.exact(float(points - 1)) for i in range(points)
+        )
+        times = [begin + (end - begin) * fraction for fraction in fractions]
         times[-1] = end
         return [(t, *row) for t, row in zip(times, self.sample(times), strict=True)]

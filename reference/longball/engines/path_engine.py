@@ -8,27 +8,33 @@ first touching of the bat.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from longball.engines.arithmetic import Dual
-from longball.engines.branches import branches_at, require_law
-from longball.engines.contact import (
+from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
+from longball.engines.event import (
     STARTS_INSIDE,
     TOUCHES,
     TURNS_VERTICAL,
     BatSection,
+    Event,
+    Events,
+    Piece,
+    first_fall,
+    first_met,
     inside_bat,
     margin_error,
+    past,
+    zero_of,
 )
-from longball.engines.engine import CannotSolve, Engine, TooLong, Touch
-from longball.engines.event import Event, Events, Piece, first_fall, first_met, past, zero_of
 from longball.engines.path import Flight, Part, Path, Rest
+from longball.engines.polynomial import Dual
 from longball.model.law import Law, State
-from longball.model.numbers import N, doubt
+from longball.model.numbers import N, Numbers, doubt
 from longball.model.trace import Program
 
 
@@ -37,7 +43,7 @@ class PathEngine(Engine, ABC):
 
     @abstractmethod
     def steps(self, law: Law, start: State, begin: N, limit: N, events: Events) -> Iterator[Piece]:
-        """Yield the pieces of a flight under a law that is smooth all the way, up to a time.
+        """Yield the pieces of a flight under a law that is smooth all along, up to a time.
 
         It starts at `begin` and may go on to `limit`, s since the launch; it is likely to end with
         the `events`, which an engine that integrates ahead may stop at until it is asked for more.
@@ -54,7 +60,7 @@ class PathEngine(Engine, ABC):
         has more pieces than can be searched for such places within seconds.
         """
         begin = self.numbers.exact(0.0)
-        if not law.bends:
+        if not law.switches:
             yield from self._smooth(law, start, begin, limit, events)
             return
         # A flight under a law with switches is a chain of smooth flights: fly on one branch up to
@@ -62,12 +68,12 @@ class PathEngine(Engine, ABC):
         law = law.in_polynomials()
         branches = branches_at(law, start, self.numbers)
         start = law.on(branches).completed(start, self.numbers)
-        passed: _End | None = None  # on whose threshold the form begins
+        passed: _SwitchEvent | None = None  # on whose threshold the form begins
         pieces = 0
         for _ in range(_MOST_BRANCHES):
             require_law(law, branches, begin)
             form = law.on(branches)
-            ends = self._ends_of(form, branches, events)
+            ends = self._switch_events(form, branches, events)
             met, first = None, True
             stops = [*(event for event, *_ in ends), *events]
             for piece in self._smooth(form, start, begin, limit, stops):
@@ -77,7 +83,7 @@ class PathEngine(Engine, ABC):
                         f"under a law with tables, or with wind above a height, the flight takes "
                         f"over {_MOST_PIECES} steps; try a shorter time_limit"
                     )
-                met = self._first_end(piece, ends, form, first, passed)
+                met = self._first_switch(piece, ends, form, first, passed)
                 if met is None:
                     yield piece
                     first = False
@@ -88,10 +94,10 @@ class PathEngine(Engine, ABC):
                     yield Part(piece, time)
                 begin, start = piece.begin + time, piece.at(time)
                 which = passed.which
-                branches[which] += passed.way
+                branches[which] += passed.direction
                 # Where the wind sets in or ends, the airspeed jumps, and with it whatever the
                 # tables depend on: their branches are looked up afresh.
-                if law.bends[which].blows:
+                if law.switches[which].is_wind:
                     branches = branches_at(law, start, self.numbers, {which: branches[which]})
                     start = law.on(branches).completed(start, self.numbers)
                 break
@@ -102,61 +108,64 @@ class PathEngine(Engine, ABC):
             f"{_MOST_BRANCHES} times"
         )
 
-    def _ends_of(self, form: Law, branches: Sequence[int], events: Events) -> list[_End]:
+    def _switch_events(
+        self, form: Law, branches: Sequence[int], events: Events
+    ) -> list[_SwitchEvent]:
         """Return the events that switch from these branches of a law: the thresholds next to each.
 
         A height of the wind at which an event ends the flight is none: where the ground is the
         height above which the wind blows, a landing is a landing.
         """
+        # threshold        0       1       2
+        # branch       0   |   1   |   2   |   3
+        #                  <-- - - -->           leaving branch 1: down (-1) or up (1)
+        one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
         found = []
-        for which, (bend, branch) in enumerate(zip(form.bends, branches, strict=True)):
-            for way, number in ((-1, branch - 1), (1, branch)):
-                if 0 <= number < len(bend.levels):
-                    level = bend.levels[number]
-                    if bend.blows and way < 0 and self._ends_all_at(level, form, events):
+        for which, (switch, branch) in enumerate(zip(form.switches, branches, strict=True)):
+            for direction, number in ((-1, branch - 1), (1, branch)):
+                if not 0 <= number < len(switch.thresholds):
+                    continue
+                threshold = switch.thresholds[number]
+                if switch.is_wind and direction < 0:
+                    # Dual numbers tell whether an event's value is zero at that height wherever
+                    # else the ball is: the value, and its rate if all else changes, are both 0.
+                    anywhere = form.state(*(Dual(nothing, one) for _ in form.variables))
+                    there = anywhere._replace(z=Dual(threshold, nothing))
+                    values = [event.value(there) for event in events]
+                    if any(value.value == 0 and value.rate == 0 for value in values):
                         continue
-                    value = form.beyond(bend, level, self.numbers)
-                    if way > 0:  # events fall through zero, and this value rises
-                        value = partial(lambda beyond, state: -beyond(state), value)
-                    size = self.numbers.where(level > 1, level, self.numbers.exact(1.0))
-                    question = bend.question
-                    event = Event("bend", question, value, lambda state: state, size)
-                    found.append(_End(event, which, way, form.passage(bend), level))
+                value = form.beyond(switch, threshold, self.numbers)
+                if direction > 0:  # events fall through zero, and this value rises
+                    value = partial(lambda beyond, state: -beyond(state), value)
+                size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
+                event = Event("switch", switch.question, value, lambda state: state, size)
+                function = form.switching_function(switch)
+                found.append(_SwitchEvent(event, which, direction, function, threshold))
         return found
 
-    def _ends_all_at(self, height: N, law: Law, events: Events) -> bool:
-        """True if an event's value is zero at a height, m, wherever else the ball is.
-
-        Dual numbers tell: the value at that height, and its rate if all else changes, are both 0.
-        """
-        one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
-        anywhere = law.state(*(Dual(nothing, one) for _ in law.variables))
-        values = [event.value(anywhere._replace(z=Dual(height, nothing))) for event in events]
-        return any(value.value == 0 and value.rate == 0 for value in values)
-
-    def _first_end(
+    def _first_switch(
         self,
         piece: Piece,
-        ends: Sequence[_End],
+        ends: Sequence[_SwitchEvent],
         form: Law,
         first: bool,
-        passed: _End | None,
-    ) -> tuple[N, _End] | None:
+        passed: _SwitchEvent | None,
+    ) -> tuple[N, _SwitchEvent] | None:
         """First of the switching events on a piece, with its time.
 
         The `first` piece on a branch begins on the threshold that was `passed`; another switch of
         the same function may have that threshold, too.
         """
-        found: tuple[N, _End] | None = None
+        found: tuple[N, _SwitchEvent] | None = None
         for end in ends:
             event = end.event
             error = self.numbers.exact(self.flight_error) * event.size
             curve = piece.curve(event.value)
             # Forces are the same on both sides of a node: a touch within an error that is not
             # proven changes them by as little.
-            touch_matters = self.flight_error == 0.0 or form.bends[end.which].blows
+            touch_matters = self.flight_error == 0.0 or form.switches[end.which].is_wind
             question = event.question if touch_matters else None
-            # As at a launch: a piece may begin on the level that the one before ended on.
+            # As at a launch: a piece may begin on the threshold that the one before ended on.
             time = first_fall(
                 curve, piece.length, error, question, self.numbers,
                 launch=first or self.flight_error > 0.0,
@@ -331,21 +340,22 @@ _MOST_BRANCHES = 1000
 _MOST_PIECES = 10_000
 
 
-class _End(NamedTuple):
+class _SwitchEvent(NamedTuple):
     """A switching event: the number of its switch, its direction, and the threshold crossed."""
 
     event: Event
     which: int
-    way: int
-    passage: Program  # the switching function
-    level: N  # the threshold
+    direction: int
+    switching_function: Program  # the switching function
+    threshold: N  # the threshold
 
-    def is_threshold_of(self, other: _End) -> bool:
+    def is_threshold_of(self, other: _SwitchEvent) -> bool:
         """True if function and threshold are equal; balls are, if both their parts are."""
-        if self.passage.outputs != other.passage.outputs:
+        if self.switching_function.outputs != other.switching_function.outputs:
             return False
         one, two = (
-            (x.mid(), x.rad()) if hasattr(x, "mid") else x for x in (self.level, other.level)
+            (x.mid(), x.rad()) if hasattr(x, "mid") else x
+            for x in (self.threshold, other.threshold)
         )
         return bool(one == two)
 
@@ -376,7 +386,7 @@ class View:
     # since, until: the part, s since the piece begins; `since` may be negative
     since: N
     until: N
-    # m; error of the distance to the bat, added to `longball.engines.contact.margin_error`
+    # m; error of the distance to the bat, added to `longball.engines.event.margin_error`
     error: N
 
 
@@ -392,3 +402,86 @@ class _Approach:
     touching: tuple[N, State] | None
     error: N
     settled: bool
+
+
+# --- the branches of a law with switches ----------------------------------------------------------
+
+
+def branches_at(
+    law: Law,
+    state: State,
+    numbers: Numbers,
+    known: Mapping[int, int] = MappingProxyType({}),
+) -> list[int]:
+    """Branch of each switch of a law in a state; on a threshold, the branch that is entered.
+
+    Branches that are `known` stay.
+
+    Raises `Undecided` if a ball leaves open on which side of a threshold a state is.
+    """
+    return _branches(law, state, numbers, known, range(len(law.switches)), 1, state.z * 0)
+
+
+def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:
+    """Return the law on the branch by which the spin decays in a state that a flight has reached.
+
+    On a threshold, that is the branch on which the flight came. Switches that do not matter to the
+    spin are left on their first branches.
+
+    Raises `Undecided` if the state is within an `error` of a threshold.
+    """
+    if not law.switches:
+        return law
+    none: dict[int, int] = {}
+    return law.on(_branches(law, state, numbers, none, law.switches_of_spin, -1, error))
+
+
+def require_law(law: Law, branches: Sequence[Any], time: Any) -> None:
+    """Raise `CannotSolve` if a side force has no direction on these branches.
+
+    The time, s since the launch, is for the message.
+    """
+    for switch, branch in zip(law.switches, branches, strict=True):
+        if switch.ends_law and branch == 0:
+            raise no_direction(time)
+
+
+def no_direction(time: Any) -> CannotSolve:
+    """Return the error of a side force that has no direction at a time, s since the launch."""
+    return CannotSolve(
+        "the side force has no direction where the airspeed is parallel to "
+        f"air.side_coefficient.direction, as it is {float(time):.6g} s after the ball is set free; "
+        "take another direction, or a time_limit before that"
+    )
+
+
+def _branches(
+    law: Law,
+    state: State,
+    numbers: Numbers,
+    known: Mapping[int, int],
+    asked: Collection[int],
+    sense: int,  # on a threshold: 1 for the branch that the flight enters, -1 for the one it leaves
+    error: N,  # of the switching functions
+) -> list[int]:
+    branches = [known.get(which, 0) for which in range(len(law.switches))]
+    # The wind's switch first: the others depend on the airspeed.
+    for which, switch in sorted(
+        enumerate(law.switches), key=lambda numbered: not numbered[1].is_wind
+    ):
+        if which in known or which not in asked:
+            continue
+        form = law.on(branches)
+        state = form.completed(state, numbers)
+        for threshold in switch.thresholds:
+            value = form.beyond(switch, threshold, numbers)
+            there, off = value(state), error
+            # Exactly on the threshold, the direction in which the flight passes it decides. It is
+            # exact, too: a state that lies there was put there.
+            if there == 0:
+                moving = map(Dual, state, form.rates(numbers)(*state))
+                there, off = sense * value(law.state(*moving)).rate, error * 0
+            question = f"whether {switch.question}"
+            # The thresholds rise, so that the branch is the number of those below the value.
+            branches[which] += numbers.positive(there, off, question)
+    return branches

@@ -1,4 +1,4 @@
-"""Pieces of a flight as polynomials in doubles, and the values of events along them."""
+"""Dual numbers and polynomials for event functions, and pieces of a flight as polynomials."""
 
 from __future__ import annotations
 
@@ -7,17 +7,85 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from longball.engines import coefficients
-from longball.engines.arithmetic import Arithmetic
 from longball.engines.coefficients import MOST_NEWTON_STEPS
 from longball.engines.compiled import Code
 from longball.model.arrays import Array
 from longball.model.law import State
+
+# --- arithmetic of event functions ----------------------------------------------------------------
+
+
+class Arithmetic:
+    """The operations of event functions, derived from ``a + b``, ``-a`` and ``a * b``."""
+
+    __slots__ = ()
+
+    def __add__(self, other: Any) -> Any:
+        raise NotImplementedError
+
+    def __neg__(self) -> Any:
+        raise NotImplementedError
+
+    def __mul__(self, other: Any) -> Any:
+        raise NotImplementedError
+
+    def __radd__(self, other: Any) -> Any:
+        return self + other
+
+    def __sub__(self, other: Any) -> Any:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self + other
+
+    def __rmul__(self, other: Any) -> Any:
+        return self * other
+
+
+@dataclass(frozen=True)
+class Dual(Arithmetic):
+    """A number and its rate of change."""
+
+    value: Any
+    rate: Any
+
+    __array_ufunc__ = None  # an array is one number
+
+    def __add__(self, other: Any) -> Dual:
+        other = _dual(other)
+        return Dual(self.value + other.value, self.rate + other.rate)
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, -self.rate)
+
+    def __mul__(self, other: Any) -> Dual:
+        other = _dual(other)
+        return Dual(self.value * other.value, self.rate * other.value + self.value * other.rate)
+
+
+def _dual(x: Any) -> Dual:
+    return x if isinstance(x, Dual) else Dual(x, 0 * x)
+
+
+# The functions that a traced law calls, over arrays of doubles. The unit vector of a vector without
+# length is zero, as in the other number systems (`longball.model.numbers.ratio`).
+ARRAYS: Any = SimpleNamespace(
+    functions={
+        "sqrt": np.sqrt,
+        "exp": np.exp,
+        "log": np.log,
+        "unit": lambda x, r: np.divide(x, r, out=np.zeros_like(r), where=r != 0),
+    }
+)
+
+
+# --- polynomials ----------------------------------------------------------------------------------
 
 # A single value this much smaller than that at the origin would lose six digits and more: in a hop
 # of a nanometre off the ground, or at a bat a hundred kilometres up.
@@ -44,9 +112,9 @@ def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
 
     `low` is what their values at 0 lack of the true ones.
     """
-    run, end, lost = COEFFICIENTS.now, np.empty(len(x)), np.empty(len(x))
-    run.advance(run.taken(x), h, run.taken(low), end, lost)
-    return end, lost
+    run, end, rounding = COEFFICIENTS.now, np.empty(len(x)), np.empty(len(x))
+    run.advance(run.taken(x), h, run.taken(low), end, rounding)
+    return end, rounding
 
 
 class Polynomial(Arithmetic):

@@ -25,12 +25,12 @@ def reach_of_terms(x: Any, order: int, rtol: float, changing: tuple[int, ...]) -
     step within a third of a turn.
     """
     reach, power = inf, 0
-    size, bend = total(x, 0, changing), total(x, 2, changing)
+    size, curvature = total(x, 0, changing), total(x, 2, changing)
     # the circle: |x_2| t² <= 2 |x_0|
     if size == 0.0:
         size, power = total(x, 1, changing), 1
-    elif bend > 0.0:
-        reach = sqrt(2.0 * size / bend)
+    elif curvature > 0.0:
+        reach = sqrt(2.0 * size / curvature)
     # Two terms, as by symmetry every other one may be zero.
     for n in (order - 1, order):
         last = total(x, n, changing)
@@ -65,19 +65,16 @@ def total(x: Any, n: int, rows: tuple[int, ...]) -> float:
 # half of the larger of the two.
 
 
-def bend_of_square(root: Any) -> float:
-    """Return S₂ from the coefficients of V."""
-    return abs(root[1] * root[1] + 2.0 * root[0] * root[2])  # type: ignore[no-any-return]
+def reach_of_root(reach: float, x: Any, root: int, parts: tuple[int, ...] | None) -> float:
+    """Return a reach, s, shortened to half the distance to the zeros of the argument of a root.
 
-
-def square_of_rates(x: Any, parts: tuple[int, ...]) -> float:
-    """Return a² from the rows of the components of a vector."""
-    found = 0.0
-    for i in parts:
-        found += x[i][1] * x[i][1]
-    return found
-
-
-def reach_of_root(reach: float, size: float, bend: float) -> float:
-    """Return a reach, s, shortened to half the distance to the zeros of a root of that size."""
-    return min(reach, 0.5 * size / sqrt(bend)) if bend != 0.0 else reach
+    The rows of the root V and of the components of the vector that it is the size of, if it is one.
+    """
+    size = x[root][0]
+    curvature = abs(x[root][1] * x[root][1] + 2.0 * size * x[root][2])  # S₂
+    if parts is not None:
+        square = 0.0  # of a
+        for i in parts:
+            square += x[i][1] * x[i][1]
+        curvature = min(curvature, square)
+    return min(reach, 0.5 * size / sqrt(curvature)) if curvature != 0.0 else reach

@@ -20,14 +20,13 @@ from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel
 
-from longball.engines.arithmetic import Dual
 from longball.engines.chain import quantities_of
-from longball.engines.contact import BatSection
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import CannotSolve, Touch
-from longball.engines.event import Curve, Event, Events, Piece
+from longball.engines.event import BatSection, Curve, Event, Events, Piece
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine
+from longball.engines.polynomial import Arithmetic, Dual
 from longball.engines.variation import RATE, variational
 from longball.model.inputs import TRACKED, launched, tracked, value_of
 from longball.model.law import Law, State
@@ -71,11 +70,11 @@ def _marked(block: Any, steps: Sequence[str], rate: float) -> Any:
     return tuple(_marked(x, rest, rate) if str(i) == step else x for i, x in enumerate(block))
 
 
-class Jet:
+class Jet(Arithmetic):
     """A number and its derivative; of the inner engine's numbers, or of polynomials of these.
 
     It compares as its number does, but equals another only if the derivatives do as well: what the
-    chain leaves out where it is zero must stay zero nearby.
+    chain leaves out where it is zero must stay zero nearby. A `Dual` has jets as its parts.
     """
 
     __slots__ = ("rate", "value")
@@ -84,43 +83,39 @@ class Jet:
         self.value, self.rate = value, rate
 
     def __add__(self, other: Any) -> Jet:
-        if isinstance(other, Jet):
-            return type(self)(self.value + other.value, self.rate + other.rate)
         if isinstance(other, Dual):
             return NotImplemented
+        if isinstance(other, Jet):
+            return type(self)(self.value + other.value, self.rate + other.rate)
         return type(self)(self.value + other, self.rate)
-
-    __radd__ = __add__
 
     def __neg__(self) -> Jet:
         return type(self)(-self.value, -self.rate)
 
+    # Without a sum's change of signs, which takes as long as the sum where numbers are columns.
+
     def __sub__(self, other: Any) -> Jet:
-        if isinstance(other, Jet):
-            return type(self)(self.value - other.value, self.rate - other.rate)
         if isinstance(other, Dual):
             return NotImplemented
+        if isinstance(other, Jet):
+            return type(self)(self.value - other.value, self.rate - other.rate)
         return type(self)(self.value - other, self.rate)
 
     def __rsub__(self, other: Any) -> Jet:
         return type(self)(other - self.value, -self.rate)
 
     def __mul__(self, other: Any) -> Jet:
+        if isinstance(other, Dual):
+            return NotImplemented
         if isinstance(other, Jet):
             rate = self.rate * other.value + self.value * other.rate
             return type(self)(self.value * other.value, rate)
-        if isinstance(other, Dual):
-            return NotImplemented
         return type(self)(self.value * other, self.rate * other)
-
-    __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Jet:
         if isinstance(other, Jet):
             ratio = self.value / other.value
             return type(self)(ratio, (self.rate - ratio * other.rate) / other.value)
-        if isinstance(other, Dual):
-            return NotImplemented
         return type(self)(self.value / other, self.rate / other)
 
     def __rtruediv__(self, other: Any) -> Jet:
@@ -302,7 +297,15 @@ class Tangent(PathEngine):
         except ZeroDivisionError:
             raise Kink("the ball is at rest in the air, where its forces have a corner") from None
         moved = [xi - v * rate_of(begin) for xi, v in zip(moved, speeds, strict=True)]
-        ends = [_inner_event(event, law.state) for event in events]
+
+        def inner(event: Event) -> Event:
+            def value(state: Any) -> Any:
+                return plain_of(event.value(jets_of(state, law.state)))
+
+            size, slope = plain_of(event.size), plain_of(event.slope)
+            return Event(event.name, event.question, value, lambda state: state, size, slope)
+
+        ends = [inner(event) for event in events]
         first, last = plain_of(begin), plain_of(limit)
         for piece in self.inner.steps(flown, flown.state(*now, *moved), first, last, ends):
             yield JetPiece(piece, law.state, rates, numbers.rounding)
@@ -335,17 +338,6 @@ class Tangent(PathEngine):
 
 # Of the reach: the direction in which a pitch passes the axis is then known to six digits.
 ON_THE_AXIS = 1e-9
-
-
-def _inner_event(event: Event, state: Callable[..., Any]) -> Event:
-    return Event(
-        event.name,
-        event.question,
-        lambda inner: plain_of(event.value(jets_of(inner, state))),
-        lambda inner: inner,
-        plain_of(event.size),
-        plain_of(event.slope),
-    )
 
 
 def jets_of(inner: Sequence[Any], state: Callable[..., Any]) -> Any:
@@ -421,8 +413,8 @@ class JetCurve:
         h = self.piece.piece.length * _APART
         found = []
         for t in turns:
-            bend = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
-            step = -self._falling(t) / bend if bend else 0
+            curvature = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
+            step = -self._falling(t) / curvature if curvature else 0
             found.append(Jet(t + step if abs(step) < h else t))
         return found
 
@@ -489,26 +481,18 @@ _GOOD, _ROUNDINGS = 1e-12, 8
 # --- derivatives ----------------------------------------------------------------------------------
 
 
-def rates_of(scene: Scene, name: str) -> dict[str, float]:
-    """Return the derivatives of a scene's numbers by an input, by path.
-
-    The input is one of them, or is named in `longball.model.inputs.TRACKED`.
-    """
-    if name not in TRACKED:
-        return {name: 1.0}
-    parts = {known: Jet(x, float(known == name)) for known, x in tracked(scene).items()}
-    vectors = launched(parts, Jets(DOUBLES))
-    return {f"{v}[{i}]": float(x.rate) for v, part in vectors.items() for i, x in enumerate(part)}
-
-
 def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
     """Return a scene that changes with an input, and how fast the input does.
 
     As fast as it is large: derivatives are then of the size of the result.
     """
     speed = abs(value_of(scene, name)) or 1.0
-    rates = {path: rate * speed for path, rate in rates_of(scene, name).items()}
-    return seeded(scene, rates), speed
+    rates = {name: 1.0}
+    if name in TRACKED:  # it changes all components of a vector
+        parts = {known: Jet(x, float(known == name)) for known, x in tracked(scene).items()}
+        vectors = launched(parts, Jets(DOUBLES))
+        rates = {f"{v}[{i}]": float(x.rate) for v, of in vectors.items() for i, x in enumerate(of)}
+    return seeded(scene, {path: rate * speed for path, rate in rates.items()}), speed
 
 
 def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any]:
@@ -555,9 +539,7 @@ def not_beyond_a_kink() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Derivatives(Mapping[str, Mapping[str, Any]]):
-    """Derivatives of the numbers of a result by numbers of its scene.
-
-    ``derivatives["landing.distance"]["launch.velocity[0]"]`` is one of them, in SI units.
+    """Derivatives of the numbers of a result by numbers of its scene, in SI units.
 
     Attributes
     ----------
@@ -565,6 +547,16 @@ class Derivatives(Mapping[str, Mapping[str, Any]]):
         By result number and scene number. NaN where there is no derivative.
     refused
         Why there are no derivatives by some scene numbers.
+
+    Examples
+    --------
+    Without air, a ball that leaves level ground at 45° with speed v lands v²/g away:
+
+    >>> import longball as lb
+    >>> ball = lb.Flight(launch={"position": (0, 0, 0), "velocity": (20, 0, 20)}, air=None)
+    >>> by = lb.solve(ball, derivatives=["gravity"]).derivatives["landing.distance"]
+    >>> round(by["gravity"], 6)  # -v²/g²
+    -8.329863
     """
 
     table: Mapping[str, Mapping[str, Any]]

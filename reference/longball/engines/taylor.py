@@ -43,7 +43,32 @@ _MOST_SHORT_STEPS = 5_000
 
 
 def right_hand_side(law: Law) -> Callable[[float, Array], Sequence[float]]:
-    """Return the law as `solve_ivp` takes it: a function of time and state."""
+    """Return the law as `solve_ivp` takes it.
+
+    Parameters
+    ----------
+    law
+        Of n variables; see `longball.model.law.law_of`.
+
+    Returns
+    -------
+    callable
+        From the time, s, and the state, array of shape (n,), to its n rates of change.
+
+    Examples
+    --------
+    A ball that only gravity acts on falls 4.9 m in its first second:
+
+    >>> from scipy.integrate import solve_ivp
+    >>> from longball.model.law import law_with
+    >>> law = law_with({"gravity": 9.8})
+    >>> law.variables
+    ('s', 'z', 'u', 'w')
+    >>> start = [0.0, 10.0, 30.0, 0.0]  # m, m, m/s, m/s
+    >>> flown = solve_ivp(right_hand_side(law), (0.0, 1.0), start, method=Taylor, law=law)
+    >>> flown.y[:, -1].round(12).tolist()
+    [30.0, 5.1, 30.0, -9.8]
+    """
     rates = law.rates(DOUBLES)
 
     def function(_: float, y: Array) -> Sequence[float]:
@@ -109,19 +134,16 @@ class Taylor(OdeSolver):  # type: ignore[misc]
 
     def _step_impl(self) -> tuple[bool, str | None]:
         self._parts: list[tuple[float, Array]] = []
-        heights = self._heights()
+        after = [event(self.t, self.y) for event in self._until]
         while True:
             begin, (moved, message) = self.t, self._advance()
             if not moved:  # the next step fails, too, if this one has a series
                 return bool(self._parts), message
             self._parts.append((begin, self._x))
-            before, heights = heights, self._heights()
-            same = all(a * b > 0 for a, b in zip(before, heights, strict=True))
+            before, after = after, [event(self.t, self.y) for event in self._until]
+            same = all(a * b > 0 for a, b in zip(before, after, strict=True))
             if not (self._until and same) or self.t == self.t_bound:
                 return True, None
-
-    def _heights(self) -> list[float]:
-        return [event(self.t, self.y) for event in self._until]
 
     def _advance(self) -> tuple[bool, str | None]:
         """Advance by one series.
@@ -139,17 +161,14 @@ class Taylor(OdeSolver):  # type: ignore[misc]
             if length >= abs(self.t_bound - self.t):
                 t = self.t_bound
             if t != self.t:
-                # The difference of two times that are close is exact.
-                self.y, self.t = self._at_end(t - self.t - waited), t
+                # The difference of two times that are close is exact. The next step compensates for
+                # the rounding of the state.
+                self.y, self._low = advanced(self._x, t - self.t - waited, self._low)
+                self.t = t
                 return True, None
-            self.y = self._at_end(self.direction * length)
+            self.y, self._low = advanced(self._x, self.direction * length, self._low)
             waited += self.direction * length
         return False, self.TOO_SMALL_STEP
-
-    def _at_end(self, h: float) -> Array:
-        """Return the state at the end of a step; the next step compensates for its rounding."""
-        end, self._low = advanced(self._x, h, self._low)
-        return end
 
     def _dense_output_impl(self) -> Callable[[float], Array]:
         return Series(self._parts, self.t)
@@ -252,8 +271,7 @@ def _printed(program: Program) -> _Printed:
 
 # Names in printed code.
 _TAKEN = re.compile(
-    "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|"
-    "reach_of_(terms|root)|bend_of_square|square_of_rates"
+    "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|reach_of_(terms|root)"
 )
 
 
@@ -274,12 +292,9 @@ def _source(program: Program, at_rest: bool) -> str:
     for i, root in enumerate(series.rows):
         if root.kind != "sqrt":
             continue
-        bend = f"bend_of_square(x[{i}])"
-        parts = [series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static]
-        if parts:
-            bend = f"min({bend}, square_of_rates(x, {tuple(parts)}))"
+        parts = tuple(series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static)
         moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
-        lines.append(f"    {moving}h = reach_of_root(h, x[{i}][0], {bend})")
+        lines.append(f"    {moving}h = reach_of_root(h, x, {i}, {parts or None})")
     return "\n".join(
         [
             Path(reach.__file__).read_text("utf-8"),

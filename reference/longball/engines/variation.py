@@ -44,8 +44,8 @@ def partials(program: Program) -> tuple[tuple[trace.Node, ...], ...]:
     ]
     # Turn the parameters back, so that what depends on them alone is computed once for a flight.
     as_they_were = (*map(variable, program.variables), *map(parameter, program.parameters))
-    again = Program(known, (), tuple(found)).bind({}, functions)(*as_they_were)
-    nodes = tuple(map(trace.as_node, again))
+    bound = Program(known, (), tuple(found)).bind({}, functions)(*as_they_were)
+    nodes = tuple(map(trace.as_node, bound))
     return tuple(nodes[i : i + len(known)] for i in range(0, len(nodes), len(known)))
 
 

@@ -473,18 +473,13 @@ class Air(Block):
         return value != 0.0
 
     @property
-    def lift_needs_spin(self) -> bool:
-        """True if C_L means nothing without a spin."""
-        return by_spin(self.lift_coefficient)
-
-    @property
     def needs_spin(self) -> str:
         """The first key that means nothing without a spin; empty if there is none."""
         if self.spin_decay_length is not None:
             return "air.spin_decay_length"
         if by_spin(self.drag_coefficient):
             return "air.drag_coefficient"
-        return "air.lift_coefficient" if self.lift_needs_spin else ""
+        return "air.lift_coefficient" if by_spin(self.lift_coefficient) else ""
 
 
 def by_spin(law: Any) -> bool:

@@ -1,4 +1,4 @@
-"""The air around a ball in flight: its density, the speed of sound, the wind.
+"""The surroundings of a ball in flight: density of the air, speed of sound, wind, rotating Earth.
 
 Heights are those of the scene's z, above the plane z = 0. Sources: density, Nathan's trajectory
 calculator as coryfront.in and pybaseball have it; vapour pressure, A. L. Buck, J. Appl. Meteorol.
@@ -37,7 +37,9 @@ def density(scene: Any, numbers: Numbers) -> N:
     if not hasattr(given, "temperature"):
         return numbers.exact(given)
     exact, exp = numbers.exact, numbers.functions["exp"]
-    temperature, pressure = exact(given.temperature), station_pressure(scene, numbers)
+    temperature, pressure = exact(given.temperature), exact(given.pressure)
+    if scene.reading.pressure != "station":
+        pressure = pressure * exp(-(exact(1.217e-4) * exact(given.elevation)))
     # °C, the argument of Buck's formula.
     t = temperature - exact(ZERO_CELSIUS)
     exponent = (exact(18.687) - t / exact(234.5)) * t / (exact(257.14) + t)
@@ -48,25 +50,10 @@ def density(scene: Any, numbers: Numbers) -> N:
     return dry * (pressure - exact(LIGHTER) * vapour) / exact(STANDARD_PRESSURE)
 
 
-def station_pressure(scene: Any, numbers: Numbers) -> N:
-    """Return the pressure at the park, Pa: ``p e^(-βh)``, or as it is if the reading says so."""
-    exact, given = numbers.exact, scene.air.density
-    pressure = exact(given.pressure)
-    if scene.reading.pressure == "station":
-        return pressure
-    return pressure * numbers.functions["exp"](-(exact(1.217e-4) * exact(given.elevation)))
-
-
 def speed_of_sound(scene: Any, numbers: Numbers) -> N:
     """Return the speed of sound, m/s: ``331.3 √(T/273.15)``."""
     temperature = numbers.exact(scene.air.density.temperature)
     return numbers.exact(331.3) * numbers.sqrt(temperature / numbers.exact(ZERO_CELSIUS))
-
-
-def thinned(p: Any, height: Any) -> Any:
-    """Return the density of the air, relative to that at height 0: ``e^(-βz)``."""
-    # The strength is 1/H; with a height z it is not constant along a flight.
-    return 1.0 if p.thinning is ZERO else trace.exp(-p.thinning * height)
 
 
 # --- the wind -------------------------------------------------------------------------------------
@@ -79,10 +66,10 @@ def wind(p: Any, height: Any) -> Vector:
 
     Of a profile, the strengths are ``W_h / ln((h + z_0)/z_0)``.
     """
-    blows = p.wind_s, p.wind_y, p.wind_z
+    velocity = p.wind_s, p.wind_y, p.wind_z
     if p.roughness is ZERO:
-        return blows
-    return scaled(p.made_of(trace.log(1.0 + height / p.roughness)), blows)
+        return velocity
+    return scaled(p.auxiliary_for(trace.log(1.0 + height / p.roughness)), velocity)
 
 
 def wind_strengths(
@@ -90,18 +77,40 @@ def wind_strengths(
 ) -> tuple[tuple[dict[str, N], ...], tuple[N, ...]]:
     """Return the winds from the ground up, and the heights above which the next one blows."""
     given = scene.air.wind
-    blows = frame.components(getattr(given, "velocity", given), numbers)
+    velocity = frame.components(getattr(given, "velocity", given), numbers)
     profile: dict[str, N] = {}
     if hasattr(given, ROUGHNESS):
         height, roughness = numbers.exact(given.height), numbers.exact(given.roughness)
         # Divided once here: the law multiplies by the logarithm of the present height.
         rise = numbers.functions["log"]((height + roughness) / roughness)
-        blows = blows[0] / rise, blows[1] / rise, blows[2]
+        velocity = velocity[0] / rise, velocity[1] / rise, velocity[2]
         profile = {ROUGHNESS: roughness}
-    found = present({"wind_s": blows[0], "wind_y": blows[1], "wind_z": blows[2]}, numbers)
+    found = present({"wind_s": velocity[0], "wind_y": velocity[1], "wind_z": velocity[2]}, numbers)
     # Without a wind there is nothing to profile.
     found = found and found | profile
     if hasattr(given, "above") and found:
-        # Still air below the height, the wind above it: a bend of the law.
+        # Still air below the height, the wind above it: a switch of the law.
         return ({}, found), (numbers.exact(given.above),)
     return (found,), ()
+
+
+# --- the Earth ------------------------------------------------------------------------------------
+
+ROTATION = 7.292115e-5  # rad/s
+
+
+def earth_strengths(scene: Any, frame: Any, numbers: Numbers) -> dict[str, N]:
+    """Return the components of ``Ω (cos λ north + sin λ up)`` in the frame of a flight.
+
+    λ is the latitude. The scene's +x has an azimuth, from north to the east, and +y is to its left.
+    """
+    if scene.earth is None:
+        return {}
+    rotation = numbers.exact(ROTATION)
+    level, up = numbers.cos_sin(numbers.exact(scene.earth.latitude))
+    # North as x and y: +x is at the azimuth α from it, so that north is at α to the left of +x.
+    north_x, north_y = numbers.cos_sin(numbers.exact(scene.earth.azimuth))
+    # Ω cos λ, which points to the north.
+    level = rotation * level
+    s, y, z = frame.turned((level * north_x, level * north_y, rotation * up))
+    return present({"earth_s": s, "earth_y": y, "earth_z": z}, numbers)

@@ -105,30 +105,22 @@ def inverse_masses(
     """Return K_nn, K_ny, K_yy, K_tt, 1/kg, of `longball.model.impact.inverse_mass`.
 
     K_nn is 1/μ as the reading has it; the others are those of a uniform cylinder.
-    """  # fmt: skip
-    _, *others = inverse_mass(**inverse_mass_arguments(ball, bat, lever_arm, reading, numbers))
-    return 1 / pair.reduced_mass, *others
-
-
-def inverse_mass_arguments(
-    ball: Ball, bat: Bat, lever_arm: N, reading: Reading, numbers: Numbers
-) -> dict[str, N]:
-    """Return the arguments of `longball.model.impact.inverse_mass`, by name."""
+    """
     mass, radius = numbers.exact(bat.mass), numbers.exact(bat.radius)
-    half = numbers.exact(bat.length) / 2
-    free = bat.support == "free"
-    return {
-        "mass": numbers.exact(ball.mass),
-        "inertia_factor": inertia_factor(ball, numbers),
-        "inverse_bat_mass": 1 / mass if free else numbers.exact(0.0),
-        "inertia": moment_of_inertia(bat, reading, numbers),
+    free, half = bat.support == "free", numbers.exact(bat.length) / 2
+    _, *others = inverse_mass(
+        mass=numbers.exact(ball.mass),
+        inertia_factor=inertia_factor(ball, numbers),
+        inverse_bat_mass=1 / mass if free else numbers.exact(0.0),
+        inertia=moment_of_inertia(bat, reading, numbers),
         # A solid cylinder about its own axis.
-        "axial_inertia": mass * radius * radius / 2,
+        axial_inertia=mass * radius * radius / 2,
         # y of the contact from the bat's middle, or from B at y = L/2, which is further to the
         # left.
-        "arm": half - lever_arm if free else -lever_arm,
-        "bat_radius": radius,
-    }
+        arm=half - lever_arm if free else -lever_arm,
+        bat_radius=radius,
+    )
+    return 1 / pair.reduced_mass, *others
 
 
 def inertia_factor(ball: Ball, numbers: Numbers) -> N:

@@ -265,11 +265,6 @@ def restitution_from_apparent() -> sp.Expr:
     return sp.collect(sp.expand(solution), APPARENT_RESTITUTION)
 
 
-def apparent_from_printed() -> sp.Expr:
-    """Apparent restitution of a collision whose ẽ comes from Eq. 10: the paper's e itself."""
-    return sp.cancel(apparent_restitution().subs(RESTITUTION, printed_restitution()))
-
-
 def energy_creating_mass_ratios() -> sp.Rel:
     """Condition on r = m / M_eff under which Eq. 10 creates energy: r > (1 - e) / (1 + e).
 

@@ -11,7 +11,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from longball.model.scene import Fence, Scene
+from longball.model.scene import Scene
 
 # Beyond all that is measured in baseball: the largest size of a number or vector, its unit, and the
 # units in which people have such numbers.
@@ -49,7 +49,9 @@ def doubts(scene: Scene) -> Iterator[tuple[str, str]]:
         if size > limit:
             yield name, f"{size:g} {unit} is more than in any game; is it in {others}?"
     fence = getattr(scene, "fence", None)
-    if fence is not None and fence.polyline is not None and not _is_ahead(fence):
+    line = pairwise([] if fence is None else fence.polyline or ())
+    ahead = [a[1] > 0.0 >= b[1] or a[1] >= 0.0 > b[1] for a, b in line]
+    if ahead and not any(ahead):  # no chord crosses the axis from the plate to centre field
         yield (
             "fence.polyline",
             (
@@ -73,8 +75,3 @@ def _limits_of(kind: type[Scene]) -> list[tuple[str, str, str, tuple[float, str,
     """Return the limits of the numbers that a kind of scene has, with their names taken apart."""
     parts = [(name, *name.partition(".")[::2], limit) for name, limit in _LIMITS.items()]
     return [part for part in parts if part[1] in kind.model_fields]
-
-
-def _is_ahead(fence: Fence) -> bool:
-    """Check that a fence crosses the axis from the plate to centre field."""
-    return any(a[1] > 0.0 >= b[1] or a[1] >= 0.0 > b[1] for a, b in pairwise(fence.polyline or ()))

@@ -33,13 +33,12 @@ from longball.model.air import (
 from longball.model.atmosphere import (
     ROUGHNESS,
     density,
+    earth_strengths,
     speed_of_sound,
-    thinned,
     wind,
     wind_strengths,
 )
 from longball.model.block import Block
-from longball.model.earth import earth_strengths
 from longball.model.numbers import N, Numbers, Vector, present
 from longball.model.trace import ZERO, Node, Program
 from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
@@ -171,7 +170,9 @@ def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Mo
         # points to the right, so that ê × u turns a level velocity upwards.
         spin, size = (ZERO, trace.constant(-1.0), ZERO), trace.constant(1.0)
     lift = _flow(p, velocity if p.shape.wind_acts_on == "drag" else through, left, spin, size)
-    return Motion(position, velocity, air, lift, thinned(p, position[2]), left)
+    # e^(-z/H), which is not constant along a flight; the strength is 1/H
+    thin = 1.0 if p.thinning is ZERO else trace.exp(-p.thinning * position[2])
+    return Motion(position, velocity, air, lift, thin, left)
 
 
 def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) -> Flow:
@@ -209,7 +210,7 @@ def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
     way = -p.decay * path
     if p.shape.spin_decay == "nathan":
         way = -(p.decay / p.decay_speed) * (path * speed)
-    return p.made_of(trace.exp(way))
+    return p.auxiliary_for(trace.exp(way))
 
 
 # --- what a law is traced with --------------------------------------------------------------------
@@ -255,21 +256,22 @@ class Strengths:
         self.shape = shape
         self.given = SimpleNamespace(**{name: trace.parameter(name) for name in names})
         self.polynomial = polynomial
-        self.made: dict[str, Node] = {}
+        self.auxiliary: dict[str, Node] = {}
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.given, name, ZERO)
 
-    def made_of(self, value: Node) -> Node:
+    def auxiliary_for(self, value: Node) -> Node:
         """Return an exponential or a logarithm, or the variable that stands for it."""
         # The Taylor engines and the proofs handle sums, products, quotients and roots. An
         # exponential becomes a variable with an equation of its own.
         if not self.polynomial or value.static:
             return value
         name = next(
-            (n for n, x in self.made.items() if x is value), f"{value.kind}_{len(self.made)}"
+            (n for n, x in self.auxiliary.items() if x is value),
+            f"{value.kind}_{len(self.auxiliary)}",
         )
-        self.made[name] = value
+        self.auxiliary[name] = value
         return trace.variable(name)
 
 
@@ -294,10 +296,11 @@ class _Traced:
 
     rates: Mapping[str, Node]  # of the variables, by name
     spin_left: Node  # the size of the spin, relative to that at launch
-    passed: Mapping[str, tuple[Node, Node]]  # what passes levels, by `Bend.of`: top and bottom
-    # What the variables are that stand for exponentials and logarithms, by name: each in terms of
-    # the variables before it.
-    made: Mapping[str, Node]
+    # Top and bottom of what passes the thresholds, by `Switch.of`
+    passed: Mapping[str, tuple[Node, Node]]
+    # The auxiliary variables, which stand for exponentials and logarithms, by name: each in terms
+    # of the variables before it.
+    auxiliary: Mapping[str, Node]
     aside: Vector  # see `_aside`
 
 
@@ -335,14 +338,14 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
         passed["side"] = size * size, speed * speed
     # Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
     # singularity that small errors of x come near to.
-    for name, value in p.made.items():
+    for name, value in p.auxiliary.items():
         (x,), y = value.args, trace.variable(name)
         grows = trace.total(
             trace.derivative(x, trace.variable(v), ratio="quotient") * rate
             for v, rate in rates.items()
         )
         rates[name] = (y if value.kind == "exp" else trace.exp(-y)) * grows
-    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.made, aside)
+    return _Traced(rates, trace.as_node(motion.spin_left), passed, p.auxiliary, aside)
 
 
 def _is_polynomial(node: Node) -> bool:
@@ -389,10 +392,10 @@ def _code(
 
 
 @lru_cache(maxsize=1024)
-def _passage(program: Program, top: Node, bottom: Node) -> Program:
-    # top/bottom passes the level where this is zero; nothing is divided.
-    value = top - trace.parameter("level") * bottom
-    return replace(program, outputs=(value,), parameters=(*program.parameters, "level"))
+def _switching_function(program: Program, top: Node, bottom: Node) -> Program:
+    # top/bottom passes the threshold where this is zero; nothing is divided.
+    value = top - trace.parameter("threshold") * bottom
+    return replace(program, outputs=(value,), parameters=(*program.parameters, "threshold"))
 
 
 @lru_cache(maxsize=1024)
@@ -411,13 +414,14 @@ _SENSE = "sense"
 # --- the law of a scene ---------------------------------------------------------------------------
 
 
-class Bend(NamedTuple):
-    """A part of a law, whose strengths change where a function of the state passes a level."""
+class Switch(NamedTuple):
+    """A part of a law, whose strengths change where a function of the state passes a threshold."""
 
     of: str  # the wind, the coefficient of drag or lift, or the side force
-    strengths: tuple[Mapping[str, N], ...] = ({},)  # below the first level, between levels, beyond
-    levels: tuple[N, ...] = ()  # in rising order; without any it is no bend
-    question: str = ""  # whether a level is passed, as a clause
+    # below the first threshold, between two, beyond the last
+    strengths: tuple[Mapping[str, N], ...] = ({},)
+    thresholds: tuple[N, ...] = ()  # in rising order; without any it is no switch
+    question: str = ""  # whether a threshold is passed, as a clause
 
     @property
     def names(self) -> KeysView[str]:
@@ -425,12 +429,12 @@ class Bend(NamedTuple):
         return dict.fromkeys(name for strengths in self.strengths for name in strengths).keys()
 
     @property
-    def ends(self) -> bool:
-        """True if the law ends at its level, below which the side force has no direction."""
+    def ends_law(self) -> bool:
+        """True if the law ends at its threshold, below which the side force has no direction."""
         return self.of == "side"
 
     @property
-    def blows(self) -> bool:
+    def is_wind(self) -> bool:
         """True if it is the wind: where that changes, airspeeds jump."""
         return self.of == "wind"
 
@@ -448,22 +452,22 @@ class Law:
         The rates of change of a state, component by component; of a law without a form, those of
         all forms at once, which only tell the variables.
     strengths
-        Values of the program's parameters, by name; without a form, not those of `bends`.
+        Values of the program's parameters, by name; without a form, not those of `switches`.
     shape
         What the program was traced from.
-    bends
+    switches
         The parts that have several forms.
     form
         Which branch each of them has; None: the law has no form, or needs none.
     polynomial
-        Whether each exponential and logarithm that a bend may depend on is a variable of its own,
+        Whether each exponential and logarithm that a switch may depend on is a variable of its own,
         so that where the form changes is the zero of a polynomial in the variables.
     """
 
     code: Program
     strengths: Mapping[str, N]
     shape: Shape
-    bends: tuple[Bend, ...] = ()
+    switches: tuple[Switch, ...] = ()
     form: tuple[int, ...] | None = None
     polynomial: bool = False
 
@@ -473,7 +477,7 @@ class Law:
 
         Raises `TypeError` if parts have several forms and none is chosen.
         """
-        if self.bends and self.form is None:
+        if self.switches and self.form is None:
             raise TypeError("parts of this law have several forms: ask law.on(branches)")
         return self.code
 
@@ -495,14 +499,14 @@ class Law:
     @property
     def is_paper(self) -> bool:
         """True if nothing acts but the paper's drag, lift and gravity."""
-        return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.bends
+        return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.switches
 
     @property
-    def bends_of_spin(self) -> frozenset[int]:
-        """The numbers of the bends on whose branches the size of the spin depends."""
+    def switches_of_spin(self) -> frozenset[int]:
+        """The numbers of the switches on whose branches the size of the spin depends."""
         nodes = Program((), (), (self._traced.spin_left,)).nodes
         used = {node.args[0] for node in nodes if node.kind == "parameter"}
-        return frozenset(which for which, bend in enumerate(self.bends) if bend.names & used)
+        return frozenset(which for which, switch in enumerate(self.switches) if switch.names & used)
 
     @property
     def _traced(self) -> _Traced:
@@ -514,10 +518,10 @@ class Law:
     def on(self, branches: Sequence[int]) -> Law:
         """Return the law with these forms of the parts that have several."""
         # Strengths of other branches go first: a branch may lack a strength that another has.
-        changed = {name for bend in self.bends for name in bend.names}
+        changed = {name for switch in self.switches for name in switch.names}
         strengths = {name: x for name, x in self.strengths.items() if name not in changed}
-        for bend, branch in zip(self.bends, branches, strict=True):
-            strengths |= bend.strengths[branch]
+        for switch, branch in zip(self.switches, branches, strict=True):
+            strengths |= switch.strengths[branch]
         code = _code(self.shape, tuple(strengths), "y" in self.variables, self.polynomial)
         return replace(self, code=code, strengths=strengths, form=tuple(branches))
 
@@ -542,10 +546,11 @@ class Law:
         return replace(self, code=code, strengths={**self.strengths, _SENSE: sense})
 
     def in_polynomials(self) -> Law:
-        """Return the law with what bends depend on as variables; see `polynomial`, `completed`."""
-        first = self.on([0] * len(self.bends))  # of all forms the arguments have the same functions
+        """Return the law with variables for what switches depend on; see `completed`."""
+        # In all forms the arguments of the switches have the same functions.
+        first = self.on([0] * len(self.switches))
         passed = first._traced.passed
-        if all(_is_polynomial(node) for bend in self.bends for node in passed[bend.of]):
+        if all(_is_polynomial(node) for switch in self.switches for node in passed[switch.of]):
             return self
         law = replace(self, polynomial=True)
         return replace(law, code=law.on(first.form or ()).code)
@@ -571,7 +576,7 @@ class Law:
         They depend on the wind: where it sets in, they jump with the airspeed.
         """
         state = self.state_of(state)
-        for name, node in self._traced.made.items():
+        for name, node in self._traced.auxiliary.items():
             state = state._replace(**{name: self._value(node, state, numbers)})
         return state
 
@@ -597,69 +602,96 @@ class Law:
         s, y, z = (known.get(name, nothing) for name in ("wind_s", "wind_y", "wind_z"))
         return s, y, z
 
-    def passage(self, bend: Bend) -> Program:
-        """Return a program that is positive where what a bend depends on is beyond a level.
+    def switching_function(self, switch: Switch) -> Program:
+        """Return a program that is positive where what a switch depends on is beyond a threshold.
 
-        It has the law's variables and parameters, and the parameter `level`.
+        It has the law's variables and parameters, and the parameter `threshold`.
         """
-        return _passage(self.program, *self._traced.passed[bend.of])
+        return _switching_function(self.program, *self._traced.passed[switch.of])
 
-    def beyond(self, bend: Bend, level: N, numbers: Numbers) -> Callable[[Any], Any]:
-        """Return a function of the state that is positive beyond a level of a bend."""
-        known = {**self.strengths, "level": level}
-        bound = self.passage(bend).bind(known, numbers.functions)
+    def beyond(self, switch: Switch, threshold: N, numbers: Numbers) -> Callable[[Any], Any]:
+        """Return a function of the state that is positive beyond a threshold of a switch."""
+        known = {**self.strengths, "threshold": threshold}
+        bound = self.switching_function(switch).bind(known, numbers.functions)
         return lambda state: bound(*state)[0]
 
     def branches(self, state: Any, numbers: Numbers) -> list[Any]:
-        """Return which forms the parts have in a state, or in many: by the levels passed.
+        """Return which forms the parts have in a state, or in many: by the thresholds passed.
 
         The numbers carry no radius.
         """
 
         def passed(form: Law) -> list[Any]:
-            levels = (
-                [form.beyond(bend, level, numbers)(state) > 0 for level in bend.levels]
-                for bend in self.bends
-            )
-            return [sum(each, start=0) for each in levels]
+            counts = []
+            for switch in self.switches:
+                values = (form.beyond(switch, x, numbers)(state) for x in switch.thresholds)
+                counts.append(sum((value > 0 for value in values), start=0))
+            return counts
 
-        blowing = [bend.blows for bend in self.bends]
-        below = passed(self.on([0] * len(blowing)))
-        if not any(blowing):
+        winds = [switch.is_wind for switch in self.switches]
+        below = passed(self.on([0] * len(winds)))
+        if not any(winds):
             return below
         # Above the height where the wind sets in, the others depend on another airspeed.
-        above, more = below[blowing.index(True)], passed(self.on([*map(int, blowing)]))
+        above, more = below[winds.index(True)], passed(self.on([*map(int, winds)]))
         return [
-            above if blows else less * (1 - above) + above * beyond
-            for blows, less, beyond in zip(blowing, below, more, strict=True)
+            above if is_wind else less * (1 - above) + above * beyond
+            for is_wind, less, beyond in zip(winds, below, more, strict=True)
         ]
 
     def at(self, state: Any, numbers: Numbers) -> Law:
         """Return the law in the form valid in a state, whose numbers carry no radius."""
-        return self.on([*map(int, self.branches(state, numbers))]) if self.bends else self
+        return self.on([*map(int, self.branches(state, numbers))]) if self.switches else self
 
 
 PAPER = "drag", "lift", "gravity"  # the strengths of its law
 
 
 def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = ()) -> Law:
-    """Return the law of motion of a flight in a frame, of a scene with ball, air and gravity.
+    """Return the law of motion of a flight.
 
     Parameters
     ----------
+    scene
+        With ball, air, gravity and reading: a scene, or any object with these attributes, whose
+        numbers may be arrays of shape (n,), of n scenes.
+    frame : longball.model.frame.Frame
+        Of the flight, with its spin.
+    numbers : longball.model.numbers.Numbers
+        That the law computes with.
     forces
         What may act on the ball besides what the model has.
+
+    Returns
+    -------
+    Law
+        In the vertical plane of the launch, if its forces lie there; in space otherwise.
+
+    Examples
+    --------
+    >>> from longball.model.frame import launch_frame
+    >>> from longball.model.numbers import DOUBLES
+    >>> from longball.model.scene import FlightScene, Launch
+    >>> scene = FlightScene(launch=Launch(position=(0, 0, 1), velocity=(30, 0, 20)))
+    >>> frame, start = launch_frame((0.0, 0.0, 1.0), (30.0, 0.0, 20.0), DOUBLES)
+    >>> law = law_of(scene, frame, DOUBLES)
+    >>> law.variables, [*law.strengths]
+    (('s', 'z', 'u', 'w'), ['drag', 'lift', 'gravity'])
+    >>> [round(rate, 6) for rate in law.rates(DOUBLES)(*start)]  # m/s, m/s, m/s², m/s²
+    [30.0, 20.0, -10.799295, -11.149912]
     """
     shape = Shape()
-    parts: list[Bend] = []
-    further: dict[str, N] = {}
+    parts: list[Switch] = []
+    others: dict[str, N] = {}
     if scene.air is not None:
-        shape, parts, further = _in_air(scene, frame, numbers)
-    bends = [part for part in parts if part.levels]
-    strengths = {n: x for part in parts if not part.levels for n, x in part.strengths[0].items()}
+        shape, parts, others = _in_air(scene, frame, numbers)
+    switches = [part for part in parts if part.thresholds]
+    strengths = {
+        n: x for part in parts if not part.thresholds for n, x in part.strengths[0].items()
+    }
     if not numbers.absent(scene.gravity):
         strengths["gravity"] = numbers.exact(scene.gravity)
-    strengths |= further | earth_strengths(scene, frame, numbers)
+    strengths |= others | earth_strengths(scene, frame, numbers)
     acting = []
     for force in forces:
         found = force.strengths(scene, frame, numbers)
@@ -669,8 +701,8 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
     if acting:
         shape = shape._replace(forces=tuple(acting))
     # The variables are the same on all branches: those of space, if one of them needs those.
-    names = dict.fromkeys([*strengths, *(name for bend in bends for name in bend.names)])
-    return Law(_code(shape, tuple(names)), strengths, shape, tuple(bends))
+    names = dict.fromkeys([*strengths, *(name for switch in switches for name in switch.names)])
+    return Law(_code(shape, tuple(names)), strengths, shape, tuple(switches))
 
 
 def law_with(
@@ -681,7 +713,7 @@ def law_with(
     return Law(_code(shape, tuple(strengths)), strengths, shape)
 
 
-def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend], dict[str, N]]:
+def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switch], dict[str, N]]:
     """Return the shape of a scene's law, its parts, and strengths of spin and density."""
     air, reading, exact = scene.air, scene.reading, numbers.exact
     spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
@@ -689,7 +721,7 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend]
     drag_law, drag = _coefficient("drag", scene, spins, numbers)
     # A ball that does not spin has no lift, but for the paper's, whose axis no scene names.
     lift_law: Any = ConstantLift
-    lift: Bend = Bend("lift")
+    lift: Switch = Switch("lift")
     if spins or (frame.spin is None and not by_spin(air.lift_coefficient)):
         lift_law, lift = _coefficient("lift", scene, spins, numbers)
     parts, shape = [drag, lift], Shape(drag_law, lift_law)
@@ -698,13 +730,13 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Bend]
     if air.wind is not None:
         shape = shape._replace(wind_acts_on=reading.wind_acts_on)
         question = "the ball passes the height above which the wind blows"
-        parts.append(Bend("wind", *wind_strengths(scene, frame, numbers), question))
+        parts.append(Switch("wind", *wind_strengths(scene, frame, numbers), question))
     if air.side_coefficient is not None:
         side = side_strengths(scene, frame, numbers)
         found |= side
         if side:
             question = "the airspeed turns along air.side_coefficient.direction"
-            parts.append(Bend("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
+            parts.append(Switch("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
     # the spin, as a vector in the frame and by its size, and what is left of it
     if frame.spin is not None:
         shape = shape._replace(
@@ -759,7 +791,7 @@ def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:
     return density(scene, numbers) * numbers.exact(value) * area / (2 * mass)
 
 
-def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Bend]:
+def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
     given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
     # Of columns there is but the name.
@@ -775,8 +807,8 @@ def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[An
         elif (strength := per_metre(scene, value, numbers)) is not None:
             linear[_strength(of, key)] = strength
     if not linear:
-        return laws["constant"], Bend(of)
-    return law, Bend(of, (linear | present(others, numbers),))
+        return laws["constant"], Switch(of)
+    return law, Switch(of, (linear | present(others, numbers),))
 
 
 @cache
@@ -785,20 +817,24 @@ def _keys(law: Any) -> tuple[str, ...]:
     return tuple(key for key in law.model_fields if key != "law")
 
 
-def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Bend]:
+def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
     """Return the law of a coefficient that is linear between nodes; see `_coefficient`."""
     unit = per_metre(scene, 1.0, numbers)
     if unit is None:
-        return ConstantDrag if of == "drag" else ConstantLift, Bend(of)
-    nodes, lines = given.lines(numbers.exact)
+        return ConstantDrag if of == "drag" else ConstantLift, Switch(of)
     law = BySpin if given.of == "spin_parameter" else BySpeed
+    nodes: Sequence[N] = ()
+    lines: Sequence[tuple[N, N]]
+    if law is BySpin and not spins:
+        # The value at S = 0. The nodes do not matter; in columns, they are not those of a block.
+        lines = [(numbers.exact(given.values[0]), numbers.exact(0.0))]
+    else:
+        nodes, lines = given.lines(numbers.exact)
     if given.of == "mach":
         sound = speed_of_sound(scene, numbers)
         nodes = tuple(node * sound for node in nodes)
         lines = tuple((at_0, slope / sound) for at_0, slope in lines)
-    if law is BySpin and not spins:
-        nodes, lines = (), ((lines[0][0], numbers.exact(0.0)),)
     at_0, slope = _strength(of, "at_0"), _strength(of, "slope")
     strengths = tuple(present({at_0: unit * x, slope: unit * y}, numbers) for x, y in lines)
-    levels = tuple(node * node for node in nodes)
-    return law, Bend(of, strengths, levels, f"{law.passes} passes a node of a table")
+    thresholds = tuple(node * node for node in nodes)
+    return law, Switch(of, strengths, thresholds, f"{law.passes} passes a node of a table")

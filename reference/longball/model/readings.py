@@ -10,7 +10,7 @@ these silently.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -126,10 +126,9 @@ class Entry:
         return "figure" if self.switch == FIGURE_SWITCH else "scene"
 
 
-def _ledger() -> Iterator[Entry]:
-    text = Path(__file__).with_name("ledger.toml").read_text(encoding="utf-8")
-    for written in tomllib.loads(text)["entry"]:
-        yield Entry(**written | {"options": tuple(written["options"])})
-
-
-LEDGER: tuple[Entry, ...] = tuple(_ledger())
+LEDGER: tuple[Entry, ...] = tuple(
+    Entry(**written | {"options": tuple(written["options"])})
+    for written in tomllib.loads(
+        Path(__file__).with_name("ledger.toml").read_text(encoding="utf-8")
+    )["entry"]
+)

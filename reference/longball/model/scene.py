@@ -274,7 +274,9 @@ def _require_polyline(vertices: list[tuple[float, float]]) -> None:
     for i, (a, b) in enumerate(chords):
         # Neighbours share a vertex, and meet elsewhere only if one goes back on the other.
         for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
-            if (j == i + 1 and _folds(a, b, d)) or (j > i + 1 and _meet(a, b, c, d)):
+            back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
+            folds = _turn(a, b, d) == 0 and back > 0  # the way on to d goes back from b to a
+            if folds if j == i + 1 else _meet(a, b, c, d):
                 _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
     # The angle swept around the plate: negative from the left pole to the right one.
     if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
@@ -287,12 +289,6 @@ def _require_polyline(vertices: list[tuple[float, float]]) -> None:
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
     """Return (b - a) × (c - a): positive if c is to the left of the way from a to b."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _folds(a: tuple[float, float], b: tuple[float, float], d: tuple[float, float]) -> bool:
-    """True if the way from a to b goes back on itself to d."""
-    back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
-    return _turn(a, b, d) == 0 and back > 0
 
 
 def _meet(

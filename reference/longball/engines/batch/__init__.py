@@ -8,20 +8,11 @@ a step's polynomials, in code that `jit` helps to compile.
 one calls.
 """
 
-from longball.engines.batch.engine import Batch
+from longball.engines.batch.engine import Batch as Batch
+from longball.engines.batch.many import solve_columns as solve_columns
+from longball.engines.batch.many import solve_columns_as_data as solve_columns_as_data
 from longball.engines.batch.many import (
-    solve_columns,
-    solve_columns_as_data,
-    solve_columns_with_restitutions,
-    solve_columns_with_slopes,
-    solve_decided_columns,
+    solve_columns_with_restitutions as solve_columns_with_restitutions,
 )
-
-__all__ = [
-    "Batch",
-    "solve_columns",
-    "solve_columns_as_data",
-    "solve_columns_with_restitutions",
-    "solve_columns_with_slopes",
-    "solve_decided_columns",
-]
+from longball.engines.batch.many import solve_columns_with_slopes as solve_columns_with_slopes
+from longball.engines.batch.many import solve_decided_columns as solve_decided_columns

@@ -21,9 +21,8 @@ from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
 from longball.engines.chain import Run, land
-from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Touch
-from longball.engines.event import Events, past
+from longball.engines.event import BatSection, Events, margin_error, past
 from longball.engines.path import Flight, Path
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.law import Law, State
@@ -279,7 +278,7 @@ class Columns(Run):
         """See `Run`."""
         return np.ones(len(self.table), bool)
 
-    def some(self, rows: Flags) -> bool:
+    def any(self, rows: Flags) -> bool:
         """See `Run`."""
         return bool(rows.any())
 
@@ -337,7 +336,7 @@ class Columns(Run):
         return Touch(margin, code, *records.noted(ends, law))
 
     def _near(self, bat: BatSection, pitch: Any) -> Start:
-        """Start of the search for the bat: the waypoint, where nothing can happen before it."""
+        """Start of the search for the bat: the sampling plane, if nothing can happen before it."""
         clear = records.approach_is_clear(bat, pitch.state.z)
         return _where(self.numbers, clear, pitch.mark, pitch.launch)
 

@@ -14,9 +14,8 @@ from longball.engines.batch.expansion import kernel
 from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.many import solve_as_data
 from longball.engines.batch.records import Start
-from longball.engines.contact import TURNS_VERTICAL, BatSection, margin_error
 from longball.engines.engine import CannotSolve, ManyAtOnce, Touch
-from longball.engines.event import Events, Piece, past
+from longball.engines.event import TURNS_VERTICAL, BatSection, Events, Piece, margin_error, past
 from longball.engines.ivp import Ivp
 from longball.engines.path import Flight, Path, Rest
 from longball.engines.polynomial import PolynomialPiece
@@ -165,22 +164,19 @@ class Batch(ManyAtOnce):
         return solve_as_data(scenes, self, threads)
 
     def fly_all(self, starts: Records, program: Program) -> Records:
-        """Fly records of `flights.flight_dtype`; return their arrivals, in order.
+        """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
+        return self.fly_all_with_tangents(starts, program, None)[0]
+
+    def fly_all_with_tangents(
+        self, starts: Records, program: Program, changes: Array | None
+    ) -> tuple[Records, Array]:
+        """Fly records with derivatives; see `flights.fly_all`.
 
         Flights past a bat take a hundredth of a second, which steps of a lower order span.
         """
-        return flights.fly_all(kernel(program), starts, self._order_of(starts), self.truncation)
-
-    def fly_all_with_tangents(
-        self, starts: Records, program: Program, changes: Array
-    ) -> tuple[Records, Array]:
-        """Fly records with derivatives; see `flights.fly_all_with_tangents`."""
-        code, order = kernel(program), self._order_of(starts)
-        return flights.fly_all_with_tangents(code, starts, order, self.truncation, changes)
-
-    def _order_of(self, starts: Records) -> int:
         near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
-        return max(8, 2 * self.order // 5) if near_bat else self.order
+        order = max(8, 2 * self.order // 5) if near_bat else self.order
+        return flights.fly_all(kernel(program), starts, order, self.truncation, changes)
 
     def _pieces(self, flight: Records, law: Law) -> Iterator[Piece]:
         """Yield the steps of a flight, expanded anew."""

@@ -39,7 +39,7 @@ from longball.model.trace import Node, Program, squares, variable
 # 1 where nothing can happen on the way, else -1; the largest coordinate that the flight has had at
 # a step; how far each position can get from where it was. Then what rounding takes from each
 # position: at the beginning of the step, and at its end.
-LENGTH, TIME, TIME_LOST, CLEARANCE, FARTHEST, RANGES = range(6)
+LENGTH, TIME, TIME_COMPENSATION, CLEARANCE, FARTHEST, RANGES = range(6)
 
 # Sums that one loop carries, of sixteen doubles each. With more, registers are spilled. AVX-512 has
 # 32 of eight doubles: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
@@ -414,18 +414,18 @@ class _Step(_Expansion):
     def distance_to_zero(self, node: Node) -> tuple[Value, Value]:
         """Lanes with two squares or more that are not zero; half the way to zeros of their sum."""
         one, two = self.index(1), self.index(2)
-        bend, zero = self.number(0.0), self.number(0.0)
+        curvature, zero = self.number(0.0), self.number(0.0)
         none = ir.Constant(ir.VectorType(ir.IntType(1), WIDTH), [0] * WIDTH)
         some, several = none, none
         for p in squares(node.args[0]):
             p0, p1 = self.zeroth[p], self.at(p, one)
-            bend = self.fma(p1, p1, bend)
-            bend = self.fma(self.add(p0, p0), self.at(p, two), bend)
+            curvature = self.fma(p1, p1, curvature)
+            curvature = self.fma(self.add(p0, p0), self.at(p, two), curvature)
             moves = self.builder.fcmp_unordered("!=", self.larger([p0, p1]), zero)
             several = self.builder.or_(several, self.builder.and_(some, moves))
             some = self.builder.or_(some, moves)
         half = self.multiply(self.number(0.5), self.zeroth[node])
-        return several, self.divide(half, self.call("sqrt", self.call("fabs", bend)))
+        return several, self.divide(half, self.call("sqrt", self.call("fabs", curvature)))
 
     def root(self, x: Value, n: Value) -> Value:
         """Return a lower estimate of the n-th root, good to a tenth: all that a step needs.
@@ -488,13 +488,13 @@ class _Step(_Expansion):
 
     def moved(self, i: int, start: Value, rate: Value, length: Value) -> Value:
         """Return the i-th position at the end of the step; write what rounding takes from it."""
-        lost = len(self.variables) + RANGES + len(self.positions) + i
-        change = self.fma(rate, length, self.load(self.array, self.step_row(lost)))
+        compensation = len(self.variables) + RANGES + len(self.positions) + i
+        change = self.fma(rate, length, self.load(self.array, self.step_row(compensation)))
         end = self.add(start, change)
         taken = self.subtract(end, start)
         left = self.subtract(start, self.subtract(end, taken))
         left = self.add(left, self.subtract(change, taken))
-        self.put_step(lost + len(self.positions), left)
+        self.put_step(compensation + len(self.positions), left)
         return end
 
     def store_clearance(self, ranges: dict[Node, Value]) -> None:

@@ -11,9 +11,9 @@ scalar engine then solves it or raises the error.
 A state is n positions followed by n velocities, maybe with the path behind them along which spin
 decays. An event is an affine function of the state that falls through zero.
 
-A pitch has a *waypoint*, the plane a distance `records.APPROACH` before the plate. A step ends
-there and the state is recorded, so that the later search for the bat can start from it. The event
-beyond it, the plate, is not searched for before.
+A pitch has a *sampling plane*, a distance `records.APPROACH` before the plate. A step ends there,
+and the state is recorded, so that the later search for the bat can start from it. The event beyond
+it, the plate, is not searched for before.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from longball.engines.batch.expansion import (
     LENGTH,
     RANGES,
     TIME,
-    TIME_LOST,
+    TIME_COMPENSATION,
     Kernel,
 )
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
@@ -61,7 +61,7 @@ class Stop(IntEnum):
     """Status of a flight. Numbers from 0 to 99 are those of the event that ended it."""
 
     FLYING = -2
-    WAYPOINT = -1  # the last step ended there
+    SAMPLE = -1  # the last step ended there
     TIME_LIMIT = 100
     TOUCH = 101  # of the bat
     FALLBACK = 102  # left to the scalar engine
@@ -79,8 +79,8 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
             *((name, np.float64) for name in _FLIGHT),
             # State and strengths; 0 for a force that does not act.
             *((name, np.float64) for name in (*program.variables, *program.parameters)),
-            # The components of the distance from the bat's axis, and the waypoint's function
-            *((name, np.float64, (size,)) for name in ("across", "above", "waypoint")),
+            # The components of the distance from the bat's axis, and the sampling plane's function
+            *((name, np.float64, (size,)) for name in ("across", "above", "sample")),
             ("events", np.float64, (events, size)),  # they end a flight where they fall
         ]
     )
@@ -91,11 +91,11 @@ _FLIGHT = (
     "error",  # of a state at the end of a flight, relative to its size
     "reach",  # m, the distance from the bat's axis at which it is touched; 0 for no bat
     "margin_error",  # m
-    "beyond",  # number of the event to skip until the waypoint is passed; NaN: none
+    "beyond",  # number of the event to skip until the sampling plane is passed; NaN: none
 )  # fmt: skip
 _TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _BEYOND, _STATE = range(7)
 # Functions, in the order of the records.
-_ACROSS, _ABOVE, _WAYPOINT, _FIRST_EVENT = range(4)
+_ACROSS, _ABOVE, _SAMPLE, _FIRST_EVENT = range(4)
 
 
 def arrival_dtype(program: Program) -> np.dtype[Any]:
@@ -103,7 +103,7 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
 
     ========  =====================================================================
     ``""``    the end
-    mark_     the waypoint; near a bat the first touch; without either the apex, if
+    mark_     the sampling plane; near a bat the first touch; without either the apex, if
               the ball ceases to rise between the ends of a step
     nearest_  near a bat, where the margin is taken
     ========  =====================================================================
@@ -130,11 +130,11 @@ _STOP, _STEPS, _MARGIN, _END = range(4)
 
 
 def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Records:
-    """Return flights that have no waypoint, no bat, and events that never happen."""
+    """Return flights that have no sampling plane, no bat, and events that never happen."""
     flights = np.zeros(shape, flight_dtype(program, events))
     constant = len(program.variables)
     flights["beyond"] = math.nan
-    flights["waypoint"][..., constant] = flights["events"][..., constant] = math.inf
+    flights["sample"][..., constant] = flights["events"][..., constant] = math.inf
     return flights
 
 
@@ -143,57 +143,38 @@ def fly_all(
     flights: Records,  # of `flight_dtype`, of any shape
     order: int,  # of the series
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
+    changes: Array | None = None,
     steps: Array | None = None,
-) -> Records:
-    """Fly every flight to its end; return records of `arrival_dtype`, of the same shape.
-
-    `steps`, of shape (steps, 1 + variables), is filled with time, s, and state at the beginning of
-    each step of the one flight.
-    """
-    none = np.empty((0, 0, flights.size))
-    return _run(kernel, flights, order, truncation, 0, none, none, steps)
-
-
-def fly_all_with_tangents(
-    kernel: Kernel,
-    flights: Records,
-    order: int,
-    truncation: float,
-    # shape (sources, tangents, flights): derivatives of variables and parameters by some numbers
-    changes: Array,
 ) -> tuple[Records, Array]:
-    """Fly flights as `fly_all` does, and derivatives of the state with them.
+    """Fly every flight to its end, and derivatives of its state with it.
 
-    Returns arrivals, and derivatives of shape (times, variables, tangents, flights): of the state
-    at the end, at the mark and where the ball is closest to the bat, each at a fixed time.
+    Parameters
+    ----------
+    changes : array, shape (sources, tangents, flights)
+        Derivatives of variables and parameters by some numbers; none if left out.
+    steps : array, shape (steps, 1 + variables)
+        Is filled with time, s, and state at the beginning of each step of the one flight.
+
+    Returns
+    -------
+    arrivals : array
+        Records of `arrival_dtype`, of the shape of `flights`.
+    found : array, shape (times, variables, tangents, flights)
+        Derivatives of the state at the end, at the mark and where the ball is closest to the bat,
+        each at a fixed time; NaN where there is no mark, or no bat.
     """
-    shape = TIMES, len(kernel.layout.program.variables), *changes.shape[1:]
-    found = np.full(shape, math.nan)  # there may be no mark, or no bat
-    code = tangents(kernel.layout.program).address
-    return _run(kernel, flights, order, truncation, code, changes, found), found
-
-
-def _run(
-    kernel: Kernel,
-    flights: Records,
-    order: int,
-    truncation: float,
-    code: int,  # of the tangents
-    changes: Array,
-    found: Array,
-    steps: Array | None = None,
-) -> Records:
-    """Allocate the workspace and run the compiled loop."""
-    program, layout = kernel.layout.program, kernel.layout
+    program, layout, memory = kernel.layout.program, kernel.layout, Tangents(kernel.layout.program)
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
     starts = np.ascontiguousarray(flights).reshape(-1)
     arrivals = np.empty(len(starts), arrival_dtype(program))
+    if changes is None:
+        changes = np.empty((0, 0, len(starts)))
+    count = changes.shape[1]
+    found = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
     lanes = layout.allocate(order)
     rows, width = lanes.shape[1], 2 * order + 4
-    steps = np.array([]) if steps is None else steps
-    layout_of_tangents = Tangents(program)
-    count = changes.shape[1]
+    steps = np.empty((0, 0)) if steps is None else steps
     _fly_all(
         (kernel.code.address, layout.parameters * rows, layout.step * rows),
         (variables, parameters, functions, order, rows, width),
@@ -208,23 +189,19 @@ def _run(
         np.zeros(2 * WIDTH, np.int64),
         steps.ravel(),
         len(steps),
-        (code, count, layout_of_tangents.first, layout_of_tangents.size),
-        (
-            layout_of_tangents.allocate(count).ravel(),
-            changes.ravel(),
-            found.ravel(),
-        ),
+        (tangents(program).address if count else 0, count, memory.first, memory.size),
+        (memory.allocate(count).ravel(), changes.ravel(), found.ravel()),
     )
-    return arrivals.reshape(flights.shape)
+    return arrivals.reshape(flights.shape), found
 
 
 def fly_and_record(
     kernel: Kernel, flights: Records, order: int, truncation: float
 ) -> tuple[Records, Array]:
     """Fly one ball twice: first to count the steps, then to record them."""
-    arrival = fly_all(kernel, flights, order, truncation)
+    arrival, _ = fly_all(kernel, flights, order, truncation)
     steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
-    return fly_all(kernel, flights, order, truncation, steps), steps
+    return fly_all(kernel, flights, order, truncation, steps=steps)[0], steps
 
 
 # --- the loop -------------------------------------------------------------------------------------
@@ -240,7 +217,7 @@ class _Workspace(NamedTuple):
     """Sizes and work arrays that all lanes share."""
 
     # half, variables, parameters, functions: numbers of positions, variables, parameters; and of
-    # the waypoint and the events
+    # the sampling plane and the events
     half: int
     variables: int
     parameters: int
@@ -256,15 +233,15 @@ class _Workspace(NamedTuple):
     strengths: Any
     step: Any
     # Kahan's compensation of each position, a part of `step`; behind it those of the step at hand
-    lost: Any
-    # Linear functions of the flights in the lanes: waypoint and events, with absolute errors
+    compensation: Any
+    # Linear functions of the flights in the lanes: sampling plane and events, with absolute errors
     linear: Any
     # Polynomials of the state of one flight in its step, and of the bat's distance after them
     work: Any
-    # p, slope, bend: of an event
+    # p, slope, second: of an event, with its derivatives
     p: Any
     slope: Any
-    bend: Any
+    second: Any
     across: Any
     above: Any
     state: Any  # of a flight at some time
@@ -297,7 +274,7 @@ class _Tangents(NamedTuple):
     variables: int
     first: int
     size: int
-    # memory: of the lanes; starts, found: see `fly_all_with_tangents`
+    # memory: of the lanes; starts, found: see `fly_all`
     memory: Any
     starts: Any
     found: Any
@@ -318,8 +295,33 @@ def _fly_all(
     tangent_memory: tuple[Array, Array, Array],
 ) -> None:
     """Fill free lanes, step all lanes, locate events lane by lane, and advance, to the last end."""
-    variables, parameters, functions, order, rows, _ = sizes
-    s = _workspace(code, sizes, memory, unowned_view(tangent_memory[0]))
+    variables, parameters, functions, order, rows, width = sizes
+    x, step = unowned_view(memory[0]), shifted(unowned_view(memory[0]), code[2] * WIDTH)
+    work = unowned_view(memory[2])
+    scratch = shifted(work, variables * width)
+    s = _Workspace(
+        variables // 2,
+        variables,
+        parameters,
+        functions,
+        order,
+        order + 1,
+        rows * WIDTH,
+        width,
+        x,
+        shifted(x, code[1] * WIDTH),
+        step,
+        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
+        unowned_view(memory[1]),
+        work,
+        scratch,
+        shifted(scratch, width),
+        shifted(scratch, 2 * width),
+        shifted(scratch, 3 * width),
+        shifted(scratch, 4 * width),
+        shifted(scratch, 5 * width),
+        unowned_view(tangent_memory[0]),
+    )
     t = _Tangents(
         tangent_sizes[0],
         record_sizes[2],
@@ -335,9 +337,11 @@ def _fly_all(
     pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
     active, way = unowned_view(numbers), unowned_view(steps)
     flying = shifted(active, WIDTH)  # in the step
-    x, step = s.x, s.step
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
-    lost_row, farthest_row = (variables + TIME_LOST) * WIDTH, (variables + FARTHEST) * WIDTH
+    compensation_row, farthest_row = (
+        (variables + TIME_COMPENSATION) * WIDTH,
+        (variables + FARTHEST) * WIDTH,
+    )
     clearance_row = (variables + CLEARANCE) * WIDTH
     climb = 2 * s.half - 1  # w
     for lane in range(WIDTH):
@@ -382,7 +386,7 @@ def _fly_all(
             if not length > 0.0 or slot.status[_STEPS] >= _MOST_STEPS:
                 slot.status[_STOP], active[lane] = Stop.FALLBACK, _NONE
                 continue
-            # The mark is the apex only where neither a bat nor a waypoint takes it.
+            # The mark is the apex only where neither a bat nor a sampling plane takes it.
             rises = x[climb * s.block + lane] > 0.0
             rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_BEYOND])
             for k in range(s.half):
@@ -417,52 +421,24 @@ def _fly_all(
             # What rounding takes from positions and time is made up for at the next step: Kahan's
             # compensated sum.
             for k in range(s.half):
-                s.lost[k * WIDTH + lane] = s.lost[(s.half + k) * WIDTH + lane]
-            passed = step[lost_row + lane] + length
+                s.compensation[k * WIDTH + lane] = s.compensation[(s.half + k) * WIDTH + lane]
+            passed = step[compensation_row + lane] + length
             step[time_row + lane] = time + passed
-            step[lost_row + lane] = passed - (time + passed - time)
+            step[compensation_row + lane] = passed - (time + passed - time)
 
         # derivatives over the step
         if t.each > 0:
-            call(t.code, (x, s.times, order, rows, t.each, _wanted(s)))
+            # Up to how many of the times any lane wants them; the last argument of all machine code
+            # is a double.
+            wanted = 1.0
+            for k in range(1, TIMES):
+                for lane in range(WIDTH):
+                    if not math.isnan(s.times[k * WIDTH + lane]):
+                        wanted = k + 1.0
+            call(t.code, (x, s.times, order, rows, t.each, wanted))
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
                     _take_tangents(t, flying[lane], lane)
-
-
-@inner
-def _workspace(
-    code: tuple[int, int, int],
-    sizes: tuple[int, int, int, int, int, int],
-    memory: tuple[Array, Array, Array],
-    times: Any,
-) -> _Workspace:
-    variables, parameters, functions, order, rows, width = sizes
-    x, work = unowned_view(memory[0]), unowned_view(memory[2])
-    step, scratch = shifted(x, code[2] * WIDTH), shifted(work, variables * width)
-    return _Workspace(
-        variables // 2,
-        variables,
-        parameters,
-        functions,
-        order,
-        order + 1,
-        rows * WIDTH,
-        width,
-        x,
-        shifted(x, code[1] * WIDTH),
-        step,
-        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
-        unowned_view(memory[1]),
-        work,
-        scratch,
-        shifted(scratch, width),
-        shifted(scratch, 2 * width),
-        shifted(scratch, 3 * width),
-        shifted(scratch, 4 * width),
-        shifted(scratch, 5 * width),
-        times,
-    )
 
 
 @inner
@@ -483,20 +459,6 @@ def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
             target[k * WIDTH] = source[(t.variables + k) * t.each * t.flights]
         for k in range(t.variables):
             target[(parameters + k) * WIDTH] = source[k * t.each * t.flights]
-
-
-@inner
-def _wanted(s: _Workspace) -> float:
-    """Number of output times, from 1 to `TIMES`, at which tangents are needed in this step.
-
-    A double, as the last argument of all machine code is.
-    """
-    wanted = 1.0
-    for k in range(1, TIMES):
-        for lane in range(WIDTH):
-            if not math.isnan(s.times[k * WIDTH + lane]):
-                wanted = k + 1.0
-    return wanted
 
 
 @inner
@@ -523,10 +485,10 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
     arrival[_MARGIN] = -math.inf
     arrival[_END] = marked[0] = flight[_TIME]
     s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
-    s.step[(s.variables + TIME_LOST) * WIDTH + lane] = 0.0
+    s.step[(s.variables + TIME_COMPENSATION) * WIDTH + lane] = 0.0
     s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     for k in range(s.half):
-        s.lost[k * WIDTH + lane] = 0.0
+        s.compensation[k * WIDTH + lane] = 0.0
     # state and strengths: a row of the lanes for each number
     source = shifted(flight, _STATE)
     for k in range(s.variables):
@@ -534,8 +496,8 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
     source = shifted(source, s.variables)
     for k in range(s.parameters):
         s.strengths[k * WIDTH + lane] = source[k]
-    # the functions of the waypoint and the events, whose errors become absolute
-    source = shifted(source, s.parameters + (_WAYPOINT - _ACROSS) * (s.variables + 2))
+    # the functions of the sampling plane and the events, whose errors become absolute
+    source = shifted(source, s.parameters + (_SAMPLE - _ACROSS) * (s.variables + 2))
     error = s.variables + 1
     target = shifted(s.linear, lane)
     for _ in range(s.functions):
@@ -543,7 +505,7 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
             target[k * WIDTH] = source[k]
         target[error * WIDTH] = source[error] * flight[_ERROR]
         source, target = shifted(source, s.variables + 2), shifted(target, (error + 1) * WIDTH)
-    # Where the waypoint is passed already, or there is none, its function never falls.
+    # Where the sampling plane is passed already, or there is none, its function never falls.
     if _event_value(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
         marked[0] = math.nan
     else:
@@ -592,7 +554,7 @@ def _locate_first_event(s: _Workspace, slot: _Slot, time: float, length: float) 
         if searched < end:
             stop, end = Stop.FLYING, searched
 
-    # the first fall: of the waypoint's function, then of the events'
+    # the first fall: of the sampling plane's function, then of the events'
     ahead = flight[_BEYOND] if math.isnan(arrival[_END + 1 + s.variables]) else math.nan
     for number in range(s.functions):
         event = number - 1
@@ -604,7 +566,10 @@ def _locate_first_event(s: _Workspace, slot: _Slot, time: float, length: float) 
             continue
         differentiate(s.p, s.degree, s.slope)
         if number > 0 and s.p[0] <= error and (not launched or s.p[0] <= 0.0):
-            if not _rises(s.p, s.degree):
+            first = 1  # the order of the first coefficient that is not zero: its sign decides
+            while first < s.degree and s.p[first] == 0.0:
+                first += 1
+            if not s.p[first] > 0.0:  # it does not rise
                 if launched:  # on the surface, and not rising: the flight ends at once
                     stop, end = event, 0.0
                     break
@@ -619,13 +584,13 @@ def _locate_first_event(s: _Workspace, slot: _Slot, time: float, length: float) 
             break
         if fall != NEVER:
             end = fall
-            stop = event if number > 0 else Stop.WAYPOINT
+            stop = event if number > 0 else Stop.SAMPLE
 
     status[_STOP] = stop
     if stop == Stop.FALLBACK or (near_bat and _meets_bat(s, slot, time, end, stop >= 0)):
         return end
     _evaluate(s, lane, end)
-    if stop == Stop.WAYPOINT:
+    if stop == Stop.SAMPLE:
         s.times[WIDTH + lane] = end
         s.linear[s.variables * WIDTH + lane] = math.inf
         _note(s, shifted(arrival, _END + 1 + s.variables), time + end)
@@ -644,9 +609,9 @@ def _locate_first_event(s: _Workspace, slot: _Slot, time: float, length: float) 
 def _evaluate(s: _Workspace, lane: int, t: float) -> None:
     """Evaluate the state at t, and the new compensations."""
     for i in range(s.half):
-        place, rate, lost = _position_at(s, lane, i, t)
+        place, rate, compensation = _position_at(s, lane, i, t)
         s.state[i], s.state[s.half + i] = place, rate
-        s.lost[(s.half + i) * WIDTH + lane] = lost
+        s.compensation[(s.half + i) * WIDTH + lane] = compensation
     for i in range(2 * s.half, s.variables):
         s.state[i] = value(shifted(s.work, i * s.width), s.order, t)
 
@@ -662,7 +627,7 @@ def _position_at(s: _Workspace, lane: int, i: int, t: float) -> tuple[float, flo
     p[0] = 0.0
     change, rate = two_values(p, q, s.degree, t)
     p[0] = start
-    change += s.lost[i * WIDTH + lane]
+    change += s.compensation[i * WIDTH + lane]
     end = start + change
     taken = end - start
     return end, rate, (start - (end - taken)) + (change - taken)
@@ -730,15 +695,6 @@ def _put_function(
             for k in range(s.degree + 1):
                 p[k] = fma(factor, row[k], p[k])
     return True
-
-
-@inner
-def _rises(p: Any, degree: int) -> bool:
-    """True if a polynomial rises at 0."""
-    for k in range(1, degree + 1):
-        if p[k] != 0.0:
-            return bool(p[k] > 0.0)
-    return False
 
 
 # Relative, of the largest coordinate: a flight that comes back to the ground from a height keeps
@@ -844,13 +800,13 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
     flight, arrival, status, lane = slot
     reach, error = flight[_REACH], flight[_MARGIN_ERROR]
     noted = shifted(arrival, _END + 1 + s.variables)
-    # (d² - reach²)/2 and its derivatives, with bounds on how strongly they bend
+    # (d² - reach²)/2 and its derivatives, with bounds on their curvature
     degree = _put_gap(s, reach, end)
     differentiate(s.p, degree, s.slope)
-    differentiate(s.slope, degree - 1, s.bend)
-    bend_of_slope = curvature(s.bend, degree - 2, end)
-    bend_of_depth = downward(s.slope, degree - 1, end)
-    if not math.isfinite(bend_of_slope + bend_of_depth):
+    differentiate(s.slope, degree - 1, s.second)
+    sag_of_slope = curvature(s.second, degree - 2, end)
+    sag_of_gap = downward(s.slope, degree - 1, end)
+    if not math.isfinite(sag_of_slope + sag_of_gap):
         status[_STOP] = Stop.FALLBACK
         return True
     approaching = s.slope[0] < 0.0
@@ -870,7 +826,7 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
     begin = 0.0
     while True:
         sign = -1.0 if approaching else 1.0
-        turn = first_zero(s.slope, s.bend, degree - 1, sign, 0.0, begin, end, bend_of_slope)
+        turn = first_zero(s.slope, s.second, degree - 1, sign, 0.0, begin, end, sag_of_slope)
         until = min(turn, end)
         margin = reach - _distance(s, until)
         settled = last or turn != NEVER
@@ -879,9 +835,11 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
             return True
         if settled and margin > arrival[_MARGIN]:
             arrival[_MARGIN] = margin
-            _note_nearest(s, slot, time, until)
+            _evaluate(s, lane, until)
+            _note(s, shifted(arrival, _END + 2 * (1 + s.variables)), time + until)
+            s.times[2 * WIDTH + lane] = until
         if margin > 0.0 and math.isnan(noted[0]):
-            touch = first_zero(s.p, s.slope, degree, 1.0, 0.0, begin, until, bend_of_depth)
+            touch = first_zero(s.p, s.slope, degree, 1.0, 0.0, begin, until, sag_of_gap)
             touch = touch if touch < until else until
             _evaluate(s, lane, touch)
             _note(s, noted, time + touch)
@@ -895,14 +853,6 @@ def _meets_bat(s: _Workspace, slot: _Slot, time: float, end: float, last: bool) 
             return False
         begin = turn
         approaching = not approaching
-
-
-@inner
-def _note_nearest(s: _Workspace, slot: _Slot, time: float, t: float) -> None:
-    """Note where in a step the margin is taken."""
-    _evaluate(s, slot.lane, t)
-    _note(s, shifted(slot.arrival, _END + 2 * (1 + s.variables)), time + t)
-    s.times[2 * WIDTH + slot.lane] = t
 
 
 @inner

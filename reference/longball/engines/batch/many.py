@@ -18,7 +18,14 @@ from pydantic import BaseModel, ValidationError
 
 from longball.engines import chain, create
 from longball.engines.batch import records
-from longball.engines.batch.columns import OUTCOMES, UNSOLVED, BatchFlyer, Columns, Table
+from longball.engines.batch.columns import (
+    NUMBERS,
+    OUTCOMES,
+    UNSOLVED,
+    BatchFlyer,
+    Columns,
+    Table,
+)
 from longball.engines.chain import DISCRETE, MODEL, PARTS, Model
 from longball.model import quantities
 from longball.model.arrays import Array
@@ -30,7 +37,7 @@ from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
 
 if TYPE_CHECKING:
-    from longball.engines.batch.slopes import SlopeTable, TangentFlyer
+    from longball.engines.batch.slopes import SlopeTable
 
 # Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
 BLOCK = 16_384
@@ -119,7 +126,7 @@ def solve_columns_with_slopes(
     scene: Scene,
     columns: Mapping[str, ArrayLike],
     names: Sequence[str],
-    engine: TangentFlyer | None = None,
+    engine: Any = None,
     threads: int = 1,
 ) -> tuple[dict[str, NDArray[Any]], Slopes]:
     """Solve columns as `solve_columns` does, and their derivatives by inputs of the scene.
@@ -130,11 +137,12 @@ def solve_columns_with_slopes(
     from longball.engines.batch import slopes  # brings ball arithmetic
     from longball.engines.tangent import derivatives_of
 
-    flyer = engine or cast("TangentFlyer", _batch())
+    flyer = engine or _batch()
     known = _checked(scene, columns)
 
     def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[SlopeTable]) -> None:
-        part, jets = tables[0].part(rows), slopes.jets_for(rows.stop - rows.start)
+        part = tables[0].part(rows)
+        jets = slopes.ColumnJets(NUMBERS, np.zeros(len(part), bool))
         view = _view(scene, slopes.seeded_columns(scene, cells, names))
         run = slopes.SlopeColumns(view, flyer, MODEL, table=part, row=lambda i: None, jets=jets)
         chain.CHAINS[scene.kind](run)
@@ -161,7 +169,7 @@ def solve_columns_with_slopes(
         ]
         one = derivatives_of(quantities.replaced(scene, cells), there, names, solver)
         for quantity, by in one.items():
-            table.put_slopes_of_row(quantity, i, [by[name] for name in names])
+            table.slopes_of(quantity)[:, i] = [by[name] for name in names]
         if one.refused:
             refused[i] = one.refused
     return found, Slopes(table.slopes, alone, refused)

@@ -11,10 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from longball.engines.arithmetic import Dual
 from longball.engines.batch.flights import Records, Stop, new_flights
-from longball.engines.contact import BatSection
-from longball.engines.event import Events
+from longball.engines.event import BatSection, Events
+from longball.engines.polynomial import Dual
 from longball.model.law import PAPER, Law, State, law_with
 
 # m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
@@ -49,14 +48,14 @@ def flies_in_lanes(law: Law) -> bool:
     Not where the law changes its form on the way; nor where nothing keeps a ball from going
     straight on, to where it comes to rest in a wind.
     """
-    if not all(bend.ends for bend in law.bends):
+    if not all(switch.ends_law for switch in law.switches):
         return False
     return law.is_paper or law.gravity is not None
 
 
 def formed(law: Law) -> Law:
     """Return a law in the form that the compiled code flies: a side force has a direction."""
-    return law.on([1] * len(law.bends)) if law.bends and flies_in_lanes(law) else law
+    return law.on([1] * len(law.switches)) if law.switches and flies_in_lanes(law) else law
 
 
 def general(law: Law) -> Law:
@@ -80,12 +79,12 @@ _ALONG = 2.0**-20
 def in_lanes(law: Law) -> Law:
     """Return a law as it is flown: with outputs behind the rates that must be above zero."""
     law = general(law)
-    if not law.bends:
+    if not law.switches:
         return law
-    guards = [law.passage(bend) for bend in law.bends]
+    guards = [law.switching_function(switch) for switch in law.switches]
     outputs = (*law.code.outputs, *(output for guard in guards for output in guard.outputs))
     code = replace(law.code, outputs=outputs, parameters=guards[0].parameters)
-    return replace(law, code=code, strengths={**law.strengths, "level": _ALONG})
+    return replace(law, code=code, strengths={**law.strengths, "threshold": _ALONG})
 
 
 class Bat(NamedTuple):
@@ -123,7 +122,7 @@ def records_of(
         for i, number in enumerate([*line, size]):
             columns[(*way, i)] = number
 
-    # the events, as affine functions; before the plate lies the waypoint, along the same line
+    # the events, as affine functions; before the plate lies the sampling plane, along the same line
     for i, event in enumerate(events):
         line = linear(law, event.value)
         put(("events", i), line, event.size)
@@ -131,7 +130,7 @@ def records_of(
             columns["beyond",] = float(i)
             *along, constant = line
             before = APPROACH * abs(along[names.index("s")])
-            put(("waypoint",), [*along, constant - before], 0.0)
+            put(("sample",), [*along, constant - before], 0.0)
     if bat is not None:
         columns["reach",], columns["margin_error",] = bat.section.reach, bat.error
         put(("across",), linear(law, bat.section.frame.towards_x), 0.0)

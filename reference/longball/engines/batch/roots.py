@@ -85,7 +85,7 @@ def first_zero(
     level: float,
     begin: float,
     end: float,
-    bend: float,  # an upper bound on ``-sign p''`` up to the end
+    sag: float,  # an upper bound on ``-sign p''`` up to the end
 ) -> float:
     r"""First time in [begin, end] at which ``sign p`` falls to `level`; NEVER if it does not.
 
@@ -110,18 +110,18 @@ def first_zero(
             if rate <= 0.0:
                 return t
             height = 0.0  # on the way up from a root
-        square = rate * rate + 2.0 * bend * height
-        if square < 0.0 or (rate > 0.0 and bend <= 0.0):  # the parabola turns up before zero
+        square = rate * rate + 2.0 * sag * height
+        if square < 0.0 or (rate > 0.0 and sag <= 0.0):  # the parabola turns up before zero
             return NEVER
         root = math.sqrt(square)
-        step = (rate + root) / bend if rate > 0.0 else 2.0 * height / (root - rate)
+        step = (rate + root) / sag if rate > 0.0 else 2.0 * height / (root - rate)
         stays = t + step == t
         t += step
         if not t <= end:
             return NEVER
-        # p'' is at least -bend, and about `2 p''(0) + bend` at most: this is what p may have left
+        # p'' is at least -sag, and about `2 p''(0) + sag` at most: this is what p may have left
         # above the parabola; its slope is about `root`.
-        left = (abs(bend) + abs(slope[1])) * step * step
+        left = (abs(sag) + abs(slope[1])) * step * step
         if stays or left <= _NOTHING * t * root:
             return t
     return math.nan
@@ -129,7 +129,7 @@ def first_zero(
 
 # --- the first fall -----------------------------------------------------------------------------
 
-# A fall is steep if its rate squared exceeds that many times the strongest bend times the error.
+# A fall is steep if its rate squared exceeds that many times the largest curvature times the error.
 _STEEP = 1e12
 # A fall certainly goes on to below -error if it exceeds that many times: 6 would do.
 _CERTAIN = 8.0
@@ -152,12 +152,12 @@ def first_fall(p: Array, slope: Array, degree: int, end: float, error: float) ->
     if error == 0.0 or near == NEVER or math.isnan(near):
         return near
     height, rate = two_values(p, slope, degree, near)
-    bend = sag + slope[1] + abs(slope[1])  # as `curvature`
-    if rate >= 0.0 or height > 2.0 * error or rate * rate <= _CERTAIN * bend * error:
+    most = sag + slope[1] + abs(slope[1])  # as `curvature`
+    if rate >= 0.0 or height > 2.0 * error or rate * rate <= _CERTAIN * most * error:
         return math.nan
-    if rate * rate <= _STEEP * bend * error:
+    if rate * rate <= _STEEP * most * error:
         return first_zero(p, slope, degree, 1.0, 0.0, 0.0, end, sag)
-    # Even the strongest bend turns p only far below -error; a step of Newton's method from here
+    # Even the largest curvature turns p only far below -error; a step of Newton's method from here
     # is good to 1/_STEEP of the way.
     zero = near - height / rate
     return zero if zero <= end else NEVER

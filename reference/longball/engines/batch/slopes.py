@@ -10,26 +10,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from longball.engines.batch import flights, records
 from longball.engines.batch.columns import (
     NUMBERS,
-    BatchFlyer,
     Columns,
     Flights,
     Table,
     not_flown,
     without_size,
 )
-from longball.engines.batch.flights import Records, Stop
+from longball.engines.batch.flights import Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
 from longball.engines.batch.tangents import TIMES
-from longball.engines.contact import BatSection, margin_error
 from longball.engines.engine import Launch, Touch
-from longball.engines.event import Event, Events, past
+from longball.engines.event import BatSection, Event, Events, margin_error, past
 from longball.engines.path import Path
 from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
 from longball.model.arrays import Array, Flags, Integers
@@ -38,7 +36,6 @@ from longball.model.law import Law, State
 from longball.model.quantities import number
 from longball.model.result import Outcome
 from longball.model.scene import FlightScene, Scene
-from longball.model.trace import Program
 
 # --- jets of columns ------------------------------------------------------------------------------
 
@@ -86,7 +83,8 @@ class ColumnSeed:
 class ColumnJets(Jets):
     """Jets of columns as the numbers of the chain."""
 
-    doubtful: Flags  # rows of which a derivative is to be found alone
+    # Rows of which a derivative is to be found alone
+    doubtful: Flags = field(default_factory=lambda: np.zeros(1, bool))
 
     jet: ClassVar[type[Jet]] = ColumnJet
 
@@ -140,11 +138,6 @@ class ColumnJets(Jets):
             self.doubt(rows & zero & np.any(rate_of(x) != 0, axis=0))
 
 
-def jets_for(rows: int) -> ColumnJets:
-    """Return jets for columns of so many rows."""
-    return ColumnJets(NUMBERS, np.zeros(rows, bool))
-
-
 def _quotient(change: Any, divisor: Any) -> Any:
     """Return a rate over a number; nothing over any number is nothing."""
     if isinstance(change, int):
@@ -164,15 +157,8 @@ class SlopeTable(Table):
         self.slopes: dict[str, Array] = {}
         self.doubtful = np.zeros(rows, bool)  # rows of which a derivative is to be found alone
 
-    def put_slopes(self, name: str, rows: Flags, rates: Any) -> None:
-        """Write derivatives of a quantity into rows."""
-        np.copyto(self._slopes_of(name)[:, self.rows], rates, where=rows)
-
-    def put_slopes_of_row(self, name: str, row: int, rates: Sequence[float]) -> None:
-        """Write the derivatives of a quantity in one row of the whole table."""
-        self._slopes_of(name)[:, row] = rates
-
-    def _slopes_of(self, name: str) -> Array:
+    def slopes_of(self, name: str) -> Array:
+        """Return the derivatives of a quantity in all rows of the whole table."""
         if name not in self.slopes:
             empty = np.full((self.inputs, len(self.whole)), np.nan)
             self.slopes.setdefault(name, empty)  # another thread may have made it
@@ -226,7 +212,7 @@ def seeded_columns(
             name: ColumnJet(x, unit[names.index(name)] if name in names else 0)
             for name, x in parts.items()
         }
-        for name, components in launched(jets, jets_for(1)).items():
+        for name, components in launched(jets, ColumnJets(NUMBERS)).items():
             for i, x in enumerate(components):
                 path = f"{name}[{i}]"
                 rates[path] = rates.get(path, 0) + rate_of(x)
@@ -270,22 +256,13 @@ def _later(time: Any, state: Any, speeds: Sequence[Any], late: Any) -> Start:
     return Start(ColumnJet(plain_of(time), rate_of(time) + late), type(state)(*moved))
 
 
-class TangentFlyer(BatchFlyer, Protocol):
-    """Protocol of engines that fly derivatives with the balls; `batch.engine.Batch` is one."""
-
-    def fly_all_with_tangents(
-        self, starts: Records, program: Program, changes: Array
-    ) -> tuple[Records, Array]:
-        """Fly records, and derivatives; see `longball.engines.batch.flights`."""
-
-
 @dataclass
 class SlopeColumns(Columns):
     """The run of a chain over the rows of a table, in jets."""
 
     table: SlopeTable = field(kw_only=True)
     jets: ColumnJets = field(kw_only=True)
-    engine: TangentFlyer
+    engine: Any  # `longball.engines.batch.Batch`
 
     numbers = property(lambda self: self.jets)
 
@@ -302,7 +279,8 @@ class SlopeColumns(Columns):
             return
         super().record(name, plain_of(value), rows)
         if isinstance(value, Jet) and rows.any():
-            self.table.put_slopes(name, rows, rate_of(value))
+            slopes = self.table.slopes_of(name)[:, self.table.rows]
+            np.copyto(slopes, rate_of(value), where=rows)
 
     def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. Such rows are left to be solved alone."""
@@ -348,8 +326,8 @@ class SlopeColumns(Columns):
 
         The derivatives are of shape (times, variables, inputs, rows).
         """
-        plain, state = _plain_law(law), _plain_state(start.state)
-        still = Start(plain_of(start.time), state)
+        plain, state = _plain_law(law), start.state
+        still = Start(plain_of(start.time), type(state)(*map(plain_of, state)))
         program = records.in_lanes(plain).program
         shape = TIMES, len(program.variables), self.table.inputs, len(rows)
         if not rows.any():
@@ -447,7 +425,7 @@ class SlopeColumns(Columns):
         state = type(state)(
             *(ColumnJet(plain_of(x), rate_of(y)) for x, y in zip(noted.state, state, strict=True))
         )
-        falls = section.approach(_plain_state(state))
+        falls = section.approach(type(state)(*map(plain_of, state)))
         change = 0.5 * rate_of(bat.depth(state))
         speed = _norm(*map(plain_of, bat.frame.velocity(state)))
         steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
@@ -467,10 +445,6 @@ def _norm(*components: Any) -> Any:
 def _plain_law(law: Law) -> Law:
     plain = replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
     return records.formed(plain)
-
-
-def _plain_state(state: Any) -> Any:
-    return type(state)(*map(plain_of, state))
 
 
 def _plain_event(event: Event) -> Event:

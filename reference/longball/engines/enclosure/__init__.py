@@ -13,21 +13,19 @@ series (`longball.engines.series`), but how they were found does not matter. The
 of which f is made are polynomials again. For every other node of f, a root, a quotient, an
 exponential or a logarithm, there is another polynomial, which misses the equation that the node
 obeys (``N² = a``, ``N b = a``, ``N' = a' N``, ``a N' = a'``) by a *residual*, a polynomial. So N is
-off by a bounded error, later nodes hand it on, and ``|p' - f(p)| <= δ``. Everything is bounded by
+off by a bounded error, later nodes propagate it, and ``|p' - f(p)| <= δ``. Everything is bounded by
 the sizes of the terms of polynomials.
 
 **The error** e = v - p obeys ``|e|' <= λ |e| + δ``, where λ bounds the largest eigenvalue of the
 symmetric part of f's derivative near p (the logarithmic norm); hence
 ``|e(t)| <= (|e(0)| + δ t) exp(∫ max(λ, 0))``. Neither an a-priori box nor a Taylor coefficient over
-a box is needed; the speed may be zero; and the error of a step is handed on as one number, which
+a box is needed; the speed may be zero; and the error of a step is propagated as one number, which
 grows only if nearby flights part.
 
-**An event** is sought by the search that all engines share (`longball.engines.event`), on pieces
+**An event** is located by the search that all engines share (`longball.engines.event`), on pieces
 that are polynomials with balls as coefficients (`curve`). What is open when parts are tiny is
 `Undecided`.
 """
 
-from longball.engines.enclosure.balls import Balls
-from longball.engines.enclosure.engine import Enclosure
-
-__all__ = ["Balls", "Enclosure"]
+from longball.engines.enclosure.balls import Balls as Balls
+from longball.engines.enclosure.engine import Enclosure as Enclosure

@@ -80,7 +80,7 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
     Zeros that are not told apart are in one ball; a ball may hold none.
     """
     slope = value.derivative()
-    bend = slope.derivative()
+    curvature = slope.derivative()
     smallest = (b - a) * arb(2) ** (-flint.ctx.prec // 2)
     found: list[arb] = []
     parts = [(a, b)]
@@ -90,7 +90,9 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
         if _clear(value(part)):
             continue
         # In mean-value form, sharp where the family is flat.
-        there = value(middle) + (slope(middle) + bend(part) * (part - middle)) * (part - middle)
+        there = value(middle) + (slope(middle) + curvature(part) * (part - middle)) * (
+            part - middle
+        )
         if _clear(there):
             continue
         rate = slope(part)

@@ -131,15 +131,6 @@ def brought_to_rest(core: Start, structure: Structure, negligible: arb) -> Start
     return Start(still, (core.error + speed).upper())
 
 
-def _is_uncertain(system: System, bits: int) -> bool:
-    """True if a parameter is off by more than roundings, as the spin after an impact is."""
-    return any(
-        x.rad() > abs(x.mid()) * arb(2) ** -bits * _TOLERANCE
-        for node, x in system.static.items()
-        if node.kind == "parameter"
-    )
-
-
 def proven(system: System, core: Start, left: arb, bits: int, has_floor: bool = False) -> Motion:
     """Take a step that keeps its error to a few roundings.
 
@@ -329,9 +320,12 @@ class Enclosure(PathEngine, Proving):
             structure = system.structure
             state = [getattr(start, name) for name in structure.core.variables]
             core = start_of(state, arb(0), structure.weights)
-            has_floor = _is_uncertain(system, balls.bits)
+            # A parameter may be off by more than roundings, as the spin after an impact is.
+            parameters = [x for node, x in system.static.items() if node.kind == "parameter"]
+            rounded = arb(2) ** -balls.bits
+            has_floor = any(x.rad() > abs(x.mid()) * rounded * _TOLERANCE for x in parameters)
             # What a rounding of the launch's speed is, is no speed.
-            negligible = _speed(core, structure) * arb(2) ** -balls.bits
+            negligible = _speed(core, structure) * rounded
         most = _MOST_WORK // (len(system.rows) * _order(balls.bits) ** 2)
         for _ in range(most):
             with balls.arithmetic():
