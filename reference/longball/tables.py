@@ -225,8 +225,8 @@ def _no_collection() -> Iterator[None]:
 def _warn_of_repeated(ids: Iterable[object]) -> None:
     repeated = [name for name, count in Counter(ids).items() if count > 1 and not is_missing(name)]
     if repeated:
-        told = f"{len(repeated)}, among them {repeated[0]!r}"
-        warnings.warn(f"ids that more than one scene has: {told}", stacklevel=3)
+        told = f"{len(repeated)} ids are those of more than one scene, such as {repeated[0]!r}"
+        warnings.warn(told, stacklevel=3)
 
 
 def _asked_and_results(
@@ -452,7 +452,7 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
             # For all scenes it means what it means in one; in a cell it is a value left out.
             fixed[name] = _NO_AIR if name == "air" and value is None else value
         else:
-            varied[name] = column_of(value) if name != "id" else _labels(value)
+            varied[name] = _one_a_row(column_of(value)) if name != "id" else _labels(value)
     # All columns at once, so that the message shows which of them differ.
     shapes = {name: np.shape(column) for name, column in varied.items()}
     if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
@@ -477,15 +477,25 @@ def _put_vector(
     """Put a vector of all scenes, or a column of vectors, where single values and columns are."""
     cells = column_of(value)
     if cells.ndim == 0 or (cells.ndim == 1 and cells.dtype == float and cells.size):
-        fixed[name] = value
+        # By components, so that a column of one of them can take its place.
+        fixed |= flat({name: cells.tolist()}) if cells.shape == (length,) else {name: value}
         return
     rows = [*cells] if cells.ndim == 2 else [column_of(cell) for cell in cells]
     vectors = np.array(rows) if rows and all(row.shape == (length,) for row in rows) else None
     # Cells of several lengths, or texts.
     if vectors is None or vectors.dtype != float:  # each row says what is wrong with its cell
-        varied[name] = cells
+        varied[name] = _one_a_row(cells)
         return
     varied |= {f"{name}[{i}]": vectors[:, i] for i in range(length)}
+
+
+def _one_a_row(cells: NDArray[Any]) -> NDArray[Any]:
+    """Return a column whose cells are the rows of an array, as lists."""
+    if cells.ndim < 2:
+        return cells
+    column = np.empty(len(cells), object)
+    column[:] = [row.tolist() for row in cells]
+    return column
 
 
 def _is_single(value: Any) -> bool:

@@ -170,7 +170,7 @@ def parse_restitutions(text: str) -> list[float]:
             count = int((last - first) / step + 1.000001)
             values = [round(first + i * step, 12) for i in range(min(count, 10_001))]
     except (ValueError, OverflowError):
-        wrong_call(f"--e {text}: first:last:step, or values with commas between them")
+        wrong_call(f"--e {text}: must be FIRST:LAST:STEP, or values with commas between them")
     if not values:
         wrong_call(f"--e {text}: the last value is below the first")
     if not all(0 <= value <= 1 for value in values):

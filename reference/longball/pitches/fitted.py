@@ -147,9 +147,9 @@ def load_fitted(path: str | PathLike[str]) -> FittedPitches:
     try:
         return FittedPitches.model_validate_json(text)
     except ValidationError as error:
-        raise TableError(
-            f"{path}: not the result of longball fit: {explain(error, FittedPitches)}"
-        ) from None
+        # A file of something else lacks all keys: the first says enough.
+        fault = explain(error, FittedPitches).partition(";")[0]
+        raise TableError(f"{path}: not the result of longball fit --json: {fault}") from None
 
 
 # --- for people -----------------------------------------------------------------------------------

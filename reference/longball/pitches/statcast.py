@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO, get_args
 
 import numpy as np
 
@@ -209,6 +209,8 @@ def read_measured(
     get the usual temperature, at sea level. A `TableError` says which column or row cannot be used,
     and why.
     """
+    if kind not in (kinds := get_args(Kind)):
+        raise ValueError(f"kind {kind!r}: there is none{one_of('the kinds are', kind, kinds)}")
     if kind == "pitch":
         return _pitches(table, games, spin, names)
     return _flies(table, games, names)

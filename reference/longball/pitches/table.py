@@ -145,7 +145,14 @@ def _frame(
 
     if isinstance(table, pd.DataFrame):
         return "table", [str(name) for name in table.columns], table
+    if not (isinstance(table, str | Path) or hasattr(table, "read")):
+        raise TypeError(
+            "a table is a pandas DataFrame, or a .csv or .parquet by its path; "
+            f"not an object of type {type(table).__name__}"
+        )
     path = table if isinstance(table, str | Path) else getattr(table, "name", "table")
+    # As other messages call it.
+    path = "standard input" if path == "<stdin>" else path
     source = Path(path).name
     try:
         data = _content(table)
@@ -255,7 +262,7 @@ def select_rows(
         keep &= ~lacking
     if not keep.any():
         reasons = "; ".join(f"{each.count} rows: {each.reason}" for each in left_out)
-        raise TableError(f"no row of the table says all that is asked ({reasons})")
+        raise TableError(f"no row of the table can be used ({reasons})")
     return tuple(left_out), keep
 
 

@@ -33,7 +33,7 @@ from longball.engines.tangent import (
 from longball.model.arrays import Array
 from longball.model.inputs import require_inputs, value_of, with_values
 from longball.model.numbers import Undecided
-from longball.model.plain import column_of
+from longball.model.plain import column_of, is_number
 from longball.model.quantities import doubles, unknown
 from longball.model.scene import Scene
 from longball.solution import error_of, real_numbers
@@ -359,9 +359,10 @@ def _position(way: Trajectory, time: Any) -> Any:
 
 def _of_result(given: Mapping[Any, Any]) -> _Measured:
     names = tuple(map(str, given))
-    values = column_of([*given.values()])
-    if values.dtype != float or values.ndim != 1 or not np.isfinite(values).all():
-        raise ValueError("measured: every number of the result needs a finite value")
+    for name, value in given.items():
+        if not (is_number(value) and math.isfinite(value)):
+            raise ValueError(f"measured: {name} = {value!r}: a finite number is needed")
+    values = np.array([*given.values()], float)
 
     def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
         return of_result(scene, names, unknowns, engine)

@@ -13,8 +13,10 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from longball import engines
 from longball.api import as_scene, solve
 from longball.model.arrays import Array
 from longball.model.scene import InvalidScene, PitchScene
@@ -27,7 +29,7 @@ from longball.pitches.statcast import (
     MeasuredPitches,
     time_of_plane,
 )
-from longball.solution import Path, Solution
+from longball.solution import Path, Solution, real_numbers
 
 Vector = tuple[float, float, float]
 
@@ -72,6 +74,12 @@ class NineParameters:
     velocity: Vector
     acceleration: Vector
     residual: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("position", "velocity", "acceleration"):
+            value = getattr(self, name)
+            if vectors(name, value).ndim != 1:
+                raise ValueError(f"{name} = {value!r}: one vector [x, y, z] is needed")
 
     def at(self, x: float) -> NineParameters:
         """Return the parameters where the ball is at a place x, m, on its way to the plate.
@@ -173,6 +181,14 @@ def _pitch_of(path: Path | Solution) -> tuple[Path, float]:
 def _vector(values: Array) -> Vector:
     x, y, z = values.tolist()
     return x, y, z
+
+
+def vectors(name: str, value: ArrayLike) -> Array:
+    """Return vectors as an array of shape (…, 3); a ValueError names an argument that is none."""
+    found = real_numbers(name, value)
+    if found.shape[-1:] != (3,) or not np.isfinite(found).all():
+        raise ValueError(f"{name} = {value!r}: a vector [x, y, z] of finite numbers is needed")
+    return found
 
 
 @dataclass(frozen=True)
@@ -283,6 +299,7 @@ def movement(
 def _time_at(path: Path, end: float, x: float) -> float:
     """Return the time at which a pitch reaches a place x, m."""
     release = path.at(path.start).position[0]
+    x = engines.of_type(float, "since", x)
     if not release >= x > 0.0:
         raise ValueError(f"since = {x} m: the pitch is released at x = {release} m")
     return float(brentq(lambda t: path.at(t).position[0] - x, path.start, end, xtol=1e-15))

@@ -29,7 +29,7 @@ from longball.model.scene import AtBatScene, InvalidScene, PitchScene, Scene
 from longball.model.vectors import part_across
 from longball.pitches.models import FlightModel
 from longball.pitches.statcast import MeasuredPitches, time_of_plane
-from longball.questions.movement import Movement, movement
+from longball.questions.movement import Movement, movement, vectors
 from longball.solution import real_numbers
 
 # Of a share: of a ball whose spin is all active the law there and back gives 1 to 1e-13.
@@ -133,7 +133,7 @@ def spin_from_movement(
         per_unit *= float(np.exp(-height / air.density_scale_height))
 
     # the forces
-    v, a = _vectors("velocity", velocity), _vectors("acceleration", acceleration)
+    v, a = vectors("velocity", velocity), vectors("acceleration", acceleration)
     wind = np.array(air.wind_at(height, 1.0))
     u = v - wind
     speed = np.linalg.norm(u, axis=-1)
@@ -230,6 +230,8 @@ def spin_for(
     asked = _asked(scene)
     if not isinstance(asked, PitchScene):
         raise InvalidScene(f"kind: must be 'pitch' here, and is {asked.kind!r}")
+    if not isinstance(moved, Movement):
+        raise TypeError(f"moved = {moved!r}: a movement is needed, lb.Movement(across=…, up=…), m")
     ahead = np.array(asked.pitch.thrown)
     ahead /= np.linalg.norm(ahead)
     up = np.array([0.0, 0.0, 1.0]) - ahead[2] * ahead
@@ -259,13 +261,6 @@ def spin_for(
             f"no spin is found: the nearest one misses that movement by {missed:.2g} m"
         )
     return thrown(found.x)
-
-
-def _vectors(name: str, value: ArrayLike) -> Array:
-    vectors = real_numbers(name, value)
-    if vectors.shape[-1:] != (3,) or not np.isfinite(vectors).all():
-        raise ValueError(f"{name} = {value!r}: a vector [x, y, z] of finite numbers is needed")
-    return vectors
 
 
 def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Array]:

@@ -18,6 +18,7 @@ from longball.engines.engine import CannotSolve
 from longball.engines.tangent import derivatives_of
 from longball.model.arrays import Array
 from longball.model.inputs import listed, require_inputs, value_of, with_values
+from longball.model.plain import is_number
 from longball.model.quantities import doubles, unknown
 from longball.model.result import Result
 from longball.model.scene import Scene
@@ -175,8 +176,10 @@ def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
     rows = [*given.values()]
     if not any(isinstance(row, Mapping) for row in rows):
         for name, sigma in zip(names, rows, strict=True):
-            if not (isinstance(sigma, int | float) and 0 < sigma < math.inf):
-                raise ValueError(f"spread: the standard deviation of {name} must be positive")
+            if not (is_number(sigma) and 0 < sigma < math.inf):
+                raise ValueError(
+                    f"spread: the standard deviation of {name} must be positive (got {sigma!r})"
+                )
         return names, np.diag(np.square(np.array(rows, float)))
     if not all(isinstance(row, Mapping) and set(map(str, row)) == set(names) for row in rows):
         raise ValueError(
