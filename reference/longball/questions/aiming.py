@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -17,12 +17,11 @@ from longball.api import as_engine, as_scene, differentiable, solve
 from longball.engines.engine import CannotSolve
 from longball.engines.path_engine import PathEngine
 from longball.model.arrays import Array
-from longball.model.inputs import listed, require_inputs, value_of, with_values
+from longball.model.inputs import listed, require_inputs, with_values
 from longball.model.names import one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
 from longball.model.scene import FlightScene, InvalidScene, Scene
-from longball.questions.inverse import of_path, of_result
 from longball.solution import Path, Solution
 
 # Where each unknown is looked for: rad, m/s. No ball has been hit at 70 m/s. Straight up and down
@@ -36,13 +35,11 @@ _DIRECTION = "launch.direction"
 # Flights that are tried. Two launches that hit the target and lie between two of these have the
 # farthest one between them, which is looked for as well.
 _TRIED = 61
-# A direction is corrected as often. A curve of some degrees is one of a thousandth of them at the
-# second trial.
-_CORRECTED = 3
-# rad, m/s, s: to where a search goes, from which Newton's method is there in two steps.
-_CLOSE = 1e-9
-# Newton's steps, and how small the last one is, relative.
-_STEPS, _SETTLED = 8, 1e-15
+# How often a direction is corrected at most, for the curve of side spin and wind: a first time by
+# what it is off, then by the secant, whose fourth step is below rounding.
+_CORRECTED = 8
+# Tolerance of roots, in rad, m/s and s: rounding. Brent's method gets there in some ten flights.
+_EXACT = 1e-15
 
 
 def aim(
@@ -157,25 +154,24 @@ def _hits(
     if not known:
         raise CannotSolve(f"no launch lands, of those that are tried for {main}")
     best = tried.index(max(known, key=excess))
-    found = minimize_scalar(
+    peak = minimize_scalar(
         lambda x: math.inf if math.isnan(excess(x)) else -excess(x),
         bounds=(tried[max(best - 1, 0)], tried[min(best + 1, _TRIED - 1)]),
         method="bounded",
-        options={"xatol": _CLOSE},
+        options={"xatol": 1e-9},
     )
-    farthest = max(tried[best], float(found.x), key=excess)
+    farthest = max(tried[best], float(peak.x), key=excess)
 
     # between two of which one is short and one is not, one hits
-    hits = []
-    for a, b in pairwise(sorted({*tried, farthest})):
-        if excess(a) * excess(b) < 0 or excess(b) == 0:
-            x = b if excess(b) == 0 else brentq(excess, a, b, xtol=_CLOSE)
-            near = _trial(scene, target, {main: x}, engine)
-            assert near is not None
-            hits.append(_closer(near.scene, target, names, engine))
+    hits = [
+        b if excess(b) == 0 else brentq(excess, a, b, xtol=_EXACT)
+        for a, b in pairwise(sorted({*tried, farthest}))
+        if excess(a) * excess(b) < 0 or excess(b) == 0
+    ]
+    found = [_trial(scene, target, {main: x}, engine) for x in hits or [farthest]]
     if hits:
-        return hits
-    trial = _trial(scene, target, {main: farthest}, engine)
+        return [trial.scene for trial in found if trial]
+    (trial,) = found
     assert trial is not None
     if trial.excess < 0:
         raise CannotSolve(
@@ -206,7 +202,7 @@ def _in_its_direction(
 ) -> _Trial:
     origin = np.array(scene.launch.position[:2])
     away, bearing = _polar(target[:2] - origin)
-    direction = bearing
+    direction, step, before = bearing, 0.0, 0.0
     for _ in range(_CORRECTED):
         launched: Any = with_values(scene, {**values, _DIRECTION: direction})
         found = _landed(launched, engine)
@@ -221,7 +217,11 @@ def _in_its_direction(
                 high = f"there the ball is {place[2]:.6g} m high at most"
                 trial = replace(trial, gets=f"{high}, and the target {target[2]:.6g} m")
             trial = replace(trial, excess=place[2] - target[2] + short)
-        direction += math.remainder(bearing - turned, 2 * math.pi)
+        off = math.remainder(bearing - turned, 2 * math.pi)
+        if abs(off) <= _EXACT:
+            break
+        step = off * step / (before - off) if step and before != off else off
+        direction, before = direction + step, off
     return trial
 
 
@@ -247,37 +247,4 @@ def _passing(path: Path, origin: Array, away: float) -> float:
         return math.dist(path.at(time).position[:2], origin) - away
 
     begin, end = path.start, path.end
-    return brentq(beyond, begin, end, xtol=_CLOSE) if beyond(begin) < 0 < beyond(end) else end
-
-
-def _closer(scene: FlightScene, target: Array, names: list[str], engine: PathEngine) -> FlightScene:
-    """Return a scene that is near the target by Newton's method at it.
-
-    A point is one of the path at a time, which is one more unknown.
-    """
-    near: Any = scene
-    time: float | None = None
-    if len(target) == 3:
-        origin = np.array(near.launch.position[:2])
-        time = _passing(solve(near, engine).path, origin, math.dist(target[:2], origin))
-    for _ in range(_STEPS):
-        if time is None:
-            quantities = [f"landing.position[{i}]" for i in range(len(target))]
-            quantities = ["landing.distance"] if len(target) == 1 else quantities
-            found, slopes = of_result(near, quantities, names, engine)
-        else:
-            found, slopes = of_path(near, np.array([time]), names, engine)
-            path = solve(near, engine).path
-            moving = path.at(min(time, path.end)).velocity
-            found, slopes = found[0], np.column_stack([slopes[0], moving])
-        step, _, rank, _ = np.linalg.lstsq(slopes, target - found, rcond=1e-7)
-        if rank < len(step):
-            return scene  # the farthest launch, whose distance does not change with its angle
-        values = {name: value_of(near, name) for name in names}
-        near = with_values(
-            near, {n: values[n] + float(d) for n, d in zip(names, step, strict=False)}
-        )
-        time = None if time is None else time + float(step[-1])
-        if (np.abs(step[: len(names)]) <= _SETTLED * (1 + np.abs([*values.values()]))).all():
-            break
-    return cast(FlightScene, near)
+    return brentq(beyond, begin, end, xtol=_EXACT) if beyond(begin) < 0 < beyond(end) else end
