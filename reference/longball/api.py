@@ -9,15 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Literal,
-    Unpack,
-    cast,
-    get_args,
-    overload,
-)
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast, get_args, overload
 
 from numpy.typing import ArrayLike
 from pydantic import ValidationError
@@ -42,9 +34,7 @@ from longball.model.numbers import DOUBLES, Undecided
 from longball.model.plain import is_number, plain
 from longball.model.quantities import numbers
 from longball.model.readings import Reading, SamplingReading, readings_of
-from longball.model.result import (
-    Result,
-)
+from longball.model.result import Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene, scene_of
 from longball.solution import Solution, error_of, real_numbers
 

@@ -25,13 +25,7 @@ from pydantic import BaseModel
 
 from longball import engines
 from longball.alike import Alike, alike
-from longball.api import (
-    as_engine,
-    as_scene,
-    chosen_inputs,
-    derivatives_in,
-    differentiable,
-)
+from longball.api import as_engine, as_scene, chosen_inputs, derivatives_in, differentiable
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
@@ -41,13 +35,7 @@ from longball.model.changes import USUAL_SCENES
 from longball.model.plain import column_of, is_missing
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result, signed
-from longball.model.scene import (
-    InvalidScene,
-    Scene,
-    may_be_mixed,
-    refused,
-    vector_length,
-)
+from longball.model.scene import InvalidScene, Scene, may_be_mixed, refused, vector_length
 from longball.solution import Solution
 
 if TYPE_CHECKING:

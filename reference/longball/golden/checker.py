@@ -15,14 +15,7 @@ from pydantic import ValidationError
 
 from longball.engines.parallel import in_parallel
 from longball.extras import MissingExtra, naming_extras
-from longball.golden.case import (
-    Case,
-    Header,
-    Probabilities,
-    ProbabilityCase,
-    as_double,
-    decisive,
-)
+from longball.golden.case import Case, Header, Probabilities, ProbabilityCase, as_double, decisive
 from longball.golden.files import (
     CHECKSUMS,
     HEADER,

@@ -38,13 +38,7 @@ from decimal import Decimal
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
-from longball.golden.case import (
-    ROUNDING,
-    Condition,
-    as_double,
-    decisions,
-    decisive,
-)
+from longball.golden.case import ROUNDING, Condition, as_double, decisions, decisive
 from longball.model.inputs import STEP, inputs, with_input
 from longball.model.quantities import numbers, numbers_of, vector_of
 from longball.model.result import Bounded, Result

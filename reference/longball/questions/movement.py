@@ -22,13 +22,7 @@ from longball.model.arrays import Array
 from longball.model.scene import InvalidScene, PitchScene
 from longball.model.scene import Pitch as PitchBlock
 from longball.pitches.models import STANDARD_GRAVITY
-from longball.pitches.statcast import (
-    FIT_PLANE,
-    FOOT,
-    PLATE_FRONT,
-    MeasuredPitches,
-    time_of_plane,
-)
+from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT, MeasuredPitches, time_of_plane
 from longball.solution import Path, Solution, real_numbers
 
 Vector = tuple[float, float, float]
