@@ -73,7 +73,9 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
     if isinstance(measured, MeasuredPitches):
         kinds, counts = np.unique(measured.labels[solved], return_counts=True)
         order = np.argsort(-counts)
-        errors = [_seen(error[solved & (measured.labels == kind)]) for kind in kinds[order]]
+        # As a catcher sees them: to his right, and up, cm.
+        seen = 100.0 * error * [-1.0, 1.0]
+        errors = [seen[solved & (measured.labels == kind)].T for kind in kinds[order]]
         labels = ("too far to the catcher's right", "too high")
         for i, (label, marker, aside) in enumerate(zip(labels, "os", (-0.15, 0.15), strict=True)):
             means, spreads = ([f(both[i]) for both in errors] for f in (np.mean, np.std))
@@ -93,11 +95,6 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
         axes.plot(angle, error[solved, 0], "o", markersize=3, alpha=0.6)
         axes.axhline(0.0, color="black", linewidth=0.8)
         axes.set(xlabel="angle of launch, °", ylabel="predicted too far by, m")
-
-
-def _seen(error: Array) -> Array:
-    """Return errors at the plate as a catcher sees them: to his right, and up, cm."""
-    return 100.0 * error.T * [[-1.0], [1.0]]
 
 
 def save_prediction(path: Path, prediction: Prediction) -> None:
@@ -193,7 +190,12 @@ def drawn(
         x, _, z = map(float, result.fence.position)
         passed = x, z - float(result.fence.clearance)
     ended = None if result is None else _end(result)
-    around = None if fence is None else _from_above(fence)
+    around = None
+    if fence is not None and fence.polyline is not None:
+        around = np.array(fence.polyline)[:, :2]
+    elif fence is not None and fence.radius is not None:
+        angle = np.linspace(0.0, 2 * np.pi, 361)
+        around = fence.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return Drawn(label, tuple(flights), around, passed, ended)
 
 
@@ -205,15 +207,6 @@ def _end(result: Result) -> str | None:
         return None
     x, y, _ = map(float, result.landing.position)
     return "fair" if abs(y) <= x else "foul"
-
-
-def _from_above(fence: Fence) -> Array:
-    """Return the line of a fence, shape (n, 2), m."""
-    if fence.polyline is not None:
-        return np.array(fence.polyline)[:, :2]
-    assert fence.radius is not None
-    angle = np.linspace(0.0, 2 * np.pi, 361)
-    return fence.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:

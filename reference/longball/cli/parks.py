@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -112,11 +113,7 @@ def _show(name: str, found: list[InPark], as_json: bool) -> None:
     print(f"{name}: a home run in {out} of {len(found)} parks")
     rows = []
     # By the height above the fence; parks whose fence the ball does not reach come last.
-    for each in sorted(found, key=lambda each: -_order(each)):
+    for each in sorted(found, key=lambda x: math.inf if x.clearance is None else -x.clearance):
         over = "" if each.clearance is None else f"{each.clearance:+.2f}"
         rows.append([each.park.name, str(each.result.outcome or each.result.error), over])
     show(["park", "outcome", "above the fence, m"], rows)
-
-
-def _order(each: InPark) -> float:
-    return float("-inf") if each.clearance is None else each.clearance

@@ -151,7 +151,9 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
     None if a derivative is.
     """
     values = inputs(scene)
-    height = _bat_height(scene, result)
+    height = 0.0  # z_b, m, where a bat is put relative to the pitch
+    if isinstance(scene, AtBatScene) and result.plate is not None:
+        height = float(result.plate.position[2]) + scene.swing.height_offset
     lengths = magnitudes(result)
     errors: dict[str, float | None] = {}
     for name, _ in numbers_of(result):
@@ -175,13 +177,6 @@ def magnitudes(result: Result) -> dict[str, float]:
     if "fence.margin" in parts:
         parts["fence.margin"] = parts["fence.position[0]"]
     return {name: math.hypot(*(value[part] for part in parts[name])) for name in value}
-
-
-def _bat_height(scene: Scene, result: Result) -> float:
-    """Return z_b, m; 0 where no bat is put anywhere."""
-    if not isinstance(scene, AtBatScene) or result.plate is None:
-        return 0.0
-    return float(result.plate.position[2]) + scene.swing.height_offset
 
 
 def condition(result: Result, found: Sensitivity) -> Condition:

@@ -147,9 +147,10 @@ def load_fitted(path: str | PathLike[str]) -> FittedPitches:
     try:
         return FittedPitches.model_validate_json(text)
     except ValidationError as error:
-        # A file of something else lacks all keys: the first says enough.
-        fault = explain(error, FittedPitches).partition(";")[0]
-        raise TableError(f"{path}: not the result of longball fit --json: {fault}") from None
+        faults = explain(error, FittedPitches)
+        if error.error_count() > 3:  # something else, which lacks all keys: the first says enough
+            faults = faults.partition(";")[0]
+        raise TableError(f"{path}: not the result of longball fit --json: {faults}") from None
 
 
 # --- for people -----------------------------------------------------------------------------------

@@ -42,10 +42,6 @@ class Usual(NamedTuple):
     # Of the median of many, where that is narrower: a height of 0.7 at the plate may be in ft or m.
     many: tuple[float, float] | None = None
 
-    def range_of(self, count: int) -> tuple[float, float]:
-        """Return the bounds of the median of so many values."""
-        return self.many if self.many and count >= MANY else self.single
-
 
 # Medians of forty places at the plate scatter by 0.1 ft across it, and by 0.2 ft in height.
 MANY = 40
@@ -279,7 +275,8 @@ def unusual(values: Array, name: str, column: str = "", unit: str = "") -> str:
     """Return a question if the median of a column is out of range; see `require_usual`."""
     usual = USUAL[name]
     unit = unit or usual.unit
-    lowest, highest = bounds = usual.range_of(values.size)
+    bounds = usual.many if usual.many and values.size >= MANY else usual.single
+    lowest, highest = bounds
     sized = lowest >= 0.0 and bool((values < 0.0).any())
     median = float(np.median(np.abs(values) if sized else values)) if values.size else np.nan
     if np.isnan(median) or lowest <= _converted(median, unit, usual.unit) <= highest:

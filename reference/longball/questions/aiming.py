@@ -186,15 +186,12 @@ def _trial(
     """Return a launch at a target; None without a landing."""
     try:
         if len(target) == 1:
-            return _at_a_distance(with_values(scene, values), target[0], engine)
+            launched: Any = with_values(scene, values)
+            gets = float(_landed(launched, engine)["landing.distance"])
+            return _Trial(launched, gets - target[0], _getting(gets, target[0]))
         return _in_its_direction(scene, target, values, engine)
     except (CannotSolve, InvalidScene, Undecided, ValidationError):
         return None
-
-
-def _at_a_distance(scene: Any, distance: float, engine: PathEngine) -> _Trial:
-    gets = float(_landed(scene, engine)["landing.distance"])
-    return _Trial(scene, gets - distance, _getting(gets, distance))
 
 
 def _in_its_direction(

@@ -236,17 +236,13 @@ def _least_squares(
         xtol=_CONVERGED,
         max_nfev=_MOST_STEPS,
     )
-    if found.status == 0 and not _is_settled(found):
+    # After all steps the gradient may have vanished within rounding: then it is found as well.
+    slopes = np.linalg.norm(found.jac, axis=0) * max(np.linalg.norm(found.fun), 1e-12)
+    if found.status == 0 and not (np.abs(found.grad) <= 1e-6 * slopes).all():
         raise CannotSolve(
             f"no fit is found in {_MOST_STEPS} steps; start nearer to it, or fix some unknowns"
         )
     return (found.x.tolist(), *solved(found.x))
-
-
-def _is_settled(found: Any) -> bool:
-    """True if the gradient vanishes within rounding, although all steps were taken."""
-    slopes = np.linalg.norm(found.jac, axis=0) * max(np.linalg.norm(found.fun), 1e-12)
-    return bool((np.abs(found.grad) <= 1e-6 * slopes).all())
 
 
 def _determined(names: list[str], jacobian: Array) -> Array:
