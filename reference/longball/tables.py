@@ -213,8 +213,8 @@ def _no_collection() -> Iterator[None]:
 def _warn_of_repeated(ids: Iterable[object]) -> None:
     repeated = [name for name, count in Counter(ids).items() if count > 1 and not is_missing(name)]
     if repeated:
-        told = f"{len(repeated)} ids are those of more than one scene, such as {repeated[0]!r}"
-        warnings.warn(told, stacklevel=3)
+        message = f"{len(repeated)} ids are those of more than one scene, such as {repeated[0]!r}"
+        warnings.warn(message, stacklevel=3)
 
 
 def _asked_and_results(
@@ -415,14 +415,14 @@ def _with_slopes(
     import pandas as pd
 
     text = pd.StringDtype(na_value=math.nan)
-    told = np.full(len(frame), None, object)
+    sentences = np.full(len(frame), None, object)
     for i, reasons in refused.items():
-        told[i] = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
+        sentences[i] = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
     named = {
         f"{quantity} by {name}": columns[quantity, name]
         for quantity, name in sorted(columns, key=lambda pair: _place(pair[0]))
     }
-    whence = {"derivatives": pd.array(by, text), "refused": pd.array(told, text)}
+    whence = {"derivatives": pd.array(by, text), "refused": pd.array(sentences, text)}
     slopes = pd.DataFrame({**named, **whence}, frame.index, copy=False)
     return pd.concat([frame, slopes], axis=1)
 
@@ -444,8 +444,8 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
     # All columns at once, so that the message shows which of them differ.
     shapes = {name: np.shape(column) for name, column in varied.items()}
     if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
-        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise ValueError(f"columns must be one-dimensional and equally long; these are {told}")
+        given = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"columns must be one-dimensional and equally long; these are {given}")
     # Without columns there is one scene, or none if nothing is given.
     (count, *_), *_ = [*shapes.values(), (min(len(fixed), 1),)]
     for name in [name for name in varied if name != "id"]:
@@ -571,8 +571,8 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
     # Texts in most rows are None: an object column takes both.
     frame["error"] = frame["code"] = pd.Series(None, frame.index, object)
     for i, result in reasons.items():
-        told = result.outcome, result.engine, result.error, result.code
-        frame.loc[i, ["outcome", "engine", "error", "code"]] = told
+        cells = result.outcome, result.engine, result.error, result.code
+        frame.loc[i, ["outcome", "engine", "error", "code"]] = cells
     return _typed(frame)
 
 

@@ -112,7 +112,7 @@ def _wind(text: str) -> list[float]:
     # Level winds along the four directions of a field; --set air.wind takes any vector.
     # The speed of 10 mph out is what stands before the last word.
     speed = in_si("--wind", amount, "m/s")
-    return [speed * way for way in WAYS[word]] + [0.0]
+    return [speed * component for component in WAYS[word]] + [0.0]
 
 
 def _ball(

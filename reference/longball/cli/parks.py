@@ -43,7 +43,7 @@ def parks(
         return
     change = chosen_changes(set_, None, reading)
     solver = engines.create(engine)
-    failed = told = 0
+    failed = solved = 0
     fixed: list[int] = []
 
     def tasks() -> Iterator[tuple[int, Any, Sequence[Park], Any]]:
@@ -58,7 +58,7 @@ def parks(
 
     with on_cluster(scheduler):
         for name, found in in_parallel(_answer, tasks(), -1 if scheduler else workers):
-            told += 1
+            solved += 1
             if isinstance(found, str):
                 failed += 1
                 tell(f"{name}: {found}")
@@ -66,11 +66,11 @@ def parks(
             _show(name, found, json_)
             # A ball that one park refuses, as outside of its fence, still has an answer.
             failed += all(each.result.error for each in found)
-    if not told:
+    if not solved:
         wrong_call(f"no scenes in {named(source)}")
     if fixed:
         note(
-            f"air.density is a number in {len(fixed)} of {told} scenes, the same at every park's "
+            f"air.density is a number in {len(fixed)} of {solved} scenes, the same at every park's "
             "elevation; --set 'air.density={\"temperature\": 293}' gives each park its own"
         )
     exit_unless(not failed)

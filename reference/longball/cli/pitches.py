@@ -28,8 +28,8 @@ def pitches_of(
     pitches = read_rows(source, "pitch", games, names, spin=spin)
     assert isinstance(pitches, MeasuredPitches)
     note(f"{pitches.source}: {len(pitches)} pitches used of {pitches.rows_read} rows")
-    for told in (*pitches.left_out, *pitches.doubts):
-        note(f"  {told}")
+    for omission in (*pitches.left_out, *pitches.doubts):
+        note(f"  {omission}")
     return pitches
 
 

@@ -97,12 +97,12 @@ def _is_bent(steps: Array, errors: Array) -> bool:
     turn = float(x @ x**2 / (x @ x))
     parabola = x**2 - turn * x - (x @ x) / len(x)  # orthogonal to the line
     size = parabola @ parabola
-    bend = float(parabola @ y / size)
+    curvature = float(parabola @ y / size)
     rest = y - np.polynomial.Polynomial.fit(x, y, 2)(x)
     free = len(x) - 3
     scatter = math.sqrt(rest @ rest / free / size) * float(stdtrit(free, 0.975))
     steeper = abs(2 * x[-1] - turn)
-    return abs(bend) * steeper > HARMLESS and abs(bend) > scatter
+    return abs(curvature) * steeper > HARMLESS and abs(curvature) > scatter
 
 
 def _falls_on(steps: Array, errors: Array) -> bool:

@@ -206,10 +206,10 @@ def _confirmations(cases: list[Case]) -> str:
     """Return a sentence on the cases that a second method confirms, with the accuracy."""
     solved = [case for case in cases if case.expected.outcome]
     agreeing = [case.confirmation for case in solved if "unconfirmed" not in case.flags]
-    methods = sorted({said.engine.partition(" digits=")[0] for said in agreeing})
+    methods = sorted({each.engine.partition(" digits=")[0] for each in agreeing})
     if not agreeing:
         return ""
-    largest = max(said.agreement or 0.0 for said in agreeing)
+    largest = max(each.agreement or 0.0 for each in agreeing)
     return (
         f"{len(agreeing)} of {len(solved)} cases with an outcome are confirmed by "
         f"{' and '.join(methods)}, to {largest:.2g} · 1e-30 of each number's size"

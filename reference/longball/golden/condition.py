@@ -111,9 +111,11 @@ def _slopes_of_doubles(
     slopes: dict[str, float | None] = {}
     asked, sizes = decisive(result), magnitudes(result)
     for name, middle in here.items():
-        rise, bend = above[name] - below[name], above[name] - 2 * middle + below[name]
+        rise, curvature = above[name] - below[name], above[name] - 2 * middle + below[name]
         least = 0.0 if name in asked else WIDE_STEP * sizes[name]
-        if not abs(bend) <= _RESOLVED * max(abs(rise), least) or (rise == 0.0 and step < _SEEN):
+        if not abs(curvature) <= _RESOLVED * max(abs(rise), least) or (
+            rise == 0.0 and step < _SEEN
+        ):
             return None
         slopes[name] = rise / ((x + step) - (x - step))
     return slopes

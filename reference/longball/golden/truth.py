@@ -72,8 +72,10 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
             agrees, agreement = _compared(scene, proven, other, digits)
         if agrees:
             break
-    said = Confirmation(engine=engine.description, outcome=other.outcome, agreement=agreement)
-    return said, agrees
+    confirmation = Confirmation(
+        engine=engine.description, outcome=other.outcome, agreement=agreement
+    )
+    return confirmation, agrees
 
 
 def _compared(

@@ -190,10 +190,10 @@ def history(scene: FlightScene, until: float) -> str:
     numbers = engine.numbers
     lines = [",".join(COLUMNS)]
     with numbers.arithmetic():
-        _, way = solve_with_path(scene, engine)
+        _, trajectory = solve_with_path(scene, engine)
         rows = range(math.floor(until * PER_SECOND) + 1)
         times = [numbers.exact(row) / PER_SECOND for row in rows]
-        for row, state in zip(rows, way.sample(times), strict=True):
+        for row, state in zip(rows, trajectory.sample(times), strict=True):
             shown = [_shown(numbers.report(x)) for x in state]
             lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
     return "\n".join(lines) + "\n"

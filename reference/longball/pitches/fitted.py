@@ -197,8 +197,8 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
             fitted.height.chi_squared_of_lower_four,
             fitted.height.p_value_of_lower_four,
         )
-        told = f"χ² = {chi_squared:.1f} (3 degrees of freedom), p = {p:.2g}"
-        yield f"{'cells 1 to 4 equal':28}{told}"
+        test = f"χ² = {chi_squared:.1f} (3 degrees of freedom), p = {p:.2g}"
+        yield f"{'cells 1 to 4 equal':28}{test}"
     yield ""
     yield "By maximum likelihood; ± is one standard error, ? where there is none to give. At bound:"
     yield "the range of the search ends there, and the likelihood has no maximum."

@@ -331,25 +331,25 @@ def _points(scene: Scene, times: Array, engine: PathEngine) -> tuple[Array, Arra
     """Return the points of a path at some times, and their derivatives, shape (times, 3) each."""
     tangent = Tangent(engine)
     with not_beyond_a_kink():
-        result, way = chain.solve_with_path(scene, tangent)
+        result, trajectory = chain.solve_with_path(scene, tangent)
         if result.error is not None:
             raise error_of(result)
-        if not way.legs:
+        if not trajectory.legs:
             raise ValueError("an impact has no path: nothing flies in it")
         with engine.numbers.arithmetic():
-            points = [_position(way, tangent.numbers.exact(t)) for t in times.tolist()]
+            points = [_position(trajectory, tangent.numbers.exact(t)) for t in times.tolist()]
     found, slopes = (
         np.array([[float(of(x)) for x in point] for point in points]) for of in (plain_of, rate_of)
     )
     return found, slopes
 
 
-def _position(way: Trajectory, time: Any) -> Any:
+def _position(trajectory: Trajectory, time: Any) -> Any:
     """Return the position at a time; after the landing, as if there were no ground.
 
     So measured points may lie beyond the landing of the scene to start from.
     """
-    leg = [leg for leg in way.legs if not time < leg.begin][-1]
+    leg = [leg for leg in trajectory.legs if not time < leg.begin][-1]
     return leg.frame.position(leg.flight.path.at(time - leg.begin))
 
 

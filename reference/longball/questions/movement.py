@@ -138,10 +138,10 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     >>> [round(a, 2) for a in fitted.acceleration], f"{1000 * fitted.residual:.1f} mm"
     ([8.86, 0.32, -4.99], '1.8 mm')
     """
-    way, end = _pitch_of(path)
+    trajectory, end = _pitch_of(path)
     nodes, weights = leggauss(_NODES)
-    half = 0.5 * (end - way.start)
-    places = way.at(way.start + half * (1.0 + nodes)).position
+    half = 0.5 * (end - trajectory.start)
+    places = trajectory.at(trajectory.start + half * (1.0 + nodes)).position
     # The projection on 1, τ, (3τ² - 1)/2, which are orthogonal over the pitch, τ from -1 to 1.
     basis = np.stack([np.ones_like(nodes), nodes, 1.5 * nodes**2 - 0.5])
     projection = (basis * weights) * np.array([[0.5], [1.5], [2.5]])
@@ -149,10 +149,13 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     for _ in range(2):  # the second time for what the first has rounded
         fitted += projection @ left
         left = places - basis.T @ fitted
-    mean, slope, bend = fitted
+    mean, slope, curvature = fitted
     residual = math.sqrt(0.5 * float(weights @ np.sum(left**2, axis=1)))
     middle = NineParameters(
-        _vector(mean - 0.5 * bend), _vector(slope / half), _vector(3.0 * bend / half**2), residual
+        _vector(mean - 0.5 * curvature),
+        _vector(slope / half),
+        _vector(3.0 * curvature / half**2),
+        residual,
     )
     return middle.at(at)
 
@@ -270,10 +273,10 @@ def movement(
     if without not in ("air", "lift"):
         raise ValueError(f"without must be 'air' or 'lift' (got {without!r})")
     result = solve(asked, **options)
-    way, end = _pitch_of(result)
-    begin = way.start if since is None else _time_at(way, end, since)
-    _, place, velocity = way.at(begin)
-    crossed = way.at(end).position
+    trajectory, end = _pitch_of(result)
+    begin = trajectory.start if since is None else _time_at(trajectory, end, since)
+    _, place, velocity = trajectory.at(begin)
+    crossed = trajectory.at(end).position
     if without == "air":
         left = end - begin
         free = place + velocity * left - [0.0, 0.0, 0.5 * asked.gravity * left**2]

@@ -156,16 +156,16 @@ def spin_from_movement(
     spin_parameter, most = _spin_parameter(air, lift)
     sense = -1.0 if most < 0.0 else 1.0
     beyond = np.isnan(spin_parameter)
-    told = (
+    message = (
         "C_L = {:.4g} is above what the law of air.lift_coefficient reaches, "
         f"{abs(most):.4g}: no spin moves a ball so far"
     )
     if beyond.ndim == 0 and beyond:
-        raise ValueError(told.format(float(lift)))
+        raise ValueError(message.format(float(lift)))
     size = spin_parameter * speed / asked.ball.radius
     unit = moving / np.where(force > 0.0, force, 1.0)[..., None]
     transverse = sense * size[..., None] * np.cross(ahead, unit)
-    reasons = {int(i): told.format(lift.flat[i]) for i in np.flatnonzero(beyond)}
+    reasons = {int(i): message.format(lift.flat[i]) for i in np.flatnonzero(beyond)}
     if rate is None:
         return SpinFromMovement(transverse, drag[()], lift[()], reasons=reasons)
     whole = real_numbers("rate", rate)

@@ -139,9 +139,9 @@ def uncertainty(
     spread_of_result = jacobian @ covariance @ jacobian.T
     sigma = dict(zip(value, np.sqrt(np.diag(spread_of_result)).tolist(), strict=True))
 
-    bend, warned = _second_order(asked, result, value, names, covariance, solver)
-    shift = dict(zip(value, (0.5 * np.trace(bend, axis1=0, axis2=1)).tolist(), strict=True))
-    size = np.sqrt(0.5 * np.square(bend).sum(axis=(0, 1)))
+    curvature, warned = _second_order(asked, result, value, names, covariance, solver)
+    shift = dict(zip(value, (0.5 * np.trace(curvature, axis1=0, axis2=1)).tolist(), strict=True))
+    size = np.sqrt(0.5 * np.square(curvature).sum(axis=(0, 1)))
     second = dict(zip(value, size.tolist(), strict=True))
     for name in value:
         largest = max(abs(shift[name]), second[name])
@@ -230,21 +230,21 @@ def _second_order(
         moved = dict(zip(names, (here + step).tolist(), strict=True))
         try:
             found = chain.solve(with_values(scene, moved), engine)
-            said = found.error or f"the outcome is {found.outcome} instead of {result.outcome}"
+            reason = found.error or f"the outcome is {found.outcome} instead of {result.outcome}"
         except ValidationError:
-            found, said = None, "there is no such scene"
+            found, reason = None, "there is no such scene"
         known = {} if found is None else _numbers(found)
         if found is None or found.outcome != result.outcome or not known.keys() >= value.keys():
             where = ", ".join(f"{name} = {x:.6g}" for name, x in moved.items())
-            doubts.append(f"one standard deviation away, at {where}: {said}")
+            doubts.append(f"one standard deviation away, at {where}: {reason}")
             return np.full(len(value), math.nan)
         return np.array([known[quantity] for quantity in value])
 
     ahead, behind = ([at(sense * axis) for axis in axes] for sense in (1.0, -1.0))
-    bend = np.empty((len(names), len(names), len(value)))
+    curvature = np.empty((len(names), len(names), len(value)))
     for i, j in combinations_with_replacement(range(len(names)), 2):
         if i == j:
-            bend[i, i] = ahead[i] - 2 * middle + behind[i]
+            curvature[i, i] = ahead[i] - 2 * middle + behind[i]
         else:
-            bend[i, j] = bend[j, i] = at(axes[i] + axes[j]) - ahead[i] - ahead[j] + middle
-    return bend, doubts[:1]
+            curvature[i, j] = curvature[j, i] = at(axes[i] + axes[j]) - ahead[i] - ahead[j] + middle
+    return curvature, doubts[:1]
