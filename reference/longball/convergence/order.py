@@ -52,6 +52,7 @@ class PowerLaw:
 
 def fit_line(steps: Array, errors: Array, first: int, last: int) -> PowerLaw:
     """Fit a power law to a range of steps by least squares of log e on log h."""
+    # log e = log C + p log h
     x, y = np.log(steps[first : last + 1]), np.log(errors[first : last + 1])
     centred = x - x.mean()
     order = float(centred @ y / (centred @ centred))
@@ -172,6 +173,7 @@ def richardson(steps: Array, values: Array, order: float) -> tuple[Array, float]
     if len(there) < 3:
         return None
 
+    # q(h) = q(0) + C h^p at two steps, solved for q(0)
     def limit(coarse: int, fine: int) -> Array:
         ratio = (steps[coarse] / steps[fine]) ** order
         extrapolated: Array = values[fine] + (values[fine] - values[coarse]) / (ratio - 1)

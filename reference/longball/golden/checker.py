@@ -248,6 +248,7 @@ def _apart(expected: Result, again: Result) -> Iterator[str]:
         for name, number in numbers_of(expected):
             other = now[name]
             distance = abs(Decimal(number.value) - Decimal(other.value))
+            # Both radii are proven: the truth lies in both, so that they must overlap.
             if distance > Decimal(number.radius or 0) + Decimal(other.radius or 0):
                 yield (
                     f"{name} is {number.value} ± {number.radius} in the file, "

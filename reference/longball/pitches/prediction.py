@@ -208,6 +208,7 @@ def questions(prediction: Prediction) -> Iterator[str]:
     """Yield a question for each thing that looks like another unit."""
     yield from prediction.measured.doubts
     if isinstance(prediction.measured, MeasuredFlies) and prediction.compared.any():
+        # The wind of a game is not known: single distances are off by a tenth, their median is not.
         share = float(np.nanmedian(prediction.measured.measured / prediction.predicted))
         if unit := unit_that_explains(share, "ft"):
             yield (

@@ -209,6 +209,7 @@ def readable(column: pd.Series) -> tuple[Array, Flags]:
     """
     import pandas as pd
 
+    # A text that is no number becomes NaN, as a missing one is: the two are told apart by `text`.
     values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
     text = column.notna().to_numpy(dtype=bool)
     if not pd.api.types.is_numeric_dtype(column):

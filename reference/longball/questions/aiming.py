@@ -94,6 +94,7 @@ def aim(
     asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
     if not isinstance(asked, FlightScene):
         raise InvalidScene(f"aim: a flight is needed, and this is a scene of kind {asked.kind}")
+    # A ball that hits the fence has no distance, and how far it would fly is asked.
     if asked.fence is not None:
         asked = asked.model_copy(update={"fence": None})
     place = column_of(target)
@@ -148,7 +149,8 @@ def _hits(
         trial = _trial(scene, target, {main: x}, engine)
         return math.nan if trial is None else trial.excess
 
-    # some launches, and the one that gets farthest
+    # some launches, and the one that gets farthest: beside a maximum two launches may hit, between
+    # which no tried one gets beyond the target
     tried = np.linspace(*RANGES[main], _TRIED).tolist()
     known = [x for x in tried if not math.isnan(excess(x))]
     if not known:
@@ -206,6 +208,8 @@ def _in_its_direction(
         place = np.array([*map(float, found["landing.position"])])
         gets, turned = _polar(place[:2] - origin)
         trial = _Trial(launched, gets - away, _getting(gets, away))
+        # A point is passed at a height: the excess is the height above it, and for a ball that does
+        # not get so far also how far it falls short, which is negative, too.
         if len(target) == 3:
             short = min(gets - away, 0.0)
             if not short:

@@ -181,7 +181,8 @@ def fit(
                 f"{missed[worst]:.3g}"
             )
 
-    # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements
+    # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements. If these are
+    # not given, the scatter about the fit stands for them: χ² would be the degrees of freedom.
     root = _determined(names, jacobian)
     freedom = len(data.values) - len(names)
     chi_squared = float(residuals @ residuals)
@@ -208,6 +209,7 @@ def _least_squares(
     """Return the fitted unknowns, the residuals, and the derivatives of what is computed."""
     start = np.array([value_of(scene, name) for name in names])
 
+    # The search asks for residuals and derivatives at the same point, which are solved together.
     @cache
     def solved_at(*x: float) -> tuple[Array, Array]:
         found, slopes = data.model(
@@ -226,6 +228,8 @@ def _least_squares(
 
     # The start is solved outside `residuals`, which would hide its error.
     _lengths(names, solved(start)[1])
+    # Unknowns have different units: steps are measured by the columns of J. The search ends by the
+    # size of its step alone, as a residual that is left says nothing of the unknowns' digits.
     found = least_squares(
         residuals,
         start,
@@ -275,6 +279,7 @@ def _lengths(names: list[str], jacobian: Array) -> Array:
 def _direction(names: list[str], axis: Array) -> str:
     """Return a direction in the unknowns as a text, largest part first of what matters."""
     order = [i for i in np.argsort(-np.abs(axis)) if abs(axis[i]) > 1e-6 * np.abs(axis).max()]
+    # By its largest part, so that the others say how much they move per unit of it.
     axis = axis / axis[order[0]]
     return ", ".join(f"{names[i]} {axis[i]:+.4g}" for i in order)
 
@@ -319,6 +324,7 @@ def of_path(
     scene: Scene, times: Array, unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return points of a path, shape (times, 3), and derivatives, (times, 3, unknowns)."""
+    # Dual numbers carry one derivative: the flight is solved once for each unknown.
     columns = []
     for name in unknowns:
         marked, speed = seeded_by(scene, name)
@@ -349,6 +355,7 @@ def _position(trajectory: Trajectory, time: Any) -> Any:
 
     So measured points may lie beyond the landing of the scene to start from.
     """
+    # The law of the last leg goes on: a derivative that ended at the ground would be zero there.
     leg = [leg for leg in trajectory.legs if not time < leg.begin][-1]
     return leg.frame.position(leg.flight.path.at(time - leg.begin))
 

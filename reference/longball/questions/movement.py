@@ -83,6 +83,7 @@ class NineParameters:
         ValueError
             If it never comes there: the deceleration turns it round before.
         """
+        # v² = v0² + 2 a d, which is negative beyond the place where the ball turns
         distance, speed, push = x - self.position[0], self.velocity[0], self.acceleration[0]
         square = speed * speed + 2.0 * push * distance
         if not (speed < 0.0 and square >= 0.0):
@@ -149,6 +150,8 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     for _ in range(2):  # the second time for what the first has rounded
         fitted += projection @ left
         left = places - basis.T @ fitted
+    # r(τ) = mean + slope τ + curvature (3τ² - 1)/2 with t = half τ: at τ = 0 the position is
+    # mean - curvature/2, the velocity slope/half, the acceleration 3 curvature/half².
     mean, slope, curvature = fitted
     residual = math.sqrt(0.5 * float(weights @ np.sum(left**2, axis=1)))
     middle = NineParameters(
@@ -170,6 +173,7 @@ def _pitch_of(path: Path | Solution) -> tuple[Path, float]:
         raise TypeError(
             f"path: the path or the solution of a pitch is needed; not a {type(path).__name__}"
         )
+    # A path of a pitch ends at x = 0 to rounding; one that lands before it ends centimetres away.
     if path.at(path.end).position[0] > 1e-6:
         raise ValueError(f"the pitch does not reach the plate: its path ends at {path.end:.6g} s")
     return path, path.end
@@ -224,6 +228,7 @@ def clock(across: float, up: float) -> str:
     """
     if across == up == 0.0:
         return ""
+    # Twelve hours are 2π, clockwise from 12:00; the catcher's left is the pitcher's right.
     minutes = round(math.atan2(across, up) * 360.0 / math.pi) % 720
     return f"{minutes // 60 or 12}:{minutes % 60:02}"
 
@@ -322,6 +327,7 @@ def measured_movement(pitches: MeasuredPitches, since: float | None = None) -> d
     speed, push, release = pitches.velocity[:, 0], pitches.acceleration[:, 0], pitches.release[:, 0]
     begin = 0.0 if since is None else time_of_plane(speed, push, since - release)
     end = time_of_plane(speed, push, -release)
+    # Of a constant acceleration a the deflection from gravity alone is (a + g e_z) t²/2.
     _, push_across, push_up = pitches.acceleration.T
     half_square = 0.5 * (end - begin) ** 2
     across, up = half_square * push_across, half_square * (push_up + STANDARD_GRAVITY)

@@ -137,6 +137,7 @@ def park(name: str) -> Park:
     if name in known:
         return known[name]
     near = did_you_mean(name, known)
+    # Who asks for Boston means Fenway Park.
     for city in dict.fromkeys(each.city for each in parks()):
         if not near and did_you_mean(name, [city]):
             there = " or ".join(each.name for each in parks() if each.city == city)
@@ -207,6 +208,7 @@ def in_parks(
 
 def _in(one: Park, scene: FlightScene | AtBatScene) -> Any:
     """Return the scene in a park."""
+    # The scene's pressure is that of sea level: the model lowers it to the park's elevation.
     rises = scene.air is not None and not ignores_elevation(scene)
     elevation = {"air.density.elevation": one.elevation} if rises else {}
     return scene.replace(fence=one.fence, **elevation)

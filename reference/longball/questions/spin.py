@@ -141,6 +141,7 @@ def spin_from_movement(
         raise ValueError(f"velocity = {velocity!r}: the ball must move through the air")
     ahead = u / speed[..., None]
     free = a + np.array([0.0, 0.0, asked.gravity])
+    # Drag is what is left along the way when gravity is taken off; lift is what is left across it.
     slowing = -np.sum(free * ahead, axis=-1)
     pressure = per_unit * speed**2
     moving = free + slowing[..., None] * ahead
@@ -171,6 +172,7 @@ def spin_from_movement(
     whole = real_numbers("rate", rate)
     if not (whole > 0.0).all():
         raise ValueError(f"rate = {rate!r}: spins must be positive, rad/s")
+    # The spin along the way makes no force: ω² = ω_T² + ω_along², whose sign nothing here shows.
     share = size / whole
     above = share > 1.0 + _ROUNDING
     along = np.sqrt(np.where(above, np.nan, np.maximum(whole**2 - size**2, 0.0)))
@@ -282,6 +284,7 @@ def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Arr
     speed, push = pitches.velocity[:, 0], pitches.acceleration[:, 0]
     half = 0.5 * time_of_plane(speed, push, -pitches.release[:, 0])
     middle = pitches.velocity + pitches.acceleration * half[:, None]
+    # Pitches of one weather have one scene: a day has fifteen games and thousands of pitches.
     names = "drag_coefficient", "lift_coefficient", "transverse", "active_share"
     columns = {name: np.empty(len(pitches)) for name in names}
     weathers = np.stack([pitches.temperature, pitches.elevation], axis=1)
@@ -318,6 +321,8 @@ def _air_of(scene: PitchScene | AtBatScene) -> Air:
 
 def _spin_parameter(air: Air, lift: Array) -> tuple[Array, float]:
     """Return S at values of |C_L|, NaN beyond what the law reaches; and that, with its sign."""
+    # Each law solved for S at C_L: slope S; c0 S/(c1 + c2 S), which never gets beyond c0/c2; two
+    # lines that meet at the node; a table, by its own straight lines.
     law: Any = air.lift_coefficient
     match law_name(law):
         case "linear":

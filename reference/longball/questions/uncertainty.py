@@ -131,6 +131,7 @@ def uncertainty(
                 raise unknown(quantity, value)
         value = {quantity: value[quantity] for quantity in chosen}
 
+    # One derivative that is refused would make all of J C Jᵀ NaN.
     derivatives = derivatives_of(asked, value, names, solver)
     for name, reason in derivatives.refused.items():
         raise CannotSolve(f"{name}: {reason}")
@@ -139,6 +140,8 @@ def uncertainty(
     spread_of_result = jacobian @ covariance @ jacobian.T
     sigma = dict(zip(value, np.sqrt(np.diag(spread_of_result)).tolist(), strict=True))
 
+    # With H of second derivatives along axes z of unit variance, Q(z) = Q + Jz + zᵀHz/2 has a mean
+    # of Q + tr(H)/2, and its second-order term a variance of tr(H²)/2 for a normal z.
     curvature, warned = _second_order(asked, result, value, names, covariance, solver)
     shift = dict(zip(value, (0.5 * np.trace(curvature, axis1=0, axis2=1)).tolist(), strict=True))
     size = np.sqrt(0.5 * np.square(curvature).sum(axis=(0, 1)))
@@ -189,6 +192,7 @@ def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
     table = real_numbers("spread", [[row[name] for name in given] for row in rows])
     if not np.isfinite(table).all() or not np.allclose(table, table.T, rtol=1e-9, atol=0.0):
         raise ValueError("spread: a covariance must be symmetric")
+    # Correlations that are written with nine digits are allowed to round below zero.
     if np.linalg.eigvalsh(_scaled(table))[0] < -1e-9:
         raise ValueError(
             "spread: a covariance cannot have a negative variance along any direction of "
@@ -219,6 +223,8 @@ def _second_order(
     Of shape (axes, axes, quantities), by an axis as long as its standard deviation:
     ``Q(a + b) - Q(a) - Q(b) + Q`` of two, and ``Q(a) - 2 Q + Q(-a)`` of one.
     """
+    # Of the correlations and not of the covariance: its inputs have different units, and axes that
+    # mix metres and radians by their size would depend on these.
     sigma = np.sqrt(np.diag(covariance))
     sizes, turned = np.linalg.eigh(_scaled(covariance))
     axes = (sigma[:, None] * turned * np.sqrt(np.maximum(sizes, 0.0))).T
@@ -247,4 +253,5 @@ def _second_order(
             curvature[i, i] = ahead[i] - 2 * middle + behind[i]
         else:
             curvature[i, j] = curvature[j, i] = at(axes[i] + axes[j]) - ahead[i] - ahead[j] + middle
+    # One scene of another outcome is reason enough for doubt, and the others mostly say the same.
     return curvature, doubts[:1]
