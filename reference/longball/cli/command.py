@@ -65,7 +65,7 @@ class Command(TyperCommand):
                 # An option has the form of its value in place of the type, <int> or <list[str]>.
                 name = _TYPE.sub(lambda form: TYPES.get(form[1], form[1]), record[0])
                 if parameter.param_type_name == "argument":
-                    name = parameter.metavar
+                    name = str(parameter.metavar)
                 rows[parameter.param_type_name].append((name, record[1]))
         for title, kind in (("Arguments", "argument"), ("Options", "option")):
             if rows[kind]:

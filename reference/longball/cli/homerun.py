@@ -128,9 +128,10 @@ def homerun(
             writer.writeheader()
             writer.writerows(map(home_run.columns, rows))
     if figure:
-        from longball.pictures import save_probability
+        from longball.pictures import draw_probability, saved
 
-        save_probability(figure, rows, fitted, curves)
+        with saved(figure, (6.4, 4.2)) as (_, axes):
+            draw_probability(axes, rows, fitted, curves)
     if json_:
         chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
         data = as_data(rows, fitted, curves, chosen) | {"method": method} | drawn

@@ -56,9 +56,10 @@ def measured(
     if csv_:
         write_frame(as_frame(prediction), csv_)
     if figure and prediction.compared.any():
-        from longball.pictures import save_prediction
+        from longball.pictures import draw_errors, saved
 
-        save_prediction(figure, prediction)
+        with saved(figure, (5.6, 4.2)) as (_, axes):
+            draw_errors(axes, prediction)
     if json_:
         print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
     else:

@@ -41,7 +41,6 @@ class Struck(Arrays):
     x: Array
     y: Array
     failed: Flags  # whether the engine could not decide
-    over: Flags | None = None  # whether it is a home run; None in a field without a fence
 
     @property
     def distance(self) -> Array:
@@ -60,8 +59,20 @@ class Struck(Arrays):
 
     @property
     def home_run(self) -> Flags:
-        """True where it is a home run: over the fence, or D >= 150 m (paper, Sec. IV)."""
-        return self.distance >= HOME_RUN_DISTANCE if self.over is None else self.over
+        """True where it is a home run: D >= 150 m (paper, Sec. IV)."""
+        return self.distance >= HOME_RUN_DISTANCE
+
+
+@dataclass(frozen=True)
+class Fenced(Struck):
+    """Landings of at-bats in a field with a fence, which the ball may be `over` as a home run."""
+
+    over: Flags
+
+    @property
+    def home_run(self) -> Flags:
+        """True where it is a home run: over the fence."""
+        return self.over
 
 
 def monte_carlo(
@@ -95,10 +106,9 @@ def monte_carlo(
         landed[:, :, done : done + part.shape[2]] = part
         done += part.shape[2]
         progress(done)
-    return [
-        Struck(x, y, failed > 0, None if base.fence is None else over > 0)
-        for x, y, failed, over in landed
-    ]
+    if base.fence is None:
+        return [Struck(x, y, failed > 0) for x, y, failed, _ in landed]
+    return [Fenced(x, y, failed > 0, over > 0) for x, y, failed, over in landed]
 
 
 def _strike(
