@@ -280,7 +280,7 @@ def test_beyond_reach_it_says_how_far_it_gets():
         (vacuum(), [1, 2, 3, 4], None, "a distance is needed"),
         (vacuum(), math.inf, None, "must be finite"),
         (vacuum(), 1.0, ["launch.angel"], "did you mean launch.angle"),
-        (vacuum(), 1.0, ["launch.angle", "launch.direction"], "a target of 1 numbers takes"),
+        (vacuum(), 1.0, ["launch.angle", "launch.direction"], "a distance takes one, launch.angle"),
     ],
 )
 def test_what_is_no_target_is_refused(scene, target, unknowns, sentence):

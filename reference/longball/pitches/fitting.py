@@ -210,7 +210,9 @@ STARTS = (Aim(0.5, 2.0, 4.0, 0.8), Aim(0.5, 1.5, 4.5, 1.3), Aim(0.8, 3.0, 4.5, 1
 EVERYTHING = (True, True, True, True)
 
 
-def likeliest_aim(counts: Integers, edges: Array, starts: Sequence[Aim]) -> tuple[Aim, float]:
+def likeliest_aim(
+    counts: Integers, edges: Array, starts: Sequence[Aim], free: Sequence[bool] = EVERYTHING
+) -> tuple[Aim, float]:
     """Fit Eq. 4 to counts in cells with these boundaries.
 
     Also return its deviance per pitch, halved: -ln L/n, up to a constant of the counts.
@@ -226,7 +228,7 @@ def likeliest_aim(counts: Integers, edges: Array, starts: Sequence[Aim]) -> tupl
         residuals: Array = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
         return residuals
 
-    return nearest_aim(deviance_residuals, starts)
+    return nearest_aim(deviance_residuals, starts, free)
 
 
 def nearest_aim(

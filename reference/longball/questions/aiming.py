@@ -124,8 +124,10 @@ def _unknowns(given: Iterable[str] | None, numbers: int) -> list[str]:
                 f"{one_of('what can is', name, (*RANGES, _DIRECTION))}"
             )
     if len(names) != wanted or names[0] not in RANGES or names[1:] != [_DIRECTION][: wanted - 1]:
-        needed = "launch.angle or launch.speed" + " and launch.direction" * (wanted == 2)
-        raise ValueError(f"unknowns: a target of {numbers} numbers takes {needed}")
+        needed = "launch.angle or launch.speed"
+        if wanted == 2:
+            raise ValueError(f"unknowns: a place or a point takes {needed}, and launch.direction")
+        raise ValueError(f"unknowns: a distance takes one, {needed}")
     return names
 
 

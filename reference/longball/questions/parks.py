@@ -143,7 +143,7 @@ def park(name: str) -> Park:
             there = " or ".join(each.name for each in parks() if each.city == city)
             near = f", did you mean {there}?"
     if any(row["park"] == name for row in _rows(PARKS)):
-        near = ": no source gives the heights of its wall; a scene's fence takes your own"
+        near = ": no source gives the heights of its wall; if you know them, give the scene a fence"
     near = near or f"; the parks are {', '.join(each.name for each in parks())}"
     raise ValueError(f"park {name!r} is not known{near}")
 
