@@ -502,16 +502,13 @@ class _Intervals:
         p = probability(law.distribution.cdf, self.grid, self.values, ends)
         slope = np.zeros_like(p)
         length = (self.grid[:, -1] - self.grid[:, 0])[ends.line]
-        moves = np.where(ends.jumps, 0.0, _moves(self.clearance, self._at_ends, _STEP * length))
+        at_ends = replace(self.inputs.chosen(ends.line), aim=ends.place)
+        moves = np.where(ends.jumps, 0.0, _moves(self.clearance, at_ends, _STEP * length))
         if ends.jumps.any():
             moves[ends.jumps] = self._moves_of_jumps(0.5 * length[ends.jumps] / (_AIMS - 1))
         rates = np.where(ends.rises, -1.0, 1.0) * law.distribution.pdf(ends.place) * moves
         np.add.at(slope, ends.line, rates)
         return p, slope, self.unsolved.astype(float)
-
-    @property
-    def _at_ends(self) -> Samples:
-        return replace(self.inputs.chosen(self.ends.line), aim=self.ends.place)
 
     def _moves_of_jumps(self, far: Array) -> Array:
         """Return the derivatives of jumps' places by e, m; 0 for a move beyond `far` in a step."""

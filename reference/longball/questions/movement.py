@@ -279,7 +279,13 @@ def movement(
         raise ValueError(f"without must be 'air' or 'lift' (got {without!r})")
     result = solve(asked, **options)
     trajectory, end = _pitch_of(result)
-    begin = trajectory.start if since is None else _time_at(trajectory, end, since)
+    begin = trajectory.start
+    if since is not None:
+        x = engines.of_type(float, "since", since)
+        release = trajectory.at(begin).position[0]
+        if not release >= x > 0.0:
+            raise ValueError(f"since = {x} m: the pitch is released at x = {release} m")
+        begin = float(brentq(lambda t: trajectory.at(t).position[0] - x, begin, end, xtol=1e-15))
     _, place, velocity = trajectory.at(begin)
     crossed = trajectory.at(end).position
     if without == "air":
@@ -296,15 +302,6 @@ def movement(
         raise ValueError(f"without lift the pitch does not reach the plate: it is {found.outcome}")
     across, up = (crossed - np.array([*map(float, found.plate.position)]))[1:].tolist()
     return Movement(across, up)
-
-
-def _time_at(path: Path, end: float, x: float) -> float:
-    """Return the time at which a pitch reaches a place x, m."""
-    release = path.at(path.start).position[0]
-    x = engines.of_type(float, "since", x)
-    if not release >= x > 0.0:
-        raise ValueError(f"since = {x} m: the pitch is released at x = {release} m")
-    return float(brentq(lambda t: path.at(t).position[0] - x, path.start, end, xtol=1e-15))
 
 
 def measured_movement(pitches: MeasuredPitches, since: float | None = None) -> dict[str, Array]:
