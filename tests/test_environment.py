@@ -196,7 +196,7 @@ def test_a_line_of_just_that_length_is_read():
 def test_ids_given_twice_are_told(called):
     run = called("solve", stdin=FLIGHT * 3 + FLIGHT.replace(b'"f"', b'"g"'))
     assert run.returncode == 0
-    assert run.stderr == "longball: ids that more than one line has: 1, among them 'f'\n"
+    assert run.stderr == "longball: 1 ids stand on more than one line, such as 'f'\n"
     assert len(run.stdout.splitlines()) == 4
 
 

@@ -422,7 +422,7 @@ class TestSolveMany:
         "scenes", [[{"kind": "at-bat", "id": "a"}] * 2, {"kind": ["pitch"] * 2, "id": ["a"] * 2}]
     )
     def test_ids_that_are_there_twice_are_told(self, scenes):
-        with pytest.warns(UserWarning, match="ids that more than one scene has: 1, among them 'a'"):
+        with pytest.warns(UserWarning, match="1 ids are those of more than one scene, such as 'a'"):
             assert len(lb.solve_many(scenes)) == 2
 
     def test_impacts_are_validated_one_by_one(self):
@@ -569,7 +569,10 @@ def test_blocks_are_exported_and_stand_in_scenes():
         (lambda: lb.solve([{"kind": "pitch"}]), "lb.solve_many takes several"),
         (lambda: lb.launch(speed="103 mph", angle=0.4), r"speed: must be a number in m/s \(got"),
         (lambda: lb.launch(speed=46.0, angle=28), r"angle: .* \(got 28\); 28° are 0.4887 rad"),
-        (lambda: lb.Flight(launch={"speed": 46.0}), r"launch.speed: unknown key; lb.launch\(…\)"),
+        (
+            lambda: lb.Flight(launch={"speed": 46.0}),
+            r"launch.speed: unknown key; .*; lb.launch\(…\)",
+        ),
         (lambda: lb.solve(lb.Pitch()).time, "no attribute 'time', did you mean plate.time"),
         (lambda: lb.Solve, "has no attribute 'Solve', did you mean solve"),
     ],

@@ -122,7 +122,7 @@ def test_columns_have_the_answers_and_the_errors_of_their_scenes(data, engine: s
 def test_a_cell_that_contradicts_another_is_the_error_of_its_row(tmp_path: Path):
     columns = {"kind": "pitch", "air": ["null", None], "air.density": [1.2, 1.3]}
     table = lb.solve_many(columns)
-    said = "air.density: unknown key; put it inside air"
+    said = "air.density: unknown key; put it inside air, not beside it"
     assert table.error[0] == said
     assert table.outcome[1] == "crossed"
     # Whichever stands first.

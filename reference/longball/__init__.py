@@ -17,15 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from longball import convergence, golden, judge
-    from longball.api import (
-        AtBat,
-        Flight,
-        Impact,
-        Pitch,
-        home_run_probability,
-        launch,
-        solve,
-    )
+    from longball.api import AtBat, Flight, Impact, Pitch, home_run_probability, launch, solve
     from longball.engines.engine import CannotSolve
     from longball.model.air import Air, Weather
     from longball.model.numbers import Undecided

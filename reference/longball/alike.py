@@ -6,38 +6,38 @@ them takes ten times as long as its flight. Read as columns, they are checked an
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from longball.model.arrays import Array
-from longball.model.quantities import numbers
-
-# A dict without its numbers: keys, each with `float` for a number, the length of a vector, the form
-# of a block in turn, or the text or None itself.
-Form: TypeAlias = tuple[tuple[str, Any], ...]
+from longball.model.quantities import nested
 
 _LARGEST = 2**53  # larger whole numbers are not all doubles
 
 
 @dataclass
 class Alike:
-    """Scenes of one form.
+    """Scenes of one form: the same keys and texts, with other numbers.
 
     Attributes
     ----------
+    names
+        Of the numbers, such as ``launch.velocity[0]``.
+    rest
+        Texts, nulls and empty blocks, by name.
     places
         Where they stand in the list.
     ids
         Their ids; None for a scene without one.
     rows
-        The numbers of each, in the order of the form. They are kept, not the dicts, which their
-        writer may change.
+        The numbers of each. They are kept, not the dicts, which their writer may change.
     """
 
-    form: Form
+    names: tuple[str, ...]
+    rest: dict[str, Any]
     places: list[int] = field(default_factory=list)
     ids: list[str | None] = field(default_factory=list)
     rows: list[list[float]] = field(default_factory=list)
@@ -45,13 +45,13 @@ class Alike:
     def columns(self, begin: int, end: int) -> dict[str, Array]:
         """Return the numbers of some scenes as columns, by name."""
         cells = np.array(self.rows[begin:end], np.float64)
-        names = [name for name, _ in numbers(_filled(self.form, iter(self.rows[begin])))]
-        return {name: cells[:, i] for i, name in enumerate(names)}
+        return {name: cells[:, i] for i, name in enumerate(self.names)}
 
     def written(self, i: int) -> dict[str, Any]:
         """Return a scene as it was written."""
         name = self.ids[i]
-        return ({} if name is None else {"id": name}) | _filled(self.form, iter(self.rows[i]))
+        numbers = zip(self.names, self.rows[i], strict=True)
+        return ({} if name is None else {"id": name}) | nested({**self.rest, **dict(numbers)})
 
 
 def alike(scenes: Iterable[object]) -> list[Alike]:
@@ -59,7 +59,7 @@ def alike(scenes: Iterable[object]) -> list[Alike]:
 
     The others need not be scenes at all.
     """
-    found: dict[Form, Alike] = {}
+    found: dict[tuple[Any, ...], Alike] = {}
     for place, scene in enumerate(scenes):
         if type(scene) is not dict:
             continue
@@ -67,15 +67,19 @@ def alike(scenes: Iterable[object]) -> list[Alike]:
         name = scene.get("id")
         if name is not None and not (type(name) is str and name and name.isprintable()):
             continue  # half of a surrogate pair is not printable
-        block = scene if name is None else {key: x for key, x in scene.items() if key != "id"}
-        row: list[float] = []
+        numbers: dict[str, float] = {}
+        rest: dict[str, Any] = {}
         try:
-            group = found.setdefault(form := _form(block, row), Alike(form))
+            _split(scene, "", numbers, rest)
         except (_OtherForm, RecursionError):
             continue
+        rest.pop("id", None)
+        names = tuple(numbers)
+        key = names, tuple((at, repr(x)) for at, x in rest.items())
+        group = found.setdefault(key, Alike(names, rest))
         group.places.append(place)
         group.ids.append(name)
-        group.rows.append(row)
+        group.rows.append([*numbers.values()])
     return [*found.values()]
 
 
@@ -83,38 +87,26 @@ class _OtherForm(Exception):
     """Raised where a dict holds something else, such as a number of NumPy."""
 
 
-def _form(block: dict[Any, Any], row: list[float]) -> Form:
-    """Return the form of a dict, and append its numbers to a row."""
-    form: list[tuple[Any, Any]] = []
+def _split(
+    block: dict[Any, Any], prefix: str, numbers: dict[str, float], rest: dict[str, Any]
+) -> None:
+    """Put the numbers of a dict and everything else under their names."""
     for key, value in block.items():
+        # Another key could be the name of a number inside of a block, which it is not.
+        if type(key) is not str or not key.isidentifier():
+            raise _OtherForm
         # Exact types: a bool is an int, and numbers of NumPy and others are read one by one.
-        kind = type(value)
+        name, kind = prefix + key, type(value)
         if kind is float or (kind is int and abs(value) <= _LARGEST):
-            row.append(value)
-            form.append((key, float))
-        elif kind is list or kind is tuple:
-            for x in value:
+            numbers[name] = value
+        elif (kind is list or kind is tuple) and value:
+            for i, x in enumerate(value):
                 if type(x) is not float and (type(x) is not int or abs(x) > _LARGEST):
                     raise _OtherForm
-            row += value
-            form.append((key, len(value)))
-        elif kind is dict:
-            form.append((key, _form(value, row)))
-        elif kind is str or value is None:
-            form.append((key, value))
+                numbers[f"{name}[{i}]"] = x
+        elif kind is dict and value:
+            _split(value, f"{name}.", numbers, rest)
+        elif kind is str or value is None or value == {}:
+            rest[name] = value
         else:
             raise _OtherForm
-    return tuple(form)
-
-
-def _filled(form: Form, row: Iterator[float]) -> dict[str, Any]:
-    """Return a dict of a form with the numbers of a row."""
-    block: dict[str, Any] = {}
-    for key, part in form:
-        if part is float:
-            block[key] = next(row)
-        elif isinstance(part, int):
-            block[key] = [next(row) for _ in range(part)]
-        else:
-            block[key] = _filled(part, row) if isinstance(part, tuple) else part
-    return block

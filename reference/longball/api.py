@@ -9,15 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Literal,
-    Unpack,
-    cast,
-    get_args,
-    overload,
-)
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast, get_args, overload
 
 from numpy.typing import ArrayLike
 from pydantic import ValidationError
@@ -42,9 +34,7 @@ from longball.model.numbers import DOUBLES, Undecided
 from longball.model.plain import is_number, plain
 from longball.model.quantities import numbers
 from longball.model.readings import Reading, SamplingReading, readings_of
-from longball.model.result import (
-    Result,
-)
+from longball.model.result import Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, parse_scene, scene_of
 from longball.solution import Solution, error_of, real_numbers
 
@@ -418,7 +408,13 @@ def home_run_probability(
     from longball import home_run
 
     # Check all arguments before the computation begins.
-    restitutions = _restitutions(e)
+    given_e = real_numbers("e", e)
+    if given_e.ndim > 1 or not given_e.size or not ((given_e >= 0) & (given_e <= 1)).all():
+        raise ValueError(
+            f"e = {given_e.tolist()}: one coefficient of restitution or more is needed, "
+            "each from 0 to 1"
+        )
+    restitutions: list[float] = given_e.reshape(-1).tolist()
     drawn = {"samples": samples, "seed": seed}
     if method == "quadrature" and (given := [name for name, x in drawn.items() if x is not None]):
         raise ValueError(f"{given[0]}: quadrature draws none; method = 'monte-carlo' does")
@@ -449,17 +445,6 @@ def home_run_probability(
     else:
         raise ValueError(f"method {method!r} is not one of quadrature, monte-carlo")
     return pd.DataFrame([home_run.columns(row) for row in rows])
-
-
-def _restitutions(e: ArrayLike) -> list[float]:
-    given = real_numbers("e", e)
-    if given.ndim > 1 or not given.size or not ((given >= 0) & (given <= 1)).all():
-        raise ValueError(
-            f"e = {given.tolist()}: one coefficient of restitution or more is needed, "
-            "each from 0 to 1"
-        )
-    found: list[float] = given.reshape(-1).tolist()
-    return found
 
 
 def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]:

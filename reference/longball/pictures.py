@@ -73,7 +73,9 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
     if isinstance(measured, MeasuredPitches):
         kinds, counts = np.unique(measured.labels[solved], return_counts=True)
         order = np.argsort(-counts)
-        errors = [_seen(error[solved & (measured.labels == kind)]) for kind in kinds[order]]
+        # As a catcher sees them: to his right, and up, cm.
+        seen = 100.0 * error * [-1.0, 1.0]
+        errors = [seen[solved & (measured.labels == kind)].T for kind in kinds[order]]
         labels = ("too far to the catcher's right", "too high")
         for i, (label, marker, aside) in enumerate(zip(labels, "os", (-0.15, 0.15), strict=True)):
             means, spreads = ([f(both[i]) for both in errors] for f in (np.mean, np.std))
@@ -95,33 +97,14 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
         axes.set(xlabel="angle of launch, °", ylabel="predicted too far by, m")
 
 
-def _seen(error: Array) -> Array:
-    """Return errors at the plate as a catcher sees them: to his right, and up, cm."""
-    return 100.0 * error.T * [[-1.0], [1.0]]
-
-
-def save_prediction(path: Path, prediction: Prediction) -> None:
-    """Write the picture of a prediction's errors, in the format that the file's ending names."""
-    with _saved(path, (5.6, 4.2)) as (_, axes):
-        draw_errors(axes, prediction)
-
-
-def save_probability(
-    path: Path,
-    estimates: Sequence[Estimate] | Sequence[Integral],
-    fit: Fit | None,
-    curves: Mapping[str, Curve] = PAPER_CURVES,
-) -> None:
-    """Write the picture of P(e) to a file, in the format that its ending names."""
-    with _saved(path, (6.4, 4.2)) as (_, axes):
-        draw_probability(axes, estimates, fit, curves)
-
-
 @contextmanager
-def _saved(
+def saved(
     path: Path, size: tuple[float, float], rows: int = 1, **layout: Any
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and its axes, one above the other, and write what is drawn on them."""
+    """Yield a figure and its axes, one above the other, and write what is drawn on them.
+
+    The ending of the file names the format.
+    """
     with naming_extras():
         import matplotlib
 
@@ -165,6 +148,7 @@ ENDS = {
 # Colours that stay apart for the colour-blind (Okabe and Ito, 2008).
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 FEW = 12  # balls that are drawn as paths, each with its label
+_POINTS = 200  # of each flight: lines between them look smooth
 _ARC = 50.0  # m, between the arcs of a spray chart
 _LABEL = 1.4  # inches: a panel has room for the label of its axis
 
@@ -172,7 +156,6 @@ _LABEL = 1.4  # inches: a panel has room for the label of its axis
 def drawn(
     label: str,
     trajectory: Trajectory,
-    points: int = 200,
     fence: Fence | None = None,
     result: Result | None = None,
 ) -> Drawn:
@@ -186,14 +169,19 @@ def drawn(
         # At the contact itself the velocity after it counts: stop before.
         if i + 1 < len(trajectory.legs):
             end = math.nextafter(trajectory.legs[i + 1].begin, 0.0)
-        states = trajectory.sample(np.linspace(leg.begin, end, points).tolist())
+        states = trajectory.sample(np.linspace(leg.begin, end, _POINTS).tolist())
         flights.append(np.array(states)[:, :3])
     passed = None
     if result and result.fence is not None:
         x, _, z = map(float, result.fence.position)
         passed = x, z - float(result.fence.clearance)
     ended = None if result is None else _end(result)
-    around = None if fence is None else _from_above(fence)
+    around = None
+    if fence is not None and fence.polyline is not None:
+        around = np.array(fence.polyline)[:, :2]
+    elif fence is not None and fence.radius is not None:
+        angle = np.linspace(0.0, 2 * np.pi, 361)
+        around = fence.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return Drawn(label, tuple(flights), around, passed, ended)
 
 
@@ -205,15 +193,6 @@ def _end(result: Result) -> str | None:
         return None
     x, y, _ = map(float, result.landing.position)
     return "fair" if abs(y) <= x else "foul"
-
-
-def _from_above(fence: Fence) -> Array:
-    """Return the line of a fence, shape (n, 2), m."""
-    if fence.polyline is not None:
-        return np.array(fence.polyline)[:, :2]
-    assert fence.radius is not None
-    angle = np.linspace(0.0, 2 * np.pi, 361)
-    return fence.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
@@ -229,7 +208,7 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
     inches = min(9.0 / length, 9.0 / (width + height))  # for a metre
     heights = [max(extent * inches, _LABEL) for extent in (height, width)]
     size = (length * inches + 1.2, sum(heights) + 1.8)
-    with _saved(path, size, 2, height_ratios=heights, sharex=True) as (figure, (side, top)):
+    with saved(path, size, 2, height_ratios=heights, sharex=True) as (figure, (side, top)):
         for i, scene in enumerate(scenes):
             _draw_flights(side, top, scene, i, labelled=len(scenes) <= FEW)
         side.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
@@ -259,7 +238,7 @@ def save_spray_chart(path: Path, scenes: Sequence[Drawn]) -> None:
     # The part of a circle behind the plate would shrink the field to half.
     ahead = [fence[np.abs(fence[:, 1]) <= fence[:, 0]] for fence in fences.values()]
     farthest = 1.08 * max(np.hypot(*x.T).max(initial=_ARC) for x in [places, *ahead])
-    with _saved(path, (6.4, 5.2)) as (figure, axes):
+    with saved(path, (6.4, 5.2)) as (figure, axes):
         for radius in np.arange(_ARC, farthest, _ARC):
             arc = radius * np.exp(1j * np.radians(np.linspace(45.0, 135.0, 91)))
             axes.plot(arc.real, arc.imag, ":", color="0.75", linewidth=0.8, zorder=0)

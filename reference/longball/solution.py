@@ -303,12 +303,12 @@ class Solution:
         if self.scene is None or self.result.error is not None:
             raise error_of(self.result)
         # Results of solve_many come without trajectories, which would fill the memory.
-        way = self._trajectory
-        if way is None:
-            _, way = chain.solve_with_path(self.scene, self._solver)
-        if not way.legs:
+        trajectory = self._trajectory
+        if trajectory is None:
+            _, trajectory = chain.solve_with_path(self.scene, self._solver)
+        if not trajectory.legs:
             raise ValueError("an impact has no path: nothing flies in it")
-        return Path(way, self._solver)
+        return Path(trajectory, self._solver)
 
     def __repr__(self) -> str:
         rows = [*self._rows()]

@@ -25,13 +25,7 @@ from pydantic import BaseModel
 
 from longball import engines
 from longball.alike import Alike, alike
-from longball.api import (
-    as_engine,
-    as_scene,
-    chosen_inputs,
-    derivatives_in,
-    differentiable,
-)
+from longball.api import as_engine, as_scene, chosen_inputs, derivatives_in, differentiable
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
@@ -41,13 +35,7 @@ from longball.model.changes import USUAL_SCENES
 from longball.model.plain import column_of, is_missing
 from longball.model.quantities import flat, nested, replaced
 from longball.model.result import Result, signed
-from longball.model.scene import (
-    InvalidScene,
-    Scene,
-    may_be_mixed,
-    refused,
-    vector_length,
-)
+from longball.model.scene import InvalidScene, Scene, may_be_mixed, refused, vector_length
 from longball.solution import Solution
 
 if TYPE_CHECKING:
@@ -225,8 +213,8 @@ def _no_collection() -> Iterator[None]:
 def _warn_of_repeated(ids: Iterable[object]) -> None:
     repeated = [name for name, count in Counter(ids).items() if count > 1 and not is_missing(name)]
     if repeated:
-        told = f"{len(repeated)}, among them {repeated[0]!r}"
-        warnings.warn(f"ids that more than one scene has: {told}", stacklevel=3)
+        message = f"{len(repeated)} ids are those of more than one scene, such as {repeated[0]!r}"
+        warnings.warn(message, stacklevel=3)
 
 
 def _asked_and_results(
@@ -427,14 +415,14 @@ def _with_slopes(
     import pandas as pd
 
     text = pd.StringDtype(na_value=math.nan)
-    told = np.full(len(frame), None, object)
+    sentences = np.full(len(frame), None, object)
     for i, reasons in refused.items():
-        told[i] = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
+        sentences[i] = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
     named = {
         f"{quantity} by {name}": columns[quantity, name]
         for quantity, name in sorted(columns, key=lambda pair: _place(pair[0]))
     }
-    whence = {"derivatives": pd.array(by, text), "refused": pd.array(told, text)}
+    whence = {"derivatives": pd.array(by, text), "refused": pd.array(sentences, text)}
     slopes = pd.DataFrame({**named, **whence}, frame.index, copy=False)
     return pd.concat([frame, slopes], axis=1)
 
@@ -452,12 +440,12 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
             # For all scenes it means what it means in one; in a cell it is a value left out.
             fixed[name] = _NO_AIR if name == "air" and value is None else value
         else:
-            varied[name] = column_of(value) if name != "id" else _labels(value)
+            varied[name] = _one_a_row(column_of(value)) if name != "id" else _labels(value)
     # All columns at once, so that the message shows which of them differ.
     shapes = {name: np.shape(column) for name, column in varied.items()}
     if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
-        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise ValueError(f"columns must be one-dimensional and equally long; these are {told}")
+        given = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"columns must be one-dimensional and equally long; these are {given}")
     # Without columns there is one scene, or none if nothing is given.
     (count, *_), *_ = [*shapes.values(), (min(len(fixed), 1),)]
     for name in [name for name in varied if name != "id"]:
@@ -477,15 +465,25 @@ def _put_vector(
     """Put a vector of all scenes, or a column of vectors, where single values and columns are."""
     cells = column_of(value)
     if cells.ndim == 0 or (cells.ndim == 1 and cells.dtype == float and cells.size):
-        fixed[name] = value
+        # By components, so that a column of one of them can take its place.
+        fixed |= flat({name: cells.tolist()}) if cells.shape == (length,) else {name: value}
         return
     rows = [*cells] if cells.ndim == 2 else [column_of(cell) for cell in cells]
     vectors = np.array(rows) if rows and all(row.shape == (length,) for row in rows) else None
     # Cells of several lengths, or texts.
     if vectors is None or vectors.dtype != float:  # each row says what is wrong with its cell
-        varied[name] = cells
+        varied[name] = _one_a_row(cells)
         return
     varied |= {f"{name}[{i}]": vectors[:, i] for i in range(length)}
+
+
+def _one_a_row(cells: NDArray[Any]) -> NDArray[Any]:
+    """Return a column whose cells are the rows of an array, as lists."""
+    if cells.ndim < 2:
+        return cells
+    column = np.empty(len(cells), object)
+    column[:] = [row.tolist() for row in cells]
+    return column
 
 
 def _is_single(value: Any) -> bool:
@@ -573,8 +571,8 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
     # Texts in most rows are None: an object column takes both.
     frame["error"] = frame["code"] = pd.Series(None, frame.index, object)
     for i, result in reasons.items():
-        told = result.outcome, result.engine, result.error, result.code
-        frame.loc[i, ["outcome", "engine", "error", "code"]] = told
+        cells = result.outcome, result.engine, result.error, result.code
+        frame.loc[i, ["outcome", "engine", "error", "code"]] = cells
     return _typed(frame)
 
 

@@ -226,7 +226,7 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             "air.drag_coefficient.law: 'crises' is not a law here, did you mean crisis? "
             "The laws are constant, spin, crisis, table",
         ),
-        ({"pitch.speed": 30}, "pitch.speed: unknown key; put it inside pitch"),
+        ({"pitch.speed": 30}, "pitch.speed: unknown key; put it inside pitch, not beside it"),
         (
             {"pitch": {"release": [-1, 0, 1]}},
             "pitch: release[0] = -1.0 must be positive: in front of the plate",

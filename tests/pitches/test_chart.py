@@ -160,7 +160,7 @@ WRONG_TABLES = {
     ),
     "nothing left": (
         statcast("FF,,0,2,3,1", ",90,0,2,3,1"),
-        "no row of the table says all that is asked "
+        "no row of the table can be used "
         "(1 rows: pitch_type is missing; 1 rows: release_speed is missing)",
     ),
     "header only": (statcast(), "table: the table has a header, and nothing below it"),

@@ -322,9 +322,9 @@ def test_a_name_that_is_not_there_comes_with_the_nearest(tmp_path):
 
 def test_a_missing_column_comes_with_what_helps():
     run = longball("-", stdin="pitch_type\nFF\n")
-    assert "; Statcast's tables have spin_axis from 2020 on, and the models vacuum, " in run.stderr
+    assert "; Statcast's tables have spin_axis from 2020 on, and longball measured " in run.stderr
     run = longball("-", "--model", "paper", stdin="pitch_type\nFF\n")
-    assert "--column NAME=COLUMN says what the table calls it" in run.stderr
+    assert "--column NAME=COLUMN gives the table's name of a column" in run.stderr
     renamed = FLIES.replace("launch_speed", "ExitSpeed")
     run = longball("-", *COMMAND, "--column", "launch_speed=ExitSpeed", stdin=renamed)
     assert run.exit_code == 0

@@ -350,7 +350,7 @@ WRONG = {
     ),
     "nothing left": (
         table(BATTED | {"launch_angle": -5}),
-        "no row of the table says all that is asked "
+        "no row of the table can be used "
         "(1 rows: launch_angle is not between 10° and 60°)",
     ),
 }  # fmt: skip

@@ -176,7 +176,7 @@ def test_a_direction_that_is_not_determined_is_named():
         ({"landing.distance": 100.0}, [], None, "name at least one"),
         ({"landing.distance": 100.0}, ["launch.speed"], 0.0, "must be positive"),
         ({"landing.distance": 100.0}, ["launch.speed"], {"landing.time": 1.0}, "no value for"),
-        ({"landing.distance": math.nan}, ["launch.speed"], None, "needs a finite value"),
+        ({"landing.distance": math.nan}, ["launch.speed"], None, "a finite number is needed"),
         ([[0.0, 1.0]], ["launch.speed"], None, "rows of t, x, y, z"),
         ([[-1.0, 1.0, 0.0, 2.0]], ["launch.speed"], None, "a time since the start"),
         ({"t": [0.0], "x": [1.0]}, ["launch.speed"], None, "a column y is missing"),
@@ -280,7 +280,7 @@ def test_beyond_reach_it_says_how_far_it_gets():
         (vacuum(), [1, 2, 3, 4], None, "a distance is needed"),
         (vacuum(), math.inf, None, "must be finite"),
         (vacuum(), 1.0, ["launch.angel"], "did you mean launch.angle"),
-        (vacuum(), 1.0, ["launch.angle", "launch.direction"], "a target of 1 numbers takes"),
+        (vacuum(), 1.0, ["launch.angle", "launch.direction"], "a distance takes one, launch.angle"),
     ],
 )
 def test_what_is_no_target_is_refused(scene, target, unknowns, sentence):
@@ -296,7 +296,7 @@ FLIGHT = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30,
 @pytest.mark.parametrize(
     ("call", "status", "said"),
     [
-        ("infer - --measured landing.distance=far --unknown launch.speed", 2, "a finite value"),
+        ("infer - --measured landing.distance=far --unknown launch.speed", 2, "a finite number"),
         ("infer - --measured landing.distance=90 --unknown launch.sped", 2, "mean launch.speed"),
         ("infer - --measured landing.distance=90 --unknown ball.restitution", 1, "do not depend"),
         ("infer - --measured landing.distance=90", 2, "--unknown: name a number"),

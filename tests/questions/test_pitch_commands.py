@@ -123,7 +123,11 @@ def test_types_of_pitch_are_summed_up(called):
         (["spin", "--example", "--model", "natan"], 2, "did you mean nathan"),
         (["movement", "nowhere.csv"], 2, "nowhere.csv"),
         (["spin", "--up", "16in"], 2, "--up: it goes with --speed"),
-        (["spin", "t.csv", "--speed", "40"], 2, "--speed: of a single pitch, without a table"),
+        (
+            ["spin", "t.csv", "--speed", "40"],
+            2,
+            "--speed is for a single pitch: leave out the table",
+        ),
         (["spin", "--example", "--speed", "40"], 2, "--example: of a table"),
         (["spin", "--speed", "40", "--games", "g.csv"], 2, "--games: of a table"),
         (["spin", "--speed", "40", "--release", "3,4"], 2, "pitch.release[2]: is missing"),

@@ -14,6 +14,7 @@ from longball.cli.usage import UsageError
 
 # What help calls the types of values; other forms stand as they are, as a|b.
 TYPES = {"str": "TEXT", "int": "N", "float": "X", "path": "FILE"}
+_TYPE = re.compile(r"<(?:list\[)?(.*?)\]?(?: range)?>")
 
 
 class Command(TyperCommand):
@@ -61,8 +62,11 @@ class Command(TyperCommand):
         rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
         for parameter in self.get_params(ctx):
             if record := parameter.get_help_record(ctx):
-                name = parameter.metavar if parameter.param_type_name == "argument" else None
-                rows[parameter.param_type_name].append((name or _spelled(record[0]), record[1]))
+                # An option has the form of its value in place of the type, <int> or <list[str]>.
+                name = _TYPE.sub(lambda form: TYPES.get(form[1], form[1]), record[0])
+                if parameter.param_type_name == "argument":
+                    name = str(parameter.metavar)
+                rows[parameter.param_type_name].append((name, record[1]))
         for title, kind in (("Arguments", "argument"), ("Options", "option")):
             if rows[kind]:
                 with formatter.section(title):
@@ -73,10 +77,3 @@ def given_by(ctx: Any, name: str) -> str:
     """Return the source of a value: COMMANDLINE, DEFAULT_MAP (a file) or DEFAULT."""
     source = ctx.get_parameter_source(name)
     return source.name if source else ""
-
-
-def _spelled(name: str) -> str:
-    """Return an option with the form of its value in place of the type."""
-    return re.sub(
-        r"<(?:list\[)?(.*?)\]?(?: range)?>", lambda form: TYPES.get(form[1], form[1]), name
-    )

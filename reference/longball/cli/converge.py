@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from longball.cli.messages import (
@@ -14,7 +13,6 @@ from longball.cli.messages import (
     wrong_call,
 )
 from longball.cli.scenes import chosen_kinds, read_scenes
-from longball.model.scene import Scene
 
 
 def converge(
@@ -36,9 +34,10 @@ def converge(
     """Measure the order of convergence of a simulator."""
     # The judge brings compiled code with it, and --help does not need it.
     from longball.convergence.figure import save_convergence
+    from longball.golden import load
     from longball.judge.candidate import Limits
     from longball.judge.fresh import proven
-    from longball.judge.step_sweep import sweep_of, takes
+    from longball.judge.step_sweep import FAMILIES, sample, sweep_of, takes
 
     refuse_if(
         (
@@ -48,11 +47,13 @@ def converge(
         (scenes and golden, "either --scenes or --golden, not both"),
     )
     kinds = chosen_kinds(kind)
-    asked = [
-        scene
-        for scene in (read_scenes(scenes) if scenes else golden_scenes(golden))
-        if not kinds or scene.kind in kinds
-    ]
+    if scenes:
+        given = read_scenes(scenes)
+    else:  # some cases of the family, or of those that show most
+        with refusing():
+            cases = load(golden)
+        given = [case.scene for case in sample(cases, [golden] if golden else FAMILIES)]
+    asked = [scene for scene in given if not kinds or scene.kind in kinds]
     # Files of scenes mix kinds, and a simulator may have one of them.
     if not asked:
         wrong_call(f"--kind {', '.join(kinds)}: none of the scenes is of this kind")
@@ -71,13 +72,3 @@ def converge(
         save_convergence(figure, report)
     with failing_unless(report.passed):
         print(report.model_dump_json(indent=2) if json_ else report.text().rstrip())
-
-
-def golden_scenes(family: str | None) -> Sequence[Scene]:
-    """Return some cases of a golden family, or of those that show most."""
-    from longball.golden import load
-    from longball.judge.step_sweep import FAMILIES, sample
-
-    with refusing():
-        cases = load(family)
-    return [case.scene for case in sample(cases, [family] if family else FAMILIES)]

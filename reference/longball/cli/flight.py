@@ -18,13 +18,20 @@ from longball.model.result import signed
 from longball.model.scene import InvalidScene
 from longball.pitches.models import Model, model_of
 from longball.pitches.prediction import scenes
-from longball.pitches.statcast import FOOT, SEA_LEVEL, USUAL_TEMPERATURE, MeasuredFlies
+from longball.pitches.statcast import (
+    FOOT,
+    HIGHEST,
+    LOWEST,
+    SEA_LEVEL,
+    USUAL_TEMPERATURE,
+    MeasuredFlies,
+)
 from longball.questions.parks import park as park_of
 
 # Where a wind blows to: along x and y.
 WAYS = {"out": (1.0, 0.0), "in": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
 
-HIGHEST = 3000.0  # m, above all parks: Mexico City has 2,240
+HIGHEST_PARK = 3000.0  # m; Mexico City has 2,240
 
 
 def flight(
@@ -71,8 +78,12 @@ def flight(
     )
     # The same way as a row of a table goes, so that both have the same spin and weather.
     (asked,) = scenes(ball, model_of(model), change=change)
-    if ball.elevation[0] > HIGHEST:
+    if ball.elevation[0] > HIGHEST_PARK:
         note(f"--elevation: {ball.elevation[0]:g} m is above all parks; is it in ft?")
+    # Its backspin rises with the angle, beyond these to more than any that is measured.
+    chosen = any(text.startswith(("launch.spin", "launch.backspin")) for text in set_ or ())
+    if model_of(model).spin and not chosen and not LOWEST <= ball.angle[0] <= HIGHEST:
+        note("the spin is from a regression for 10° to 60°; --set launch.spin=[x,y,z] sets another")
     if isinstance(asked, InvalidScene):
         wrong_call(str(asked).partition("is no scene: ")[2])
     for key, question in doubts(asked):
@@ -101,7 +112,7 @@ def _wind(text: str) -> list[float]:
     # Level winds along the four directions of a field; --set air.wind takes any vector.
     # The speed of 10 mph out is what stands before the last word.
     speed = in_si("--wind", amount, "m/s")
-    return [speed * way for way in WAYS[word]] + [0.0]
+    return [speed * component for component in WAYS[word]] + [0.0]
 
 
 def _ball(

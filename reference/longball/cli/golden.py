@@ -6,16 +6,8 @@ import json
 from pathlib import Path
 from typing import Literal
 
-from longball.cli.messages import (
-    exit_unless,
-    note,
-    progress_bar,
-    refusing,
-    show,
-    tell,
-    wrong_call,
-)
-from longball.golden import Header, files, reader
+from longball.cli.messages import exit_unless, note, progress_bar, refusing, show, tell, wrong_call
+from longball.golden import files, reader
 from longball.model.names import one_of
 
 Part = Literal["cases", "probability"]
@@ -32,7 +24,8 @@ COMMANDS = {
 
 def list_(folder: Path | None = None, json_: bool = False, quiet: bool = False) -> None:
     """List the families, which other commands take as SET, with their sizes."""
-    top = header_of(folder)
+    with refusing(f"{folder}: "):
+        top = reader.header(folder or reader.DATA)
     if json_:
         print(top.model_dump_json(include={"format", "licence", "families"}))
         return
@@ -57,12 +50,6 @@ def export(output: Path | None = None, folder: Path | None = None, quiet: bool =
     with refusing():
         count = files.export(target, folder or reader.DATA)
     note(f"{count} files in {target}")
-
-
-def header_of(folder: Path | None) -> Header:
-    """Return the header of a set."""
-    with refusing(f"{folder}: "):
-        return reader.header(folder or reader.DATA)
 
 
 def write(

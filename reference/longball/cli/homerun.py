@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import typer
 
@@ -25,12 +25,8 @@ from longball.cli.messages import (
     tell,
     wrong_call,
 )
-from longball.home_run import AtBats, Curve, Estimate, Fit, Integral
-from longball.model.readings import (
-    FIGURE_SWITCH,
-    Fig7Parameters,
-    SamplingReading,
-)
+from longball.home_run import Curve, Estimate, Fit, Integral
+from longball.model.readings import FIGURE_SWITCH, SamplingReading
 from longball.model.scene import AtBatScene, Fence, parse_scene
 from longball.pitches import load_fitted
 
@@ -78,7 +74,10 @@ def homerun(
         wrong_call("--fence: quadrature takes the distance of 150 m; take --method monte-carlo")
     # Everything is checked before the first flight: a run may take hours.
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
-    curve = figure_curve(switches["figure"])
+    curve = str(switches["figure"].get(FIGURE_SWITCH, "caption"))
+    if curve not in home_run.PAPER_CURVES:
+        known = ", ".join(home_run.PAPER_CURVES)
+        wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {known}")
     restitutions = parse_restitutions(e)
     at_bats = home_run.paper_at_bats(sampling)
     if pitches:
@@ -115,13 +114,24 @@ def homerun(
     fitted = fitted if of_paper else None
     # The same seed, and so the same at-bats that the estimates are of.
     if scenes:
-        write_scenes(scenes, base, at_bats, restitutions, samples, seed)
+        sampled = list(home_run.scenes(base, home_run.draw(at_bats, samples, seed)))
+        pitched = [scene for scene in sampled if scene is not None]
+        lines = (
+            home_run.with_restitution(x, each).line() for x in pitched for each in restitutions
+        )
+        scenes.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+        if omitted := len(sampled) - len(pitched):
+            tell(f"{omitted} samples drew a speed that is not positive; not in {scenes}")
     if csv_:
-        write_csv(csv_, rows)
+        with open(csv_, "w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, home_run.columns(rows[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(map(home_run.columns, rows))
     if figure:
-        from longball.pictures import save_probability
+        from longball.pictures import draw_probability, saved
 
-        save_probability(figure, rows, fitted, curves)
+        with saved(figure, (6.4, 4.2)) as (_, axes):
+            draw_probability(axes, rows, fitted, curves)
     if json_:
         chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
         data = as_data(rows, fitted, curves, chosen) | {"method": method} | drawn
@@ -131,14 +141,6 @@ def homerun(
     # After the table, which holds all the same: nobody should lose an hour's work to one at-bat.
     if failed:
         fail(f"{failed} at-bats could not be solved; they count as no home run")
-
-
-def figure_curve(switches: Mapping[str, Any]) -> Fig7Parameters:
-    """Return which of the paper's curves P(e) is held against."""
-    chosen = str(switches.get(FIGURE_SWITCH, "caption"))
-    if chosen not in home_run.PAPER_CURVES:
-        wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {', '.join(home_run.PAPER_CURVES)}")
-    return cast(Fig7Parameters, chosen)
 
 
 def base_scene(
@@ -170,7 +172,7 @@ def parse_restitutions(text: str) -> list[float]:
             count = int((last - first) / step + 1.000001)
             values = [round(first + i * step, 12) for i in range(min(count, 10_001))]
     except (ValueError, OverflowError):
-        wrong_call(f"--e {text}: first:last:step, or values with commas between them")
+        wrong_call(f"--e {text}: must be FIRST:LAST:STEP, or values with commas between them")
     if not values:
         wrong_call(f"--e {text}: the last value is below the first")
     if not all(0 <= value <= 1 for value in values):
@@ -178,19 +180,6 @@ def parse_restitutions(text: str) -> list[float]:
     if len(values) > 10_000:
         wrong_call(f"--e {text}: at most 10000 values")
     return values
-
-
-def write_scenes(
-    path: Path, base: AtBatScene, at_bats: AtBats, restitutions: Sequence[float], *seeded: int
-) -> None:
-    """Write the samples of a number and a seed as scenes, one line for each restitution."""
-    sampled = list(home_run.scenes(base, home_run.draw(at_bats, *seeded)))
-    pitched = [scene for scene in sampled if scene is not None]
-    with open(path, "w", encoding="utf-8") as file:
-        for scene in pitched:
-            file.writelines(home_run.with_restitution(scene, x).line() + "\n" for x in restitutions)
-    if omitted := len(sampled) - len(pitched):
-        tell(f"{omitted} samples drew a speed that is not positive; not in {path}")
 
 
 def as_data(
@@ -212,28 +201,26 @@ def as_data(
     }
 
 
-def write_csv(path: Path, rows: Rows) -> None:
-    """Write estimates as a table."""
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, home_run.columns(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(map(home_run.columns, rows))
-
-
 def print_probability(
-    rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], chosen: Fig7Parameters
+    rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], chosen: str
 ) -> None:
     """Print P(e) beside the paper's printed curves, and its difference from one of them."""
-    # Samples have a confidence interval, integrals an error and a derivative.
-    sampled = isinstance(rows[0], Estimate)
-    found = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
     beside = ("paper's caption", "text", "difference") if curves else ()
     table = []
     for row in rows:
         of_paper = [f"{curve(row.e):.4f}" for curve in curves.values()]
         off = [f"{row.p - curves[chosen](row.e):+.4f}"] if curves else []
-        table.append((f"{row.e:g}", *found_at(row), *of_paper, *off))
-    show(("e", *found, *beside), table)
+        if isinstance(row, Estimate):
+            interval = f"{row.low:.4f} to {row.high:.4f}"
+            found = [f"{row.p:.4f}", interval, f"{row.home_runs} of {row.trials}"]
+        else:
+            slope = f"{row.slope:.7f}", f"{row.slope_error:.1e}"
+            found = [f"{row.p:.8f}", f"{row.error:.1e}", *slope]
+        table.append((f"{row.e:g}", *found, *of_paper, *off))
+    # Samples have a confidence interval, integrals an error and a derivative.
+    sampled = isinstance(rows[0], Estimate)
+    head = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
+    show(("e", *head, *beside), table)
     # The paper's curves and form are of its own fence; another one has nothing beside it.
     if not curves:
         return
@@ -247,11 +234,3 @@ def print_probability(
     named = (f"{n} C1 = {c.c1:g} m, sigma = {c.sigma:g} m" for n, c in curves.items())
     print("paper:", "; ".join(named))
     print(f"difference: from the paper's {chosen} (reading fig7_parameters)")
-
-
-def found_at(row: Estimate | Integral) -> tuple[str, ...]:
-    """Return the row of one e."""
-    if isinstance(row, Estimate):
-        interval = f"{row.low:.4f} to {row.high:.4f}"
-        return f"{row.p:.4f}", interval, f"{row.home_runs} of {row.trials}"
-    return f"{row.p:.8f}", f"{row.error:.1e}", f"{row.slope:.7f}", f"{row.slope_error:.1e}"

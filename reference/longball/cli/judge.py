@@ -148,18 +148,18 @@ def further_options(
     from longball.judge.cases import Converged, Exact
     from longball.judge.verdict import compare
 
-    said = []
+    sentences = []
     judged = [c for c in found.comparisons if c.judged and c.answer and not c.refused]
     if judged and isinstance(rule, Converged):
         right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
-        said.append(f"at --profile exact, {right} of {len(judged)} are right")
+        sentences.append(f"at --profile exact, {right} of {len(judged)} are right")
     if judged and not others:
         tried = {case.case.family for case in found.comparisons}
         # Wrong defaults are common, and no other family shows them.
         more = [name for name in reader.header().families if name not in tried]
         more.sort(key=lambda name: name != "defaults")
-        said += [f"not tested: {', '.join(more)} (--golden all)"] if more else []
-    return "; ".join(said)
+        sentences += [f"not tested: {', '.join(more)} (--golden all)"] if more else []
+    return "; ".join(sentences)
 
 
 def with_defaults(case: Case) -> Case:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 from longball import engines
 from longball.cli.changes import chosen_changes
-from longball.cli.messages import assignments, exit_unless, note, refusing, tell
-from longball.cli.tables import chosen_table
+from longball.cli.messages import assignments, exit_unless, note, tell
+from longball.cli.tables import chosen_table, read_rows
 from longball.model.csv_files import write_frame
 from longball.model.scene import InvalidScene
-from longball.pitches.models import MODELS, Model, model_of
+from longball.pitches.models import Model, model_of
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, questions
 from longball.pitches.prediction import scenes as scenes_of
-from longball.pitches.statcast import GAMES, Kind, read_measured
-from longball.pitches.table import NoSuchColumn, TableError
+from longball.pitches.statcast import Kind
 
 
 def measured(
@@ -48,11 +46,7 @@ def measured(
     names = assignments("--column", column)
     change = chosen_changes(set_, fence, reading)
     solver = engines.create(engine)
-    with refusing():
-        try:
-            rows = read_measured(source, kind, games or GAMES, spin=law.spin, names=names)
-        except NoSuchColumn as error:
-            raise TableError(f"{error}{_instead(error.missing)}") from None
+    rows = read_rows(source, kind, games, names, spin=law.spin)
     prediction = predict(rows, law, engine=solver, change=change)
     if scenes:
         asked = scenes_of(rows, law, change=change)
@@ -62,9 +56,10 @@ def measured(
     if csv_:
         write_frame(as_frame(prediction), csv_)
     if figure and prediction.compared.any():
-        from longball.pictures import save_prediction
+        from longball.pictures import draw_errors, saved
 
-        save_prediction(figure, prediction)
+        with saved(figure, (5.6, 4.2)) as (_, axes):
+            draw_errors(axes, prediction)
     if json_:
         print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
     else:
@@ -79,16 +74,3 @@ def measured(
     elif figure and not prediction.compared.any():
         tell("--figure: there is no error to draw, as no distance was measured")
     exit_unless(not prediction.failed and not nothing)
-
-
-def _instead(missing: Sequence[str]) -> str:
-    """Return hints for missing columns."""
-    of_spin = {*missing} & {"spin_axis", "release_spin_rate"}
-    said = "; --column NAME=COLUMN says what the table calls it" if {*missing} - of_spin else ""
-    if of_spin:
-        without = ", ".join(name for name, law in MODELS.items() if not law.spin)
-        said += (
-            f"; Statcast's tables have spin_axis from 2020 on, and the models {without} "
-            "(--model) do without a spin"
-        )
-    return said

@@ -297,7 +297,9 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "direction": _option("Angle left of centre field; without a unit in degrees.", "ANGLE"),
     "flight.park": _option("Park that sets fence and elevation; by default sea level.", "NAME"),
     "wind": _option('Wind, e.g. "10 mph out": out, in, left or right.', "WIND"),
-    "temperature": _option('E.g. "72 F"; without a unit in K; by default 20 °C.', "TEMPERATURE"),
+    "temperature": _option(
+        'Temperature, e.g. "72 F"; without a unit in K; by default 20 °C.', "TEMPERATURE"
+    ),
     "elevation": _option(
         "Height above sea level, instead of the park's; without a unit in m.", "HEIGHT"
     ),
@@ -312,6 +314,9 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     ),
     "unknown": _option(
         "A number to be found, e.g. launch.speed, launch.angle, air.drag_coefficient", "NAME"
+    ),
+    "aim.unknown": _option(
+        "The number to be found: launch.angle or launch.speed, and launch.direction", "NAME"
     ),
     "sigma": "Standard deviation of the measurements; by default estimated from their scatter.",
     "target": _option(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -42,7 +43,7 @@ def parks(
         return
     change = chosen_changes(set_, None, reading)
     solver = engines.create(engine)
-    failed = told = 0
+    failed = solved = 0
     fixed: list[int] = []
 
     def tasks() -> Iterator[tuple[int, Any, Sequence[Park], Any]]:
@@ -57,7 +58,7 @@ def parks(
 
     with on_cluster(scheduler):
         for name, found in in_parallel(_answer, tasks(), -1 if scheduler else workers):
-            told += 1
+            solved += 1
             if isinstance(found, str):
                 failed += 1
                 tell(f"{name}: {found}")
@@ -65,11 +66,11 @@ def parks(
             _show(name, found, json_)
             # A ball that one park refuses, as outside of its fence, still has an answer.
             failed += all(each.result.error for each in found)
-    if not told:
+    if not solved:
         wrong_call(f"no scenes in {named(source)}")
     if fixed:
         note(
-            f"air.density is a number in {len(fixed)} of {told} scenes, the same at every park's "
+            f"air.density is a number in {len(fixed)} of {solved} scenes, the same at every park's "
             "elevation; --set 'air.density={\"temperature\": 293}' gives each park its own"
         )
     exit_unless(not failed)
@@ -112,11 +113,7 @@ def _show(name: str, found: list[InPark], as_json: bool) -> None:
     print(f"{name}: a home run in {out} of {len(found)} parks")
     rows = []
     # By the height above the fence; parks whose fence the ball does not reach come last.
-    for each in sorted(found, key=lambda each: -_order(each)):
+    for each in sorted(found, key=lambda x: math.inf if x.clearance is None else -x.clearance):
         over = "" if each.clearance is None else f"{each.clearance:+.2f}"
         rows.append([each.park.name, str(each.result.outcome or each.result.error), over])
     show(["park", "outcome", "above the fence, m"], rows)
-
-
-def _order(each: InPark) -> float:
-    return float("-inf") if each.clearance is None else each.clearance

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from longball.cli.cluster import on_cluster
-from longball.cli.messages import assignments, note, refusing, show
-from longball.cli.tables import chosen_table
+from longball.cli.messages import assignments, note, show
+from longball.cli.tables import chosen_table, read_rows
 from longball.engines.parallel import in_parallel
 from longball.model.arrays import Array
 from longball.model.jsonl import json_line
-from longball.pitches.statcast import GAMES, MeasuredPitches, read_measured
+from longball.pitches.statcast import MeasuredPitches
 
 # Pitches that a worker takes at a time: seconds of work, beside which sending them costs nothing.
 PART = 20_000
@@ -25,12 +25,11 @@ def pitches_of(
 ) -> MeasuredPitches:
     """Return the pitches of a table; say which of its rows are left out."""
     source, names = chosen_table(table, example), assignments("--column", column)
-    with refusing():
-        pitches = read_measured(source, "pitch", games or GAMES, spin=spin, names=names)
+    pitches = read_rows(source, "pitch", games, names, spin=spin)
     assert isinstance(pitches, MeasuredPitches)
     note(f"{pitches.source}: {len(pitches)} pitches used of {pitches.rows_read} rows")
-    for told in (*pitches.left_out, *pitches.doubts):
-        note(f"  {told}")
+    for omission in (*pitches.left_out, *pitches.doubts):
+        note(f"  {omission}")
     return pitches
 
 

@@ -9,7 +9,6 @@ from longball.cli.changes import chosen_changes
 from longball.cli.messages import exit_unless, note, tell, wrong_call
 from longball.cli.scenes import each_scene, named
 from longball.engines.chain import solve_with_path
-from longball.model.result import Result
 from longball.model.scene import InvalidScene
 
 
@@ -40,7 +39,9 @@ def plot(
         result, trajectory = solve_with_path(scene, solver)
         if result.error is None and trajectory.legs:
             around = getattr(scene, "fence", None)
-            label = _label(str(scene.id), result)
+            label = f"{scene.id}: {result.outcome}"
+            if result.landing:
+                label += f", {float(result.landing.distance):.1f} m"
             pictured.append(drawn(label, trajectory, fence=around, result=result))
         else:
             tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
@@ -53,9 +54,3 @@ def plot(
     elif not failed:
         wrong_call(f"no scenes in {named(source)}")
     exit_unless(not failed)
-
-
-def _label(name: str, result: Result) -> str:
-    """Describe the outcome of a scene."""
-    distance = f", {float(result.landing.distance):.1f} m" if result.landing else ""
-    return f"{name}: {result.outcome}{distance}"

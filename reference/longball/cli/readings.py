@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from typing import Any
 
 from longball.cli.messages import progress_bar, show
 from longball.home_run import Estimate, estimates, paper_at_bats
@@ -42,17 +40,22 @@ def readings(
                     workers=workers,
                 )
                 advance(done)
-    if json_:
-        print(json.dumps(ledger_as_data(lines, effects), ensure_ascii=False))
-        return
-    table = []
+    rows, table = [], []
     for entry, option in lines:
         row = effects.get(readings_with(entry, option))
+        effect = {"e": row.e, "p": row.p, "low": row.low, "high": row.high} if row else {}
         numbers = [f"{row.p:.4f}", f"{row.low:.4f} to {row.high:.4f}"] if row else ["", ""]
-        default = " (default)" if option == entry.options[0] else ""
-        table.append((entry.switch, entry.belongs, option + default, *numbers))
-    effect = (f"P({e:g})", "95 %") if samples else ("", "")
-    show(("switch", "belongs to", "option", *effect), table)
+        default = option == entry.options[0]
+        rows.append({"switch": entry.switch, "option": option, "default": default} | effect)
+        shown = f"{option} (default)" if default else option
+        table.append((entry.switch, entry.belongs, shown, *numbers))
+    if json_:
+        keys = "switch", "belongs", "place", "why"
+        ledger = [{key: getattr(entry, key) for key in keys} for entry in LEDGER]
+        print(json.dumps({"rows": rows, "ledger": ledger}, ensure_ascii=False))
+        return
+    head = (f"P({e:g})", "95 %") if samples else ("", "")
+    show(("switch", "belongs to", "option", *head), table)
     for entry in LEDGER:
         print(f"{entry.switch} ({entry.place}): {entry.why}")
 
@@ -62,19 +65,3 @@ def readings_with(entry: Entry, option: str) -> Readings | None:
     if not entry.is_switch or entry.belongs in ("scheme", "figure"):
         return None
     return readings_of({entry.switch: json_or_number(option)})
-
-
-def ledger_as_data(
-    lines: Sequence[tuple[Entry, str]], effects: dict[Readings | None, Estimate]
-) -> dict[str, Any]:
-    """Return the ledger for --json."""
-    rows = []
-    for entry, option in lines:
-        row = effects.get(readings_with(entry, option))
-        effect = {"e": row.e, "p": row.p, "low": row.low, "high": row.high} if row else {}
-        default = option == entry.options[0]
-        rows.append({"switch": entry.switch, "option": option, "default": default} | effect)
-    ledger = [
-        {"switch": x.switch, "belongs": x.belongs, "place": x.place, "why": x.why} for x in LEDGER
-    ]
-    return {"rows": rows, "ledger": ledger}

@@ -113,7 +113,7 @@ def solve(
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
     # No failure: files of different scenes may share ids, but joins by id would go wrong.
     if repeated:
-        tell(f"ids that more than one line has: {len(repeated)}, among them {min(repeated)!r}")
+        tell(f"{len(repeated)} ids stand on more than one line, such as {min(repeated)!r}")
     exit_unless(not failed)
 
 

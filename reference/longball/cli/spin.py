@@ -14,6 +14,7 @@ from longball.cli.command import given_by
 from longball.cli.infer import answering
 from longball.cli.messages import note, refuse_if, refusing, show
 from longball.cli.pitches import answers, pitches_of, show_each, show_types
+from longball.model.doubts import doubts
 from longball.model.jsonl import json_line
 from longball.model.scene import PitchScene
 from longball.pitches.models import Model, model_of
@@ -57,7 +58,7 @@ def spin(
     # An option that is silently ignored would look as if it had an effect.
     idle, why = (_OF_ONE, "it goes with --speed") if speed is None else (_OF_TABLE, "of a table")
     refuse_if(
-        (speed is not None and table != "-", "--speed: of a single pitch, without a table"),
+        (speed is not None and table != "-", "--speed is for a single pitch: leave out the table"),
         *((given_by(ctx, name) == "COMMANDLINE", f"--{name.rstrip('_')}: {why}") for name in idle),
     )
     if speed is not None:
@@ -71,6 +72,8 @@ def spin(
         with answering():
             change = chosen_changes(set_, None)
             pitch = as_scene(change({"kind": "pitch", "pitch": thrown} | blocks))
+            for key, question in doubts(pitch):
+                note(f"{key}: {question}")
             _show(spin_for(pitch, moved, PFX if pfx else None), json_)
         return
     pitches = pitches_of(table, example, games, column, spin=True)

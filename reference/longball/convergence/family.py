@@ -104,6 +104,7 @@ def observe(
             every.append(_Measured(one.quantity, one.unit, steps, values, true, last / family))
         return every
 
+    # Two phases show whether anything jumps; only then the others are worth their runs.
     found = measured(min(2, phases))
     jumps = [_jump(one) if phases > 1 else 0.0 for one in found]
     if max(jumps, default=0.0) > JUMP:
@@ -257,6 +258,7 @@ def _verdict(
     if (errors[there] <= bound[there]).all():
         most = f"{errors[there].max():.1e} {unit}"
         return "exact", f"the typical error is no more than rounding makes, at most {most}"
+    # The finest error is above rounding, and above the fitted line or equal to those before it.
     finest = there[-1]
     stuck = errors[finest] > bound[finest] and (
         errors[finest] > 3 * law.error(steps[finest])

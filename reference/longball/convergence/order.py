@@ -52,6 +52,7 @@ class PowerLaw:
 
 def fit_line(steps: Array, errors: Array, first: int, last: int) -> PowerLaw:
     """Fit a power law to a range of steps by least squares of log e on log h."""
+    # log e = log C + p log h
     x, y = np.log(steps[first : last + 1]), np.log(errors[first : last + 1])
     centred = x - x.mean()
     order = float(centred @ y / (centred @ centred))
@@ -97,12 +98,12 @@ def _is_bent(steps: Array, errors: Array) -> bool:
     turn = float(x @ x**2 / (x @ x))
     parabola = x**2 - turn * x - (x @ x) / len(x)  # orthogonal to the line
     size = parabola @ parabola
-    bend = float(parabola @ y / size)
+    curvature = float(parabola @ y / size)
     rest = y - np.polynomial.Polynomial.fit(x, y, 2)(x)
     free = len(x) - 3
     scatter = math.sqrt(rest @ rest / free / size) * float(stdtrit(free, 0.975))
     steeper = abs(2 * x[-1] - turn)
-    return abs(bend) * steeper > HARMLESS and abs(bend) > scatter
+    return abs(curvature) * steeper > HARMLESS and abs(curvature) > scatter
 
 
 def _falls_on(steps: Array, errors: Array) -> bool:
@@ -172,6 +173,7 @@ def richardson(steps: Array, values: Array, order: float) -> tuple[Array, float]
     if len(there) < 3:
         return None
 
+    # q(h) = q(0) + C h^p at two steps, solved for q(0)
     def limit(coarse: int, fine: int) -> Array:
         ratio = (steps[coarse] / steps[fine]) ** order
         extrapolated: Array = values[fine] + (values[fine] - values[coarse]) / (ratio - 1)

@@ -109,7 +109,9 @@ class ConvergenceReport(Frozen):
         where = {step: f"step {step:.3g} s" for step in lost}
         if len({*lost.values()}) == 1 and len(lost) == len(self.lost):
             where = {next(iter(lost)): "every step"}
-        lines += [f"{at}: {lost[h]} end otherwise than they should" for h, at in where.items()]
+        lines += [
+            f"{at}: {lost[h]} without an answer of the right outcome" for h, at in where.items()
+        ]
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:

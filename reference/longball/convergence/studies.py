@@ -166,6 +166,7 @@ def converge(
     """
     if not scenes:
         raise ValueError("there is no scene to converge in")
+    # The finest step is solved first: without truth it says how scenes should end.
     family = step_family(steps)
     ids = ids_of(scenes)
     finest = in_order(run(float(family[-1])), ids)
@@ -208,6 +209,7 @@ def observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observ
 
 def _ends_otherwise(result: Sample, end: Sample) -> bool:
     """True if a scene has another end than it should have, or no answer."""
+    # Answers of points alone, or of numbers, name no outcome: they are compared as they are.
     if result.outcome is None and result.error is None:
         return False
     return result.outcome != end.outcome
@@ -234,6 +236,7 @@ def _as_sample(result: Any) -> Sample:
         raise TypeError(f"a result is needed; not an object of type {type(result).__name__}")
     values: dict[str, list[Any]] = {}
     for name, number in numbers(result):
+        # A vector under its own name, and each component under its own.
         values.setdefault(name.partition("[")[0], []).append(number)
         values[name] = [number] if "[" in name else values[name]
     return Sample(result.id, result.outcome, values, result.engine, result.error)

@@ -15,14 +15,7 @@ from pydantic import ValidationError
 
 from longball.engines.parallel import in_parallel
 from longball.extras import MissingExtra, naming_extras
-from longball.golden.case import (
-    Case,
-    Header,
-    Probabilities,
-    ProbabilityCase,
-    as_double,
-    decisive,
-)
+from longball.golden.case import Case, Header, Probabilities, ProbabilityCase, as_double, decisive
 from longball.golden.files import (
     CHECKSUMS,
     HEADER,
@@ -213,10 +206,10 @@ def _confirmations(cases: list[Case]) -> str:
     """Return a sentence on the cases that a second method confirms, with the accuracy."""
     solved = [case for case in cases if case.expected.outcome]
     agreeing = [case.confirmation for case in solved if "unconfirmed" not in case.flags]
-    methods = sorted({said.engine.partition(" digits=")[0] for said in agreeing})
+    methods = sorted({each.engine.partition(" digits=")[0] for each in agreeing})
     if not agreeing:
         return ""
-    largest = max(said.agreement or 0.0 for said in agreeing)
+    largest = max(each.agreement or 0.0 for each in agreeing)
     return (
         f"{len(agreeing)} of {len(solved)} cases with an outcome are confirmed by "
         f"{' and '.join(methods)}, to {largest:.2g} · 1e-30 of each number's size"
@@ -255,6 +248,7 @@ def _apart(expected: Result, again: Result) -> Iterator[str]:
         for name, number in numbers_of(expected):
             other = now[name]
             distance = abs(Decimal(number.value) - Decimal(other.value))
+            # Both radii are proven: the truth lies in both, so that they must overlap.
             if distance > Decimal(number.radius or 0) + Decimal(other.radius or 0):
                 yield (
                     f"{name} is {number.value} ± {number.radius} in the file, "

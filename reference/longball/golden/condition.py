@@ -38,13 +38,7 @@ from decimal import Decimal
 from longball.engines.chain import solve
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
-from longball.golden.case import (
-    ROUNDING,
-    Condition,
-    as_double,
-    decisions,
-    decisive,
-)
+from longball.golden.case import ROUNDING, Condition, as_double, decisions, decisive
 from longball.model.inputs import STEP, inputs, with_input
 from longball.model.quantities import numbers, numbers_of, vector_of
 from longball.model.result import Bounded, Result
@@ -117,9 +111,11 @@ def _slopes_of_doubles(
     slopes: dict[str, float | None] = {}
     asked, sizes = decisive(result), magnitudes(result)
     for name, middle in here.items():
-        rise, bend = above[name] - below[name], above[name] - 2 * middle + below[name]
+        rise, curvature = above[name] - below[name], above[name] - 2 * middle + below[name]
         least = 0.0 if name in asked else WIDE_STEP * sizes[name]
-        if not abs(bend) <= _RESOLVED * max(abs(rise), least) or (rise == 0.0 and step < _SEEN):
+        if not abs(curvature) <= _RESOLVED * max(abs(rise), least) or (
+            rise == 0.0 and step < _SEEN
+        ):
             return None
         slopes[name] = rise / ((x + step) - (x - step))
     return slopes
@@ -157,7 +153,9 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
     None if a derivative is.
     """
     values = inputs(scene)
-    height = _bat_height(scene, result)
+    height = 0.0  # z_b, m, where a bat is put relative to the pitch
+    if isinstance(scene, AtBatScene) and result.plate is not None:
+        height = float(result.plate.position[2]) + scene.swing.height_offset
     lengths = magnitudes(result)
     errors: dict[str, float | None] = {}
     for name, _ in numbers_of(result):
@@ -181,13 +179,6 @@ def magnitudes(result: Result) -> dict[str, float]:
     if "fence.margin" in parts:
         parts["fence.margin"] = parts["fence.position[0]"]
     return {name: math.hypot(*(value[part] for part in parts[name])) for name in value}
-
-
-def _bat_height(scene: Scene, result: Result) -> float:
-    """Return z_b, m; 0 where no bat is put anywhere."""
-    if not isinstance(scene, AtBatScene) or result.plate is None:
-        return 0.0
-    return float(result.plate.position[2]) + scene.swing.height_offset
 
 
 def condition(result: Result, found: Sensitivity) -> Condition:

@@ -48,6 +48,7 @@ def schemas() -> dict[str, str]:
 def write_whole(path: Path, content: str) -> None:
     """Write a file so that it is there whole, or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    # A rename within a folder is atomic; without fsync it may come before the content.
     unfinished = path.with_name(path.name + ".tmp")
     with open(unfinished, "w", encoding="utf-8", newline="\n") as file:
         file.write(content)
@@ -66,6 +67,7 @@ def write_files(folder: Path, files: Mapping[str, str]) -> None:
     for name, content in files.items():
         write_whole(folder / name, content)
     sums = {name: checksum(folder / name) for name in files}
+    # A set may be written in parts: sums of files that are still there are kept.
     for name, digest in listed(folder).items():
         if inside(folder, name) and (folder / name).is_file():
             sums.setdefault(name, digest)
@@ -93,6 +95,7 @@ def export(path: Path, folder: Path) -> int:
     if names == [CHECKSUMS]:
         raise ValueError(f"{folder}: there is no {CHECKSUMS}, and so no golden data")
     contents = {name: (folder / name).read_bytes() for name in names}
+    # The earliest time that ZIP has: that of writing would change the bytes.
     never = (1980, 1, 1, 0, 0, 0)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in contents.items():

@@ -69,6 +69,7 @@ def make(case: ProbabilityCase, lines: int, workers: int) -> ProbabilityCase:
     at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     problem = case.scene, at_bats, [row.e for row in case.rows]
     found = integrals(*problem, sample_space=space, workers=workers)
+    # It shares the flights with quadrature, and neither nodes nor the order of integration.
     second = scrambled(*problem, lines, SEED, sample_space=space, workers=workers)
     rows = tuple(
         ProbabilityRow(

@@ -65,11 +65,7 @@ def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:
 
 def read_cases(file: Path) -> list[Case]:
     """Return the cases of a file, which has a line for each."""
-    return [Case.model_validate_json(line) for line in _lines(file)]
-
-
-def _lines(file: Path) -> list[bytes]:
-    return file.read_bytes().splitlines()
+    return [Case.model_validate_json(line) for line in file.read_bytes().splitlines()]
 
 
 def drafts(folder: Path = DATA) -> dict[str, Drafts]:
@@ -77,13 +73,11 @@ def drafts(folder: Path = DATA) -> dict[str, Drafts]:
 
     A line may hold that alone.
     """
-    return {
-        name: Drafts(
-            family.about,
-            [Draft.model_validate_json(line) for line in _lines(folder / family.file)],
-        )
-        for name, family in header(folder).families.items()
-    }
+    found = {}
+    for name, family in header(folder).families.items():
+        lines = (folder / family.file).read_bytes().splitlines()
+        found[name] = Drafts(family.about, [Draft.model_validate_json(line) for line in lines])
+    return found
 
 
 def probabilities(folder: Path = DATA) -> Probabilities:

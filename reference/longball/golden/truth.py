@@ -49,6 +49,7 @@ def prove(scene: Scene) -> Result:
     Numbers have 31 digits and a radius of at most 1e-30 of their size (see `sizes`), if any number
     of `WORK` brings that about.
     """
+    # A radius grows on the way: more digits of work, not more steps, make it smaller.
     for digits in WORK:
         result = solve_once(scene, Enclosure(digits))
         if result.error is None and are_reached(scene, result, DIGITS):
@@ -72,8 +73,10 @@ def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
             agrees, agreement = _compared(scene, proven, other, digits)
         if agrees:
             break
-    said = Confirmation(engine=engine.description, outcome=other.outcome, agreement=agreement)
-    return said, agrees
+    confirmation = Confirmation(
+        engine=engine.description, outcome=other.outcome, agreement=agreement
+    )
+    return confirmation, agrees
 
 
 def _compared(

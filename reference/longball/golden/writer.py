@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import shutil
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from decimal import Decimal, localcontext
 from importlib.metadata import version
@@ -69,21 +69,31 @@ def write(
     families = drafts() if families is None else families
     chosen = families if only is None else {name: families[name] for name in only}
     # This may need an extra, and says so before anything is solved.
-    lines = {name: _remembered(folder / PARTIAL / name) for name in chosen}
+    with naming_extras():
+        from joblib import Memory  # slow to import
+    # Each returns what an interrupted run has finished.
+    lines = {name: Memory(folder / PARTIAL / name, verbose=0).cache(_line) for name in chosen}
+    stamp = fingerprint()
     total = sum(len(family.cases) for family in chosen.values())
     made: dict[str, list[Case]] = {
         name: [] if name in chosen else read_cases(folder / f"{name}.jsonl") for name in families
     }
     for name, family in chosen.items():
-        for case in _cases(lines[name], name, family.cases, workers):
-            made[name].append(case)
+        calls = ((stamp, name, draft) for draft in family.cases)
+        for text in in_parallel(lines[name], calls, workers):
+            made[name].append(Case.model_validate_json(text))
             progress(sum(len(made[name]) for name in chosen), total)
     # Files are made whole before the first is written: an error leaves the folder as it was.
     files = {
         f"{name}.jsonl": "".join(case.line() + "\n" for case in cases)
         for name, cases in made.items()
     }
-    tables = dict(_histories(made))
+    tables = {}
+    for case in (case for cases in made.values() for case in cases if case.id in TABULATED):
+        assert isinstance(case.scene, FlightScene)
+        assert case.expected.landing is not None
+        table = history(case.scene, float(case.expected.landing.time))
+        tables[f"{HISTORIES}/{case.id}.csv"] = table
     about = {name: family.about for name, family in families.items()}
     ids = {case.id for cases in made.values() for case in cases}
     quick = tuple(name for name in shipped().quick if name in ids)
@@ -97,34 +107,6 @@ def write(
     with suppress(OSError):  # what other families have left there is kept
         (folder / PARTIAL).rmdir()
     return sum(map(len, made.values()))
-
-
-def _histories(made: Mapping[str, list[Case]]) -> Iterator[tuple[str, str]]:
-    for case in (case for cases in made.values() for case in cases):
-        if case.id in TABULATED:
-            assert isinstance(case.scene, FlightScene)
-            assert case.expected.landing is not None
-            table = history(case.scene, float(case.expected.landing.time))
-            yield f"{HISTORIES}/{case.id}.csv", table
-
-
-def _cases(
-    line: Callable[..., str], family: str, written: list[Draft], workers: int
-) -> Iterator[Case]:
-    """Yield the cases of a family in order."""
-    stamp = fingerprint()
-    calls = ((stamp, family, draft) for draft in written)
-    for text in in_parallel(line, calls, workers):
-        yield Case.model_validate_json(text)
-
-
-def _remembered(folder: Path) -> Callable[..., str]:
-    """Return `_line`, which returns what an interrupted run has finished."""
-    with naming_extras():
-        from joblib import Memory  # slow to import
-
-    remembered: Callable[..., str] = Memory(folder, verbose=0).cache(_line)
-    return remembered
 
 
 def _line(stamp: str, family: str, draft: Draft) -> str:
@@ -208,10 +190,10 @@ def history(scene: FlightScene, until: float) -> str:
     numbers = engine.numbers
     lines = [",".join(COLUMNS)]
     with numbers.arithmetic():
-        _, way = solve_with_path(scene, engine)
+        _, trajectory = solve_with_path(scene, engine)
         rows = range(math.floor(until * PER_SECOND) + 1)
         times = [numbers.exact(row) / PER_SECOND for row in rows]
-        for row, state in zip(rows, way.sample(times), strict=True):
+        for row, state in zip(rows, trajectory.sample(times), strict=True):
             shown = [_shown(numbers.report(x)) for x in state]
             lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
     return "\n".join(lines) + "\n"

@@ -34,6 +34,7 @@ class Mixture:
 
     def draw(self, count: int, generator: np.random.Generator) -> Array:
         """Return `count` draws."""
+        # The same number of draws whatever comes out, so that a sample does not move the next one.
         second = (generator.random(count) >= self.weight).astype(int)
         normal = generator.standard_normal(count)
         return np.take(self.means, second) + np.take(self.deviations, second) * normal

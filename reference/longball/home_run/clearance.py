@@ -95,8 +95,8 @@ class Clearance:
         release_x, release_y, _ = self.base.pitch.release
         aim = np.full_like(inputs.speed, y)
         x = _column(self._solve(replace(inputs, aim=aim)), "contact.position[0]")
-        way = np.nan_to_num(x) / release_x
-        return (y - release_y * way) / (1.0 - way)
+        fraction = np.nan_to_num(x) / release_x
+        return (y - release_y * fraction) / (1.0 - fraction)
 
     def _solve(self, inputs: Samples) -> Mapping[str, NDArray[Any]]:
         from longball.engines.batch import solve_columns

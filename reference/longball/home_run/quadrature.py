@@ -200,9 +200,9 @@ class _Ranges(NamedTuple):
         first = np.flatnonzero((line[1:] == line[:-1]) & (edge[1:] > edge[:-1]))
         return cls(line[first], edge[first], edge[first + 1])
 
-    def at(self, some: NDArray[Any]) -> _Ranges:
+    def at(self, which: NDArray[Any]) -> _Ranges:
         """Return some of them."""
-        return _Ranges(*(x[some] for x in self))
+        return _Ranges(*(x[which] for x in self))
 
     def and_also(self, others: _Ranges) -> _Ranges:
         """Return these and others."""
@@ -232,9 +232,9 @@ def _without_kinks(
 
     Returned is in which ranges there is none, and the pieces of the others.
     """
-    bent = (nodes.number[1:] == nodes.number[:-1]) & (nodes.kind[1:] != nodes.kind[:-1])
-    number, before = nodes.number[:-1][bent], nodes.kind[:-1][bent]
-    low, high = nodes.place[:-1][bent], nodes.place[1:][bent]
+    changes = (nodes.number[1:] == nodes.number[:-1]) & (nodes.kind[1:] != nodes.kind[:-1])
+    number, before = nodes.number[:-1][changes], nodes.kind[:-1][changes]
+    low, high = nodes.place[:-1][changes], nodes.place[1:][changes]
     smooth = ~np.isin(np.arange(len(ranges.line)), number)
 
     def changed(places: Array) -> Any:
@@ -480,8 +480,8 @@ class _Intervals:
         flat, unsolved = clearance.with_unsolved(replace(inputs.chosen(every), aim=grid.ravel()))
         values = flat.reshape(grid.shape)
         ends = crossings(_along(clearance, inputs), grid, values)
-        some = np.array(unsolved.reshape(grid.shape).any(axis=1))
-        return cls(clearance, inputs, grid, values, ends, some)
+        which = np.array(unsolved.reshape(grid.shape).any(axis=1))
+        return cls(clearance, inputs, grid, values, ends, which)
 
     @property
     def kind(self) -> Integers:
@@ -502,21 +502,18 @@ class _Intervals:
         p = probability(law.distribution.cdf, self.grid, self.values, ends)
         slope = np.zeros_like(p)
         length = (self.grid[:, -1] - self.grid[:, 0])[ends.line]
-        moves = np.where(ends.jumps, 0.0, _moves(self.clearance, self._at_ends, _STEP * length))
+        at_ends = replace(self.inputs.chosen(ends.line), aim=ends.place)
+        moves = np.where(ends.jumps, 0.0, _moves(self.clearance, at_ends, _STEP * length))
         if ends.jumps.any():
             moves[ends.jumps] = self._moves_of_jumps(0.5 * length[ends.jumps] / (_AIMS - 1))
         rates = np.where(ends.rises, -1.0, 1.0) * law.distribution.pdf(ends.place) * moves
         np.add.at(slope, ends.line, rates)
         return p, slope, self.unsolved.astype(float)
 
-    @property
-    def _at_ends(self) -> Samples:
-        return replace(self.inputs.chosen(self.ends.line), aim=self.ends.place)
-
     def _moves_of_jumps(self, far: Array) -> Array:
         """Return the derivatives of jumps' places by e, m; 0 for a move beyond `far` in a step."""
-        some = self.ends.jumps
-        lines, place = self.inputs.chosen(self.ends.line[some]), self.ends.place[some]
+        which = self.ends.jumps
+        lines, place = self.inputs.chosen(self.ends.line[which]), self.ends.place[which]
         grid = place[:, None] + far[:, None] * np.array([-1.0, 1.0])
         moved = []
         for sign in (1.0, -1.0):

@@ -94,8 +94,8 @@ def _aims(base: AtBatScene, at_bats: AtBats) -> tuple[float, float]:
     The ball touches the bat R + r_b in front of the plate at most, on a line from the release.
     """
     x, y, _ = base.pitch.release
-    way = (base.ball.radius + base.bat.radius) / x
-    farthest = (base.bat.length / 2 + abs(y * way)) / (1.0 - way)
+    fraction = (base.ball.radius + base.bat.radius) / x
+    farthest = (base.bat.length / 2 + abs(y * fraction)) / (1.0 - fraction)
     low, high = at_bats.aim.range(FARTHEST)
     return max(-farthest, low), min(farthest, high)
 

@@ -121,6 +121,7 @@ def _strike(
     engine: Any,
 ) -> Array:
     """Return x, y, failure and home runs of samples: an array (restitution, 4, sample)."""
+    # Drawn where they are struck: blocks have seeds of their own, and need not be sent.
     samples = draw(at_bats, count, seed, first)
     pitched = samples.pitched
     landed = np.full((len(restitutions), 4, count), np.nan)

@@ -32,14 +32,18 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             # A column's name as a key of JSON: "launch.velocity[0]".
             outer = re.split(r"[.\[]", key)[0]
             if outer != key and outer in keys:  # also of a table that gives the block whole
-                return f"{where}: unknown key; put it inside {outer}"
+                return f"{where}: unknown key; put it inside {outer}, not beside it"
             from longball.model.inputs import TRACKED  # which knows scenes
 
             if where in TRACKED:
-                made = f"lb.launch(…) and --set {where}=… make {', '.join(keys)} of it"
-                return f"{where}: unknown key; {made}"
+                made = f"{', '.join(keys)}; lb.launch(…) or --set {where}=… computes them"
+                return f"{where}: unknown key; the keys here are {made}"
             # A key of another block: density outside of air.
             homes = [name for name in model.model_fields if key in keys_of(model, [name])]
+            # Also of one inside this block: temperature, of air.density.
+            path = [str(step) for step in steps[:-1]]
+            inner = [k for k in keys if path and key in keys_of(model, [*path, k])]
+            homes += [".".join([*path, k]) for k in inner]
             if homes and not any(letters(key) == letters(name) for name in keys):
                 here = f"the keys here are {', '.join(keys)}"
                 return f"{where}: unknown key; {here}; {key} is a key of {' and of '.join(homes)}"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -184,7 +185,7 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     )
 
 
-def listed(names: Iterable[str]) -> list[str]:
+def listed(names: Iterable[Any]) -> list[Any]:
     """Return names as a list; a text is none, though its letters could be."""
     if isinstance(names, str):
         raise TypeError(f"{names!r}: a list of names is needed, such as [{names!r}]")

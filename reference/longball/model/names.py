@@ -41,7 +41,9 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
     by_letters = {letters(name): name for name in reversed([*known])}
     near = difflib.get_close_matches(asked, by_letters, n=1)
     with_word = [
-        name for name in reversed(by_letters.values()) if asked in re.split(r"\W+", name.lower())
+        name
+        for name in reversed(by_letters.values())
+        if any(word.startswith(asked) for word in re.split(r"\W+", name.lower()))
     ]
     # The surest first: the same letters, then a whole word, then likeness.
     meant = [*filter(None, [by_letters.get(asked)]), *with_word, *(by_letters[x] for x in near)]

@@ -31,7 +31,7 @@ from longball.model.block import refuse as _refuse
 from longball.model.csv_files import not_utf8
 from longball.model.explain import explain, is_vector, parts_of, short
 from longball.model.jsonl import LONGEST_LINE, json_line
-from longball.model.names import one_of
+from longball.model.names import did_you_mean, one_of
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
 from longball.model.vectors import cross, plus, scaled
@@ -617,7 +617,9 @@ def _validated(data: dict[str, Any], text: str) -> Scene:
     scene_id = scene_id if _is_text(scene_id) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
-        given = f"{short(kind)} is not a kind of scene" if "kind" in data else "is missing"
+        like = next((key for key in data if did_you_mean(key, ["kind"])), None)
+        given = f"is missing, and {like} is no key" if like else "is missing"
+        given = f"{short(kind)} is not a kind of scene" if "kind" in data else given
         raise InvalidScene(f"kind: {given}{one_of('the kinds are', kind, KINDS)}", scene_id)
     try:
         # Pydantic reads JSON itself, strictly, which forbids "1" for 1 and 1 for true.

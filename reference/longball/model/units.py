@@ -38,6 +38,8 @@ def unit_of(description: str) -> str:
 
 def in_si(number: float, unit: str, si: str) -> float:
     """Return a number in an SI unit; a ValueError says that its unit is none of that quantity."""
+    if unit.startswith(","):
+        raise ValueError("a number has no comma, as in 5200ft")
     if unit not in UNITS.get(si, {}):
         known = one_of("use", unit, UNITS[si]) if si else "; this number has none"
         raise ValueError(f"the unit {unit!r} does not fit{known}")

@@ -147,9 +147,10 @@ def load_fitted(path: str | PathLike[str]) -> FittedPitches:
     try:
         return FittedPitches.model_validate_json(text)
     except ValidationError as error:
-        raise TableError(
-            f"{path}: not the result of longball fit: {explain(error, FittedPitches)}"
-        ) from None
+        faults = explain(error, FittedPitches)
+        if error.error_count() > 3:  # something else, which lacks all keys: the first says enough
+            faults = faults.partition(";")[0]
+        raise TableError(f"{path}: not the result of longball fit --json: {faults}") from None
 
 
 # --- for people -----------------------------------------------------------------------------------
@@ -169,8 +170,7 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         yield f"  {name}: {sum(types.values())} ({found})"
 
     speed, aim = fitted.speed, fitted.aim
-    yield ""
-    yield "Speed (Table II, Fig. 2)"
+    yield "\nSpeed (Table II, Fig. 2)"
     for kind in ("straight", "breaking"):
         mean, spread = getattr(speed, f"{kind}_mean"), getattr(speed, f"{kind}_spread")
         yield _row(f"mean of {kind}, km/h", mean, 3.6, 2)
@@ -178,8 +178,7 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         yield _row("  σ of Eq. 2 as printed", spread, 3.6 * math.sqrt(2.0), 2)
     yield _row("p, weight of straight", speed.weight, 1.0, 4)
 
-    yield ""
-    yield "Across (Fig. 3)"
+    yield "\nAcross (Fig. 3)"
     yield _row("mean of left, cells", aim.left_mean, 1.0, 3)
     yield _row("mean of right, cells", aim.right_mean, 1.0, 3)
     yield _row("standard deviation, cells", aim.spread, 1.0, 3)
@@ -187,17 +186,12 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
     yield f"{'peaks':28}{aim.peaks}"
     yield f"{'pitches in cells 1 to 5':28}{', '.join(map(str, aim.cells))}"
 
-    if fitted.height is not None:
-        yield ""
-        yield "Height (Fig. 4)"
-        for index, share in enumerate(fitted.height.shares, start=1):
+    if (height := fitted.height) is not None:
+        yield "\nHeight (Fig. 4)"
+        for index, share in enumerate(height.shares, start=1):
             yield _row(f"share of cell {index}", share, 1.0, 4)
-        chi_squared, p = (
-            fitted.height.chi_squared_of_lower_four,
-            fitted.height.p_value_of_lower_four,
-        )
-        told = f"χ² = {chi_squared:.1f} (3 degrees of freedom), p = {p:.2g}"
-        yield f"{'cells 1 to 4 equal':28}{told}"
+        test = f"χ² = {height.chi_squared_of_lower_four:.1f} (3 degrees of freedom)"
+        yield f"{'cells 1 to 4 equal':28}{test}, p = {height.p_value_of_lower_four:.2g}"
     yield ""
     yield "By maximum likelihood; ± is one standard error, ? where there is none to give. At bound:"
     yield "the range of the search ends there, and the likelihood has no maximum."

@@ -73,6 +73,7 @@ def fit_pitches(
 
     def speeds_of(chosen: Integers | slice) -> list[float]:
         speed, straight = pitches.speed[chosen], pitches.straight[chosen]
+        # Mean and variance are the likeliest of a normal curve; rounding has widened it (Sheppard).
         found: list[float] = []
         for each in (speed[straight], speed[~straight]):
             found += [each.mean(), np.sqrt(max(each.var() - rounding, 0.0))]
@@ -84,7 +85,8 @@ def fit_pitches(
 
     speeds, aim = speeds_of(slice(None)), aim_of(slice(None), STARTS)
 
-    # the same of pitches that are drawn from these
+    # the same of pitches that are drawn from these; the search begins at the fit, and so needs one
+    # start where the fit itself needs three
     random = np.random.default_rng(seed)
     replicated = []
     for _ in range(replicates):

@@ -208,6 +208,7 @@ def questions(prediction: Prediction) -> Iterator[str]:
     """Yield a question for each thing that looks like another unit."""
     yield from prediction.measured.doubts
     if isinstance(prediction.measured, MeasuredFlies) and prediction.compared.any():
+        # The wind of a game is not known: single distances are off by a tenth, their median is not.
         share = float(np.nanmedian(prediction.measured.measured / prediction.predicted))
         if unit := unit_that_explains(share, "ft"):
             yield (
@@ -227,9 +228,13 @@ def _place(result: Result) -> tuple[float, ...] | None:
 
 def summaries(prediction: Prediction) -> list[Summary]:
     """Return the errors of groups: pitches by type, flies by angle and speed; of all at the end."""
-    every = ("all", prediction.compared)
-    groups = [(name, which & prediction.compared) for name, which in _groups(prediction.measured)]
-    return [_summary(*group, prediction.error) for group in (*groups, every) if group[1].any()]
+    found = []
+    for name, which in (*_groups(prediction.measured), ("all", prediction.compared)):
+        error = prediction.error[which & prediction.compared]
+        if len(error):
+            rms = float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
+            found.append(Summary(name, len(error), tuple(error.mean(axis=0).tolist()), rms))
+    return found
 
 
 def _groups(measured: Measured) -> Iterator[tuple[str, Flags]]:
@@ -254,12 +259,6 @@ def bands(values: Array, bounds: Sequence[int]) -> Iterator[tuple[int, int, Flag
     for low, high in pairwise(bounds):
         below = rounded <= high if high == bounds[-1] else rounded < high
         yield low, high, (rounded >= low) & below
-
-
-def _summary(group: str, which: Flags, error: Array) -> Summary:
-    chosen = error[which]
-    rms = float(np.sqrt(np.mean(np.sum(chosen**2, axis=1))))
-    return Summary(group, len(chosen), tuple(chosen.mean(axis=0).tolist()), rms)
 
 
 @naming_extras()

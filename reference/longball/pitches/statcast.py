@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO, get_args
 
 import numpy as np
 
@@ -209,6 +209,8 @@ def read_measured(
     get the usual temperature, at sea level. A `TableError` says which column or row cannot be used,
     and why.
     """
+    if kind not in (kinds := get_args(Kind)):
+        raise ValueError(f"kind {kind!r}: there is none{one_of('the kinds are', kind, kinds)}")
     if kind == "pitch":
         return _pitches(table, games, spin, names)
     return _flies(table, games, names)
@@ -270,6 +272,7 @@ def _pitches(
     def vector(*names: str) -> Array:
         return np.stack([kept[name] for name in names], axis=1) * FOOT
 
+    # The fit holds at y = 50 ft; the scene begins at the release, some feet before it.
     velocity, acceleration = vector("vx0", "vy0", "vz0"), vector("ax", "ay", "az")
     release = vector("release_pos_x", "release_pos_y", "release_pos_z")
     since = time_of_plane(velocity[:, 1], acceleration[:, 1], release[:, 1] - FIT_PLANE)
@@ -303,6 +306,8 @@ def time_of_plane(speed: Any, acceleration: Any, distance: Any) -> Any:
 
     The root nearest to 0 of speed · t + acceleration · t²/2 = distance, for a speed below 0.
     """
+    # The form without cancellation: the other root of the quadratic divides by the acceleration,
+    # which may be zero.
     root = np.sqrt(np.maximum(speed**2 + 2.0 * acceleration * distance, 0.0))
     return 2.0 * distance / (speed - root)
 
@@ -441,6 +446,7 @@ def _common(
     temperature, elevation = (
         np.array([known.get(pk, np.nan) for pk in game.tolist()]) for known in _weather(games)
     )
+    # A game that is not in the table is no error: one table of games rarely has all of them.
     unknown = np.isnan(temperature)
     return {
         "source": source,
@@ -463,6 +469,7 @@ def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
     game, fahrenheit = numbers(frame["game_pk"]), numbers(frame["temperature"])
     if np.isnan(game).any() or np.isnan(fahrenheit).any():
         raise TableError(f"{source}: a game has no game_pk or no temperature")
+    # The last of two rows would win silently, and with it a temperature of another game.
     again = np.flatnonzero(frame.assign(game_pk=game).duplicated("game_pk"))
     if again.size:
         raise TableError(

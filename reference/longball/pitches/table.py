@@ -42,10 +42,6 @@ class Usual(NamedTuple):
     # Of the median of many, where that is narrower: a height of 0.7 at the plate may be in ft or m.
     many: tuple[float, float] | None = None
 
-    def range_of(self, count: int) -> tuple[float, float]:
-        """Return the bounds of the median of so many values."""
-        return self.many if self.many and count >= MANY else self.single
-
 
 # Medians of forty places at the plate scatter by 0.1 ft across it, and by 0.2 ft in height.
 MANY = 40
@@ -145,7 +141,14 @@ def _frame(
 
     if isinstance(table, pd.DataFrame):
         return "table", [str(name) for name in table.columns], table
+    if not (isinstance(table, str | Path) or hasattr(table, "read")):
+        raise TypeError(
+            "a table is a pandas DataFrame, or a .csv or .parquet by its path; "
+            f"not an object of type {type(table).__name__}"
+        )
     path = table if isinstance(table, str | Path) else getattr(table, "name", "table")
+    # As other messages call it.
+    path = "standard input" if path == "<stdin>" else path
     source = Path(path).name
     try:
         data = _content(table)
@@ -206,6 +209,7 @@ def readable(column: pd.Series) -> tuple[Array, Flags]:
     """
     import pandas as pd
 
+    # A text that is no number becomes NaN, as a missing one is: the two are told apart by `text`.
     values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
     text = column.notna().to_numpy(dtype=bool)
     if not pd.api.types.is_numeric_dtype(column):
@@ -255,7 +259,7 @@ def select_rows(
         keep &= ~lacking
     if not keep.any():
         reasons = "; ".join(f"{each.count} rows: {each.reason}" for each in left_out)
-        raise TableError(f"no row of the table says all that is asked ({reasons})")
+        raise TableError(f"no row of the table can be used ({reasons})")
     return tuple(left_out), keep
 
 
@@ -272,7 +276,8 @@ def unusual(values: Array, name: str, column: str = "", unit: str = "") -> str:
     """Return a question if the median of a column is out of range; see `require_usual`."""
     usual = USUAL[name]
     unit = unit or usual.unit
-    lowest, highest = bounds = usual.range_of(values.size)
+    bounds = usual.many if usual.many and values.size >= MANY else usual.single
+    lowest, highest = bounds
     sized = lowest >= 0.0 and bool((values < 0.0).any())
     median = float(np.median(np.abs(values) if sized else values)) if values.size else np.nan
     if np.isnan(median) or lowest <= _converted(median, unit, usual.unit) <= highest:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -17,12 +17,11 @@ from longball.api import as_engine, as_scene, differentiable, solve
 from longball.engines.engine import CannotSolve
 from longball.engines.path_engine import PathEngine
 from longball.model.arrays import Array
-from longball.model.inputs import listed, require_inputs, value_of, with_values
+from longball.model.inputs import listed, require_inputs, with_values
 from longball.model.names import one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
 from longball.model.scene import FlightScene, InvalidScene, Scene
-from longball.questions.inverse import of_path, of_result
 from longball.solution import Path, Solution
 
 # Where each unknown is looked for: rad, m/s. No ball has been hit at 70 m/s. Straight up and down
@@ -36,13 +35,11 @@ _DIRECTION = "launch.direction"
 # Flights that are tried. Two launches that hit the target and lie between two of these have the
 # farthest one between them, which is looked for as well.
 _TRIED = 61
-# A direction is corrected as often. A curve of some degrees is one of a thousandth of them at the
-# second trial.
-_CORRECTED = 3
-# rad, m/s, s: to where a search goes, from which Newton's method is there in two steps.
-_CLOSE = 1e-9
-# Newton's steps, and how small the last one is, relative.
-_STEPS, _SETTLED = 8, 1e-15
+# How often a direction is corrected at most, for the curve of side spin and wind: a first time by
+# what it is off, then by the secant, whose fourth step is below rounding.
+_CORRECTED = 8
+# Tolerance of roots, in rad, m/s and s: rounding. Brent's method gets there in some ten flights.
+_EXACT = 1e-15
 
 
 def aim(
@@ -97,6 +94,7 @@ def aim(
     asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
     if not isinstance(asked, FlightScene):
         raise InvalidScene(f"aim: a flight is needed, and this is a scene of kind {asked.kind}")
+    # A ball that hits the fence has no distance, and how far it would fly is asked.
     if asked.fence is not None:
         asked = asked.model_copy(update={"fence": None})
     place = column_of(target)
@@ -126,8 +124,10 @@ def _unknowns(given: Iterable[str] | None, numbers: int) -> list[str]:
                 f"{one_of('what can is', name, (*RANGES, _DIRECTION))}"
             )
     if len(names) != wanted or names[0] not in RANGES or names[1:] != [_DIRECTION][: wanted - 1]:
-        needed = "launch.angle or launch.speed" + " and launch.direction" * (wanted == 2)
-        raise ValueError(f"unknowns: a target of {numbers} numbers takes {needed}")
+        needed = "launch.angle or launch.speed"
+        if wanted == 2:
+            raise ValueError(f"unknowns: a place or a point takes {needed}, and launch.direction")
+        raise ValueError(f"unknowns: a distance takes one, {needed}")
     return names
 
 
@@ -151,31 +151,31 @@ def _hits(
         trial = _trial(scene, target, {main: x}, engine)
         return math.nan if trial is None else trial.excess
 
-    # some launches, and the one that gets farthest
+    # some launches, and the one that gets farthest: beside a maximum two launches may hit, between
+    # which no tried one gets beyond the target
     tried = np.linspace(*RANGES[main], _TRIED).tolist()
     known = [x for x in tried if not math.isnan(excess(x))]
     if not known:
         raise CannotSolve(f"no launch lands, of those that are tried for {main}")
     best = tried.index(max(known, key=excess))
-    found = minimize_scalar(
+    peak = minimize_scalar(
         lambda x: math.inf if math.isnan(excess(x)) else -excess(x),
         bounds=(tried[max(best - 1, 0)], tried[min(best + 1, _TRIED - 1)]),
         method="bounded",
-        options={"xatol": _CLOSE},
+        options={"xatol": 1e-9},
     )
-    farthest = max(tried[best], float(found.x), key=excess)
+    farthest = max(tried[best], float(peak.x), key=excess)
 
     # between two of which one is short and one is not, one hits
-    hits = []
-    for a, b in pairwise(sorted({*tried, farthest})):
-        if excess(a) * excess(b) < 0 or excess(b) == 0:
-            x = b if excess(b) == 0 else brentq(excess, a, b, xtol=_CLOSE)
-            near = _trial(scene, target, {main: x}, engine)
-            assert near is not None
-            hits.append(_closer(near.scene, target, names, engine))
+    hits = [
+        b if excess(b) == 0 else brentq(excess, a, b, xtol=_EXACT)
+        for a, b in pairwise(sorted({*tried, farthest}))
+        if excess(a) * excess(b) < 0 or excess(b) == 0
+    ]
+    found = [_trial(scene, target, {main: x}, engine) for x in hits or [farthest]]
     if hits:
-        return hits
-    trial = _trial(scene, target, {main: farthest}, engine)
+        return [trial.scene for trial in found if trial]
+    (trial,) = found
     assert trial is not None
     if trial.excess < 0:
         raise CannotSolve(
@@ -190,15 +190,12 @@ def _trial(
     """Return a launch at a target; None without a landing."""
     try:
         if len(target) == 1:
-            return _at_a_distance(with_values(scene, values), target[0], engine)
+            launched: Any = with_values(scene, values)
+            gets = float(_landed(launched, engine)["landing.distance"])
+            return _Trial(launched, gets - target[0], _getting(gets, target[0]))
         return _in_its_direction(scene, target, values, engine)
     except (CannotSolve, InvalidScene, Undecided, ValidationError):
         return None
-
-
-def _at_a_distance(scene: Any, distance: float, engine: PathEngine) -> _Trial:
-    gets = float(_landed(scene, engine)["landing.distance"])
-    return _Trial(scene, gets - distance, _getting(gets, distance))
 
 
 def _in_its_direction(
@@ -206,13 +203,15 @@ def _in_its_direction(
 ) -> _Trial:
     origin = np.array(scene.launch.position[:2])
     away, bearing = _polar(target[:2] - origin)
-    direction = bearing
+    direction, step, before = bearing, 0.0, 0.0
     for _ in range(_CORRECTED):
         launched: Any = with_values(scene, {**values, _DIRECTION: direction})
         found = _landed(launched, engine)
         place = np.array([*map(float, found["landing.position"])])
         gets, turned = _polar(place[:2] - origin)
         trial = _Trial(launched, gets - away, _getting(gets, away))
+        # A point is passed at a height: the excess is the height above it, and for a ball that does
+        # not get so far also how far it falls short, which is negative, too.
         if len(target) == 3:
             short = min(gets - away, 0.0)
             if not short:
@@ -221,7 +220,11 @@ def _in_its_direction(
                 high = f"there the ball is {place[2]:.6g} m high at most"
                 trial = replace(trial, gets=f"{high}, and the target {target[2]:.6g} m")
             trial = replace(trial, excess=place[2] - target[2] + short)
-        direction += math.remainder(bearing - turned, 2 * math.pi)
+        off = math.remainder(bearing - turned, 2 * math.pi)
+        if abs(off) <= _EXACT:
+            break
+        step = off * step / (before - off) if step and before != off else off
+        direction, before = direction + step, off
     return trial
 
 
@@ -247,37 +250,4 @@ def _passing(path: Path, origin: Array, away: float) -> float:
         return math.dist(path.at(time).position[:2], origin) - away
 
     begin, end = path.start, path.end
-    return brentq(beyond, begin, end, xtol=_CLOSE) if beyond(begin) < 0 < beyond(end) else end
-
-
-def _closer(scene: FlightScene, target: Array, names: list[str], engine: PathEngine) -> FlightScene:
-    """Return a scene that is near the target by Newton's method at it.
-
-    A point is one of the path at a time, which is one more unknown.
-    """
-    near: Any = scene
-    time: float | None = None
-    if len(target) == 3:
-        origin = np.array(near.launch.position[:2])
-        time = _passing(solve(near, engine).path, origin, math.dist(target[:2], origin))
-    for _ in range(_STEPS):
-        if time is None:
-            quantities = [f"landing.position[{i}]" for i in range(len(target))]
-            quantities = ["landing.distance"] if len(target) == 1 else quantities
-            found, slopes = of_result(near, quantities, names, engine)
-        else:
-            found, slopes = of_path(near, np.array([time]), names, engine)
-            path = solve(near, engine).path
-            moving = path.at(min(time, path.end)).velocity
-            found, slopes = found[0], np.column_stack([slopes[0], moving])
-        step, _, rank, _ = np.linalg.lstsq(slopes, target - found, rcond=1e-7)
-        if rank < len(step):
-            return scene  # the farthest launch, whose distance does not change with its angle
-        values = {name: value_of(near, name) for name in names}
-        near = with_values(
-            near, {n: values[n] + float(d) for n, d in zip(names, step, strict=False)}
-        )
-        time = None if time is None else time + float(step[-1])
-        if (np.abs(step[: len(names)]) <= _SETTLED * (1 + np.abs([*values.values()]))).all():
-            break
-    return cast(FlightScene, near)
+    return brentq(beyond, begin, end, xtol=_EXACT) if beyond(begin) < 0 < beyond(end) else end

@@ -33,7 +33,7 @@ from longball.engines.tangent import (
 from longball.model.arrays import Array
 from longball.model.inputs import require_inputs, value_of, with_values
 from longball.model.numbers import Undecided
-from longball.model.plain import column_of
+from longball.model.plain import column_of, is_number
 from longball.model.quantities import doubles, unknown
 from longball.model.scene import Scene
 from longball.solution import error_of, real_numbers
@@ -181,7 +181,8 @@ def fit(
                 f"{missed[worst]:.3g}"
             )
 
-    # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements
+    # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements. If these are
+    # not given, the scatter about the fit stands for them: χ² would be the degrees of freedom.
     root = _determined(names, jacobian)
     freedom = len(data.values) - len(names)
     chi_squared = float(residuals @ residuals)
@@ -208,6 +209,7 @@ def _least_squares(
     """Return the fitted unknowns, the residuals, and the derivatives of what is computed."""
     start = np.array([value_of(scene, name) for name in names])
 
+    # The search asks for residuals and derivatives at the same point, which are solved together.
     @cache
     def solved_at(*x: float) -> tuple[Array, Array]:
         found, slopes = data.model(
@@ -226,6 +228,8 @@ def _least_squares(
 
     # The start is solved outside `residuals`, which would hide its error.
     _lengths(names, solved(start)[1])
+    # Unknowns have different units: steps are measured by the columns of J. The search ends by the
+    # size of its step alone, as a residual that is left says nothing of the unknowns' digits.
     found = least_squares(
         residuals,
         start,
@@ -236,17 +240,13 @@ def _least_squares(
         xtol=_CONVERGED,
         max_nfev=_MOST_STEPS,
     )
-    if found.status == 0 and not _is_settled(found):
+    # After all steps the gradient may have vanished within rounding: then it is found as well.
+    slopes = np.linalg.norm(found.jac, axis=0) * max(np.linalg.norm(found.fun), 1e-12)
+    if found.status == 0 and not (np.abs(found.grad) <= 1e-6 * slopes).all():
         raise CannotSolve(
             f"no fit is found in {_MOST_STEPS} steps; start nearer to it, or fix some unknowns"
         )
     return (found.x.tolist(), *solved(found.x))
-
-
-def _is_settled(found: Any) -> bool:
-    """True if the gradient vanishes within rounding, although all steps were taken."""
-    slopes = np.linalg.norm(found.jac, axis=0) * max(np.linalg.norm(found.fun), 1e-12)
-    return bool((np.abs(found.grad) <= 1e-6 * slopes).all())
 
 
 def _determined(names: list[str], jacobian: Array) -> Array:
@@ -279,6 +279,7 @@ def _lengths(names: list[str], jacobian: Array) -> Array:
 def _direction(names: list[str], axis: Array) -> str:
     """Return a direction in the unknowns as a text, largest part first of what matters."""
     order = [i for i in np.argsort(-np.abs(axis)) if abs(axis[i]) > 1e-6 * np.abs(axis).max()]
+    # By its largest part, so that the others say how much they move per unit of it.
     axis = axis / axis[order[0]]
     return ", ".join(f"{names[i]} {axis[i]:+.4g}" for i in order)
 
@@ -323,6 +324,7 @@ def of_path(
     scene: Scene, times: Array, unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return points of a path, shape (times, 3), and derivatives, (times, 3, unknowns)."""
+    # Dual numbers carry one derivative: the flight is solved once for each unknown.
     columns = []
     for name in unknowns:
         marked, speed = seeded_by(scene, name)
@@ -335,33 +337,35 @@ def _points(scene: Scene, times: Array, engine: PathEngine) -> tuple[Array, Arra
     """Return the points of a path at some times, and their derivatives, shape (times, 3) each."""
     tangent = Tangent(engine)
     with not_beyond_a_kink():
-        result, way = chain.solve_with_path(scene, tangent)
+        result, trajectory = chain.solve_with_path(scene, tangent)
         if result.error is not None:
             raise error_of(result)
-        if not way.legs:
+        if not trajectory.legs:
             raise ValueError("an impact has no path: nothing flies in it")
         with engine.numbers.arithmetic():
-            points = [_position(way, tangent.numbers.exact(t)) for t in times.tolist()]
+            points = [_position(trajectory, tangent.numbers.exact(t)) for t in times.tolist()]
     found, slopes = (
         np.array([[float(of(x)) for x in point] for point in points]) for of in (plain_of, rate_of)
     )
     return found, slopes
 
 
-def _position(way: Trajectory, time: Any) -> Any:
+def _position(trajectory: Trajectory, time: Any) -> Any:
     """Return the position at a time; after the landing, as if there were no ground.
 
     So measured points may lie beyond the landing of the scene to start from.
     """
-    leg = [leg for leg in way.legs if not time < leg.begin][-1]
+    # The law of the last leg goes on: a derivative that ended at the ground would be zero there.
+    leg = [leg for leg in trajectory.legs if not time < leg.begin][-1]
     return leg.frame.position(leg.flight.path.at(time - leg.begin))
 
 
 def _of_result(given: Mapping[Any, Any]) -> _Measured:
     names = tuple(map(str, given))
-    values = column_of([*given.values()])
-    if values.dtype != float or values.ndim != 1 or not np.isfinite(values).all():
-        raise ValueError("measured: every number of the result needs a finite value")
+    for name, value in given.items():
+        if not (is_number(value) and math.isfinite(value)):
+            raise ValueError(f"measured: {name} = {value!r}: a finite number is needed")
+    values = np.array([*given.values()], float)
 
     def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
         return of_result(scene, names, unknowns, engine)

@@ -13,21 +13,17 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from longball import engines
 from longball.api import as_scene, solve
 from longball.model.arrays import Array
 from longball.model.scene import InvalidScene, PitchScene
 from longball.model.scene import Pitch as PitchBlock
 from longball.pitches.models import STANDARD_GRAVITY
-from longball.pitches.statcast import (
-    FIT_PLANE,
-    FOOT,
-    PLATE_FRONT,
-    MeasuredPitches,
-    time_of_plane,
-)
-from longball.solution import Path, Solution
+from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT, MeasuredPitches, time_of_plane
+from longball.solution import Path, Solution, real_numbers
 
 Vector = tuple[float, float, float]
 
@@ -73,6 +69,12 @@ class NineParameters:
     acceleration: Vector
     residual: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name in ("position", "velocity", "acceleration"):
+            value = getattr(self, name)
+            if vectors(name, value).ndim != 1:
+                raise ValueError(f"{name} = {value!r}: one vector [x, y, z] is needed")
+
     def at(self, x: float) -> NineParameters:
         """Return the parameters where the ball is at a place x, m, on its way to the plate.
 
@@ -81,6 +83,7 @@ class NineParameters:
         ValueError
             If it never comes there: the deceleration turns it round before.
         """
+        # v² = v0² + 2 a d, which is negative beyond the place where the ball turns
         distance, speed, push = x - self.position[0], self.velocity[0], self.acceleration[0]
         square = speed * speed + 2.0 * push * distance
         if not (speed < 0.0 and square >= 0.0):
@@ -136,10 +139,10 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     >>> [round(a, 2) for a in fitted.acceleration], f"{1000 * fitted.residual:.1f} mm"
     ([8.86, 0.32, -4.99], '1.8 mm')
     """
-    way, end = _pitch_of(path)
+    trajectory, end = _pitch_of(path)
     nodes, weights = leggauss(_NODES)
-    half = 0.5 * (end - way.start)
-    places = way.at(way.start + half * (1.0 + nodes)).position
+    half = 0.5 * (end - trajectory.start)
+    places = trajectory.at(trajectory.start + half * (1.0 + nodes)).position
     # The projection on 1, τ, (3τ² - 1)/2, which are orthogonal over the pitch, τ from -1 to 1.
     basis = np.stack([np.ones_like(nodes), nodes, 1.5 * nodes**2 - 0.5])
     projection = (basis * weights) * np.array([[0.5], [1.5], [2.5]])
@@ -147,10 +150,15 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     for _ in range(2):  # the second time for what the first has rounded
         fitted += projection @ left
         left = places - basis.T @ fitted
-    mean, slope, bend = fitted
+    # r(τ) = mean + slope τ + curvature (3τ² - 1)/2 with t = half τ: at τ = 0 the position is
+    # mean - curvature/2, the velocity slope/half, the acceleration 3 curvature/half².
+    mean, slope, curvature = fitted
     residual = math.sqrt(0.5 * float(weights @ np.sum(left**2, axis=1)))
     middle = NineParameters(
-        _vector(mean - 0.5 * bend), _vector(slope / half), _vector(3.0 * bend / half**2), residual
+        _vector(mean - 0.5 * curvature),
+        _vector(slope / half),
+        _vector(3.0 * curvature / half**2),
+        residual,
     )
     return middle.at(at)
 
@@ -165,6 +173,7 @@ def _pitch_of(path: Path | Solution) -> tuple[Path, float]:
         raise TypeError(
             f"path: the path or the solution of a pitch is needed; not a {type(path).__name__}"
         )
+    # A path of a pitch ends at x = 0 to rounding; one that lands before it ends centimetres away.
     if path.at(path.end).position[0] > 1e-6:
         raise ValueError(f"the pitch does not reach the plate: its path ends at {path.end:.6g} s")
     return path, path.end
@@ -173,6 +182,14 @@ def _pitch_of(path: Path | Solution) -> tuple[Path, float]:
 def _vector(values: Array) -> Vector:
     x, y, z = values.tolist()
     return x, y, z
+
+
+def vectors(name: str, value: ArrayLike) -> Array:
+    """Return vectors as an array of shape (…, 3); a ValueError names an argument that is none."""
+    found = real_numbers(name, value)
+    if found.shape[-1:] != (3,) or not np.isfinite(found).all():
+        raise ValueError(f"{name} = {value!r}: a vector [x, y, z] of finite numbers is needed")
+    return found
 
 
 @dataclass(frozen=True)
@@ -211,6 +228,7 @@ def clock(across: float, up: float) -> str:
     """
     if across == up == 0.0:
         return ""
+    # Twelve hours are 2π, clockwise from 12:00; the catcher's left is the pitcher's right.
     minutes = round(math.atan2(across, up) * 360.0 / math.pi) % 720
     return f"{minutes // 60 or 12}:{minutes % 60:02}"
 
@@ -260,10 +278,16 @@ def movement(
     if without not in ("air", "lift"):
         raise ValueError(f"without must be 'air' or 'lift' (got {without!r})")
     result = solve(asked, **options)
-    way, end = _pitch_of(result)
-    begin = way.start if since is None else _time_at(way, end, since)
-    _, place, velocity = way.at(begin)
-    crossed = way.at(end).position
+    trajectory, end = _pitch_of(result)
+    begin = trajectory.start
+    if since is not None:
+        x = engines.of_type(float, "since", since)
+        release = trajectory.at(begin).position[0]
+        if not release >= x > 0.0:
+            raise ValueError(f"since = {x} m: the pitch is released at x = {release} m")
+        begin = float(brentq(lambda t: trajectory.at(t).position[0] - x, begin, end, xtol=1e-15))
+    _, place, velocity = trajectory.at(begin)
+    crossed = trajectory.at(end).position
     if without == "air":
         left = end - begin
         free = place + velocity * left - [0.0, 0.0, 0.5 * asked.gravity * left**2]
@@ -278,14 +302,6 @@ def movement(
         raise ValueError(f"without lift the pitch does not reach the plate: it is {found.outcome}")
     across, up = (crossed - np.array([*map(float, found.plate.position)]))[1:].tolist()
     return Movement(across, up)
-
-
-def _time_at(path: Path, end: float, x: float) -> float:
-    """Return the time at which a pitch reaches a place x, m."""
-    release = path.at(path.start).position[0]
-    if not release >= x > 0.0:
-        raise ValueError(f"since = {x} m: the pitch is released at x = {release} m")
-    return float(brentq(lambda t: path.at(t).position[0] - x, path.start, end, xtol=1e-15))
 
 
 def measured_movement(pitches: MeasuredPitches, since: float | None = None) -> dict[str, Array]:
@@ -308,6 +324,7 @@ def measured_movement(pitches: MeasuredPitches, since: float | None = None) -> d
     speed, push, release = pitches.velocity[:, 0], pitches.acceleration[:, 0], pitches.release[:, 0]
     begin = 0.0 if since is None else time_of_plane(speed, push, since - release)
     end = time_of_plane(speed, push, -release)
+    # Of a constant acceleration a the deflection from gravity alone is (a + g e_z) t²/2.
     _, push_across, push_up = pitches.acceleration.T
     half_square = 0.5 * (end - begin) ** 2
     across, up = half_square * push_across, half_square * (push_up + STANDARD_GRAVITY)

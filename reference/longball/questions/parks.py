@@ -20,6 +20,7 @@ from typing import Any
 from longball.api import as_engine, as_scene
 from longball.engines.chain import solve_each
 from longball.model.air import Weather
+from longball.model.inputs import listed
 from longball.model.names import did_you_mean
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, Fence, FlightScene, InvalidScene, Scene
@@ -136,10 +137,13 @@ def park(name: str) -> Park:
     if name in known:
         return known[name]
     near = did_you_mean(name, known)
+    # Who asks for Boston means Fenway Park.
     for city in dict.fromkeys(each.city for each in parks()):
         if not near and did_you_mean(name, [city]):
             there = " or ".join(each.name for each in parks() if each.city == city)
             near = f", did you mean {there}?"
+    if any(row["park"] == name for row in _rows(PARKS)):
+        near = ": no source gives the heights of its wall; if you know them, give the scene a fence"
     near = near or f"; the parks are {', '.join(each.name for each in parks())}"
     raise ValueError(f"park {name!r} is not known{near}")
 
@@ -196,7 +200,7 @@ def in_parks(
     asked = as_scene(scene)
     if not isinstance(asked, FlightScene | AtBatScene):
         raise InvalidScene(f"kind: must be 'flight' or 'at-bat' here, and is {asked.kind!r}")
-    chosen = parks() if where is None else where
+    chosen = parks() if where is None else listed(where)
     every = [park(one) if isinstance(one, str) else one for one in chosen]
     results = solve_each([_in(one, asked) for one in every], as_engine(engine, options))
     return [InPark(one, result) for one, result in zip(every, results, strict=True)]
@@ -204,6 +208,7 @@ def in_parks(
 
 def _in(one: Park, scene: FlightScene | AtBatScene) -> Any:
     """Return the scene in a park."""
+    # The scene's pressure is that of sea level: the model lowers it to the park's elevation.
     rises = scene.air is not None and not ignores_elevation(scene)
     elevation = {"air.density.elevation": one.elevation} if rises else {}
     return scene.replace(fence=one.fence, **elevation)

@@ -29,7 +29,7 @@ from longball.model.scene import AtBatScene, InvalidScene, PitchScene, Scene
 from longball.model.vectors import part_across
 from longball.pitches.models import FlightModel
 from longball.pitches.statcast import MeasuredPitches, time_of_plane
-from longball.questions.movement import Movement, movement
+from longball.questions.movement import Movement, movement, vectors
 from longball.solution import real_numbers
 
 # Of a share: of a ball whose spin is all active the law there and back gives 1 to 1e-13.
@@ -133,7 +133,7 @@ def spin_from_movement(
         per_unit *= float(np.exp(-height / air.density_scale_height))
 
     # the forces
-    v, a = _vectors("velocity", velocity), _vectors("acceleration", acceleration)
+    v, a = vectors("velocity", velocity), vectors("acceleration", acceleration)
     wind = np.array(air.wind_at(height, 1.0))
     u = v - wind
     speed = np.linalg.norm(u, axis=-1)
@@ -141,6 +141,7 @@ def spin_from_movement(
         raise ValueError(f"velocity = {velocity!r}: the ball must move through the air")
     ahead = u / speed[..., None]
     free = a + np.array([0.0, 0.0, asked.gravity])
+    # Drag is what is left along the way when gravity is taken off; lift is what is left across it.
     slowing = -np.sum(free * ahead, axis=-1)
     pressure = per_unit * speed**2
     moving = free + slowing[..., None] * ahead
@@ -156,21 +157,22 @@ def spin_from_movement(
     spin_parameter, most = _spin_parameter(air, lift)
     sense = -1.0 if most < 0.0 else 1.0
     beyond = np.isnan(spin_parameter)
-    told = (
+    message = (
         "C_L = {:.4g} is above what the law of air.lift_coefficient reaches, "
         f"{abs(most):.4g}: no spin moves a ball so far"
     )
     if beyond.ndim == 0 and beyond:
-        raise ValueError(told.format(float(lift)))
+        raise ValueError(message.format(float(lift)))
     size = spin_parameter * speed / asked.ball.radius
     unit = moving / np.where(force > 0.0, force, 1.0)[..., None]
     transverse = sense * size[..., None] * np.cross(ahead, unit)
-    reasons = {int(i): told.format(lift.flat[i]) for i in np.flatnonzero(beyond)}
+    reasons = {int(i): message.format(lift.flat[i]) for i in np.flatnonzero(beyond)}
     if rate is None:
         return SpinFromMovement(transverse, drag[()], lift[()], reasons=reasons)
     whole = real_numbers("rate", rate)
     if not (whole > 0.0).all():
         raise ValueError(f"rate = {rate!r}: spins must be positive, rad/s")
+    # The spin along the way makes no force: ω² = ω_T² + ω_along², whose sign nothing here shows.
     share = size / whole
     above = share > 1.0 + _ROUNDING
     along = np.sqrt(np.where(above, np.nan, np.maximum(whole**2 - size**2, 0.0)))
@@ -230,6 +232,8 @@ def spin_for(
     asked = _asked(scene)
     if not isinstance(asked, PitchScene):
         raise InvalidScene(f"kind: must be 'pitch' here, and is {asked.kind!r}")
+    if not isinstance(moved, Movement):
+        raise TypeError(f"moved = {moved!r}: a movement is needed, lb.Movement(across=…, up=…), m")
     ahead = np.array(asked.pitch.thrown)
     ahead /= np.linalg.norm(ahead)
     up = np.array([0.0, 0.0, 1.0]) - ahead[2] * ahead
@@ -261,13 +265,6 @@ def spin_for(
     return thrown(found.x)
 
 
-def _vectors(name: str, value: ArrayLike) -> Array:
-    vectors = real_numbers(name, value)
-    if vectors.shape[-1:] != (3,) or not np.isfinite(vectors).all():
-        raise ValueError(f"{name} = {value!r}: a vector [x, y, z] of finite numbers is needed")
-    return vectors
-
-
 def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Array]:
     """Compute the spin that measured pitches need for their movement, in the middle of their way.
 
@@ -287,6 +284,7 @@ def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Arr
     speed, push = pitches.velocity[:, 0], pitches.acceleration[:, 0]
     half = 0.5 * time_of_plane(speed, push, -pitches.release[:, 0])
     middle = pitches.velocity + pitches.acceleration * half[:, None]
+    # Pitches of one weather have one scene: a day has fifteen games and thousands of pitches.
     names = "drag_coefficient", "lift_coefficient", "transverse", "active_share"
     columns = {name: np.empty(len(pitches)) for name in names}
     weathers = np.stack([pitches.temperature, pitches.elevation], axis=1)
@@ -323,6 +321,8 @@ def _air_of(scene: PitchScene | AtBatScene) -> Air:
 
 def _spin_parameter(air: Air, lift: Array) -> tuple[Array, float]:
     """Return S at values of |C_L|, NaN beyond what the law reaches; and that, with its sign."""
+    # Each law solved for S at C_L: slope S; c0 S/(c1 + c2 S), which never gets beyond c0/c2; two
+    # lines that meet at the node; a table, by its own straight lines.
     law: Any = air.lift_coefficient
     match law_name(law):
         case "linear":

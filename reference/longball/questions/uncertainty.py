@@ -18,6 +18,7 @@ from longball.engines.engine import CannotSolve
 from longball.engines.tangent import derivatives_of
 from longball.model.arrays import Array
 from longball.model.inputs import listed, require_inputs, value_of, with_values
+from longball.model.plain import is_number
 from longball.model.quantities import doubles, unknown
 from longball.model.result import Result
 from longball.model.scene import Scene
@@ -130,6 +131,7 @@ def uncertainty(
                 raise unknown(quantity, value)
         value = {quantity: value[quantity] for quantity in chosen}
 
+    # One derivative that is refused would make all of J C Jᵀ NaN.
     derivatives = derivatives_of(asked, value, names, solver)
     for name, reason in derivatives.refused.items():
         raise CannotSolve(f"{name}: {reason}")
@@ -138,9 +140,11 @@ def uncertainty(
     spread_of_result = jacobian @ covariance @ jacobian.T
     sigma = dict(zip(value, np.sqrt(np.diag(spread_of_result)).tolist(), strict=True))
 
-    bend, warned = _second_order(asked, result, value, names, covariance, solver)
-    shift = dict(zip(value, (0.5 * np.trace(bend, axis1=0, axis2=1)).tolist(), strict=True))
-    size = np.sqrt(0.5 * np.square(bend).sum(axis=(0, 1)))
+    # With H of second derivatives along axes z of unit variance, Q(z) = Q + Jz + zᵀHz/2 has a mean
+    # of Q + tr(H)/2, and its second-order term a variance of tr(H²)/2 for a normal z.
+    curvature, warned = _second_order(asked, result, value, names, covariance, solver)
+    shift = dict(zip(value, (0.5 * np.trace(curvature, axis1=0, axis2=1)).tolist(), strict=True))
+    size = np.sqrt(0.5 * np.square(curvature).sum(axis=(0, 1)))
     second = dict(zip(value, size.tolist(), strict=True))
     for name in value:
         largest = max(abs(shift[name]), second[name])
@@ -175,8 +179,10 @@ def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
     rows = [*given.values()]
     if not any(isinstance(row, Mapping) for row in rows):
         for name, sigma in zip(names, rows, strict=True):
-            if not (isinstance(sigma, int | float) and 0 < sigma < math.inf):
-                raise ValueError(f"spread: the standard deviation of {name} must be positive")
+            if not (is_number(sigma) and 0 < sigma < math.inf):
+                raise ValueError(
+                    f"spread: the standard deviation of {name} must be positive (got {sigma!r})"
+                )
         return names, np.diag(np.square(np.array(rows, float)))
     if not all(isinstance(row, Mapping) and set(map(str, row)) == set(names) for row in rows):
         raise ValueError(
@@ -186,6 +192,7 @@ def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
     table = real_numbers("spread", [[row[name] for name in given] for row in rows])
     if not np.isfinite(table).all() or not np.allclose(table, table.T, rtol=1e-9, atol=0.0):
         raise ValueError("spread: a covariance must be symmetric")
+    # Correlations that are written with nine digits are allowed to round below zero.
     if np.linalg.eigvalsh(_scaled(table))[0] < -1e-9:
         raise ValueError(
             "spread: a covariance cannot have a negative variance along any direction of "
@@ -216,6 +223,8 @@ def _second_order(
     Of shape (axes, axes, quantities), by an axis as long as its standard deviation:
     ``Q(a + b) - Q(a) - Q(b) + Q`` of two, and ``Q(a) - 2 Q + Q(-a)`` of one.
     """
+    # Of the correlations and not of the covariance: its inputs have different units, and axes that
+    # mix metres and radians by their size would depend on these.
     sigma = np.sqrt(np.diag(covariance))
     sizes, turned = np.linalg.eigh(_scaled(covariance))
     axes = (sigma[:, None] * turned * np.sqrt(np.maximum(sizes, 0.0))).T
@@ -227,21 +236,22 @@ def _second_order(
         moved = dict(zip(names, (here + step).tolist(), strict=True))
         try:
             found = chain.solve(with_values(scene, moved), engine)
-            said = found.error or f"the outcome is {found.outcome} instead of {result.outcome}"
+            reason = found.error or f"the outcome is {found.outcome} instead of {result.outcome}"
         except ValidationError:
-            found, said = None, "there is no such scene"
+            found, reason = None, "there is no such scene"
         known = {} if found is None else _numbers(found)
         if found is None or found.outcome != result.outcome or not known.keys() >= value.keys():
             where = ", ".join(f"{name} = {x:.6g}" for name, x in moved.items())
-            doubts.append(f"one standard deviation away, at {where}: {said}")
+            doubts.append(f"one standard deviation away, at {where}: {reason}")
             return np.full(len(value), math.nan)
         return np.array([known[quantity] for quantity in value])
 
     ahead, behind = ([at(sense * axis) for axis in axes] for sense in (1.0, -1.0))
-    bend = np.empty((len(names), len(names), len(value)))
+    curvature = np.empty((len(names), len(names), len(value)))
     for i, j in combinations_with_replacement(range(len(names)), 2):
         if i == j:
-            bend[i, i] = ahead[i] - 2 * middle + behind[i]
+            curvature[i, i] = ahead[i] - 2 * middle + behind[i]
         else:
-            bend[i, j] = bend[j, i] = at(axes[i] + axes[j]) - ahead[i] - ahead[j] + middle
-    return bend, doubts[:1]
+            curvature[i, j] = curvature[j, i] = at(axes[i] + axes[j]) - ahead[i] - ahead[j] + middle
+    # One scene of another outcome is reason enough for doubt, and the others mostly say the same.
+    return curvature, doubts[:1]
