@@ -1,6 +1,6 @@
 """The diagnosis of an independent program with one mistake or two.
 
-The program (`tests/candidates/mistaken.py`) is right to 1e-12 without a mistake.
+The program (`tests/planted/at_bat_lab.py`) is right to 1e-12; a mistake is an edit of its text.
 """
 
 from __future__ import annotations
@@ -27,8 +27,7 @@ from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.search import PAIRS, Explanation, Named, defaults
 from longball.judge.quantities import values_of
 from longball.model.scene import parse_scene
-from tests.candidates.mistaken import solve as simulate
-from tests.candidates.mistaken import switches
+from tests.planted.sources import edited_lab
 
 NIGHTLY = pytest.mark.nightly
 
@@ -46,12 +45,35 @@ def gold() -> list[Case]:
     ][::16]
 
 
-def answers(cases: Sequence[Case], *names: str) -> dict[str, Answer]:
+def answers(cases: Sequence[Case], *mistakes: str) -> dict[str, Answer]:
+    lab: dict[str, Any] = {"__name__": "lab"}
+    exec(edited_lab([MISTAKES[mistake] for mistake in mistakes]), lab)
     collector = Collector([case.id for case in cases])
     for number, case in enumerate(cases, 1):
-        result = simulate(json.loads(case.scene.line()), switches(*names))
+        result = lab["solve"](json.loads(case.scene.line()))
         collector.take_line(number, json.dumps(result).encode())
     return collector.answers
+
+
+DISTANCE = 'landing["distance"] = abs(there[0] - origin)'
+# What stands in the program, and what the author of the mistake has in its place.
+MISTAKES = {
+    "g-9.80665": ('scene.get("gravity", 9.8)', "9.80665"),
+    "mass-0.145": ('ball.get("mass", 0.145)', "0.145"),
+    "drag-per-component": (
+        "dq -= f * uq\n                dw -= f * uw\n",
+        "dq -= f / U * complex(abs(uq.real) * uq.real, abs(uq.imag) * uq.imag)\n"
+        "                dw -= f / U * abs(uw) * uw\n",
+    ),
+    "nathan": ("bounce = e + (1 + e) * m / effective", "bounce = e + 0.0"),
+    "bat-at-rest": ("closing = slip.real", "closing = local.real"),
+    "over-bat-mass": ("local += impulse / m", "local += impulse / M"),
+    "distance-in-feet": (DISTANCE, f"{DISTANCE} / 0.3048"),
+    "axes-exchanged": (
+        "landing = moment(when, there)",
+        'landing = moment(when, there); landing["position"][:2] = landing["position"][1::-1]',
+    ),
+}
 
 
 def test_right_answers_have_no_finding(gold: list[Case]):
