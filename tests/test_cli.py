@@ -45,22 +45,6 @@ class TestSolve:
         assert run.stdout == ""
         assert len(output.read_bytes().splitlines()) == 2
 
-    @pytest.mark.parametrize(
-        ("text", "what", "jq"),
-        [
-            ('{"kind": "at-bat",\n "swing": {"tilt": 0}}\n', "one object over several lines", "."),
-            ('{\n "kind": "at-bat"\n}', "one object over several lines", "."),
-            ('[{"kind": "at-bat"},\n {"kind": "pitch"}]', "an array", "'.[]'"),
-        ],
-    )
-    def test_json_over_several_lines_is_one_sentence(self, called, tmp_path, text, what, jq):
-        source = tmp_path / "scenes.json"
-        source.write_text(text)
-        for run in (called("solve", str(source)), called("plot", str(source))):
-            assert (run.returncode, run.stdout) == (2, "")
-            (sentence,) = run.stderr.splitlines()
-            assert f"is JSON, but {what}; a scene stands in one line: jq -c {jq} " in sentence
-
     def test_bad_lines_are_answered_and_lose_nothing(self, called):
         lines = [
             AT_BAT,
@@ -170,17 +154,6 @@ class TestSolve:
         assert at_bat["path"][-1][:4] == pytest.approx(end, abs=1e-12)
         assert len(results(called("solve", "--path", stdin=FLIGHT))[0]["path"]) == 201
 
-    def test_a_result_names_the_version(self, called):
-        (result,) = results(called("solve", stdin=FLIGHT))
-        assert result["engine"] == f"longball {lb.__version__} ivp Taylor"
-
-    def test_a_broken_first_line_is_one_line_without_an_answer(self, called):
-        run = called("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')
-        assert [json.loads(line).get("outcome") for line in run.stdout.splitlines()] == [
-            None,
-            "crossed",
-        ]
-
     @pytest.mark.parametrize("engine", ["ivp", "batch"])
     def test_scenes_are_changed_by_options(self, called, tmp_path: Path, engine: str):
         launch = {"position": [0, 0, 1], "velocity": [40, 0, 25]}
@@ -238,22 +211,6 @@ class TestSolve:
     def test_utf16_lines_are_named(self, called):
         (line,) = results(called("solve", stdin='{"kind":"pitch"}'.encode("utf-16")))
         assert line["error"].endswith("iconv -f utf-16 -t utf-8 converts UTF-16")
-
-    def test_an_empty_table_is_no_success(self, called, tmp_path: Path):
-        table = tmp_path / "scenes.csv"
-        for text in ("", "kind\n"):
-            table.write_text(text)
-            run = called("solve", str(table), "-o", "-")
-            assert (run.returncode, run.stdout) == (2, "")
-            assert "the table is empty" in run.stderr or f"no scenes in {table}" in run.stderr
-
-    def test_workers_change_no_byte(self, called):
-        lines = b"\n".join(
-            FLIGHT.replace(b"30,2,20", f"30,{y / 10},20".encode()) for y in range(70)
-        )
-        one, two = (called("solve", "--workers", n, stdin=lines) for n in ("1", "2"))
-        assert len(results(one)) == 70
-        assert one.stdout == two.stdout
 
     @pytest.mark.parametrize(
         ("arguments", "named"),
@@ -547,19 +504,6 @@ class TestHomerun:
         ]
         assert len(results(solved)) == 24
 
-    def test_scenes_give_the_same_home_runs(self, called, tmp_path: Path):
-        scenes = tmp_path / "s.jsonl"
-        run = called(
-            "homerun", "--samples", "100", "--e", "0.45", "--workers", "1", "--json",
-            "--reading", "inertia=about_centre", "--scenes", str(scenes),
-        )  # fmt: skip
-        far = [
-            r
-            for r in results(called("solve", str(scenes)))
-            if r["outcome"] == "batted" and r["landing"]["distance"] >= 150
-        ]
-        assert len(far) == json.loads(run.stdout)["rows"][0]["home_runs"] > 0
-
 
 TABLE = "kind,v,cell\n" + "".join(
     f"{kind},{base + 0.1 * i},{1 + i % 5}\n"
@@ -589,13 +533,6 @@ class TestFit:
             "v is missing": [81],
             "cell is missing": [82],
         }
-
-    def test_a_table_that_is_none_is_no_traceback(self, called):
-        run = called("fit", "-", stdin=b"a,b\n1,2\n")
-        assert "--column NAME=VALUE names others" in run.stderr
-        assert run.returncode == 2
-        assert "pitch_type" in run.stderr
-        assert "Traceback" not in run.stderr
 
     @pytest.mark.nightly
     def test_what_is_fitted_is_drawn_from(self, called, tmp_path: Path):

@@ -21,11 +21,6 @@ from tests.strategies import at_bats, scenes
 
 ENGINE = Batch()
 
-AT_REST = (
-    '{"id":"up","kind":"flight","launch":{"position":[0,0,20],"velocity":[0,0,0]},'
-    '"reading":{"lift_direction":"always_up"}}'
-)
-
 
 def alone(scenes):
     return [solve(scene, ENGINE) for scene in scenes]
@@ -33,14 +28,6 @@ def alone(scenes):
 
 def together(scenes):
     return ENGINE.solve_all(scenes)
-
-
-@pytest.mark.parametrize("copies", [1, 15, 16, 17, 1000])
-def test_a_ball_at_rest_falls_straight_however_many_there_are(copies):
-    scene = parse_scene(AT_REST)
-    (wanted,) = {result.line() for result in alone([scene])}
-    assert {result.line() for result in together([scene] * copies)} == {wanted}
-    assert '"distance": 0.0' in wanted
 
 
 # --- every kind of scene, every reading ----------------------------------------------------------

@@ -106,16 +106,6 @@ def test_the_air_of_random_scenes_is_determined_by_its_products_alone(first, nig
         assert [float(x) for _, x in along] == pytest.approx([1.0, ratio], rel=1e-3)
 
 
-def test_a_pitch_gives_its_drag_back():
-    scene = lb.Pitch(pitch={"speed": 40.0, "aim": [0.2, 1.0]})
-    result = lb.solve(scene)
-    seen = {"plate.time": result.plate.time}
-    start = scene.replace(**{"air.drag_coefficient": 0.3})
-    found = lb.fit(seen, start, unknowns=["air.drag_coefficient"])
-    assert found["air.drag_coefficient"] == pytest.approx(scene.air.drag_coefficient, rel=1e-10)
-    assert lb.solve(found.scene).plate.time == pytest.approx(result.plate.time, rel=1e-13)
-
-
 def test_errors_are_those_of_least_squares():
     # x = x₀ + u t without air: the variance of u from n points is σ²/Σ(t - t̄)²
     times = np.linspace(0.0, 1.0, 11)

@@ -170,12 +170,6 @@ def test_a_flight_in_a_line(called, options, distance):
     assert answer["landing"]["distance"] == pytest.approx(distance, rel=1e-12)
 
 
-def test_a_flight_without_an_id_has_none(called):
-    assert "id" not in json.loads(
-        called("flight", "--speed", "40", "--angle", "28", "--json").stdout
-    )
-
-
 def test_the_scene_of_a_flight_goes_to_other_commands(called, tmp_path):
     asked = ["flight", "--speed", "103 mph", "--angle", "28", "--wind", "5 mph out"]
     run = called(*asked, "--scene")
