@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import longball as lb
 from tests import oracle
-from tests.random_scenes import random_scene
+from tests.scenes import random_scene
 
 MOVED = 1e-9
 ERROR = 1e-13  # of a step of the oracle, relative

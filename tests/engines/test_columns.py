@@ -16,8 +16,7 @@ from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene, parse_scene
-from tests.scenes import cases_of, paper_cases
-from tests.strategies import at_bats, scenes
+from tests.scenes import cases_of, paper_cases, paper_scenes
 
 ENGINE = Batch()
 
@@ -64,7 +63,7 @@ def test_one_by_one_or_all_at_once(nightly):
 
 
 @settings(max_examples=settings().max_examples // 3)
-@given(st.lists(scenes("baseball"), min_size=1, max_size=40), st.randoms())
+@given(st.lists(paper_scenes(), min_size=1, max_size=40), st.randoms())
 def test_any_scenes_in_any_order(scenes, chance):
     wanted = [result.line() for result in alone(scenes)]
     order = list(range(len(scenes)))
@@ -74,7 +73,7 @@ def test_any_scenes_in_any_order(scenes, chance):
 
 
 @settings(max_examples=settings().max_examples // 3)
-@given(st.lists(at_bats(), min_size=1, max_size=5))
+@given(st.lists(paper_scenes("at-bat"), min_size=1, max_size=5))
 def test_columns_are_scenes(scenes):
     """A table of columns has the numbers of the results, and no others."""
     base = AtBatScene(id="base", reading=scenes[0].reading)
