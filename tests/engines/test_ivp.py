@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import scipy.integrate
 
+from longball.engines import event
 from longball.engines.chain import solve
 from longball.engines.engine import OutOfRange, TooLong
-from longball.engines.event import Event
 from longball.engines.ivp import METHODS, Ivp, terminal
 from longball.engines.multiprecision import Multiprecision
 from longball.engines.taylor import Taylor
@@ -40,23 +40,12 @@ LOOPS = law(0.0, 0.0381, 0.0126)  # at 160 m/s a loop takes 1 s
 
 
 def ground(height=0.0):
-    return Event(
-        "ground",
-        "the ball touches the ground",
-        lambda state: state.z - height,
-        lambda state: state._replace(z=height),
-        max(1.0, abs(height)),
-    )
+    return event.ground(height, PlaneState(0.0, 1.0, 0.0, 0.0), DOUBLES)
 
 
-def wall(s):
-    return Event(
-        "wall",
-        "the ball reaches the plate",
-        lambda state: s - state.s,
-        lambda state: state._replace(s=s),
-        max(1.0, abs(s)),
-    )
+def plate(distance):
+    """The plate of a pitch that is released so many metres in front of it."""
+    return event.plate(Frame(distance, 0.0, -1.0, 0.0), PlaneState(0.0, 1.0, 0.0, 0.0), DOUBLES)
 
 
 def fly(start, law, *events, engine=ENGINE, limit=60.0):
@@ -120,15 +109,15 @@ def test_through_a_cusp():
 # ---- events --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("surface", ["ground", "wall"])
+@pytest.mark.parametrize("surface", ["ground", "plate"])
 def test_a_root_exactly_at_the_end_of_a_step(surface):
     """A flight stopped on the very height, or distance, that one of its steps ends on."""
     pieces = list(fly(BATTED, WITH_DRAG, limit=6.0).path.pieces())
     piece = pieces[-1]
     state = piece.at(0.0)
     assert state.w < 0
-    event = ground(state.z) if surface == "ground" else wall(state.s)
-    arrival = fly(BATTED, WITH_DRAG, event)
+    met = ground(state.z) if surface == "ground" else plate(state.s)
+    arrival = fly(BATTED, WITH_DRAG, met)
     assert arrival.stop == surface
     assert arrival.time == pytest.approx(piece.begin, abs=TIME)
     assert arrival.state == pytest.approx(state, abs=LENGTH)
@@ -153,12 +142,12 @@ def test_a_pitch_that_lift_turns_round_just_beyond_the_plate(method, limit):
     found = fly(
         start,
         law_of(scene, ALONG_X, DOUBLES),
-        wall(45.14168982597962),
+        plate(45.14168982597962),
         ground(),
         engine=engine,
         limit=limit,
     )
-    assert found.stop == "wall"
+    assert found.stop == "plate"
     # It crosses at 0.16 m/s, and so an error of its place is 280 times as large in its time.
     assert found.time == pytest.approx(2.131360008, abs=1e-9)
 

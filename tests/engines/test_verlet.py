@@ -26,6 +26,7 @@ from longball.model.law import PlaneState, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.readings import VerletForces
 from longball.model.scene import Air, AtBatScene, FlightScene, Ground, Launch, Pitch, Swing
+from tests.engines.test_ivp import ground, plate
 
 ORDERS = {
     "old_carried": 1,
@@ -52,15 +53,6 @@ every_treatment = pytest.mark.parametrize("treatment", TREATMENTS)
 
 def verlet(dt, treatment="implicit", **options):
     return Verlet(dt, treatment, **options)
-
-
-def ground(height=0.0):
-    return event.ground(height, START, DOUBLES)
-
-
-def plate(way):
-    """Return the plate of a pitch that is released so many metres in front of it."""
-    return event.plate(Frame(way, 0.0, -1.0, 0.0), START, DOUBLES)
 
 
 def after_steps(engine, count, start=START, law=AIR):
