@@ -160,21 +160,18 @@ def test_the_command_draws(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "stdin", "status", "sentence"),
+    ("arguments", "stdin", "sentence"),
     [
-        (("-", *COMMAND), "a,b\n1,2\n", 2, "the table has no such columns; its columns are a, b"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", 2, "is it in rad?"),
-        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, 2, "the table of games: temperature"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", 2, "is it in m/s?"),
-        (("nowhere.csv",), "", 2, "nowhere.csv: cannot be read: No such file"),
-        (("--model", "best"), "", 2, "best: must be one of vacuum, paper,"),
-        (("--engine", "best"), "", 2, "best: must be one of ivp,"),
-        (("-", "--games", "nowhere.csv", *COMMAND), FLIES, 2, "nowhere.csv: cannot be read"),
+        (("-", *COMMAND), "a,b\n1,2\n", "the table has no such columns; its columns are a, b"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", "is it in rad?"),
+        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, "the table of games: temperature"),
+        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", "is it in m/s?"),
+        (("-", "--games", "nowhere.csv", *COMMAND), FLIES, "nowhere.csv: cannot be read"),
     ],
 )
-def test_what_is_wrong_is_said(arguments, stdin, status, sentence):
+def test_what_is_wrong_is_said(arguments, stdin, sentence):
     run = longball(*arguments, stdin=stdin)
-    assert run.exit_code == status
+    assert run.exit_code == 2
     assert sentence in " ".join(run.stderr.split())
     assert not run.stdout
 
