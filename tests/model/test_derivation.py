@@ -66,28 +66,11 @@ def at_hand_values(expression):
 # ---- the derivation ------------------------------------------------------------------------------
 
 
-def test_the_reduced_mass_follows_from_the_two_masses():
-    m, M = BALL_MASS, BAT_MASS
-    assert derivation.inverse_reduced_mass() == 1 / m + 1 / M
-    assert sp.simplify(derivation.reduced_mass() - m * M / (m + M)) == 0
-
-
-def test_the_restitution_relation_is_the_papers_quadratic():
-    w, e = NORMAL_SPEED, RESTITUTION
-    printed = (BETA + w * (1 - e)) * (BETA + w * (1 + e))
-    assert sp.expand(derivation.restitution_equation() - printed) == 0
-
-
 def test_the_roots_are_the_papers():
     w, e = NORMAL_SPEED, RESTITUTION
     penetrating, rebounding = derivation.roots()
     assert sp.expand(penetrating + w * (1 - e)) == 0
     assert sp.expand(rebounding + w * (1 + e)) == 0
-
-
-def test_the_impulse_is_the_papers():
-    expected = -REDUCED_MASS * (1 + RESTITUTION) * NORMAL_SPEED
-    assert sp.expand(derivation.impulse() - expected) == 0
 
 
 def test_an_oblique_collision_worked_by_hand():
@@ -210,11 +193,6 @@ def test_energy_is_created_exactly_above_one():
 def test_the_printed_restitution_is_eq_10():
     e, r = PRINTED_E, MASS_RATIO
     assert sp.expand(derivation.printed_restitution() - (e + e * r + r)) == 0
-
-
-def test_the_apparent_restitution_is_nathans():
-    expected = (RESTITUTION - MASS_RATIO) / (1 + MASS_RATIO)
-    assert sp.cancel(derivation.apparent_restitution() - expected) == 0
 
 
 def test_the_printed_restitution_is_the_inverse_of_nathans():
