@@ -225,6 +225,13 @@ def test_five_errors_that_stay_have_another_limit_without_a_law():
     assert verdict([math.nan, math.nan, *[0.5] * 4])[0] == "not resolved"
 
 
+def test_without_a_law_longer_steps_are_advised_if_the_finest_errors_are_rounding():
+    for finest, advised in ((1.0, False), (BOUND[-1], True)):
+        kind, why = verdict([9.0, 1.0, 7.0, 2.0, 5.0, finest])
+        assert kind == "not resolved"
+        assert ("try longer steps" in why) is advised
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(("share", "kind"), [(0.99, "as expected"), (1.01, "other order")])
 def test_an_order_is_held_to_theory_besides_its_interval(sign, share, kind):
