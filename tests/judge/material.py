@@ -74,7 +74,7 @@ def known(*families: str) -> list[Any]:
 
 
 def truth(cases: Sequence[Any]) -> Data:
-    """What the diagnosis knows of cases of which every answer is right."""
+    """Return the data of a diagnosis in which every answer is right."""
     return data_of(
         cases, {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
     )
