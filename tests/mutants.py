@@ -187,10 +187,10 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, ast.expr]]:
     match node:
         case ast.BinOp(op=op) | ast.BoolOp(op=op):
             for other in SWAPS.get(type(op), ()):
-                yield _words(op, other), _with(node, op=other())
+                yield _words(op, other), altered(node, op=other())
         case ast.Compare(ops=[op]):
             for other in SWAPS.get(type(op), ()):
-                yield _words(op, other), _with(node, ops=[other()])
+                yield _words(op, other), altered(node, ops=[other()])
         case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
             yield f"without {'-' if isinstance(node.op, ast.USub) else 'not'}", operand
         case ast.Constant(value=bool() as value):
@@ -200,7 +200,8 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, ast.expr]]:
             yield f"{value} -> {other}", ast.Constant(other)
 
 
-def _with(node: ast.expr, **parts: Any) -> ast.expr:
+def altered(node: ast.expr, **parts: Any) -> ast.expr:
+    """Return a copy of a node with other parts."""
     changed = deepcopy(node)
     vars(changed).update(parts)
     return changed

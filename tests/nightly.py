@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import longball as lb
 from tests import oracle
-from tests.random_scenes import random_scene
+from tests.scenes import random_scene
 
 MOVED = 1e-9
 ERROR = 1e-13  # of a step of the oracle, relative
@@ -46,19 +46,16 @@ class Value(NamedTuple):
     tolerance: float = 0.0
 
 
-def quantities(result, prefix=""):
-    """Names and values of a result; an answer with radii, or of many digits, as its doubles."""
+def quantities(result, prefix="", number=float):
+    """Names and values of a result: words, and lists of numbers, whatever stands beside these."""
     for name, value in result.items():
         if isinstance(value, dict) and "value" not in value:
-            yield from quantities(value, f"{prefix}{name}.")
+            yield from quantities(value, f"{prefix}{name}.", number)
         elif value is None or isinstance(value, str | bool):
             yield prefix + name, value
         else:
-            numbers = value if hasattr(value, "__len__") and "value" not in value else [value]
-            yield (
-                prefix + name,
-                [float(n["value"] if isinstance(n, dict) else n) for n in numbers],
-            )
+            parts = value if hasattr(value, "__len__") and "value" not in value else [value]
+            yield prefix + name, [number(p["value"] if isinstance(p, dict) else p) for p in parts]
 
 
 def moved(scene):

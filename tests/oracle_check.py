@@ -22,6 +22,7 @@ from mpmath import mpf
 from longball.golden import header
 from longball.golden.reader import DATA
 from tests import oracle
+from tests.nightly import quantities
 
 DIGITS = 20
 WORK = (25, 45, 70, 110)
@@ -41,18 +42,6 @@ class Finding(NamedTuple):
     tie: bool = False  # another outcome is nearer than the digits of work
 
 
-def quantities(block, prefix=""):
-    """Names of a result's numbers and words, with vectors in one piece."""
-    for name, value in block.items():
-        if isinstance(value, dict) and "value" not in value:
-            yield from quantities(value, f"{prefix}{name}.")
-        elif value is None or isinstance(value, str | bool | int):
-            yield prefix + name, value
-        else:
-            parts = value if hasattr(value, "__len__") and "value" not in value else [value]
-            yield prefix + name, [mpf(p["value"] if isinstance(p, dict) else p) for p in parts]
-
-
 def size(name, told, scene):
     """Size of a quantity, as the header of the golden data defines it."""
     own = oracle.length((*told[name], 0, 0)[:3])
@@ -70,7 +59,7 @@ def compared(case, result):
     expected = {k: v for k, v in case["expected"].items() if k not in ("id", "engine")}
     scene = oracle.filled(case["scene"])
     with mpmath.workdps(2 * WORK[-1]):
-        told, found = dict(quantities(expected)), dict(quantities(result))
+        told, found = (dict(quantities(block, number=mpf)) for block in (expected, result))
         least, least_name = mpf(0), "nothing"
         for name in told | found:
             if name in LATER and name not in told:

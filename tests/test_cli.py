@@ -45,22 +45,6 @@ class TestSolve:
         assert run.stdout == ""
         assert len(output.read_bytes().splitlines()) == 2
 
-    @pytest.mark.parametrize(
-        ("text", "what", "jq"),
-        [
-            ('{"kind": "at-bat",\n "swing": {"tilt": 0}}\n', "one object over several lines", "."),
-            ('{\n "kind": "at-bat"\n}', "one object over several lines", "."),
-            ('[{"kind": "at-bat"},\n {"kind": "pitch"}]', "an array", "'.[]'"),
-        ],
-    )
-    def test_json_over_several_lines_is_one_sentence(self, called, tmp_path, text, what, jq):
-        source = tmp_path / "scenes.json"
-        source.write_text(text)
-        for run in (called("solve", str(source)), called("plot", str(source))):
-            assert (run.returncode, run.stdout) == (2, "")
-            (sentence,) = run.stderr.splitlines()
-            assert f"is JSON, but {what}; a scene stands in one line: jq -c {jq} " in sentence
-
     def test_bad_lines_are_answered_and_lose_nothing(self, called):
         lines = [
             AT_BAT,
@@ -170,17 +154,6 @@ class TestSolve:
         assert at_bat["path"][-1][:4] == pytest.approx(end, abs=1e-12)
         assert len(results(called("solve", "--path", stdin=FLIGHT))[0]["path"]) == 201
 
-    def test_a_result_names_the_version(self, called):
-        (result,) = results(called("solve", stdin=FLIGHT))
-        assert result["engine"] == f"longball {lb.__version__} ivp Taylor"
-
-    def test_a_broken_first_line_is_one_line_without_an_answer(self, called):
-        run = called("solve", stdin=b'{"kind":\n{"kind":"pitch"}\n')
-        assert [json.loads(line).get("outcome") for line in run.stdout.splitlines()] == [
-            None,
-            "crossed",
-        ]
-
     @pytest.mark.parametrize("engine", ["ivp", "batch"])
     def test_scenes_are_changed_by_options(self, called, tmp_path: Path, engine: str):
         launch = {"position": [0, 0, 1], "velocity": [40, 0, 25]}
@@ -238,135 +211,6 @@ class TestSolve:
     def test_utf16_lines_are_named(self, called):
         (line,) = results(called("solve", stdin='{"kind":"pitch"}'.encode("utf-16")))
         assert line["error"].endswith("iconv -f utf-16 -t utf-8 converts UTF-16")
-
-    def test_an_empty_table_is_no_success(self, called, tmp_path: Path):
-        table = tmp_path / "scenes.csv"
-        for text in ("", "kind\n"):
-            table.write_text(text)
-            run = called("solve", str(table), "-o", "-")
-            assert (run.returncode, run.stdout) == (2, "")
-            assert "the table is empty" in run.stderr or f"no scenes in {table}" in run.stderr
-
-    def test_workers_change_no_byte(self, called):
-        lines = b"\n".join(
-            FLIGHT.replace(b"30,2,20", f"30,{y / 10},20".encode()) for y in range(70)
-        )
-        one, two = (called("solve", "--workers", n, stdin=lines) for n in ("1", "2"))
-        assert len(results(one)) == 70
-        assert one.stdout == two.stdout
-
-    @pytest.mark.parametrize(
-        ("arguments", "named"),
-        [
-            (["sovle"], "no such command 'sovle', did you mean solve? The commands are solve,"),
-            (
-                ["solve", "--engine", "bach"],
-                "enclosure, multiprecision, verlet, did you mean b",
-            ),
-            (["solve", "--engine", "verne"], "--engine verne: must be one of"),
-            (["solve", "--egine", "ivp"], "no such option --egine, did you mean --engine?"),
-            (["solve", "a.jsonl", "b.jsonl"], "b.jsonl: one too many; the command takes [SCENES|-"),
-            (["golden", "chekc"], "no such command 'chekc', did you mean check?"),
-            (["solve", "--fence", "Fenway"], "--fence Fenway: neither a radius in m nor a file"),
-            (["judge", "--tolerance", "x", "--", "true"], "--tolerance x: must be a number"),
-            (["judge", "--golden", "flight-vacum", "--", "true"], "did you mean flight-vacuum?"),
-            (["judge", "--profile", "converge", "--", "true"], "did you mean converged?"),
-            (["judge", "--random", "3", "--kind", "fligth", "--", "true"], "did you mean flight?"),
-            (["measured", "--example", "--model", "natan"], "did you mean nathan?"),
-            (
-                ["golden", "write", "x", "--family", "ptch"],
-                "--family ptch: there is none, did you mean",
-            ),
-            (["measured", "--example", "--kind", "bat"], "--kind bat: must be one of"),
-            (["solve", "--points", "1"], "--points 1: must be at least 2"),
-            (["solve", "--points", "1000000001"], "--points 1000000001: must be at most"),
-            (["converge", "--scenes", "-", "--golden", "pitch", "--", "{dt}"], "not both"),
-            (["judge", "--results", "r.csv", "--as-csv"], "--as-csv is for a COMMAND"),
-            (["homerun", "--fence", __file__], "neither a radius in m nor a file with the block"),
-            (["solve", "--integrator", "Euler"], "Euler"),
-            (["solve", "--rtol", "1e-20"], "rtol"),
-            (["converge", "--expected", "nan", "--", "true", "{dt}"], "--expected nan is not"),
-            (["judge", "--expected", "inf", "--", "true", "{dt}"], "--expected inf is not"),
-            (["plot", ":b:.jsonl"], ":b:.jsonl"),
-            (["converge", "--scenes", "-", "--", "true", "{dt}"], "no scenes in standard input"),
-            (["solve", "--atol", "-1"], "atol"),
-            (["solve", "/no/such/file"], "/no/such/file"),
-            (["solve", "--workers", "0"], "workers"),
-            (["solve", "-o", "/no/such/folder/file"], "/no/such/folder/file"),
-            (["homerun", "--reading", "inertia=rod"], "inertia"),
-            (["homerun", "--reading", "inertia"], "NAME=VALUE"),
-            (["homerun", "--reading", "nonsense=1"], "nonsense"),
-            (["homerun", "--fence", "100", "--method", "quadrature"], "--method monte-carlo"),
-            (["homerun", "--fence", "0.1"], "fence.radius = 0.1 m"),
-            (["homerun", "--fence", "no-such-file"], "no-such-file"),
-            (["homerun", "--reading", "cell_width=-1"], "cell_width"),
-            (["homerun", "--reading", "fig7_parameters=x"], "caption, text"),
-            (["homerun", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
-            (["solve", "--engine", "verlet", "--root", "middle"], "one of first, larger"),
-            (["homerun", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
-            (["solve", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
-            (["solve", "--set", "pitch.speed=95mhp"], "did you mean mph?"),
-            (["solve", "--set", "density=1"], "no scene has this key, did you mean air.density?"),
-            (["converge", "--kind", "impact", "--", "{dt}"], "none of the scenes is of this kind"),
-            (["solve", "--reading", "inertial=thin_rod"], "did you mean inertia?"),
-            (
-                ["solve", "--reading", "sample_space=fair"],
-                "it changes no scene, but longball homer",
-            ),
-            (["solve", "--reading", "verlet_forces=implicit"], "--engine verlet --forces"),
-            (["solve", "--fence", "120 feet"], "--fence 120 feet: the unit 'feet' does not fit"),
-            (["plot", "--set", "bat.mess=1"], "bat.mess: no scene has this key, did you mean"),
-            (["measured", "--example", "--set", "bat.mess=1"], "bat.mess: no scene has this key"),
-            (["homerun", "--set", "air.density.temperature=27"], "air.density.temperature: must"),
-            (["homerun", "--set", "pitch.speed=40"], "pitch.speed"),
-            (["homerun", "--set", "air=null", "--set", "air.density=1"], "air"),
-            (["homerun", "--e", "0.5:0.4:0.1"], "the last value is below the first"),
-            (["homerun", "--e", "1.5"], "--e"),
-            (["homerun", "--e", "0:1:1e-9"], "--e"),
-            (["homerun", "--e", "x"], "--e"),
-            (["homerun", "--samples", "0"], "samples"),
-            (["homerun", "--method", "guess"], "guess"),
-            (["homerun", "--engine", "verlet"], "verlet"),
-            (["homerun", "--method", "quadrature", "--engine", "ivp"], "ivp"),
-            (["homerun", "--method", "quadrature", "--scenes", "x.jsonl"], "scenes"),
-            (["golden", "write", "--part", "half", "nowhere"], "half"),
-            (["golden", "write"], "DIR"),
-            (["homerun", "--figure", "x.nonsense"], "x.nonsense: the endings of pictures are"),
-            (["homerun", "--csv", "/no/such/folder/p.csv"], "--csv /no/such/folder/p.csv"),
-            (["homerun", "--method", "quadrature", "--samples", "1000"], "--samples"),
-            (["homerun", "--method", "quadrature", "--seed", "1"], "--seed"),
-            (["homerun", "--set", "pitch.velocity=[-40,0,0]"], "pitch.velocity: it varies"),
-            (["homerun", "--set", "pitch.aim[0]=1"], "pitch.aim"),
-            (["measured", "--example", "--figure", "x.nonsense"], "x.nonsense"),
-            (["measured", "--example", "rows.csv"], "either --example or rows.csv"),
-            (["fit", "--example", "rows.csv"], "either --example or rows.csv"),
-            (["judge", "--html", "/no/such/folder/p.html", "--", "true"], "--html /no/such/folder"),
-            (["converge", "--figure", "x.nonsense", "--", "true", "{dt}"], "x.nonsense"),
-            (["solve", "-o", "x.xyz"], "x.xyz: the endings of results are"),
-            (["solve", "-o", ""], "a file is needed"),
-            (
-                ["solve", "--digits", "20"],
-                "takes no --digits; it takes --integrator, --rtol, --atol",
-            ),
-            (["solve", "--engine", "batch", "--landing-error", "0"], "--landing-error = 0.0 m"),
-            (["solve", "--engine", "enclosure", "--digits", "501"], "--digits = 501"),
-            (["homerun", "--pitches", "/no/such/fit.json"], "/no/such/fit.json"),
-            (["fit", "/no/such/pitches.csv"], "/no/such/pitches.csv: cannot be read: No such file"),
-            (["fit", "--example", "--column", "speeed=v"], "speeed"),
-            (["fit", "--example", "--column", "speed_unit=knots"], "speed_unit"),
-            (["nonsense"], "nonsense"),
-            (["solve", "--dt"], "--dt: a value is needed: verlet: the step, s"),
-            (["solve", "--certify=yes"], "--certify: it takes no value"),
-            (["flight", "--speed", "40"], "--angle is missing: Angle above the horizontal"),
-            (["--nonsense"], "no such option --nonsense; see "),
-        ],
-    )
-    def test_a_wrong_call_says_what_is_wrong(self, called, arguments: list[str], named: str):
-        run = called(*arguments)
-        assert run.returncode == 2
-        assert run.stdout == ""
-        assert named in run.stderr
-        assert all(line.startswith("longball: ") for line in run.stderr.splitlines())
 
     def test_the_source_is_not_overwritten(self, called, tmp_path: Path):
         source, link = tmp_path / "scenes.jsonl", tmp_path / "link.jsonl"
@@ -547,19 +391,6 @@ class TestHomerun:
         ]
         assert len(results(solved)) == 24
 
-    def test_scenes_give_the_same_home_runs(self, called, tmp_path: Path):
-        scenes = tmp_path / "s.jsonl"
-        run = called(
-            "homerun", "--samples", "100", "--e", "0.45", "--workers", "1", "--json",
-            "--reading", "inertia=about_centre", "--scenes", str(scenes),
-        )  # fmt: skip
-        far = [
-            r
-            for r in results(called("solve", str(scenes)))
-            if r["outcome"] == "batted" and r["landing"]["distance"] >= 150
-        ]
-        assert len(far) == json.loads(run.stdout)["rows"][0]["home_runs"] > 0
-
 
 TABLE = "kind,v,cell\n" + "".join(
     f"{kind},{base + 0.1 * i},{1 + i % 5}\n"
@@ -589,13 +420,6 @@ class TestFit:
             "v is missing": [81],
             "cell is missing": [82],
         }
-
-    def test_a_table_that_is_none_is_no_traceback(self, called):
-        run = called("fit", "-", stdin=b"a,b\n1,2\n")
-        assert "--column NAME=VALUE names others" in run.stderr
-        assert run.returncode == 2
-        assert "pitch_type" in run.stderr
-        assert "Traceback" not in run.stderr
 
     @pytest.mark.nightly
     def test_what_is_fitted_is_drawn_from(self, called, tmp_path: Path):
@@ -695,29 +519,3 @@ def test_infer_finds_what_was_launched(called, tmp_path):
         {"launch.velocity[0]": 25.0, "launch.velocity[2]": 18.45}, rel=1e-12
     )
     assert found["scene"]["launch"]["velocity"] == pytest.approx([25.0, 0.0, 18.45], rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "status", "sentence"),
-    [
-        (["aim"], 2, "--target"),
-        (["aim", "--target", "1,x"], 2, "--target x: a number is needed, alone or with a unit: m"),
-        (["infer", "--unknown", "gravity"], 2, "either --points FILE or --measured"),
-        (
-            ["infer", "--measured", "distance=1", "--unknown", "gravity"],
-            2,
-            "--measured distance: no result has this key, did you mean landing.distance?",
-        ),
-        (
-            ["infer", "--measured", "landing.distance=1 s", "--unknown", "gravity"],
-            2,
-            "the unit 's' does not fit; use m,",
-        ),
-        (["infer", "--points", str(EXAMPLE), "--unknown", "gravity"], 2, "t, x, y, z: the table"),
-        (["infer", "--points", "no.csv", "--unknown", "gravity"], 2, "no.csv: cannot be read"),
-    ],
-)
-def test_aim_and_infer_say_what_is_wrong(called, arguments, status, sentence):
-    done = called(*arguments, stdin=VACUUM)
-    assert done.returncode == status
-    assert sentence in done.stderr

@@ -18,22 +18,12 @@ from typing import Any
 import pytest
 
 import longball as longball_package
-from tests.test_environment import PATIENCE
+from tests.test_environment import PATIENCE, longball
 
 distributed = pytest.importorskip("distributed")
 
 # Enough for dozens of tasks; a worker does one in some tenths of a second.
 HOME_RUN = ("homerun", "--samples", "80000", "--e", "0.41,0.45", "--json")
-
-
-def longball(*arguments: str, stdin: bytes = b"") -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "longball", *arguments],
-        input=stdin,
-        capture_output=True,
-        timeout=PATIENCE,
-        check=False,
-    )
 
 
 def wait_until(condition: Callable[[], Any]) -> Any:

@@ -196,9 +196,9 @@ def test_there_is_something_to_try():
 
 def test_the_page_on_trust_has_the_numbers_of_the_search():
     page = " ".join((ROOT / "docs/truth.md").read_text(encoding="utf-8").split())
-    first, others = ALONE.foreseen
-    assert f"the {first:,} cheapest edits of a step" in page
-    assert f"all others, at most {others:,}" in page
+    cheapest, most = ALONE.foreseen
+    assert f"the {cheapest:,} cheapest edits of a step" in page
+    assert f"at all others, at most {most:,}" in page
     assert f"the {ALONE.tried} that fit the errors best" in page
 
 

@@ -1,10 +1,11 @@
 """Exit statuses of all commands: 2, an input cannot be used as asked; 1, the answer is negative.
 
-And whatever is refused is refused before anything is written.
+And whatever is refused is refused before anything is written, and says what is wrong.
 """
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import pytest
@@ -103,15 +104,183 @@ def test_what_cannot_be_used_is_a_wrong_call_and_leaves_nothing(
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
 
 
+BALL = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, 20]}}\n'
+BAD = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, "x"]}}\n'
+
+# What is called, and what has to be said of it. "aim" and "infer" get a ball on standard input.
+WRONG = r"""
+--nonsense -> no such option --nonsense; see
+aim -> --target
+aim --target 1,x -> --target x: a number is needed, alone or with a unit: m
+aim - --target -20 -> a distance must be positive
+aim - --target far -> --target far: a number is needed
+aim - --target 90 --unknown gravity -> longball: unknowns: gravity cannot be aimed
+converge --scenes - --golden pitch -- '{dt}' -> not both
+converge --expected nan -- true '{dt}' -> --expected nan is not
+converge --scenes - -- true '{dt}' -> no scenes in standard input
+converge --kind impact -- '{dt}' -> none of the scenes is of this kind
+converge --figure x.nonsense -- true '{dt}' -> x.nonsense
+fit --example rows.csv -> either --example or rows.csv
+fit /no/such/pitches.csv -> /no/such/pitches.csv: cannot be read: No such file
+fit --example --column speeed=v -> speeed
+fit --example --column speed_unit=knots -> speed_unit
+flight --speed 40 -> --angle is missing: Angle above the horizontal
+flight --speed '103 moh' --angle 28 -> did you mean mph?
+flight --speed fast --angle 28 -> a number is needed
+flight --speed -3 --angle 28 -> must be positive
+flight --speed 40 --angle 28 --wind out -> must be a speed and one of out, in, left, right
+flight --speed 40 --angle 28 --park coors -> did you mean Coors Field?
+flight --angle 28 -> --speed is missing: Exit speed
+flight --speed 40 --angle 28 --wind '10 mph' -> must be a speed and one of out, in, left, right
+flight --speed 40 --angle 28 --model nathn -> did you mean nathan?
+flight --speed 40 --angle 28 --bats S -> must be one of R, L
+golden chekc -> no such command 'chekc', did you mean check?
+golden write x --family ptch -> --family ptch: there is none, did you mean
+golden write --part half nowhere -> half
+golden write -> DIR
+homerun --fence {here} -> neither a radius in m nor a file with the block
+homerun --reading inertia=rod -> inertia
+homerun --reading inertia -> NAME=VALUE
+homerun --reading nonsense=1 -> nonsense
+homerun --fence 100 --method quadrature -> --method monte-carlo
+homerun --fence 0.1 -> fence.radius = 0.1 m
+homerun --fence no-such-file -> no-such-file
+homerun --reading cell_width=-1 -> cell_width
+homerun --reading fig7_parameters=x -> caption, text
+homerun --reading verlet_forces=implicit -> --engine verlet --forces
+homerun --set bat.mess=1 -> bat.mess: no scene has this key, did you mean
+homerun --set air.density.temperature=27 -> air.density.temperature: must
+homerun --set pitch.speed=40 -> pitch.speed
+homerun --set air=null --set air.density=1 -> air
+homerun --e 0.5:0.4:0.1 -> the last value is below the first
+homerun --e 1.5 -> --e
+homerun --e 0:1:1e-9 -> --e
+homerun --e x -> --e
+homerun --samples 0 -> samples
+homerun --method guess -> guess
+homerun --engine verlet -> verlet
+homerun --method quadrature --engine ivp -> ivp
+homerun --method quadrature --scenes x.jsonl -> scenes
+homerun --figure x.nonsense -> x.nonsense: the endings of pictures are
+homerun --csv /no/such/folder/p.csv -> --csv /no/such/folder/p.csv
+homerun --method quadrature --samples 1000 -> --samples
+homerun --method quadrature --seed 1 -> --seed
+homerun --set 'pitch.velocity=[-40,0,0]' -> pitch.velocity: it varies
+homerun --set 'pitch.aim[0]=1' -> pitch.aim
+homerun --pitches /no/such/fit.json -> /no/such/fit.json
+infer --unknown gravity -> either --points FILE or --measured
+infer --measured distance=1 --unknown gravity -> result has this key, did you mean landing.distance?
+infer --measured 'landing.distance=1 s' --unknown gravity -> the unit 's' does not fit; use m,
+infer --points {example} --unknown gravity -> t, x, y, z: the table
+infer --points no.csv --unknown gravity -> no.csv: cannot be read
+infer - --measured landing.distance=far --unknown launch.speed -> a finite value
+infer - --measured landing.distance=90 --unknown launch.sped -> mean launch.speed
+infer - --measured landing.distance=90 -> --unknown: name a number
+infer - --points {empty} --unknown launch.speed -> the table is empty
+judge --tolerance x -- true -> --tolerance x: must be a number
+judge --golden flight-vacum -- true -> did you mean flight-vacuum?
+judge --profile converge -- true -> did you mean converged?
+judge --random 3 --kind fligth -- true -> did you mean flight?
+judge --results r.csv --as-csv -> --as-csv is for a COMMAND
+judge --expected inf -- true '{dt}' -> --expected inf is not
+judge --html /no/such/folder/p.html -- true -> --html /no/such/folder
+judge -> COMMAND
+judge --results r.jsonl -- true -> not both
+judge --results /no/such/file -> /no/such/file
+judge --samples /no/such/file -> /no/such/file
+judge --golden nonsense -- true -> nonsense
+judge --profile nonsense -- true -> exact, converged, paper
+judge --profile exact --tolerance 1 -- true -> takes no tolerance
+judge --knob n=1,2,3 -- true -> {n}
+judge --knob n=3,1,2 -- true '{n}' -> from coarse to fine
+judge --random 3 --golden pitch -- true -> not two of them
+judge --column a=id -- true -> --column
+judge --expected 2 -- true -> {dt}
+judge --steps 0.1:0.01:5 -- true -> {dt}
+judge --steps 0.1:0.01:5 --knob n=1,2,3 -- true '{n}' -> not both
+judge --seed 2 -- true -> --random
+judge --golden pitch --kind flight -- true -> no golden case is of these
+judge --readings --random 3 -- true -> --readings is for golden cases
+judge --random 3 --kind fly -- true -> flight, pitch
+judge --steps 0.01:0.1:5 -- true '{dt}' -> from coarse to fine
+judge -- /no/such/program -> /no/such/program
+judge -- '' -> longball
+judge --format xml -- true -> one of text, json, junit, github
+measured --example --model natan -> did you mean nathan?
+measured --example --kind bat -> --kind bat: must be one of
+measured --example --set bat.mess=1 -> bat.mess: no scene has this key
+measured --example --figure x.nonsense -> x.nonsense
+measured --example rows.csv -> either --example or rows.csv
+measured nowhere.csv -> nowhere.csv: cannot be read: No such file
+measured --model best -> best: must be one of vacuum, paper,
+measured --engine best -> best: must be one of ivp,
+movement nowhere.csv -> nowhere.csv
+movement --example --column vx0 -> NAME=VALUE
+nonsense -> nonsense
+plot :b:.jsonl -> :b:.jsonl
+plot --set bat.mess=1 -> bat.mess: no scene has this key, did you mean
+solve --engine bach -> enclosure, multiprecision, verlet, did you mean b
+solve --engine verne -> --engine verne: must be one of
+solve --egine ivp -> no such option --egine, did you mean --engine?
+solve a.jsonl b.jsonl -> b.jsonl: one too many; the command takes [SCENES|-
+solve --fence Fenway -> --fence Fenway: neither a radius in m nor a file
+solve --points 1 -> --points 1: must be at least 2
+solve --points 1000000001 -> --points 1000000001: must be at most
+solve --integrator Euler -> Euler
+solve --rtol 1e-20 -> rtol
+solve --atol -1 -> atol
+solve /no/such/file -> /no/such/file
+solve --workers 0 -> workers
+solve -o /no/such/folder/file -> /no/such/folder/file
+solve --engine verlet --root middle -> one of first, larger
+solve --set bat.mess=1 -> bat.mess: no scene has this key, did you mean
+solve --set pitch.speed=95mhp -> did you mean mph?
+solve --set density=1 -> no scene has this key, did you mean air.density?
+solve --reading inertial=thin_rod -> did you mean inertia?
+solve --reading sample_space=fair -> it changes no scene, but longball homer
+solve --reading verlet_forces=implicit -> --engine verlet --forces
+solve --fence '120 feet' -> --fence 120 feet: the unit 'feet' does not fit
+solve -o x.xyz -> x.xyz: the endings of results are
+solve -o '' -> a file is needed
+solve --digits 20 -> takes no --digits; it takes --integrator, --rtol, --atol
+solve --engine batch --landing-error 0 -> --landing-error = 0.0 m
+solve --engine enclosure --digits 501 -> --digits = 501
+solve --dt -> --dt: a value is needed: verlet: the step, s
+solve --certify=yes -> --certify: it takes no value
+sovle -> no such command 'sovle', did you mean solve? The commands are solve,
+spin --example --model paper -> a constant says nothing of the spin
+spin --example --model natan -> did you mean nathan
+spin --up 16in -> --up: it goes with --speed
+spin t.csv --speed 40 -> --speed: of a single pitch, without a table
+spin --example --speed 40 -> --example: of a table
+spin --speed 40 --games g.csv -> --games: of a table
+spin --speed 40 --release 3,4 -> pitch.release[2]: is missing
+spin --speed '95 mph' --up 3 -> no spin moves a ball so far
+spin --speed fast -> --speed fast: a number is needed
+"""
+
+
+def test_a_wrong_call_says_what_is_wrong(called, tmp_path: Path):
+    (tmp_path / "empty.csv").touch()
+    faults = []
+    for line in WRONG.strip().splitlines():
+        call, _, said = line.partition(" -> ")
+        for name, file in (("{example}", EXAMPLE), ("{here}", __file__),
+                           ("{empty}", tmp_path / "empty.csv")):  # fmt: skip
+            call = call.replace(name, str(file))
+        run = called(*shlex.split(call), stdin=BALL if call.startswith(("aim", "infer")) else b"")
+        sentences = run.stderr.splitlines()
+        right = (run.returncode, run.stdout) == (2, "") and said in run.stderr
+        if not (right and all(x.startswith("longball: ") for x in sentences)):
+            faults.append((line, run))
+    assert faults == []
+
+
 @pytest.mark.parametrize("command", OF_TABLES)
 def test_json_where_a_table_is_expected_is_named(called, tmp_path: Path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "FILE").write_bytes(SCENE)
     assert "FILE: JSON, where a table is needed" in called(*OF_TABLES[command]).stderr
-
-
-BALL = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, 20]}}\n'
-BAD = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, "x"]}}\n'
 
 
 @pytest.mark.parametrize(
@@ -122,6 +291,7 @@ BAD = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0,
         (["parks", "-"], BALL + BAD),
         (["aim", "--target", "900"], BALL),
         (["infer", "--measured", "plate.time=1", "--unknown", "gravity"], BALL),
+        (["infer", "--measured", "landing.distance=90", "--unknown", "ball.restitution"], BALL),
         (["judge", "--results", "FILE", "--kind", "impact"], b""),
     ],
     ids=lambda x: x[0] if isinstance(x, list) else "",

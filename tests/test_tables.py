@@ -150,18 +150,6 @@ def test_odd_cells_of_files_are_errors_of_their_rows(tmp_path: Path):
     assert usual.outcome == "crossed"
 
 
-def test_what_is_no_scene_in_a_list_costs_the_others_nothing():
-    odd, usual = lb.solve_many([3, {"kind": "pitch"}])
-    assert "not an object of type int" in odd.error
-    assert usual.outcome == "crossed"
-
-
-def test_ids_that_are_numbers_stay_so_whatever_the_rows_hold():
-    table = lb.solve_many({"kind": "pitch", "id": [1, 2, 3], "pitch.speed": [30.0, -1.0, 40.0]})
-    assert table.id.tolist() == [1, 2, 3]
-    assert table.outcome.isna().tolist() == [False, True, False]
-
-
 def test_a_number_that_overflows_in_one_row_does_so_in_no_other():
     """exp(1.217e-4 · 1e30 m), the pressure below the sea, is beyond doubles."""
     launch = {"position": [0, 0, 1], "velocity": [30, 0, 20]}
@@ -280,11 +268,6 @@ def test_a_pitch_and_a_batted_ball_may_be_flown_by_different_engines():
     assert {*lb.solve_many({**scene, "ball.mass": [0.14, 0.15]}).engine} == {expected}
     missed = {**scene, "swing": {"height_offset": 0.5}}
     assert lb.solve(missed, "batch").engine == f"{version} batch tolerance=1e-13"
-
-
-def test_verlet_flies_by_itself():
-    scene = {"kind": "flight", "launch": LAUNCH, "air": TABLE}
-    assert " verlet " in lb.solve(scene, "verlet").engine
 
 
 # --- CSV ------------------------------------------------------------------------------------------

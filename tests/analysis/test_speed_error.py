@@ -28,14 +28,6 @@ def test_a_distance_is_compared_beyond_the_digits_of_doubles() -> None:
     assert difference(Bounded(value="100.00000000000000000001", radius="1e-30"), true) == 0.0
 
 
-def test_columns_and_scenes_are_the_same_work() -> None:
-    work = flights(3)
-    scene = work.scenes[1]
-    assert scene.launch.velocity[0] == work.columns["launch.velocity[0]"][1]
-    assert scene.launch.velocity[2] == work.columns["launch.velocity[2]"][1]
-    assert [s.id for s in work[:2].scenes] == ["flight"] * 2
-
-
 def test_what_misses_the_bat_is_counted(struck: tuple[Work, list[Result]]) -> None:
     work, true = struck
     batted = sum(result.outcome == "batted" for result in true)

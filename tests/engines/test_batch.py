@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise, product
 from typing import Any
 
 import numba
@@ -24,7 +23,7 @@ from longball.engines.batch.expansion import kernel
 from longball.engines.batch.jit import call, unowned_view
 from longball.engines.batch.roots import NEVER
 from longball.engines.batch.writer import WIDTH, aligned
-from longball.engines.chain import solve, solve_with_path
+from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
 from longball.engines.event import ground
@@ -32,7 +31,7 @@ from longball.engines.ivp import Ivp
 from longball.engines.path import Flight
 from longball.engines.series import recurrence
 from longball.model import trace
-from longball.model.law import Law, PlaneState, SpaceState, law_with
+from longball.model.law import Law, PlaneState, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.scene import (
     Air,
@@ -69,17 +68,6 @@ def landing(strengths: dict[str, float], start: PlaneState, *forces: Any) -> Fli
     """Fly to the ground."""
     surface = ground(0.0, start, DOUBLES)
     return Batch().fly(law_with(strengths, forces), start, [surface], 60.0)
-
-
-# --- exact results --------------------------------------------------------------------------------
-
-
-def test_a_heading_that_all_share_may_be_none() -> None:
-    up = Launch(position=(0.0, 0.0, 1.0), velocity=(0.0, 0.0, 20.0))
-    scene = FlightScene(id="up", launch=up)
-    columns = {"launch.position[2]": [1.0, 2.0]}
-    found = solve_columns(scene, columns)
-    assert found["landing.time"][0] == solve(scene, Batch()).landing.time
 
 
 # --- the same bits --------------------------------------------------------------------------------
@@ -228,42 +216,6 @@ def test_lanes_follow_the_recurrence(name: str) -> None:
                 )
 
 
-def test_a_lane_has_the_same_bits_whatever_its_neighbours_hold(nightly: bool) -> None:
-    rng = np.random.default_rng(9)
-    states = rng.uniform(-40, 40, (4, WIDTH))
-    whole = expand_lanes(LAWS["paper"], states, 20)
-    for lane in range(WIDTH) if nightly else (0, WIDTH // 2, WIDTH - 1):
-        others = np.full((4, WIDTH), math.nan)
-        others[:, (lane + 5) % WIDTH] = states[:, lane]
-        alone = expand_lanes(LAWS["paper"], others, 20)[..., (lane + 5) % WIDTH]
-        np.testing.assert_array_equal(alone, whole[..., lane])
-
-
-@pytest.mark.parametrize("name", LAWS)
-def test_a_new_force_flies_as_in_the_ivp_engine(name: str) -> None:
-    law = LAWS[name]
-    start = law.state_of(PlaneState(0.0, 1.5, 31.0, 22.0))
-    surface = ground(0.0, start, DOUBLES)
-    expected = Ivp().fly(law, start, [surface], 60.0)
-    found = Batch().fly(law, start, [surface], 60.0)
-    assert (found.stop, found.time) == ("ground", pytest.approx(expected.time, rel=1e-13))
-    assert list(found.state) == pytest.approx(list(expected.state), rel=1e-12, abs=1e-12)
-    assert isinstance(found.state, SpaceState) == (len(found.state) == 6)
-
-
-@pytest.mark.parametrize("w", [0.0, 20.0])
-def test_the_path_has_the_states_of_the_flight(w: float) -> None:
-    """From rest, straight up, and on a curve; its steps join."""
-    for u, lift in ((0.0, 0.0), (25.0, PAPER["lift"])):
-        start = PlaneState(0.0, 5.0, u, w)
-        flight = landing(PAPER | {"lift": lift}, start)
-        assert flight.path.at(0.0) == start
-        assert list(flight.path.at(flight.time)) == pytest.approx(list(flight.state), abs=1e-13)
-        pieces = list(flight.path.pieces())
-        for before, after in pairwise(pieces):
-            assert list(before.at(before.length)) == pytest.approx(list(after.at(0.0)), abs=1e-13)
-
-
 # --- roots ----------------------------------------------------------------------------------------
 
 
@@ -407,40 +359,12 @@ def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
     assert time == pytest.approx(truth[abs(truth.imag) < 1e-9].real.min(), rel=1e-12)
 
 
-def test_a_root_beyond_the_end_is_none() -> None:
-    p, slope, degree = polynomial(1.01, 1.5, -2.0)
-    bend = curvature(slope, degree - 1, 1.0)
-    assert first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, bend) == NEVER
-
-
-def test_three_roots_in_one_are_refused() -> None:
-    p, slope, degree = polynomial(0.5, 0.5, 0.5)
-    bend = curvature(slope, degree - 1, 1.0)
-    assert math.isnan(first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, bend))
-
-
-def test_a_dip_within_the_error_is_in_doubt() -> None:
-    p, slope, degree = polynomial(1.0, 1.0, -2.0)
-    for lift, verdict in ((1e-3, NEVER), (1e-9, math.nan), (-1e-9, math.nan), (-1e-3, 0.98174)):
-        raised = p.copy()
-        raised[0] += lift
-        time = first_fall(raised, slope, degree, 2.0, 1e-6)
-        assert time == pytest.approx(verdict, abs=1e-4, nan_ok=True)
-
-
 def test_without_an_error_nothing_is_in_doubt() -> None:
     """A value that only touches zero falls to it there; three roots in one are told as such."""
     p, slope, degree = polynomial(0.5, 0.5)
     assert first_fall(p, slope, degree, 1.0, 0.0) == pytest.approx(0.5, abs=1e-7)
     p, slope, degree = polynomial(0.5, 0.5, 0.5)
     assert math.isnan(first_fall(p, slope, degree, 1.0, 0.0))
-
-
-def test_the_second_dip_counts_when_the_first_is_too_shallow() -> None:
-    p, slope, degree = polynomial(0.5, 0.5, 1.5, 1.6)
-    p[0] += 1e-4
-    time = first_fall(p, slope, degree, 2.0, 1e-6)
-    assert time == pytest.approx(1.5, abs=0.01)
 
 
 # --- accuracy, asked for and delivered ------------------------------------------------------------
@@ -476,24 +400,6 @@ def test_landings_of_every_tolerance_lie_that_close_to_proven_ones(nightly: bool
 
 
 # --- what has no answer ---------------------------------------------------------------------------
-
-
-def test_a_graze_is_an_error_with_its_margin() -> None:
-    """Where the pitch is all but level, the touching ends at an offset of R + r_b."""
-    low, high = 0.06, 0.08
-    while True:
-        offset = (low + high) / 2
-        scene = AtBatScene(id="graze", swing=Swing(height_offset=offset))
-        (result,) = Batch().solve_all([scene])
-        if result.error is not None:
-            break
-        low, high = (low, offset) if result.outcome == "missed" else (offset, high)
-    assert "cannot be decided in double precision" in result.error
-    assert result.plate is not None
-    assert result.contact is not None
-    assert abs(result.contact.margin) < 1e-14
-    alone = solve_columns(AtBatScene(id="any"), {"swing.height_offset": [offset, 0.0]})
-    assert list(alone["outcome"]) == ["", "batted"]
 
 
 @pytest.mark.parametrize(
@@ -636,46 +542,6 @@ def test_where_the_search_for_the_bat_begins(scene: AtBatScene, error: float) ->
     assert found.normal == pytest.approx([*map(float, truth.normal)], abs=error)
 
 
-@pytest.mark.parametrize("sideways", [1e-10, 1e-15, 1e-20, 1e-30])
-@pytest.mark.parametrize("up", [40.0, 0.0])
-@pytest.mark.parametrize("lift", [0.0, 0.2])
-@pytest.mark.sampled(every=5)
-def test_a_ball_that_is_all_but_vertical(sideways: float, up: float, lift: float) -> None:
-    """cos(π/2) is 6e-17: at the apex the ball has that part of its speed."""
-    scene = FlightScene(
-        id="pop-up",
-        air=Air(lift_coefficient=lift),
-        launch=Launch(position=(0.0, 0.0, 50.0), velocity=(sideways, 0.0, up)),
-    )
-    truth = solve(scene, Enclosure(18)).landing
-    assert truth is not None
-    heights = []
-    for engine in (Batch(), Ivp()):
-        result, way = solve_with_path(scene, engine)
-        assert result.landing is not None
-        assert result.landing.time == pytest.approx(float(truth.time), rel=3e-15)
-        assert result.landing.distance == pytest.approx(float(truth.distance), rel=1e-14)
-        heights.append([way.at(part * float(truth.time))[0][2] for part in (0.2, 0.5, 0.9)])
-    assert heights[0] == pytest.approx(heights[1], rel=1e-13)
-    assert Batch().solve_all([scene] * 20) == [solve(scene, Batch())] * 20
-
-
-def test_straight_up_and_down() -> None:
-    """Up for atan(r)/√(g k), r = √(k/g) V, and down for asinh(r)/√(g k), to V/√(1 + r²)."""
-    for speed, density, g in product((0.5, 1.0, 20.0), (1.29, 1000.0), (1e-8, 9.8, 1e6)):
-        air = Air(density=density, lift_coefficient=0.0)
-        pace = speed * math.sqrt(g / 9.8)  # the same flight at another pace
-        launch = Launch(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, pace))
-        scene = FlightScene(id="up", air=air, gravity=g, launch=launch, time_limit=1e6)
-        found = solve(scene, Batch()).landing
-        k = density * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
-        r = math.sqrt(k / g) * pace
-        assert found is not None
-        time = (math.atan(r) + math.asinh(r)) / math.sqrt(g * k)
-        assert found.time == pytest.approx(time, rel=1e-14)
-        assert found.velocity == (0.0, 0.0, pytest.approx(-pace / math.hypot(1.0, r), rel=1e-13))
-
-
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, 30.0), (0.0, 0.0, 0.0), (1e-30, 0.0, 20.0)])
 def test_a_flight_through_rest_is_left_to_the_scalar_engine(velocity: Any) -> None:
     """The result names it, alone, in a list and in columns."""
@@ -688,43 +554,6 @@ def test_a_flight_through_rest_is_left_to_the_scalar_engine(velocity: Any) -> No
     assert table["engine"].tolist() == ["ivp Taylor"] * 2
     assert expected.landing is not None
     assert table["landing.time"][0] == expected.landing.time
-
-
-def test_a_fall_from_rest_that_outlasts_the_time_limit() -> None:
-    """It falls by ln cosh(√(g k) t)/k."""
-    height, k = 3000.0, 1.29 * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
-    scene = FlightScene(
-        id="drop",
-        air=Air(lift_coefficient=0.0),
-        launch=Launch(position=(0.0, 0.0, height), velocity=(0.0, 0.0, 0.0)),
-    )
-    result, way = solve_with_path(scene, Batch())
-    assert result.outcome == "airborne"
-    fall = math.log(math.cosh(math.sqrt(9.8 * k) * 60.0)) / k
-    assert way.at(60.0)[0][2] == pytest.approx(height - fall, rel=1e-13)
-    assert {found.outcome for found in Batch().solve_all([scene] * 20)} == {"airborne"}
-
-
-@pytest.mark.parametrize("gravity", [1e-3, 0.5, 9.8])
-@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
-def test_a_hop_in_little_gravity(engine: Engine, gravity: float) -> None:
-    """Without air it is over after 2 w/g."""
-    rise = 1e-4 * gravity
-    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, rise))
-    scene = FlightScene(id="hop", air=None, gravity=gravity, launch=launch)
-    found = solve(scene, engine).landing
-    assert found is not None
-    assert found.time == pytest.approx(2 * rise / gravity, rel=1e-12)
-
-
-def test_a_ball_that_all_but_rests_in_the_air_is_solved_or_refused_never_wrong() -> None:
-    """At its apex the ball has a millionth of its speed; the steps shrink, and grow again."""
-    strengths = {"drag": 0.0074867, "gravity": 9.8}
-    straight = landing(strengths, PlaneState(0.0, 0.0, 0.0, 20.0))
-    for u in (1e-3, 1e-6, 1e-9, 1e-12):
-        end = landing(strengths, PlaneState(0.0, 0.0, u, 20.0))
-        assert end.time == pytest.approx(straight.time, abs=u * u + 1e-13)
-        assert 0.0 < end.state.s < 4.0 * u
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,7 @@ from longball.engines.lines import solve_lines
 from longball.model.quantities import numbers
 from longball.model.result import Certified, Result
 from longball.model.scene import parse_scene
-from tests.scenes import paper_cases
-from tests.strategies import scenes
+from tests.scenes import paper_cases, paper_scenes
 
 IVP = create("ivp")
 AT_BAT = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
@@ -58,7 +57,7 @@ def stem(name: str) -> str:
 
 
 @settings(max_examples=settings().max_examples // 3)
-@given(scenes("baseball"))
+@given(paper_scenes())
 def test_the_radius_holds_the_truth(scene):
     found = certified(scene, IVP)
     if found.error is None:

@@ -13,15 +13,12 @@ from longball.engines.chain import (
     approach_of,
     collide,
     solve,
-    solve_with_path,
     solve_with_restitutions,
 )
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
-from longball.model.law import Force
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
-from longball.model.trace import ZERO
 
 
 def solved(text: str):
@@ -46,20 +43,6 @@ def test_the_approach_is_that_of_the_at_bat():
     assert approach.pitch.frame.position(approach.touch.state) == result.contact.position
 
 
-def test_the_path_of_a_scene_runs_from_its_start_to_its_end():
-    scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
-    result, way = solve_with_path(scene, Ivp())
-    assert way.at(0.0)[0] == scene.pitch.release
-    contact, landing = result.contact, result.landing
-    before = way.at(contact.time * (1 - 1e-15))
-    assert before[0] == pytest.approx(contact.position, abs=1e-13)  # 40 m/s over an ulp or two
-    assert way.at(contact.time) == (contact.position, result.impact.velocity)
-    assert way.end == landing.time
-    assert way.at(way.end)[0] == pytest.approx(landing.position, abs=1e-12)
-    with pytest.raises(ValueError, match=r"no state at t = -1\.0 s"):
-        way.at(-1.0)
-
-
 def test_another_law_or_collision_may_stand_in_the_chain():
     """Known mistakes, alternative readings and fitted laws are the same chain with other parts."""
     scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
@@ -73,22 +56,6 @@ def test_another_law_or_collision_may_stand_in_the_chain():
     dropped = '{"id":"x","kind":"flight","launch":{"position":%s,"velocity":[0,0,0]}}'
     alone = solved(dropped % list(fallen.contact.position))
     assert fallen.landing.position == alone.landing.position
-
-
-def test_a_sideways_force_goes_through_the_whole_chain():
-    """1 m/s² to the left of the flight, whatever else acts: y = a t²/2 in a vacuum."""
-    across = Force(lambda scene, frame, numbers: {"push": numbers.exact(1.0)}, push_left)
-    model = replace(MODEL, forces=(across,))
-    scene = parse_scene(
-        '{"id":"x","kind":"flight","air":null,"launch":{"position":[0,0,1],"velocity":[30,0,20]}}'
-    )
-    landing = solve(scene, Ivp(), model).landing
-    assert landing.position[1] == pytest.approx(landing.time**2 / 2, rel=1e-14)
-    assert landing.position[0] == pytest.approx(30.0 * landing.time, rel=1e-14)
-
-
-def push_left(motion, p):
-    return ZERO, p.push, ZERO
 
 
 RECONTACT = (
@@ -171,11 +138,6 @@ def test_engines_are_made_by_name():
         engines.create("x")
     with pytest.raises(ValueError, match="takes no dt; it takes method, rtol, atol"):
         engines.create("ivp", dt=0.1)
-
-
-def test_a_ball_at_rest_in_empty_space_stays_there():
-    rest = '{"id":"x","kind":"flight","gravity":0,"launch":{"position":[0,0,1],"velocity":[0,0,0]}}'
-    assert solved(rest).outcome == "airborne"
 
 
 def test_a_ball_that_lands_before_the_bat_sets_it_free_has_its_spin():

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from scipy.special import eval_legendre
 
-from longball.engines import collocation
 from longball.engines.collocation import Collocation, SegmentCurve, gauss_legendre, legendre
 from longball.engines.multiprecision import MultiprecisionNumbers, _collocation
 from longball.model.law import Law, PlaneState, Shape, law_with
@@ -88,34 +87,6 @@ def test_products_in_fixed_point_are_rounded_relative_to_the_largest_entry() -> 
 
 
 # --- the choice of steps --------------------------------------------------------------------------
-
-
-def test_a_step_is_changed_to_where_its_coefficients_just_suffice() -> None:
-    """They fall as ρ^-k to the tolerance at `needed`; at ρ/r they do at the last that may matter.
-
-    Shorter by a tenth, and never changed by more than the limits.
-    """
-    enough, tolerance = METHOD._enough, float(METHOD.tolerance)
-    assert enough == len(METHOD.rule.nodes) - collocation._IDLE
-    for needed in (enough - 4.0, float(enough), enough + 3.5):
-        ratio = tolerance ** (-1 / needed) / tolerance ** (-1 / enough)
-        assert METHOD._change_of_length(needed) == pytest.approx(collocation._SAFETY * ratio)
-    assert METHOD._change_of_length(0) == METHOD._change_of_length(1) == collocation._MOST_LONGER
-    assert METHOD._change_of_length(math.inf) == collocation._MOST_SHORTER
-
-
-def test_how_many_coefficients_are_needed() -> None:
-    """The last that changes the velocity by more than the tolerance; or more, by how they fall."""
-    n, tolerance, speed = len(METHOD.rule.nodes), METHOD.tolerance, exact(3)
-    small, large = tolerance * speed, 2 * tolerance * speed
-    for count in (0, 1, 5, n - 3):
-        assert METHOD._needed([large] * count + [small] * (n - count), speed) == count
-    ratio = exact(2)
-    falling = [speed * ratio**-k for k in range(1, n + 1)]
-    # Of three that are left over the largest, the first, stands where the last is.
-    wanted = n * math.log(float(tolerance)) / math.log(2.0 ** -(n - 2))
-    assert METHOD._needed(falling, speed) == pytest.approx(wanted)
-    assert METHOD._needed([speed] * n, speed) == math.inf
 
 
 def test_segments_join_and_reach_the_end() -> None:

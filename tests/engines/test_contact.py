@@ -16,8 +16,7 @@ from longball.engines.chain import approach_of, solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.event import BatSection
 from longball.engines.ivp import Ivp
-from longball.model.frame import Frame
-from longball.model.law import PlaneState, law_of, law_with
+from longball.model.law import law_of
 from longball.model.numbers import DOUBLES
 from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
 
@@ -108,15 +107,6 @@ def test_steep_pitches_by_every_method(method, tolerance, nightly):
 
 def scene_of(**values):
     return parse_scene(json.dumps({"id": "odd", "kind": "at-bat"} | values))
-
-
-def test_the_plain_event_would_have_missed():
-    """The distance itself shows no change of sign between the steps; hence the search."""
-    approach = approach_of(scene_of(), ENGINE)
-    bat, pieces = bat_of(approach), list(approach.pitch.flight.path.pieces())
-    ends = [piece.at(t) for piece in pieces for t in (0.0, piece.length)]
-    assert all(bat.distance(state, DOUBLES) > bat.reach for state in ends)
-    assert approach.touch.touched
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9])
@@ -225,35 +215,6 @@ def test_the_ground_may_end_the_search():
 
 
 # ---- the functions of the state ------------------------------------------------------------------
-
-STATE = PlaneState(18.3, 1.2, 31.0, -4.0)
-BAT = BatSection(Frame(18.44, 0.0, -0.9999, -math.sqrt(1 - 0.9999**2)), 1.15, 0.0696)
-
-
-def test_the_approach_is_half_the_rate_of_the_depth():
-    """d/dt depth = 2 d·v: a central difference, whose error is of order h²."""
-    law = law_with({"drag": 0.0075, "lift": 0.00375, "gravity": 9.8})
-    _, _, du, dw = law.rates(DOUBLES)(*STATE)
-    h = 1e-5
-
-    def moved(time):
-        return PlaneState(
-            STATE.s + time * (STATE.u + time * du / 2),
-            STATE.z + time * (STATE.w + time * dw / 2),
-            STATE.u + time * du,
-            STATE.w + time * dw,
-        )
-
-    slope = (BAT.depth(moved(h)) - BAT.depth(moved(-h))) / (2 * h)
-    assert slope == pytest.approx(2 * BAT.approach(STATE), rel=1e-7)
-
-
-def test_depth_is_zero_at_reach_and_keeps_its_digits_there():
-    # The ball straight above the axis, a millionth of a millionth off.
-    state = PlaneState(0.0, 1.15 + 0.0696 + 1e-12, 0.0, 0.0)
-    bat = BatSection(Frame(0.0, 0.0, -1.0, 0.0), 1.15, 0.0696)
-    gap = bat.distance(state, DOUBLES) - bat.reach
-    assert bat.depth(state) == pytest.approx(2 * gap * 0.0696, rel=1e-3)
 
 
 @pytest.mark.parametrize("offset", [1.0, 10.0, -1.2])

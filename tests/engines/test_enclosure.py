@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 from fractions import Fraction
 
 import flint
@@ -20,9 +19,9 @@ from hypothesis import strategies as st
 from longball.engines.chain import solve
 from longball.engines.enclosure import Balls, Enclosure
 from longball.model.numbers import Undecided
+from longball.model.quantities import numbers
 from longball.model.result import Bounded
 from longball.model.scene import (
-    Air,
     AtBatScene,
     Ball,
     Bat,
@@ -34,21 +33,9 @@ from longball.model.scene import (
     PitchScene,
     Swing,
 )
+from tests.scenes import cases_of
 
 ENGINE = Enclosure(30)
-
-
-def numbers_of(value, key=""):
-    """Yield key and number of everything in a result."""
-    if isinstance(value, Bounded | float | arb):
-        yield key, value
-    elif isinstance(value, (tuple, list)):
-        for index, one in enumerate(value):
-            yield from numbers_of(one, f"{key}[{index}]")
-    elif value is not None and not isinstance(value, str):
-        fields = value if isinstance(value, dict) else dict(value)
-        for name, one in fields.items():
-            yield from numbers_of(one, f"{key}.{name}")
 
 
 def distance(bounded: Bounded, truth: Fraction) -> Fraction:
@@ -67,20 +54,6 @@ def flight(height=1.0, velocity=(30.0, 0.0, 30.0), **blocks):
 
 def at_bat(**blocks):
     return AtBatScene(id="x", **blocks)
-
-
-def sampled(count: int, seed: int):
-    """At-bats from the paper's distributions."""
-    draw = random.Random(seed)
-    for _ in range(count):
-        mean, spread = (139.1, 4.58) if draw.random() < 0.45 else (127.8, 7.80)
-        cell = draw.gauss(2 if draw.random() < 0.52 else 4, 0.77)
-        yield at_bat(
-            pitch=Pitch(speed=draw.gauss(mean, spread) / 3.6, aim=((cell - 3) * 0.144, 1.8)),
-            swing=Swing(
-                tilt=math.radians(draw.uniform(0, 10)), height_offset=draw.gauss(0, 0.0366)
-            ),
-        )
 
 
 # --- numbers --------------------------------------------------------------------------------------
@@ -137,30 +110,16 @@ def test_engines_of_different_digits_do_not_meet():
 # --- an independent method agrees -----------------------------------------------------------------
 
 
-AT_BATS = [at_bat(), at_bat(swing=Swing(height_offset=-0.03)), *sampled(6, seed=3)]
-REGULAR = [
-    *AT_BATS,
-    at_bat(air=None),
-    at_bat(air=Air(lift_coefficient=0.0), swing=Swing(height_offset=0.2)),
-    at_bat(pitch=Pitch(aim=(0.6, 1.8))),
-    flight(velocity=(20.0, 10.0, 25.0)),
-    flight(height=0.0, velocity=(20.0, 10.0, 25.0), air=Air(lift_coefficient=0.6)),
-    PitchScene(id="x"),
-    ImpactScene(
-        id="x",
-        incoming=Incoming(position=(0.0696, 0.1, 0.8), velocity=(-35.0, 0.2, -3.0), bat_height=0.8),
-    ),
-]
-
-
-@pytest.mark.parametrize("scene", REGULAR)
+@pytest.mark.parametrize("family", ["at-bat", "flight-both", "pitch", "impact", "fence"])
 @pytest.mark.sampled(every=4)
-def test_more_digits_lie_within_fewer(scene):
-    results = [dict(numbers_of(solve(scene, Enclosure(digits)))) for digits in (10, 25, 60)]
-    for wide, narrow in itertools.pairwise(results):
-        for key, bounded in narrow.items():
-            off = distance(wide[key], Fraction(bounded.value))
-            assert off + Fraction(bounded.radius) <= Fraction(wide[key].radius), key
+def test_more_digits_lie_within_fewer(family):
+    for case in cases_of(family)[:3]:
+        results = [dict(numbers(solve(case.scene, Enclosure(n)))) for n in (10, 25, 60)]
+        for wide, narrow in itertools.pairwise(results):
+            for key, bounded in narrow.items():
+                if isinstance(bounded, Bounded):
+                    off = distance(wide[key], Fraction(bounded.value))
+                    assert off + Fraction(bounded.radius) <= Fraction(wide[key].radius), key
 
 
 # --- what is hard ---------------------------------------------------------------------------------

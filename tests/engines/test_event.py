@@ -10,7 +10,6 @@ under all forces, and pitches that graze the bat, are in the golden data (`hard`
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,8 +25,6 @@ from longball.engines.polynomial import Dual, PolynomialPiece
 from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_with
 from longball.model.numbers import DOUBLES, Undecided
-from longball.model.scene import parse_scene
-from tests.scenes import cases_of
 
 IVP, ENCLOSURE = Ivp(), Enclosure(30)
 ENGINES = pytest.mark.parametrize("engine", [IVP, ENCLOSURE], ids=["ivp", "enclosure"])
@@ -448,58 +445,7 @@ def test_a_pitch_released_at_the_plate_crosses_it_unless_it_flies_away(engine):
         assert (flight.time == 0) is (stop == "plate")
 
 
-@ENGINES
-@pytest.mark.parametrize("gravity", [{}, {"gravity": 8.0}])
-def test_a_ball_at_rest_on_the_ground_has_landed(engine, gravity):
-    flight = fly(Case(gravity, (0.0, 0.5, 0.0, 0.0), "ground", (0.5,), 60.0), engine)
-    assert flight.stop == "ground"
-    assert flight.time == 0
-
-
-@ENGINES
-def test_a_ball_at_rest_in_the_air_stays_or_falls(engine):
-    resting = Case({}, (0.0, 4.0, 0.0, 0.0), "ground", (0.0,), 60.0)
-    assert fly(resting, engine).stop == "time"
-    falling = fly(replace(resting, strengths={"gravity": 8.0}), engine)
-    assert falling.stop == "ground"
-    assert float(falling.time) == pytest.approx(1.0, abs=1e-15)
-
-
 # --- scenes ---------------------------------------------------------------------------------------
-
-TURNED = (
-    '{"id":"t","kind":"%s","air":{"drag_coefficient":0.1,"lift_coefficient":%r},'
-    '"pitch":{"speed":40,"release":[%r,0,30],"aim":[0,30]},"time_limit":%r}'
-)
-
-
-@ENGINES
-@pytest.mark.parametrize("before", [1e-3, 1e-6, 1e-9])
-@pytest.mark.sampled(every=3)
-def test_an_at_bat_whose_pitch_lift_turns_round_just_beyond_the_plate(engine, before):
-    """With C_L = 2.5 it turns round after 1 s, and comes to the plate again after 4."""
-    scene = parse_scene(TURNED % ("pitch", 2.5, 1000.0, 60.0))
-    law = law_with(
-        {"drag": 0.1 * (k := 1.29 * math.pi * 0.0366**2 / 0.29), "lift": 2.5 * k, "gravity": 9.8}
-    )
-    start = PlaneState(0.0, 30.0, 40.0, 0.0)
-    turn = IVP.fly(law, start, [event.vertical(start, DOUBLES)], 60.0)
-    assert turn.stop == "vertical"
-    scene = parse_scene(TURNED % ("at-bat", 2.5, turn.state.s - before, 60.0))
-    found = solve(scene, engine)
-    assert found.plate is not None
-    # It is that far from the plate a while before: of x = a t²/2, with a near 25 m/s².
-    ahead = turn.time - float(found.plate.time)
-    assert 0 < ahead < math.sqrt(before)
-
-
-@ENGINES
-def test_a_ball_dropped_with_lift_that_is_always_up_falls_straight_down(engine):
-    scene = parse_scene(
-        '{"id":"up","kind":"flight","launch":{"position":[0,0,20],"velocity":[0,0,0]},'
-        '"reading":{"lift_direction":"always_up"}}'
-    )
-    assert float(solve(scene, engine).landing.distance) == 0.0
 
 
 def test_a_batted_ball_whose_direction_is_left_open_is_not_taken_for_a_vertical_one():
@@ -509,17 +455,5 @@ def test_a_batted_ball_whose_direction_is_left_open_is_not_taken_for_a_vertical_
     assert float(solve(scene, ENCLOSURE).landing.distance) == pytest.approx(2.2139, abs=0.01)
 
 
-@pytest.mark.parametrize("of", ["speed", "spin"])
-def test_nodes_of_two_tables_that_are_passed_at_once_are_told(of):
-    (case,) = (c for c in cases_of("flight-kinks") if c.scene.id.endswith(f"both-by-{of}"))
-    assert solve(case.scene, ENCLOSURE).outcome == "landed"
-
-
 def test_a_number_with_its_rate_follows_the_rules_of_derivatives() -> None:
     assert (1.0 - Dual(3.0, 2.0)) * Dual(5.0, 7.0) == Dual(-10.0, -24.0)
-
-
-def test_a_fall_before_all_that_was_seen_is_at_the_end_of_the_last() -> None:
-    below = SimpleNamespace(curve=lambda value: lambda t: -1.0)
-    seen = [(below, 0.5), (SimpleNamespace(curve=below.curve), 0.25)]
-    assert event._fallen(seen, SimpleNamespace(value=None), DOUBLES) is seen[1]

@@ -11,10 +11,11 @@ import pytest
 from flint import arb
 
 from longball.engines import create
-from longball.engines.chain import Model, solve, solve_with_path
+from longball.engines.chain import Model, solve_with_path
 from longball.engines.event import ground
 from longball.engines.fence import chords, falls, first_crossing, stop_at
 from longball.engines.ivp import Ivp
+from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
 from longball.model.law import Force, PlaneState, SpaceState, law_with
 from longball.model.numbers import DOUBLES
@@ -62,30 +63,6 @@ def pushed(left):
         return -p.back, p.left, 0
 
     return Model(forces=(Force(strengths, push),))
-
-
-CURVED = pushed(2.0)
-
-
-@pytest.mark.parametrize("name", ["ivp", "batch"])
-@pytest.mark.parametrize("forward", [31.1, 44.9])
-@pytest.mark.sampled(every=3)
-def test_a_ball_that_comes_down_at_the_foot_of_the_fence_in_space(name, forward):
-    """On a ground of another height than 0: certain at 1e-10 m, and never wrong by an ulp."""
-    raised = {"air": None, "position": (0.0, 0.0, 4.0), "ground": {"height": 3.0}}
-
-    def answered(x, engine):
-        fence = [[x, 50, 5], [x, -50, 5]]
-        return solve(flight((forward, 0.0, 25.0), fence, **raised), engine, CURVED)
-
-    foot = float(answered(900.0, ENCLOSURE).landing.position[0])
-    assert answered(foot - 1e-10, ENGINES[name]).outcome == "wall"
-    assert answered(foot + 1e-10, ENGINES[name]).outcome == "landed"
-    for ulps in range(-3, 4):
-        x = foot + ulps * math.ulp(foot)
-        result = answered(x, ENGINES[name])
-        assert result.outcome in (None, answered(x, ENCLOSURE).outcome)
-        assert result.outcome or "before it touches the ground" in result.error
 
 
 @SMOOTH
@@ -145,49 +122,12 @@ def crossed(engine, push, across, y):
 # --- each part by itself --------------------------------------------------------------------------
 
 
-class Line:
-    """A piece in space, from a place in a straight line but for z; or bent in y."""
-
-    begin, length = 2.0, 10.0
-
-    def __init__(self, x, y, u, v, bend=0.0):
-        self.x = np.array([x, u, 0.0])
-        self.y = np.array([y, v, -bend])
-
-    def at(self, t):
-        x, y = (float(np.polynomial.polynomial.polyval(t, p)) for p in (self.x, self.y))
-        return SpaceState(x, y, 5.0, 0.0, 0.0, 0.0)
-
-    def curve(self, value):
-        return Values(lambda t: value(self.at(t)), self.length)
-
-
-class Values:
-    """A value along a piece by its samples: every turn on a grid of 1/64 s is found."""
-
-    def __init__(self, value, length):
-        self.value, self.length = value, length
-
-    def __call__(self, t):
-        return self.value(t)
-
-    def positive(self, a, b):
-        return all(self(t) > self(a) / 2 for t in np.linspace(a, b, 641))
-
-    def turns(self, a, b):
-        times = np.linspace(a, b, 641)
-        values = [self(t) for t in times]
-        return [
-            float(t)
-            for t, left, here, right in zip(times[1:], values, values[1:], values[2:], strict=False)
-            if (here - left) * (right - here) < 0
-        ]
-
-    def zero(self, a, b):
-        for _ in range(100):
-            middle = (a + b) / 2
-            a, b = (middle, b) if self(middle) > 0 else (a, middle)
-        return b
+def line(x, y, u, v, bend=0.0):
+    """A piece in space at a height of 5 m, from a place in a straight line, or bent in y."""
+    rows = np.zeros((6, 3))
+    rows[0], rows[1], rows[2, 0] = (x, u, 0.0), (y, v, -bend), 5.0
+    rows[3, 0], rows[4] = u, (v, -2 * bend, 0.0)
+    return PolynomialPiece(2.0, 10.0, SpaceState, rows)
 
 
 HERE = Frame(0.0, 0.0, 1.0, 0.0)
@@ -199,15 +139,15 @@ def over(piece, fence, error=1e-12, end=100.0):
 
 
 def test_a_line_in_space_crosses_a_chord_at_a_share_of_it():
-    met = over(Line(0.0, 0.0, 10.0, 5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]])
+    met = over(line(0.0, 0.0, 10.0, 5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]])
     assert met.time == pytest.approx(2.0 + 3.0, rel=1e-14)
     assert (met.state.s, met.state.y) == pytest.approx((30.0, 15.0), rel=1e-14)
     place = met.place
     assert (place.segment, place.height) == (0, pytest.approx(7.0, rel=1e-14))
     assert (place.margin, place.to_break) == pytest.approx((25.0, 25.0), rel=1e-13)
     assert place.slope == pytest.approx(0.2, rel=1e-14)
-    assert over(Line(0.0, 0.0, 10.0, 15.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
-    assert over(Line(0.0, 0.0, 10.0, -5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
+    assert over(line(0.0, 0.0, 10.0, 15.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
+    assert over(line(0.0, 0.0, 10.0, -5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
 
 
 @pytest.mark.parametrize("y", [40.0, -16.0])
@@ -216,14 +156,14 @@ def test_a_crossing_at_an_end_of_the_fence_is_a_break_and_past_it_is_none(y):
     fence = [[32.0, 40.0, 2.0], [32.0, -16.0, 12.0]]
     out = math.copysign(1e-9, y)
     for off in (0.0, out / 100, -out / 100):
-        met = over(Line(0.0, 0.0, 8.0, (y + off) / 4), fence, error=1e-11)
+        met = over(line(0.0, 0.0, 8.0, (y + off) / 4), fence, error=1e-11)
         assert met.place.to_break == pytest.approx(0.0, abs=2e-11)
-    assert over(Line(0.0, 0.0, 8.0, (y + out) / 4), fence, error=1e-11) is None
+    assert over(line(0.0, 0.0, 8.0, (y + out) / 4), fence, error=1e-11) is None
 
 
 def test_a_chord_that_goes_on_has_no_break_there():
     park = [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0], [0.0, -90.0, 12.0], [-9.0, -90.0, 4.0]]
-    met = over(Line(0.0, 0.0, 10.0, 2.0), park)
+    met = over(line(0.0, 0.0, 10.0, 2.0), park)
     assert met.place.to_break == pytest.approx(34.0)
     assert met.place.margin == pytest.approx(16.0)
     made = chords(flight((1.0, 0.0, 1.0), park).fence.polyline, DOUBLES)
@@ -236,7 +176,7 @@ def test_a_chord_that_goes_on_has_no_break_there():
 
 @pytest.mark.parametrize(("end", "found"), [(5.5, True), (4.5, False)])
 def test_a_crossing_after_the_end_is_none(end, found):
-    met = over(Line(0.0, 0.0, 10.0, 0.0), {"radius": 30.0}, end=end)
+    met = over(line(0.0, 0.0, 10.0, 0.0), {"radius": 30.0}, end=end)
     assert (met is not None) is found
 
 
@@ -246,7 +186,7 @@ def test_the_first_of_two_chords_that_are_crossed_on_a_piece(turned):
     fence = [[60, 50, 9], [60, -5, 9], [45, -5, 9], [45, 5, 1], [30, 5, 1], [30, -50, 1]]
     if turned:
         fence = [[x, -y, h] for x, y, h in fence[::-1]]
-    met = over(Line(0.0, 0.0, 10.0, 0.0), fence)
+    met = over(line(0.0, 0.0, 10.0, 0.0), fence)
     assert met.time == pytest.approx(2.0 + 3.0)
     assert met.place.height == 1.0
 
@@ -260,7 +200,7 @@ def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):
     bend = 0.0625
     top = y + 0.25 / bend * 0.25  # of y + t/2 - t²/16, at t = 4
     wall = top + away
-    met = over(Line(x, y, 0.125, 0.5, bend), [[-400.0, wall, 1.0], [400.0, wall, 1.0]], error)
+    met = over(line(x, y, 0.125, 0.5, bend), [[-400.0, wall, 1.0], [400.0, wall, 1.0]], error)
     assert (met is not None) is doubtful
     if met is not None:
         assert met.doubtful
@@ -270,7 +210,7 @@ def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):
 @pytest.mark.parametrize(("away", "doubtful"), [(-0.2, False), (0.05, True), (0.2, None)])
 def test_a_turn_close_to_a_circle_may_not_reach_it(away, doubtful):
     """It turns 81 m away after 4 s; states are off by a thousandth of 1 + |x| + |y|: 0.08 m."""
-    met = over(Line(0.0, 80.0, 0.0, 0.5, 0.0625), {"radius": 81.0 + away}, 1e-3)
+    met = over(line(0.0, 80.0, 0.0, 0.5, 0.0625), {"radius": 81.0 + away}, 1e-3)
     assert (met and met.doubtful) is doubtful
 
 
@@ -287,7 +227,9 @@ def test_a_turn_close_to_a_circle_may_not_reach_it(away, doubtful):
     ],
 )
 def test_falls_of_a_value(coefficients, expected):
-    curve = Values(lambda t: float(np.polynomial.polynomial.polyval(t, coefficients)), 4.0)
+    rows = np.zeros((4, 3))
+    rows[1, : len(coefficients)] = coefficients
+    curve = PolynomialPiece(0.0, 4.0, PlaneState, rows).curve(lambda state: state.z)
     found = list(falls(curve, 4.0, 1e-2, None))
     assert [doubtful for _, doubtful in found] == [doubtful for _, doubtful in expected]
     assert [t for t, _ in found] == pytest.approx([t for t, _ in expected], abs=0.02)

@@ -120,13 +120,6 @@ def test_a_dip_far_shorter_than_a_step_is_found(circle, depth):
     assert abs(flight.time - (mp.pi / 2 - early) / (20 * law.strengths["lift"])) < 1e-20
 
 
-def test_a_ball_on_the_ground_stays_there_or_leaves_it():
-    for lift, w, stays in ((0.002, 0.0, True), (0.03, 0.0, False), (0.0037, 5.0, False)):
-        law = plane_law(0.0075, lift)
-        flight = ENGINE.fly(law, launched(0.0, 60.0, w), [ground()], exact(60.0))
-        assert (flight.time == 0) is stays
-
-
 # ---- the engine as an object ---------------------------------------------------------------------
 
 

@@ -88,23 +88,6 @@ def test_columns_have_the_new_key():
         assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone[:3].tolist()
 
 
-def test_alone_it_is_the_exponential():
-    """u = u₀ e^(-ct), w = (w₀ + g/c) e^(-ct) - g/c, where nothing else drags."""
-    c, g = 0.125, 9.8
-    flight = scene(
-        velocity=(30.0, 0.0, 25.0), drag_coefficient=0.0, lift_coefficient=0.0, linear_drag=c
-    )
-    result = solve(flight, Ivp(), MODEL)
-    t = result.landing.time
-    fallen = 1 + (25.0 + g / c) * -math.expm1(-c * t) / c - g / c * t
-    assert fallen == pytest.approx(0.0, abs=1e-12)
-    assert result.landing.position[0] == pytest.approx(-30.0 * math.expm1(-c * t) / c, rel=1e-14)
-
-
-def test_it_changes_something():
-    assert landing(scene(linear_drag=0.125), Ivp())[0] < landing(scene(), Ivp())[0] - 5
-
-
 def aside(motion, p):
     """A constant push to the left, which drives the ball off its plane."""
     return 0, p.aside, 0
@@ -122,12 +105,6 @@ def aside(motion, p):
 )
 def test_off_the_plane_each_component_has_its_closed_form(engine, error):
     assert error_off_the_plane(engine) < error
-
-
-def test_off_the_plane_half_the_step_of_verlet_errs_by_less_than_half():
-    # The ground lies on the line between two steps: its share makes the order uneven.
-    errors = [error_off_the_plane(Verlet(dt, forces="implicit")) for dt in (1e-3, 5e-4)]
-    assert errors[0] / errors[1] > 2
 
 
 def error_off_the_plane(engine):

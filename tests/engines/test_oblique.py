@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from longball.engines import create
@@ -37,10 +36,6 @@ def struck(scene, engine):
     result = solve(scene, engine)
     assert result.error is None
     return result
-
-
-def vector(numbers):
-    return np.array([float(x) for x in numbers])
 
 
 @EVERY_ENGINE
@@ -80,21 +75,6 @@ def test_a_ball_too_heavy_for_the_bat_is_not_gripped_in_doubles(mass, told):
         else:
             assert result.code == "out_of_range"
             assert "too heavy" in result.error
-
-
-@EVERY_ENGINE
-def test_a_frictionless_bat_leaves_the_spin(engine):
-    incoming = touching(0.3, 0.1, Bat(), Ball(), velocity=(-38.0, 1.0, -3.0), spin=(1.0, 2.0, 3.0))
-    scene = ImpactScene(id="s", incoming=incoming)
-    impact = struck(scene, engine).impact
-    assert impact.mode == "frictionless"
-    assert vector(impact.spin).tolist() == [1, 2, 3]
-    bare = scene.model_copy(update={"incoming": incoming.model_copy(update={"spin": None})})
-    without = struck(bare, engine).impact
-    assert without.model_dump(include={"velocity", "impulse"}) == impact.model_dump(
-        include={"velocity", "impulse"}
-    )
-    assert "spin" not in struck(bare, engine).line()
 
 
 def test_a_flight_with_the_spin_of_an_impact_is_proven():

@@ -291,20 +291,6 @@ def wind(motion, p):
     return -p.blown * speed * u, -p.blown * speed * v, -p.blown * speed * w
 
 
-def test_a_ball_dropped_into_a_wind():
-    """V is zero at the launch, and the speed in the air is not."""
-    law = law_with({**STRENGTHS, "wind": 5.0, "blown": 0.01}, (wind,))
-    start = PlaneState(0.0, 30.0, 0.0, 0.0)
-    found, wanted = (
-        engine.fly(law, start, [ground(0.0, start, DOUBLES)], 60.0)
-        for engine in (IVP, Ivp("DOP853", 1e-12, 1e-12))
-    )
-    assert found.time == pytest.approx(wanted.time, abs=1e-10)
-    assert found.state == pytest.approx(wanted.state, abs=1e-9)
-    crossing = plate(Frame(3.0, 0.0, -1.0, 0.0), start, DOUBLES)
-    assert IVP.fly(law, start, [crossing], 60.0).stop == "plate"
-
-
 @pytest.mark.parametrize(
     ("engine", "error"),
     [
@@ -330,15 +316,6 @@ def test_a_path_is_asked_for_another_event():
     met = first_met(flight.path.pieces(), [ahead], LIMIT, IVP.flight_error, DOUBLES)
     assert (met.event.name, met.state.s) == ("plate", 20.0)
     assert_same(met.state, flight.path.at(met.time))
-
-
-def test_a_trajectory_is_sampled_in_space():
-    scene = parse_scene('{"id":"x","kind":"at-bat","swing":{"height_offset":-0.03}}')
-    result, way = solve_with_path(scene, IVP)
-    first, last = way.sample([0.0, way.end])
-    assert first[:3] == scene.pitch.release
-    assert last == (*way.at(way.end)[0], *way.at(way.end)[1])
-    assert last[:3] == pytest.approx(result.landing.position, abs=ULPS)
 
 
 NO_DRAG = '"air": {"drag_coefficient": 0.0, "lift_coefficient": 4.0},'

@@ -115,14 +115,6 @@ def test_zeros_at_the_ends_are_found():
     assert zero((Series([-0.5, 1.0]) ** 3 - 1e-6).coef, 0.0, 1.0) == pytest.approx(0.51, rel=1e-14)
 
 
-def test_a_shifted_polynomial_has_the_same_values():
-    rng = np.random.default_rng(2)
-    p = rng.normal(0, 1, 20)
-    moved = Series(shifted(p, -0.3))
-    for t in (0.0, 0.2, 0.6):
-        assert moved(t) == pytest.approx(Series(p)(t - 0.3), rel=1e-12)
-
-
 @pytest.mark.parametrize("order", [1, 3, 5])
 def test_a_zero_of_any_order_is_found(order):
     p = (Series([0.7, -1.0]) ** order).coef

@@ -10,14 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb
 
 from longball.convergence.report import Limit
 from longball.engines import create
-from longball.engines.batch import Batch
-from longball.engines.chain import approach_of, solve, solve_with_path, solve_with_restitutions
+from longball.engines.chain import approach_of, solve, solve_with_path
 from longball.engines.enclosure import Enclosure
-from longball.engines.enclosure.system import static_values, structure
 from longball.engines.event import Event
 from longball.engines.ivp import Ivp
 from longball.engines.path_engine import PathEngine
@@ -33,7 +30,6 @@ from longball.model.scene import (
     Swing,
     parse_scene,
 )
-from longball.model.trace import Program, log, parameter, sqrt, variable
 
 # --- defaults and limits --------------------------------------------------------------------------
 
@@ -83,26 +79,7 @@ def test_no_number_of_a_report_is_nan() -> None:
             Limit(**kept, error=bad)
 
 
-def test_the_order_of_the_batch_engine_grows_with_its_digits() -> None:
-    """The cheapest is half the logarithm of the truncation; a step has costs besides.
-
-    Positions are off by 11 truncations at most, or by 3 half ulps.
-    """
-    for tolerance in (1e-4, 1e-9, 1e-14):
-        engine = Batch(tolerance)
-        assert engine.truncation < tolerance / 11
-        assert 0 <= engine.order + 0.5 * math.log(engine.truncation) < 10
-        assert 1 < engine.flight_error / max(11 * engine.truncation, 3 * 2.0**-53) < 10
-
-
 # --- what no other scene comes to -----------------------------------------------------------------
-
-
-def test_pitches_that_miss_miss_with_every_ball() -> None:
-    scene = AtBatScene(id="over", swing=Swing(height_offset=0.5))
-    results = solve_with_restitutions(scene, (0.3, 0.4, 0.5), Ivp())
-    assert results == [solve(scene, Ivp())] * 3
-    assert results[0].outcome == "missed"
 
 
 def test_a_ball_that_lands_after_the_time_limit_in_its_last_step_is_airborne() -> None:
@@ -115,27 +92,6 @@ def test_a_ball_that_lands_after_the_time_limit_in_its_last_step_is_airborne() -
     assert way.at(way.end)[0] == pytest.approx((1.8, 0.0, 1 - 0.9 / 1.1))
     longer = scene.model_copy(update={"time_limit": 1.15})
     assert solve(longer, Verlet(0.3)).outcome == "landed"
-
-
-def test_a_ball_that_nothing_moves_rests_on_the_ground_in_steps_too() -> None:
-    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0))
-    result = solve(FlightScene(id="rest", air=None, gravity=0.0, launch=launch), Verlet(0.05))
-    assert result.landing is not None
-    assert result.landing.time == 0.0
-
-
-@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure", "multiprecision", "verlet"])
-def test_a_table_of_the_spin_parameter_without_spin_is_its_first_value(name: str) -> None:
-    table = {"law": "table", "of": "spin_parameter", "at": [0.1, 0.3], "values": [0.5, 0.3]}
-    launch = {"position": [0, 0, 1], "velocity": [30, 0, 20], "spin": [0, 0, 0]}
-    line = {"kind": "flight", "launch": launch}
-    by_table = parse_scene(json.dumps(line | {"air": {"drag_coefficient": table}}))
-    constant = parse_scene(json.dumps(line | {"air": {"drag_coefficient": 0.5}}))
-    engine = create(name)
-    found, wanted = solve(by_table, engine).landing, solve(constant, engine).landing
-    assert found is not None
-    assert wanted is not None
-    assert float(found.distance) == pytest.approx(float(wanted.distance), rel=1e-14)
 
 
 @pytest.mark.parametrize(("node", "told"), [(20.0, False), (19.9999, True), (20.0001, True)])
@@ -200,30 +156,3 @@ def test_a_bat_is_met_wherever_the_pieces_of_a_pitch_join(
     if touched:
         before = math.sqrt(0.0696**2 - offset**2) / 32
         assert touch.time == pytest.approx(0.5 - before, rel=1e-13)
-
-
-# --- the structure of a law -----------------------------------------------------------------------
-
-
-def test_what_depends_on_parameters_alone_has_its_value() -> None:
-    k, q, u = parameter("k"), parameter("q"), variable("u")
-    static = [k + q, k * q, k / q, sqrt(k), log(q), k + 1.5]
-    program = Program(("u",), ("k", "q"), tuple(node * u for node in static))
-    functions = {"sqrt": arb.sqrt, "log": arb.log}
-    values = static_values(program, {"k": arb(4), "q": arb(8)}, functions)
-    wanted = [12.0, 32.0, 0.5, 2.0, math.log(8.0), 5.5]
-    assert [float(values[node]) for node in static] == pytest.approx(wanted, rel=1e-15)
-
-
-def test_linear_rates_that_nothing_depends_on_are_integrals() -> None:
-    k, s, u, w = parameter("k"), variable("s"), variable("u"), variable("w")
-    program = Program(("s", "r", "u", "w"), ("k",), (k + 2 * u - w, s * u, -(u * w), u))
-    found = structure(program)
-    assert found.quadratures == {}  # r needs s, by a product
-    program = Program(("s", "r", "u", "w"), ("k",), (k + 2 * u - w, w, -(u * w), u))
-    found = structure(program)
-    assert found.core.variables == ("u", "w")
-    (rest, terms), (no_rest, one) = found.quadratures["s"], found.quadratures["r"]
-    assert rest is k
-    assert {node: float(c.args[0]) for c, node in terms} == {u: 2.0, w: -1.0}
-    assert (float(no_rest.args[0]), [node for _, node in one]) == (0.0, [w])

@@ -21,7 +21,7 @@ from longball.engines.tangent import derivatives_of
 from longball.golden.case import ROUNDING
 from longball.model.inputs import inputs, value_of
 from longball.model.quantities import replaced
-from tests.scenes import FAMILIES, case_of, cases_of
+from tests.scenes import FAMILIES, cases_of
 
 GOOD = 1e-12  # of the size of a quantity
 
@@ -233,57 +233,39 @@ def test_a_kink_is_refused_in_its_row_alone():
         assert column[1] == pytest.approx(known[name], rel=1e-12)
 
 
-def test_a_shallow_landing_is_left_to_more_digits():
-    columns = {"launch.velocity[2]": np.array([-1e-3, 20.0])}
-    base = as_scene(
-        {"kind": "flight", "launch": {"position": [0, 0, 1e-9], "velocity": [30, 0, 1]}}
-    )
-    _, slopes = solve_columns_with_slopes(base, columns, ["launch.position[2]"])
-    assert slopes.alone == [0]
-    row = replaced(base, {"launch.velocity[2]": -1e-3})
-    proven = derivatives_of(row, ["landing.distance"], ["launch.position[2]"], Enclosure(30))
-    slope = float(proven["landing.distance"]["launch.position[2]"].value)
-    assert slopes.columns["landing.distance"][0, 0] == pytest.approx(slope, rel=1e-12)
+TABLE = {"law": "table", "of": "speed", "at": [20, 50], "values": [0.5, 0.3]}
 
 
-def test_a_graze_of_the_bat_is_left_to_more_digits():
-    case = case_of("hard-graze-plus-1e-06")
-    columns = {"pitch.speed": np.full(2, case.scene.pitch.speed)}
-    _, slopes = solve_columns_with_slopes(case.scene, columns, ["pitch.speed"])
-    assert slopes.alone == [0, 1]
-    known = derivatives_of(case.scene, ["contact.time"], ["pitch.speed"], Enclosure(30))
-    slope = float(known["contact.time"]["pitch.speed"].value)
-    assert slopes.columns["contact.time"][0] == pytest.approx(slope, rel=1e-12)
-
-
-def test_a_flight_that_the_lanes_leave_has_the_derivatives_of_its_scene():
-    # straight down; and aside, which the lanes fly
-    scene = as_scene(FLIGHT | {"air": {"lift_coefficient": 0.0}})
-    columns = {
-        "launch.velocity[0]": np.array([0.0, 30.0]),
-        "launch.velocity[1]": np.zeros(2),
-        "launch.velocity[2]": np.array([-5.0, -5.0]),
-    }
-    names = ["launch.velocity[2]", "gravity"]
-    table, slopes = solve_columns_with_slopes(scene, columns, names)
-    assert ["ivp" in engine for engine in table["engine"]] == [True, False]
-    assert slopes.alone == [0]
-    row = replaced(scene, {name: column.item(0) for name, column in columns.items()})
-    known = derivatives_of(row, ["landing.time"], names, Ivp())["landing.time"]
-    assert [*slopes.columns["landing.time"][:, 0]] == [known[name] for name in names]
-
-
-def test_laws_that_the_compiled_code_does_not_fly_are_left_to_single_scenes():
-    air = {
-        "drag_coefficient": {"law": "table", "of": "speed", "at": [20, 50], "values": [0.5, 0.3]}
-    }
-    scene = as_scene(FLIGHT | {"air": air})
-    columns = {"launch.velocity[2]": np.array([10.0, 20.0])}
-    _, slopes = solve_columns_with_slopes(scene, columns, ["gravity"])
-    assert slopes.alone == [0, 1]
-    row = replaced(scene, {"launch.velocity[2]": 20.0})
-    known = derivatives_of(row, ["landing.distance"], ["gravity"], Ivp())
-    assert slopes.columns["landing.distance"][0, 1] == known["landing.distance"]["gravity"]
+@pytest.mark.parametrize(
+    ("scene", "columns", "names", "alone"),
+    [
+        # A shallow landing takes more digits than doubles have.
+        (
+            FLIGHT | {"launch": {"position": [0, 0, 1e-9], "velocity": [30, 0, 1]}},
+            {"launch.velocity[2]": [-1e-3, 20.0]}, ["launch.position[2]"], [0],
+        ),
+        # The lanes fly no ball straight down.
+        (
+            FLIGHT | {"air": {"lift_coefficient": 0.0}},
+            {"launch.velocity[0]": [0.0, 30.0], "launch.velocity[1]": [0.0, 0.0],
+             "launch.velocity[2]": [-5.0, -5.0]}, ["launch.velocity[2]", "gravity"], [0],
+        ),
+        # Nor does the compiled code know tables.
+        (
+            FLIGHT | {"air": {"drag_coefficient": TABLE}},
+            {"launch.velocity[2]": [10.0, 20.0]}, ["gravity"], [0, 1],
+        ),
+    ],
+)  # fmt: skip
+def test_rows_that_columns_leave_have_the_derivatives_of_their_scenes(scene, columns, names, alone):
+    base, columns = as_scene(scene), {name: np.array(column) for name, column in columns.items()}
+    _, slopes = solve_columns_with_slopes(base, columns, names)
+    assert slopes.alone == alone
+    for i in alone:
+        row = replaced(base, {name: column.item(i) for name, column in columns.items()})
+        proven = derivatives_of(row, ["landing.time"], names, Enclosure(30))["landing.time"]
+        found = slopes.columns["landing.time"][:, i]
+        assert found == pytest.approx([float(proven[name].value) for name in names], rel=1e-12)
 
 
 def test_a_launch_at_rest_has_no_speed_to_change():

@@ -12,7 +12,7 @@ from longball.engines import taylor
 from longball.engines.taylor import Expander, Taylor, right_hand_side
 from longball.model import trace
 from longball.model.law import Law, law_with
-from tests.engines.test_ivp import fly, ground, wall
+from tests.engines.test_ivp import fly, ground, plate
 
 BALL = law_with({"drag": 0.0075, "lift": 0.00375, "gravity": 9.8})
 START = [0.0, 1.0, 35.0, 30.0]
@@ -168,18 +168,18 @@ def test_without_numba_it_is_the_same():
         "from tests.engines.test_taylor import *\n"
         "assert compiled.compiler() is None\n"
         "print(float(by_taylor(BALL, (0, 60), START, events=height).y[0, -1]))\n"
-        "print(float(fly(START, BALL, wall(100.0), ground()).time))\n"
+        "print(float(fly(START, BALL, plate(100.0), ground()).time))\n"
         "print(float(fly((0.0, 50.0, 0.0, 0.0), BALL, ground()).time))\n"
     )
     ran = subprocess.run(
         [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False
     )
     assert ran.returncode == 0, ran.stderr
-    place, plate, rest = map(float, ran.stdout.split())
+    place, crossed, rest = map(float, ran.stdout.split())
     # The powers that set the steps may be rounded otherwise.
     wanted = by_taylor(BALL, (0, 60), START, events=height).y[0, -1]
     assert place == pytest.approx(wanted, rel=1e-15)
-    assert plate == pytest.approx(fly(START, BALL, wall(100.0), ground()).time, rel=1e-15)
+    assert crossed == pytest.approx(fly(START, BALL, plate(100.0), ground()).time, rel=1e-15)
     assert rest == pytest.approx(fly((0.0, 50.0, 0.0, 0.0), BALL, ground()).time, rel=1e-15)
 
 

@@ -48,9 +48,6 @@ class TestSamples:
         later = draw(PAPER, BLOCK + 7, seed=3, first=3 * BLOCK)
         np.testing.assert_array_equal(later.tilt, self.many.tilt[3 * BLOCK : 4 * BLOCK + 7])
 
-    def test_another_seed_gives_others(self):
-        assert not np.any(draw(PAPER, 50, seed=4).speed == self.many.speed[:50])
-
     def test_read_the_ledger(self):
         printed = paper_at_bats(SamplingReading(speed_spread="as_printed", cell_width=0.3))
         assert printed.speed.deviations[0] == pytest.approx(4.58 / 3.6 / math.sqrt(2))

@@ -73,12 +73,6 @@ class TestMonteCarlo:
         assert batch.failed.any()
         np.testing.assert_array_equal(batch.failed, ivp.failed)
 
-    def test_more_restitution_flies_farther(self):
-        low, high = monte_carlo(BASE, PAPER, (0.3, 0.6), 60, seed=1)
-        forward = low.batted & (low.x > 20)
-        assert forward.any()
-        assert np.all(high.distance[forward] > low.distance[forward])
-
     def test_progress_reaches_the_end(self):
         seen: list[int] = []
         monte_carlo(BASE, PAPER, (0.4,), COLUMNS + 1, seed=1, progress=seen.append)

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
+from typing import Any
 
+from longball.golden import load
 from longball.home_run import draw, paper_at_bats, scenes
-from longball.judge.answers import Collector
+from longball.judge.answers import Answer, Collector
+from longball.judge.cases import decidable
+from longball.judge.diagnosis.residual import Data, data_of
+from longball.judge.quantities import values_of
 from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import (
@@ -60,6 +66,18 @@ def pitches() -> list[PitchScene]:
         PitchScene(id=f"pitch-{i}", pitch=Pitch(speed=30.0 + 3 * i, aim=(0.1 * i - 0.15, 1.8)))
         for i in range(4)
     ]
+
+
+def known(*families: str) -> list[Any]:
+    """Golden cases of families that doubles decide."""
+    return [case for family in families for case in load(family) if decidable(case)]
+
+
+def truth(cases: Sequence[Any]) -> Data:
+    """Return the data of a diagnosis in which every answer is right."""
+    return data_of(
+        cases, {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
+    )
 
 
 def collected(cases, results: list[Result]) -> Collector:

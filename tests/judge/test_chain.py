@@ -12,8 +12,9 @@ from longball.judge.cases import decidable, solved
 from longball.judge.diagnosis.chain import CHAIN, LAW, OWN, SPEED, U, u
 from longball.judge.diagnosis.diagnose import prepared
 from longball.judge.diagnosis.expression import NONE, constant, norm, ordered, substitute
-from longball.judge.diagnosis.residual import compared, data_of, follow, seen, specialised_to
+from longball.judge.diagnosis.residual import compared, follow, seen, specialised_to
 from longball.judge.quantities import values_of
+from tests.judge.material import known, truth
 
 FAMILIES = [
     "flight-vertical", "flight-both", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
@@ -29,17 +30,10 @@ BENT = ["edges", "flight-kinks", "combined", "various", "various-real"]
 STEPS = "fence-step-right-1e-15", "fence-step-left-1e-15"
 
 
-def truth(family):
-    """The proven cases of a family, as data in which every answer is the truth."""
-    cases = [c for c in golden.load(family) if decidable(c) and c.id not in STEPS]
-    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    return data_of(cases, answers)
-
-
 @pytest.mark.parametrize("family", BENT)
 @pytest.mark.sampled(every=3)
 def test_what_the_chain_cannot_fly_counts_for_nothing(family):
-    data = truth(family)
+    data = truth([case for case in known(family) if case.id not in STEPS])
     chain = specialised_to(data)
     able = seen(chain, data)
     _, found = follow(chain, able)
@@ -50,7 +44,7 @@ def test_what_the_chain_cannot_fly_counts_for_nothing(family):
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.sampled(every=3)
 def test_every_stage_follows_from_the_true_values_before_it(family):
-    data = truth(family)
+    data = truth([case for case in known(family) if case.id not in STEPS])
     _, found = follow(specialised_to(data), data)
     for one in found:
         ids = [data.cases[i].id for i in one.some[one.wrong]]
@@ -66,7 +60,7 @@ def test_every_stage_follows_from_the_true_values_before_it(family):
 @pytest.mark.parametrize("family", ["impact", "flight-both", "at-bat", "fence"])
 @pytest.mark.sampled(every=4)
 def test_a_value_moved_by_a_millionth_does_not_follow(family):
-    data = truth(family)
+    data = truth([case for case in known(family) if case.id not in STEPS])
     chain = specialised_to(data)
     for quantity in OWN:
         if not np.isfinite(data.given[quantity]).any() or quantity in ("contact.margin",):

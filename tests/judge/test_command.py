@@ -220,42 +220,6 @@ def test_a_step_that_hangs_is_the_last_that_is_tried(called):
     assert "convergence: nothing was answered that could converge" in said.stdout
 
 
-@pytest.mark.parametrize(
-    ("arguments", "named"),
-    [
-        ([], "COMMAND"),
-        (["--results", "r.jsonl", "--", "true"], "not both"),
-        (["--results", "/no/such/file"], "/no/such/file"),
-        (["--samples", "/no/such/file"], "/no/such/file"),
-        (["--golden", "nonsense", "--", "true"], "nonsense"),
-        (["--profile", "nonsense", "--", "true"], "exact, converged, paper"),
-        (["--profile", "exact", "--tolerance", "1", "--", "true"], "takes no tolerance"),
-        (["--knob", "n=1,2,3", "--", "true"], "{n}"),
-        (["--knob", "n=3,1,2", "--", "true", "{n}"], "from coarse to fine"),
-        (["--random", "3", "--golden", "pitch", "--", "true"], "not two of them"),
-        (["--column", "a=id", "--", "true"], "--column"),
-        (["--expected", "2", "--", "true"], "{dt}"),
-        (["--steps", "0.1:0.01:5", "--", "true"], "{dt}"),
-        (["--steps", "0.1:0.01:5", "--knob", "n=1,2,3", "--", "true", "{n}"], "not both"),
-        (["--seed", "2", "--", "true"], "--random"),
-        (["--golden", "pitch", "--kind", "flight", "--", "true"], "no golden case is of these"),
-        (["--readings", "--random", "3", "--", "true"], "--readings is for golden cases"),
-        (["--random", "3", "--kind", "fly", "--", "true"], "flight, pitch"),
-        (["--steps", "0.01:0.1:5", "--", "true", "{dt}"], "from coarse to fine"),
-        (["--", "/no/such/program"], "/no/such/program"),
-        (["--", ""], "longball"),
-        (["--format", "xml", "--", "true"], "one of text, json, junit, github"),
-    ],
-)
-def test_a_wrong_call_says_what_is_wrong(called, arguments: list[str], named: str):
-    said = called("judge", *arguments)
-    assert said.returncode == 2
-    assert said.stdout == ""
-    assert named in said.stderr
-    assert "Traceback" not in said.stderr
-    assert "unexpected" not in said.stderr
-
-
 # --- what is asked ------------------------------------------------------------------------------
 
 

@@ -1,6 +1,6 @@
 """The diagnosis of an independent program with one mistake or two.
 
-The program (`tests/candidates/mistaken.py`) is right to 1e-12 without a mistake.
+The program (`tests/planted/at_bat_lab.py`) is right to 1e-12; a mistake is an edit of its text.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis.diagnose import diagnose, reason
 from longball.judge.diagnosis.expression import ordered
 from longball.judge.diagnosis.operators import edits
-from longball.judge.diagnosis.residual import data_of, follow, specialised_to, values
+from longball.judge.diagnosis.residual import follow, specialised_to, values
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.search import PAIRS, Explanation, Named, defaults
 from longball.judge.quantities import values_of
 from longball.model.scene import parse_scene
-from tests.candidates.mistaken import solve as simulate
-from tests.candidates.mistaken import switches
+from tests.judge.material import known, truth
+from tests.planted.sources import edited_lab
 
 NIGHTLY = pytest.mark.nightly
 
@@ -46,12 +46,35 @@ def gold() -> list[Case]:
     ][::16]
 
 
-def answers(cases: Sequence[Case], *names: str) -> dict[str, Answer]:
+def answers(cases: Sequence[Case], *mistakes: str) -> dict[str, Answer]:
+    lab: dict[str, Any] = {"__name__": "lab"}
+    exec(edited_lab([MISTAKES[mistake] for mistake in mistakes]), lab)
     collector = Collector([case.id for case in cases])
     for number, case in enumerate(cases, 1):
-        result = simulate(json.loads(case.scene.line()), switches(*names))
+        result = lab["solve"](json.loads(case.scene.line()))
         collector.take_line(number, json.dumps(result).encode())
     return collector.answers
+
+
+DISTANCE = 'landing["distance"] = abs(there[0] - origin)'
+# What stands in the program, and what the author of the mistake has in its place.
+MISTAKES = {
+    "g-9.80665": ('scene.get("gravity", 9.8)', "9.80665"),
+    "mass-0.145": ('ball.get("mass", 0.145)', "0.145"),
+    "drag-per-component": (
+        "dq -= f * uq\n                dw -= f * uw\n",
+        "dq -= f / U * complex(abs(uq.real) * uq.real, abs(uq.imag) * uq.imag)\n"
+        "                dw -= f / U * abs(uw) * uw\n",
+    ),
+    "nathan": ("bounce = e + (1 + e) * m / effective", "bounce = e + 0.0"),
+    "bat-at-rest": ("closing = slip.real", "closing = local.real"),
+    "over-bat-mass": ("local += impulse / m", "local += impulse / M"),
+    "distance-in-feet": (DISTANCE, f"{DISTANCE} / 0.3048"),
+    "axes-exchanged": (
+        "landing = moment(when, there)",
+        'landing = moment(when, there); landing["position"][:2] = landing["position"][1::-1]',
+    ),
+}
 
 
 def test_right_answers_have_no_finding(gold: list[Case]):
@@ -109,9 +132,9 @@ def test_no_cause_is_sought_in_answers_that_change_from_run_to_run(gold: list[Ca
 
 def test_noise_has_no_name():
     """Numbers that no formula makes: each off by another share of itself."""
-    cases = [case for case in load("impact") if decidable(case)]
+    cases = known("impact")
     draw = np.random.default_rng(1)
-    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    data = truth(cases)
     noise = 1 + 1e-3 * draw.normal(size=len(cases))
     given = {**data.given, "impact.energy_change": data.given["impact.energy_change"] * noise}
     reasoned = reason(replace(data, given=given), specialised_to(data))
@@ -121,8 +144,8 @@ def test_noise_has_no_name():
 
 @pytest.mark.nightly
 def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
-    cases = [case for case in load("flight-spin-decay") if decidable(case)][::4]
-    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    cases = known("flight-spin-decay")[::4]
+    data = truth(cases)
     noise = 1 + 1e-3 * np.random.default_rng(1).normal(size=len(cases))
     given = {**data.given, "landing.spin": data.given["landing.spin"] * noise}
     reasoned = reason(replace(data, given=given), specialised_to(data))
@@ -139,7 +162,7 @@ def test_two_numbers_of_its_own_in_one_law_are_both_named():
         scene = case.scene.model_copy(update={"air": air, "gravity": 9.81})
         return Answer(case.id, case.expected.outcome, values_of(solve(scene, Ivp())))
 
-    cases = [case for case in load("flight-both") if decidable(case)][::3]
+    cases = known("flight-both")[::3]
     found = diagnose(cases, {case.id: by_own_numbers(case) for case in cases}).findings
     (edit,) = (f.edit or "" for f in found if (f.stage, f.kind) == ("flight", "named"))
     assert set(edit.split(" and ")) == {
@@ -174,7 +197,7 @@ def test_a_mistake_in_one_option_of_a_switch_is_named_with_it():
             return Answer(case.id, told.outcome, values_of(told))
         return Answer(case.id, None, values_of(case.expected))
 
-    cases = [case for case in load("flight-spin-drag") if decidable(case)]
+    cases = known("flight-spin-drag")
     found = diagnose(cases, {case.id: per_rpm(case) for case in cases}).findings
     assert [finding.kind for finding in found] == ["named"]
     assert found[0].edit.startswith("takes 9.54929659 times ")
@@ -184,7 +207,7 @@ def test_a_mistake_in_one_option_of_a_switch_is_named_with_it():
 def test_an_edit_of_one_use_is_made_in_every_flight():
     """Also where the scenes of another stage have another drag coefficient."""
     cases = [c for f in ("pitch", "flight-spin-drag") for c in load(f)[:4] if decidable(c)]
-    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    data = truth(cases)
     pitch, *_, flight = (s for s in specialised_to(data) if s.kind == "flight")
     assert pitch.roots["law"] is flight.roots["law"]
     assert any(node.op == "switch" for node in ordered([pitch.roots["law"]]))
@@ -192,8 +215,8 @@ def test_an_edit_of_one_use_is_made_in_every_flight():
 
 def planted(families: Sequence[str], every: int, words: str) -> list[str]:
     """Names found where the flights of some families are those of the law with an edit."""
-    cases = [c for family in families for c in load(family) if decidable(c)][::every]
-    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    cases = known(*families)[::every]
+    data = truth(cases)
     chain = specialised_to(data)
     (flight,) = [stage for stage in chain if stage.kind == "flight"]
     columns, _ = follow(chain, data)
@@ -240,7 +263,7 @@ def test_what_is_planted_is_named(family: str, words: str):
 def test_ends_beside_the_ground_are_no_other_event(side: float):
     """As of single precision, on both sides or on one."""
     cases = [case for case in load("flight-both") if case.expected.outcome == "landed"]
-    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    data = truth(cases)
     noise = 1e-6 * np.random.default_rng(1).normal(size=len(cases))
     ends = data.given["landing.position"].copy()
     ends[2] += side * np.abs(noise) if side else noise
@@ -287,7 +310,7 @@ def test_a_scene_that_is_read_otherwise_is_named(
     family: str, read: Callable[[dict[str, Any]], None], stage: str, edit: str
 ):
     families = {family, "flight-both"} if family.startswith("flight") else {family}
-    cases = [case for f in families for case in load(f) if decidable(case)][::3]
+    cases = known(*families)[::3]
     collector = Collector([case.id for case in cases])
     for number, case in enumerate(cases, 1):
         scene = json.loads(case.scene.line())
@@ -300,7 +323,7 @@ def test_a_scene_that_is_read_otherwise_is_named(
 
 @pytest.mark.nightly
 def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
-    cases = [case for case in load("at-bat") if decidable(case)]
+    cases = known("at-bat")
     told = {c.id: dict(values_of(c.expected)) for c in cases}
     for values_told in told.values():
         if "contact.margin" in values_told:
@@ -314,8 +337,8 @@ def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
 @pytest.mark.sampled(every=3)
 def test_an_edit_of_its_own_chain_is_found_again(stage: str):
     """Every eightieth edit of a stage, planted in the right answers: it or its like is named."""
-    cases = [case for case in load("impact") if decidable(case)]
-    data = data_of(cases, {c.id: Answer(c.id, None, values_of(c.expected)) for c in cases})
+    cases = known("impact")
+    data = truth(cases)
     chain = specialised_to(data)
     (one,) = [s for s in chain if s.name == stage]
     columns, _ = follow(chain, data)

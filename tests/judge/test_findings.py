@@ -7,24 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from longball import golden
-from longball.judge.answers import Answer
-from longball.judge.cases import decidable
 from longball.judge.diagnosis.chain import μ
 from longball.judge.diagnosis.expression import norm, ordered, symbol
 from longball.judge.diagnosis.findings import size
 from longball.judge.diagnosis.operators import Edit
-from longball.judge.diagnosis.residual import Data, data_of, follow, specialised_to
+from longball.judge.diagnosis.residual import Data, follow, specialised_to
 from longball.judge.diagnosis.search import Located, Named
 from longball.judge.diagnosis.sentences import diagnosis, located, named, outcomes_wrong
-from longball.judge.quantities import values_of
+from tests.judge import material
 
 
 def truth(*families: str) -> Data:
-    cases = [c for f in families for c in golden.load(f) if decidable(c)]
-    cases = [c for c in cases if c.scene.reading == type(c.scene.reading)()][:30]
-    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    return data_of(cases, answers)
+    plain = (c for c in material.known(*families) if c.scene.reading == type(c.scene.reading)())
+    return material.truth([*plain][:30])
 
 
 def wrong(data: Data, **given):

@@ -7,21 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from longball import golden
-from longball.judge.answers import Answer
-from longball.judge.cases import decidable
 from longball.judge.diagnosis.chain import OWN
 from longball.judge.diagnosis.expression import M, S
 from longball.judge.diagnosis.outputs import outputs
-from longball.judge.diagnosis.residual import Data, data_of, follow, specialised_to
-from longball.judge.quantities import values_of
+from longball.judge.diagnosis.residual import Data, follow, specialised_to
+from tests.judge import material
 
 
 def true(*families: str, every: int = 8) -> Data:
     """Some scenes of families, in which every answer is the truth."""
-    cases = [c for f in families for c in golden.load(f) if decidable(c)][::every]
-    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    return data_of(cases, answers)
+    return material.truth(material.known(*families)[::every])
 
 
 @pytest.fixture(scope="module")

@@ -7,16 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longball.golden import load
-from longball.judge.answers import Answer
-from longball.judge.cases import decidable
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.expression import Values
 from longball.judge.diagnosis.operators import FREE, Edit, edits
-from longball.judge.diagnosis.residual import begun, data_of, specialised_to, take, values
+from longball.judge.diagnosis.residual import begun, specialised_to, take, values
 from longball.judge.diagnosis.response import Direct, Effects, Response
 from longball.judge.diagnosis.search import defaults
-from longball.judge.quantities import values_of
+from tests.judge.material import known, truth
 
 SCENES = 7
 SHORT = 7.0  # s: a flight whose derivatives a few long steps give
@@ -24,16 +21,14 @@ SHORT = 7.0  # s: a flight whose derivatives a few long steps give
 
 def stage_of(family: str, name: str) -> tuple[tuple[Stage, ...], Stage, dict[str, Any]]:
     """The chain of a family, one of its stages, and the columns of a few scenes."""
-    cases = [case for case in load(family) if decidable(case)]
-    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    data = data_of(cases, answers)
+    data = truth(known(family))
     chain = specialised_to(data)
     (stage,) = [s for s in chain if s.name == name and s.kind != "event"]
     columns = begun(data)
     told = np.isfinite(np.atleast_2d(data.expected[stage.quantities[0]])).all(axis=0)
     short = ~(columns["hang_time"] > SHORT)
-    known = np.flatnonzero(told & short)
-    own = take(columns, known[np.linspace(0, len(known) - 1, SCENES).astype(int)])
+    flown = np.flatnonzero(told & short)
+    own = take(columns, flown[np.linspace(0, len(flown) - 1, SCENES).astype(int)])
     return chain, stage, {**own, "spin": own[stage.spins]}
 
 

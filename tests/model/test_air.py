@@ -178,16 +178,6 @@ def test_which_coefficients_mean_nothing_without_a_spin(drag: Any, lift: Any, ne
         scene(air=air)
 
 
-def test_a_lift_without_direction_is_none() -> None:
-    """A spin along the velocity: a constant lift would act, but which way?"""
-    along = LAUNCH | {"spin": [40, 50, 60]}
-    for lift in (0.0, {"law": "constant", "value": 0.0}):
-        assert not scene(air={"lift_coefficient": lift}, launch=along).air.lift_is_constant
-    for lift in (1.0, -0.2, {"law": "constant", "value": 1.0}):
-        with pytest.raises(InvalidScene, match=r"has no direction where launch\.spin is parallel"):
-            scene(air={"lift_coefficient": lift}, launch=along)
-
-
 def test_other_contradictions_of_the_air() -> None:
     for air, message in (
         ({"spin_decay_length": 100.0}, "air.spin_decay_length needs a spin"),
@@ -289,21 +279,6 @@ def crosses(*vertices: tuple[float, float]) -> bool:
     except InvalidScene as error:
         return "crosses itself" in str(error)  # it may also go the wrong way round
     return False
-
-
-@pytest.mark.parametrize(
-    ("last", "wanted"),
-    [
-        ((69, 3), False),  # short of the first chord
-        ((70, 3), True),  # on it
-        ((71, 3), True),
-        ((70, 9), True),  # on its first vertex
-        ((69, 9), False),
-        ((70, 10), False),  # beyond it, on its line
-    ],
-)
-def test_a_fence_that_comes_back_to_its_first_chord(last: tuple[int, int], wanted: bool) -> None:
-    assert crosses((70, 9), (70, -9), (50, -9), last) is wanted
 
 
 def test_chords_meet_if_they_have_a_point_in_common() -> None:

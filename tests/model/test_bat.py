@@ -16,7 +16,7 @@ from longball.model.bat import (
 from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
-from tests.strategies import between
+from tests.scenes import between
 
 BALL, BAT = Ball(), Bat()
 

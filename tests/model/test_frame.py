@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import PlaneState, SpaceState
 from longball.model.numbers import DOUBLES, Undecided
-from tests.strategies import between
+from tests.scenes import between
 
 # A velocity whose square underflows, below 1e-154 m/s, counts as none.
 coordinates = st.just(0.0) | between(1e-100, 100) | between(-100, -1e-100)

@@ -1,7 +1,6 @@
 """The impulse as executed: generated, and right in every kind of number."""
 
 import ast
-import inspect
 import math
 import subprocess
 import sys
@@ -10,7 +9,6 @@ from pathlib import Path
 
 import mpmath
 import numpy as np
-import pytest
 from flint import arb, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
@@ -267,19 +265,3 @@ def test_the_impulse_runs_without_sympy():
         check=True,
     )
     assert done.stdout.strip() == "[]"
-
-
-FUNCTIONS = [name for name, value in vars(impact).items() if callable(value) and name[0].islower()]
-
-
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_units_are_documented(name):
-    units = ("kg", "1/kg", "N·s", "J", "m/s", "rad/s")
-    assert any(f", in {unit}" in getattr(impact, name).__doc__ for unit in units)
-
-
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_arguments_are_documented(name):
-    heads = [line for line in impact.__doc__.splitlines() if line[:1].islower()]
-    known = {word for line in heads for word in line.split(", ")}
-    assert set(inspect.signature(getattr(impact, name)).parameters) <= known

@@ -52,20 +52,6 @@ def test_the_law_is_that_of_space(drag, lift, gravity):
     assert (found - wanted).applyfunc(sp.simplify) == sp.zeros(3, 1)
 
 
-def test_backspin_lifts_and_drag_brakes():
-    """The signs, without algebra: a level flight."""
-    law = law_with({"drag": 0.1, "lift": 0.01})
-    assert law.rates(DOUBLES)(0.0, 0.0, 10.0, 0.0) == pytest.approx((10.0, 0.0, -10.0, 1.0))
-
-
-def test_the_constants_are_those_of_the_paper():
-    """k = ρ C A / (2 m), in numbers: 1.29 · 0.4 · π · 0.0366² / (2 · 0.145)."""
-    strengths = law_of(scene(), ALONG_X, DOUBLES).strengths
-    assert strengths["drag"] == pytest.approx(0.007488, rel=1e-4)
-    assert strengths["lift"] == pytest.approx(0.003744, rel=1e-4)
-    assert strengths["gravity"] == 9.8
-
-
 @pytest.mark.parametrize(
     ("air", "gravity", "named"),
     [

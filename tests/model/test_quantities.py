@@ -10,9 +10,9 @@ from pydantic import ValidationError
 from longball.model.quantities import at, flat, nested, number, numbers, replaced
 from longball.model.result import Landing, Result
 from longball.model.scene import AtBatScene, FlightScene, Launch, PitchScene
-from tests.strategies import results, scenes
+from tests.scenes import results, scenes
 
-blocks = scenes("wide", "extended") | results()
+blocks = scenes() | results()
 
 
 def a_name(draw, block):
@@ -47,7 +47,7 @@ def test_what_is_replaced_can_be_read_back_and_nothing_else_changes(block, value
     assert dict(numbers(other)) == dict(numbers(block)) | {name: value}
 
 
-@given(scenes("wide", "extended"))
+@given(scenes())
 def test_plain_data_has_the_same_names(scene):
     assert list(numbers(json.loads(scene.line()))) == list(numbers(scene))
 

@@ -147,10 +147,6 @@ def test_ids_of_any_text(text):
     assert parse_scene(scene.line().encode()) == scene
 
 
-def test_texts_are_written_as_they_are():
-    assert '"id":"é⚾"' in parsed(id="é⚾").line().replace(" ", "")
-
-
 def test_a_byte_order_mark_is_no_part_of_the_line():
     line = json.dumps(LEAST["pitch"]).encode("utf-8-sig")
     assert parse_scene(line) == parsed()
@@ -164,8 +160,6 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
     [
         ({"gravity": -1}, "gravity: must not be negative (got -1)"),
         ({"gravity": "9.8"}, "gravity: must be a number in m/s² (got '9.8')"),
-        ({"gravity": None}, "gravity: must be a number in m/s² (got null)"),
-        ({"ball": {"mass": "5oz"}}, "ball.mass: must be a number in kg (got '5oz')"),
         (
             {"pitch": 5},
             "pitch: must be an object with the keys speed, release, aim, velocity, spin (got 5)",
@@ -179,8 +173,6 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
         ({"pitch": {"aim": {"y": 1}}}, "pitch.aim: must be [y, z] in m (got {'y': 1})"),
         ({"pitch": {"aim": [0, None]}}, "pitch.aim[1]: is missing, or null"),
         ({"pitch": {"aim": [0, 1, 2]}}, "pitch.aim: must be [y, z] in m, and has 3 values"),
-        ({"gravity": True}, "gravity: must be a number in m/s² (got true)"),
-        ({"ball": {"mass": 0}}, "ball.mass: must be positive (got 0)"),
         (
             {"air": {"density": {"temperature": 20}}},
             "air.density.temperature: must be at least 150 K; 20 °C is 293.15 K (got 20)",
@@ -189,7 +181,6 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             {"earth": {"latitude": 45}},
             "earth.latitude: must be at most 1.5708 rad; 45° is 0.7854 rad (got 45)",
         ),
-        ({"ball": {"mass": math.nan}}, "ball.mass: must be a finite number (got nan)"),
         (
             {"air": {"densty": 1}},
             "air.densty: unknown key, did you mean density? The keys here are "
@@ -205,21 +196,10 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             "wind: unknown key; the keys here are id, ball, reading, air, gravity, time_limit, "
             "earth, kind, pitch; wind is a key of air",
         ),
-        (
-            {"air": {"release": 1}},
-            "air.release: unknown key; the keys here are density, drag_coefficient, "
-            "lift_coefficient, side_coefficient, wind, spin_decay_length, density_scale_height; "
-            "release is a key of pitch",
-        ),
         ({"air": {"wind": 10}}, "air.wind: must be [x, y, z] in m/s (got 10)"),
-        ({"pitch": {"spin": 100}}, "pitch.spin: must be [x, y, z] in rad/s (got 100)"),
         (
             {"air": {"lift_coefficient": {"law": "table", "of": "speed", "at": 1, "values": []}}},
             "air.lift_coefficient.at: must be a list (got 1)",
-        ),
-        (
-            {"air": {"lift_coefficient": {"law": "bilinear", "<number>": 1}}},
-            "air.lift_coefficient.<number>: unknown key; the keys here are law",
         ),
         (
             {"air": {"drag_coefficient": {"law": "crises"}}},
@@ -227,10 +207,6 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             "The laws are constant, spin, crisis, table",
         ),
         ({"pitch.speed": 30}, "pitch.speed: unknown key; put it inside pitch, not beside it"),
-        (
-            {"pitch": {"release": [-1, 0, 1]}},
-            "pitch: release[0] = -1.0 must be positive: in front of the plate",
-        ),
         (
             {"pitch": {"release": [1, 0, -1]}},
             "pitch.release[2] = -1.0 is underground: the ball lands at height 0.0",
@@ -243,11 +219,6 @@ def test_a_byte_order_mark_is_no_part_of_the_line():
             {"reading": {"inertia": "rod"}},
             "reading.inertia: must be 'solid_cylinder', 'thin_rod' or 'about_centre' "
             "(got 'rod'), did you mean thin_rod?",
-        ),
-        (
-            {"reading": {"inertia": "thin rod"}},
-            "reading.inertia: must be 'solid_cylinder', 'thin_rod' or 'about_centre' "
-            "(got 'thin rod'), did you mean thin_rod?",
         ),
     ],
 )
@@ -270,13 +241,6 @@ def test_a_spin_along_the_velocity_needs_a_lift_that_falls_with_the_spin_paramet
         assert parse_scene(line).air.lift_coefficient.values == (value, 0.25)
     else:
         assert "has no direction where pitch.spin is parallel" in str(refused(line))
-
-
-def test_a_spin_along_the_velocity_is_one_along_that_through_the_air():
-    pitch = {"velocity": [-30.0, 0.0, 6.0], "spin": [-50.0, 0.0, 12.0]}
-    air = {"lift_coefficient": 0.2, "wind": [-5.0, 0.0, 0.0]}
-    line = json.dumps(LEAST["pitch"] | {"pitch": pitch, "air": air})
-    assert "has no direction where pitch.spin is parallel" in str(refused(line))
 
 
 def test_all_faults_of_a_line_are_told():

@@ -192,15 +192,6 @@ def test_the_example_agrees_with_pandas(example):
         assert mixture.deviations[index] == pytest.approx(spread, rel=1e-12)
 
 
-def test_distributions_are_those_that_are_fitted(example):
-    speed, aim = example.distributions()
-    assert speed.weight == example.speed.weight.value
-    assert aim.weight == example.aim.weight.value
-    assert aim.means[0] <= aim.means[1]
-    assert aim.means[1] == pytest.approx((example.aim.right_mean.value - 3) * 0.144)
-    assert aim.deviations == (pytest.approx(example.aim.spread.value * 0.144),) * 2
-
-
 def test_the_same_seed_gives_the_same_errors(example):
     assert fit_pitches(EXAMPLE, replicates=20, seed=4) == example
     other = fit_pitches(EXAMPLE, replicates=20, seed=5)

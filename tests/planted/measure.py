@@ -14,7 +14,7 @@ mutants
 edits
     longball's own chain with one of its edits: what the diagnosis can name, it has to find.
 right
-    A right program at many levels of accuracy (right.py): no name is right.
+    A right program at many levels of accuracy (at_bat_lab.py): no name is right.
 
 Nobody grades by reading. A name is right if the chain with the edits of the diagnosis makes the
 program's numbers, from the program's own earlier values, in scenes that neither has seen; a place
@@ -374,7 +374,7 @@ def chosen(options: argparse.Namespace) -> Iterator[Subject]:
         "planted": lambda: sources.planted(options.half, folder),
         "mutants": lambda: sources.mutants(options.seed, folder),
         "edits": lambda: sources.own_edits(options.seed, options.cases),
-        "right": sources.right,
+        "right": lambda: sources.right(folder),
     }
     for source in options.source:
         every = makers[source]()

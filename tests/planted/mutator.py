@@ -7,11 +7,10 @@ place changed, and a line in words.
 import ast
 import re
 from collections.abc import Callable, Iterator
-from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
 
-from tests.mutants import replaced
+from tests.mutants import altered, replaced
 
 SISTERS = {"sin": "cos", "cos": "sin", "max": "min", "min": "max", "fmax": "fmin", "fmin": "fmax",
            "sinl": "cosl", "cosl": "sinl", "sqrt": "fabs", "sqrtl": "fabsl"}  # fmt: skip
@@ -84,27 +83,22 @@ def _is_keyed(node: ast.AST) -> bool:
 def _changes(
     node: ast.expr, names: set[str], keys: set[str], called: bool
 ) -> Iterator[ast.expr]:  # fmt: skip
-    def with_(**parts: object) -> ast.expr:
-        changed = deepcopy(node)
-        vars(changed).update(parts)
-        return changed
-
     match node:
         case ast.Name(id=name, ctx=ast.Load()) if not called:
             yield from (ast.Name(other) for other in others(name, names))
             yield ast.UnaryOp(ast.USub(), ast.Name(name))
         case ast.Attribute(attr=name) if called and name in SISTERS:
-            yield with_(attr=SISTERS[name])
+            yield altered(node, attr=SISTERS[name])
         case ast.Subscript(slice=ast.Constant(value=str(key)), ctx=ast.Load()):
-            yield from (with_(slice=ast.Constant(other)) for other in others(key, keys))
+            yield from (altered(node, slice=ast.Constant(other)) for other in others(key, keys))
         case ast.Subscript(slice=ast.Constant(value=int(i)), ctx=ast.Load()):
-            yield with_(slice=ast.Constant(i - 1 if i else 1))
+            yield altered(node, slice=ast.Constant(i - 1 if i else 1))
         case ast.BinOp(op=op, left=left, right=right) if type(op) in OPERATORS:
-            yield with_(op=OPERATORS[type(op)]())
+            yield altered(node, op=OPERATORS[type(op)]())
             yield left
             yield right
         case ast.Compare(ops=[op]) if type(op) in FLIPPED:
-            yield with_(ops=[FLIPPED[type(op)]()])
+            yield altered(node, ops=[FLIPPED[type(op)]()])
         case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
             yield operand
         case ast.Constant(value=int() | float() as x) if not isinstance(x, bool):

@@ -139,11 +139,10 @@ def built(source: Path, folder: Path) -> Path:
 
 
 def planted(half: str, folder: Path) -> Iterator[Subject]:
-    """The mistakes of mistakes.csv and at_bat_lab.json."""
+    """The mistakes of mistakes.csv, and those that are edits of at_bat_lab.py."""
     programs = {
         "ballistics.c": [str(built(HERE / "ballistics.c", folder))],
         "flight.js": ["node", str(HERE / "flight.js")],
-        "batter.py": [sys.executable, str(HERE / "batter.py")],
     }
     with (HERE / "mistakes.csv").open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -152,15 +151,27 @@ def planted(half: str, folder: Path) -> Iterator[Subject]:
                 families = PAPER if row["golden"] == "paper" else tuple(row["golden"].split())
                 command = [*programs[row["program"]], "--mistake", row["name"]]
                 yield Subject("planted", name, families, Program(command))
+    for author in ("at_bat_lab", "batter"):
+        rows = json.loads((HERE / f"{author}.json").read_text(encoding="utf-8"))
+        for mistake, row in rows.items():
+            name = f"{author}.py {mistake}"
+            if half in ("both", half_of(name)):
+                families = row["golden"].split() if "golden" in row else EVERYTHING
+                yield Subject("planted", name, families, lab(row["edits"], folder))
+
+
+def edited_lab(edits: Sequence[tuple[str, str]]) -> str:
+    """The text of at_bat_lab.py with some of it replaced."""
     text = (HERE / "at_bat_lab.py").read_text(encoding="utf-8")
-    lab = json.loads((HERE / "at_bat_lab.json").read_text(encoding="utf-8"))
-    for mistake, row in lab.items():
-        name = f"at_bat_lab.py {mistake}"
-        if half in ("both", half_of(name)):
-            source = text
-            for old, new in row["edits"]:
-                source = source.replace(old, new)
-            yield Subject("planted", name, EVERYTHING, Mutated("at_bat_lab.py", source, (), folder))
+    for old, new in edits:
+        assert old in text, old
+        text = text.replace(old, new)
+    return text
+
+
+def lab(edits: Sequence[tuple[str, str]], folder: Path) -> "Mutated":
+    """Answers of at_bat_lab.py with some of its text replaced."""
+    return Mutated("at_bat_lab.py", edited_lab(edits), (), folder)
 
 
 def half_of(name: str) -> str:
@@ -174,8 +185,7 @@ GOOD = Converged(1e-6)
 MUTATED: tuple[tuple[Path, Sequence[str], Sequence[str], Profile, float | None], ...] = (
     (ROOT / "docs" / "candidate.py", (), (*FLIGHTS, "flight-vertical"), GOOD, None),
     (CANDIDATES / "paper_verlet.py", ("--dt", "0.01"), PAPER, Paper(0.01), 0.01),
-    (CANDIDATES / "mistaken.py", (), PAPER, GOOD, None),
-    (CANDIDATES / "real_ball.py", (), ("flight-spin-lift", "flight-weather"), GOOD, None),
+    (HERE / "at_bat_lab.py", (), (*PAPER, *REAL), GOOD, None),
     (CANDIDATES / "euler_csv.py", ("0.001", "17"), FLIGHTS, Converged(0.1), 0.001),
     (CANDIDATES / "paper_verlet.c", ("--dt", "0.01"), PAPER, Paper(0.01), 0.01),
     (HERE / "ballistics.c", (), (*PAPER, *REAL), GOOD, None),
@@ -352,15 +362,34 @@ def _usual(start: float | Node, data: Data) -> float | None:
     return found if math.isfinite(found) else None
 
 
-def right() -> Iterator[Subject]:
+# Runge and Kutta's method by steps of a length, in at_bat_lab.py.
+STEPS = """    t_end, h = t + H, {step}
+    while t < t_end - 1e-13:
+        h = min(h, t_end - t)
+        move = lambda k, part: tuple([a + part * b for a, b in zip(y, k)])
+        a = rate(t, y)
+        b = rate(t + h / 2, move(a, h / 2))
+        c = rate(t + h / 2, move(b, h / 2))
+        d = rate(t + h, move(c, h))
+        y = tuple([x + h / 6 * sum(k) for x, *k in zip(y, a, b, b, c, c, d)])
+        t += h
+    return y, 1"""
+SOLVE, STEP = "json.dumps(solve(scene))", "    return extrapolated(rate, t, y, H)"
+# What is written with fewer digits; a number of single precision is another double.
+WRITTEN = "json.dumps(json.loads(json.dumps(solve(scene)), parse_float=lambda x: {shown}))"
+
+
+def right(folder: Path) -> Iterator[Subject]:
     """The right program at many levels of accuracy, for all scenes that it solves."""
-    steps = [f"--step {h}" for h in (0.2, 0.1, 0.05, 0.02, 0.01, 0.005)]
-    steps += [f"--rtol {x}" for x in ("1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-10")]
-    cut = ["", *(f" --digits {n}" for n in (4, 6, 8, 10)), " --float32"]
+    levels = {f"step {h}": (STEP, STEPS.format(step=h)) for h in (0.2, 0.1, 0.05, 0.02, 0.01, 5e-3)}
+    for tolerance in (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10):
+        levels[f"tolerance {tolerance}"] = ("SHARP = 1e-13", f"SHARP = {tolerance}")
+    single = "struct.unpack('f', struct.pack('f', float(x)))[0]"
+    cuts = {"": "float(x)", " float32": single}
+    cuts |= {f" {n} digits": f"float(f'{{float(x):.{n}g}}')" for n in (4, 6, 8, 10)}
     for families in (FLIGHTS, ("pitch",), ("impact",), ("at-bat",), PAPER):
-        for made in steps:
-            for short in cut:
-                words = f"{made}{short}"
-                command = [sys.executable, str(HERE / "right.py"), *words.split()]
-                name = f"right.py {families[0]}.. {words}"
-                yield Subject("right", name, families, Program(command))
+        for made, level in levels.items():
+            for short, shown in cuts.items():
+                program = lab([level, (SOLVE, WRITTEN.format(shown=shown))], folder)
+                name = f"at_bat_lab.py {families[0]}.. {made}{short}"
+                yield Subject("right", name, families, program)

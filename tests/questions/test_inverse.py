@@ -106,16 +106,6 @@ def test_the_air_of_random_scenes_is_determined_by_its_products_alone(first, nig
         assert [float(x) for _, x in along] == pytest.approx([1.0, ratio], rel=1e-3)
 
 
-def test_a_pitch_gives_its_drag_back():
-    scene = lb.Pitch(pitch={"speed": 40.0, "aim": [0.2, 1.0]})
-    result = lb.solve(scene)
-    seen = {"plate.time": result.plate.time}
-    start = scene.replace(**{"air.drag_coefficient": 0.3})
-    found = lb.fit(seen, start, unknowns=["air.drag_coefficient"])
-    assert found["air.drag_coefficient"] == pytest.approx(scene.air.drag_coefficient, rel=1e-10)
-    assert lb.solve(found.scene).plate.time == pytest.approx(result.plate.time, rel=1e-13)
-
-
 def test_errors_are_those_of_least_squares():
     # x = x₀ + u t without air: the variance of u from n points is σ²/Σ(t - t̄)²
     times = np.linspace(0.0, 1.0, 11)
@@ -286,31 +276,3 @@ def test_beyond_reach_it_says_how_far_it_gets():
 def test_what_is_no_target_is_refused(scene, target, unknowns, sentence):
     with pytest.raises(ValueError, match=sentence):
         lb.aim(scene, target, unknowns=unknowns)
-
-
-# --- the command line -----------------------------------------------------------------------------
-
-FLIGHT = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, 20]}}'
-
-
-@pytest.mark.parametrize(
-    ("call", "status", "said"),
-    [
-        ("infer - --measured landing.distance=far --unknown launch.speed", 2, "a finite number"),
-        ("infer - --measured landing.distance=90 --unknown launch.sped", 2, "mean launch.speed"),
-        ("infer - --measured landing.distance=90 --unknown ball.restitution", 1, "do not depend"),
-        ("infer - --measured landing.distance=90", 2, "--unknown: name a number"),
-        ("infer - --points {empty} --unknown launch.speed", 2, "the table is empty"),
-        ("aim - --target 300", 1, "out of reach: the ball gets"),
-        ("aim - --target -20", 2, "a distance must be positive"),
-        ("aim - --target far", 2, "--target far: a number is needed"),
-        ("aim - --target 90 --unknown gravity", 2, "longball: unknowns: gravity cannot be aimed"),
-    ],
-)
-def test_calls_without_an_answer_say_why(called, tmp_path, call, status, said):
-    empty = tmp_path / "empty.csv"
-    empty.touch()
-    done = called(*call.format(empty=empty).split(), stdin=FLIGHT)
-    assert done.returncode == status
-    assert said in done.stderr
-    assert len(done.stderr.splitlines()) == 1

@@ -170,12 +170,6 @@ def test_a_flight_in_a_line(called, options, distance):
     assert answer["landing"]["distance"] == pytest.approx(distance, rel=1e-12)
 
 
-def test_a_flight_without_an_id_has_none(called):
-    assert "id" not in json.loads(
-        called("flight", "--speed", "40", "--angle", "28", "--json").stdout
-    )
-
-
 def test_the_scene_of_a_flight_goes_to_other_commands(called, tmp_path):
     asked = ["flight", "--speed", "103 mph", "--angle", "28", "--wind", "5 mph out"]
     run = called(*asked, "--scene")
@@ -205,30 +199,3 @@ def test_units_wind_and_park_of_a_flight(called):
     plain = json.loads(called(*same, "--park", "Globe Life Field", "--set", "fence.radius=100",
                            "--json").stdout)  # fmt: skip
     assert math.hypot(*plain["fence"]["position"][:2]) == pytest.approx(100.0)
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--speed", "103 moh", "--angle", "28"], "did you mean mph?"),
-        (["--speed", "fast", "--angle", "28"], "a number is needed"),
-        (["--speed", "-3", "--angle", "28"], "must be positive"),
-        (
-            ["--speed", "40", "--angle", "28", "--wind", "out"],
-            "must be a speed and one of out, in, left, right",
-        ),
-        (["--speed", "40", "--angle", "28", "--park", "coors"], "did you mean Coors Field?"),
-        (["--angle", "28"], "--speed is missing: Exit speed"),
-        (
-            ["--speed", "40", "--angle", "28", "--wind", "10 mph"],
-            "must be a speed and one of out, in, left, right",
-        ),
-        (["--speed", "40", "--angle", "28", "--model", "nathn"], "did you mean nathan?"),
-        (["--speed", "40", "--angle", "28", "--bats", "S"], "must be one of R, L"),
-    ],
-)
-def test_a_flight_that_cannot_be_says_why(called, options, said):
-    asked = called("flight", *options)
-    assert asked.returncode == 2
-    assert said in asked.stderr
-    assert "Traceback" not in asked.stderr

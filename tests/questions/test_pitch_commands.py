@@ -116,33 +116,6 @@ def test_types_of_pitch_are_summed_up(called):
     assert "the active share of 695 pitches is above 1" in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("arguments", "status", "said"),
-    [
-        (["spin", "--example", "--model", "paper"], 2, "a constant says nothing of the spin"),
-        (["spin", "--example", "--model", "natan"], 2, "did you mean nathan"),
-        (["movement", "nowhere.csv"], 2, "nowhere.csv"),
-        (["spin", "--up", "16in"], 2, "--up: it goes with --speed"),
-        (
-            ["spin", "t.csv", "--speed", "40"],
-            2,
-            "--speed is for a single pitch: leave out the table",
-        ),
-        (["spin", "--example", "--speed", "40"], 2, "--example: of a table"),
-        (["spin", "--speed", "40", "--games", "g.csv"], 2, "--games: of a table"),
-        (["spin", "--speed", "40", "--release", "3,4"], 2, "pitch.release[2]: is missing"),
-        (["spin", "--speed", "95 mph", "--up", "3"], 2, "no spin moves a ball so far"),
-        (["spin", "--speed", "fast"], 2, "--speed fast: a number is needed"),
-        (["movement", "--example", "--column", "vx0"], 2, "NAME=VALUE"),
-    ],
-)
-def test_calls_that_cannot_be_answered_say_why(called, arguments, status, said):
-    done = called(*arguments)
-    assert done.returncode == status
-    assert said in done.stderr
-    assert "Traceback" not in done.stderr
-
-
 def test_a_table_without_pitches_says_so(called, few, tmp_path):
     file = tmp_path / "empty.csv"
     file.write_text(few.read_text(encoding="utf-8").splitlines()[0] + "\n", encoding="utf-8")

@@ -136,12 +136,6 @@ def test_numbers_that_describe_no_pitch_say_so(given, said):
         )
 
 
-def test_a_flight_is_not_asked():
-    launch = {"position": [0, 0, 1], "velocity": [30, 0, 20]}
-    with pytest.raises(ValueError, match="a pitch or an at-bat is needed, and this is a flight"):
-        lb.spin_from_movement({"kind": "flight", "launch": launch}, VELOCITY, [5.0, 0.0, -5.0])
-
-
 def of_the_day():
     """Return the day's pitches, and what of their spin their movement needs, in the middle."""
     pitches = read_measured(EXAMPLE, "pitch")

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from analysis.paper.balls import SPACES, Base, Share, Space, describe, strike, strike_in_steps
+from analysis.paper.balls import SPACES, Base, Share, strike, strike_in_steps
 from longball.engines.verlet import Verlet
 from longball.home_run import draw, monte_carlo, paper_at_bats
-from longball.model.readings import Reading, SamplingReading
-from longball.model.scene import AtBatScene, Ball
+from longball.model.readings import Reading
+from longball.model.scene import AtBatScene
 
 pytestmark = pytest.mark.nightly  # of the paper's analysis alone, and slow
 
@@ -60,13 +60,6 @@ def test_flies_are_some_of_the_batted_balls(balls):
     assert fair > beyond[1] > beyond[3] > beyond[5] > 0
 
 
-def test_balls_beyond_a_distance():
-    far = Space("", "batted", beyond=40.0)
-    balls = strike(BASE, draw(AT_BATS, COUNT, 5), [0.42])[0]
-    assert far.distances(balls).min() > 40.0
-    assert far.members(balls).sum() == (balls.distance[balls.batted] > 40.0).sum()
-
-
 @pytest.mark.parametrize("contact_force", ["carried", "early"])
 def test_another_contact_force_is_its_limit_without_steps(contact_force):
     """The impulse is multiplied; the same balls are batted, as by the scheme in short steps."""
@@ -110,13 +103,3 @@ def test_the_printed_scheme_sees_few_of_the_balls(balls):
     assert (exact & ~fine.batted).sum() <= 0.02 * 200
     both = exact & fine.batted
     assert np.median(np.abs(fine.exit_speed[both] - balls[0].exit_speed[:200][both])) < 0.1
-
-
-def test_a_reading_is_told_by_what_differs():
-    assert describe(Base(AtBatScene(id="base")), SPACES[0]) == "nothing changed"
-    base = Base(AtBatScene(id="base", ball=Ball(radius=0.0183)), SamplingReading(cell_width=0.12))
-    assert describe(base, Space("flies", "batted", flies=True)) == (
-        "ball.radius = 0.0183, cell_width = 0.12, samples: flies"
-    )
-    carried = Base(AtBatScene(id="base"), contact_force="carried")
-    assert describe(carried, SPACES[0]) == "contact_force = carried"

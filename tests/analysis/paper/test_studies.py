@@ -1,25 +1,21 @@
 """The pure functions of the studies on cases with known answers."""
 
 import math
-from pathlib import Path
 from statistics import NormalDist
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from analysis.__main__ import PAGES, chosen
-from analysis.paper import combinations
 from analysis.paper.argument import density_at_fence, line, width
 from analysis.paper.balls import SPACES, Base
 from analysis.paper.combinations import COLLISIONS, bases
 from analysis.paper.counterparts import Counterpart
 from analysis.paper.home_run_figures import curve_share, fit_noise, flatness, printed_ratio
-from analysis.paper.numbers import PARAMETERS, UNKNOWN, drawn
-from analysis.paper.printed import CARRIES, PAIRS, SAMPLES
+from analysis.paper.numbers import PARAMETERS, drawn
+from analysis.paper.printed import PAIRS, SAMPLES
 from analysis.paper.switches import options, turned_to
 from analysis.paper.variance import indices
-from analysis.writing import Report
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
 from longball.model.readings import Reading
 from longball.model.scene import AtBatScene
@@ -120,14 +116,6 @@ def test_flatness_looks_at_40_to_80_metres():
     assert flatness(np.array([9, 9, 9, 9, 4, 5, 6, 5, 9, 9])) == 1.5
 
 
-def test_the_slopes_that_others_give():
-    league, maker = CARRIES
-    # 1.0 m for 0.0036, each carry rounded to 0.1 m: up to 27.8 m; 20 cm for 0.001.
-    assert league.slope == pytest.approx(277.8, abs=0.1)
-    assert league.slope_error == pytest.approx(27.8 / math.sqrt(3), abs=0.1)
-    assert maker.slope == pytest.approx(200.0)
-
-
 @pytest.mark.parametrize(
     ("default", "nearest", "verdict"),
     [
@@ -176,34 +164,6 @@ def test_combinations_differ():
     found = [(base.scene.line(), *base[1:]) for base in bases()]
     # Contact forces, spreads of the offset, radii and widths of a cell.
     assert len(found) == len(set(found)) == len(COLLISIONS) * 3 * 2 * 2 * 6
-
-
-@pytest.mark.parametrize(
-    ("forces", "says"),
-    [
-        (["carried", "carried", "whole"], "received 1.25 times the printed impulse"),
-        (["carried", "whole", "early"], "single out no treatment of the contact force"),
-    ],
-)
-def test_the_paragraph_says_what_most_of_the_survivors_do(forces, says):
-    flies = SPACES[3]
-    families = [
-        SimpleNamespace(
-            survives=True,
-            best=SimpleNamespace(base=BASE._replace(contact_force=one), space=flies, usual=True),
-        )
-        for one in forces
-    ]
-    families.append(SimpleNamespace(survives=False, best=SimpleNamespace(base=BASE, space=flies)))
-    found = SimpleNamespace(families=families, default=SimpleNamespace(base=BASE))
-    text = Report(Path()).render("in_brief", vars(combinations), found=found)
-    assert says in text.replace("\n", " ")
-    assert f"{forces.count('carried')} of these 3" in text.replace("\n", " ")
-    assert "none of the 3 counts all pitches" in text.replace("\n", " ")
-
-
-def test_the_ranges_hold_the_usual_numbers():
-    assert all(one.low < BASE.number(one.name) < one.high for one in UNKNOWN)
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda one: one.name)

@@ -75,21 +75,6 @@ def test_straight_up_and_down(up):
     assert arrival.state.u == 0
 
 
-@pytest.mark.parametrize("u", [1e-9, 1e-40, 1e-70])
-@pytest.mark.sampled(every=2)
-def test_nearly_straight_up_and_down(u):
-    # A heading so small that the apex is told from rest, or is not.
-    drag, gravity, start = arb(0.0075), arb(9.8), state(0, 1, u, 25)
-    arrival = to_floor(start, law(drag))
-    top = exact.apex(start, drag, gravity, METHODS)
-    truth = exact.fall_to_floor(top.state, drag, gravity, arb(0), METHODS)
-    # The speed differs from |w| by u²/2|w|, which matters for u/g s around the apex.
-    near = arb(0, u)
-    assert same(arrival.time + near, top.time + truth.time, 1e-8)
-    assert same(arrival.state.w + near, truth.state.w, 1e-8)
-    assert abs(arrival.state.u) <= u + 1e-40
-
-
 def test_from_rest():
     start, drag, gravity = state(0, 100, 0, 0), arb(0.0075), arb(9.8)
     upright = to_floor(start, law(drag))
@@ -99,16 +84,6 @@ def test_from_rest():
     lifted = to_floor(start, law(drag, arb(1e-60)))
     assert same(lifted.time, truth.time)
     assert same(lifted.state.w, truth.state.w)
-
-
-def test_without_weight_at_rest():
-    start = state(0, 1, 0, 0)
-    assert fly(start, law(0.0075, 0.003, None), 5).state == start
-    off = arb(0, 1e-20)
-    near = start._replace(u=off, w=off)
-    found = fly(near, law(0.0075, 0.003, None), 5).state
-    assert found.s.contains(0)
-    assert found.z.rad() < 1e-18
 
 
 # --- an independent method agrees -----------------------------------------------------------------
@@ -131,19 +106,6 @@ def extrapolated(start, rate, time, steps):
             rows.append(row)
         y = rows[-1][-1]
     return y
-
-
-def planar(drag, lift):
-    """Return the paper's rates, written by hand."""
-
-    def rate(y):
-        u, w = y[2], y[3]
-        speed = mpmath.sqrt(u * u + w * w)
-        return mpmath.matrix(
-            [u, w, -speed * (drag * u + lift * w), speed * (lift * u - drag * w) - 9.8]
-        )
-
-    return rate
 
 
 def agrees(found, start, rate, time, digits=36):
@@ -211,18 +173,6 @@ def test_a_law_with_all_kinds_of_nodes(velocity):
         return mpmath.matrix([y[2], y[3], -size * y[2], -size * y[3] - 9.8])
 
     agrees(arrival.state, (0, 1, *velocity), rate, 2, digits=35)
-
-
-@pytest.mark.nightly
-def test_such_a_law_from_rest():
-    # Every node that is no polynomial, but the speed, is one whose argument does not vanish.
-    strengths = {"crisis": 0.03125, "scale": 16.0, "rate": 0.0625, "gravity": 9.8}
-    field = law_with({n: arb(x) for n, x in strengths.items()}, (crisis,))
-    rest = fly(state(0, 1, 1e-70, 0), field, 2).state
-    slow = fly(state(0, 1, 1e-20, 0), field, 2).state
-    assert rest.z.rad() < 1e-30
-    # A speed of 1e-20 m/s moves it by some 1e-20 m, not more.
-    assert abs(rest.z - slow.z) < 1e-19
 
 
 def test_where_a_law_is_not_defined_no_step_is_taken():
@@ -466,65 +416,3 @@ def test_a_wrong_recurrence_is_not_believed(monkeypatch):
     found = landing()
     assert overlap(found, truth)
     assert found.state.s.rad() > 1e-14
-
-
-# --- events ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("side_of_zero", [-1, 1])
-def test_a_dip_that_touches_the_ground_by_a_hair(side_of_zero):
-    # A dive that strong lift turns up again. Height enters no force: the depth of the dive is the
-    # same from any height.
-    drag, lift = 0.005, 0.2
-    with mpmath.workdps(40):
-        rate = planar(drag, lift)
-        start = tuple(map(mpmath.mpf, (0, 0, 40, -5)))
-        time = mpmath.mpf("0.06")
-        for _ in range(7):
-            bottom = extrapolated(start, rate, time, steps=2)
-            time -= bottom[3] / rate(bottom)[3]
-        depth = -bottom[1]
-        assert 0.03 < depth < 0.05
-        height = float(depth) * (1 + side_of_zero * 1e-13)
-        assert side_of_zero * (height - depth) > 1e-15
-    arrival = to_floor(state(0, height, 40, -5), law(drag, lift), limit=0.2)
-    assert arrival.stop == ("ground" if side_of_zero < 0 else "time")
-    assert side_of_zero > 0 or abs(float(arrival.time) - float(time)) < 1e-6
-
-
-@pytest.mark.parametrize(
-    ("velocity", "field", "landed"),
-    [
-        ((30.0, 0.0), (), True),  # it falls at once
-        ((0.0, 0.0), (0.01,), True),
-        ((30.0, 1e-30), (0.01,), False),
-        ((60.0, 0.0), (None, 0.01), False),  # lift is more than weight
-        ((20.0, 0.0), (None, 0.01), True),
-        ((30.0, 0.0), (None, None, None), True),  # it stays on the ground
-    ],
-)
-def test_a_launch_on_the_ground(velocity, field, landed):
-    arrival = to_floor(state(0, 0, *velocity), law(*field), limit=1.0)
-    assert (arrival.time == 0) == landed
-
-
-def test_a_path_has_a_state_at_any_time():
-    arrival = fly(state(0, 100, 0, 10), law(0.01), 3)
-    seen = 0
-    for piece in arrival.path.pieces():
-        for t in (arb(0), piece.length / 3, piece.length):
-            time = piece.begin + t
-            if not time > 3:
-                there = arrival.path.at(time)
-                truth = exact_height(time)
-                assert same(there.z, truth)
-                seen += 1
-    assert seen > 6
-
-
-def exact_height(time):
-    start, drag, gravity = state(0, 100, 0, 10), arb(0.01), arb(9.8)
-    top = exact.apex(start, drag, gravity, METHODS)
-    if time < top.time:
-        return exact.rise(start, drag, gravity, time, METHODS).z
-    return exact.fall(top.state, drag, gravity, time - top.time, METHODS).z
