@@ -235,9 +235,10 @@ def reason(
             and tried[stage.name, stage.kind] < ROUNDS
         ]
         if not wrong:
-            told = _standing(steps, last)
-            told = told if unseen is None else _confirmed(told, chain, data, unseen)
-            return Reasoned(chain, data, told)
+            standing = _standing(steps, last)
+            if unseen is not None:
+                standing = _confirmed(standing, chain, data, unseen)
+            return Reasoned(chain, data, standing)
         stage, one = _clearest(wrong)
         at = stage.name, stage.kind
         tried[at] += 1
@@ -312,15 +313,13 @@ def _confirmed(
     located = [step.followed.stage.name for step in steps if not step.explained]
     refuted = unseen.refuting(chain, data.ways, located)
     for step in steps:
-        is_edit = isinstance(step.found, Named)
-        rough = not is_edit or any(edit.rough for edit in step.found.edits)
-        count = refuted(step.followed.stage, rough) if step.explained else None
-        if count is None:
-            found.append(step)
-        elif isinstance(step.found, Named):
-            found.append(replace(step, found=Located(step.found.edits[0], refuted=count)))
-        else:
-            found.append(replace(step, found=replace(step.found, adequate=False)))
+        stage, cause = step.followed.stage, step.found
+        if isinstance(cause, Named):
+            count = refuted(stage, any(edit.rough for edit in cause.edits))
+            cause = cause if count is None else Located(cause.edits[0], refuted=count)
+        elif isinstance(cause, Scheme) and cause.adequate:
+            cause = replace(cause, adequate=refuted(stage, True) is None)
+        found.append(replace(step, found=cause))
     return tuple(found)
 
 

@@ -328,9 +328,9 @@ class Explanation:
         found = [(way, -errors if self.stage.kind == "event" else errors)]
         if flies and _median(self.base.relative[self.mild[:WRONG]]) > FAR_OFF:
             given = self._given(self.mild)[:6]
-            ends = values(self.stage, known.columns, COARSE)
-            made = np.concatenate([ends[q] for q in self.stage.quantities[:2]])[: len(given)]
-            ends = np.where(np.isfinite(given), given, made)
+            made = values(self.stage, known.columns, COARSE)
+            ends = np.concatenate([made[q] for q in self.stage.quantities[:2]])[: len(given)]
+            ends = np.where(np.isfinite(given), given, ends)
             along = Response(self.stage, known, cubic(ends), free)
             found.append((along, np.where(np.isfinite(given), along.off(ends), np.nan)))
         return found
@@ -347,9 +347,9 @@ class Explanation:
         scenes = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
         probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, scenes)))
         place = str(OWN[self.stage.quantities[0]].data)
-        at = take(self.columns, self.all) | {FREE: np.full(len(self.all), USUAL_NUMBER)}
+        own = take(self.columns, self.all) | {FREE: np.full(len(self.all), USUAL_NUMBER)}
         self.there, *self.beside = (
-            Values({**at, "spin": at[self.stage.spins], place: at[place] + by})
+            Values({**own, "spin": own[self.stage.spins], place: own[place] + by})
             for by in (0.0, MOVED, -MOVED)
         )
         # They are ranked by the cost that their first-order effects leave.
