@@ -173,7 +173,7 @@ infer --measured distance=1 --unknown gravity -> result has this key, did you me
 infer --measured 'landing.distance=1 s' --unknown gravity -> the unit 's' does not fit; use m,
 infer --points {example} --unknown gravity -> t, x, y, z: the table
 infer --points no.csv --unknown gravity -> no.csv: cannot be read
-infer - --measured landing.distance=far --unknown launch.speed -> a finite value
+infer - --measured landing.distance=far --unknown launch.speed -> a finite number
 infer - --measured landing.distance=90 --unknown launch.sped -> mean launch.speed
 infer - --measured landing.distance=90 -> --unknown: name a number
 infer - --points {empty} --unknown launch.speed -> the table is empty
@@ -251,7 +251,7 @@ sovle -> no such command 'sovle', did you mean solve? The commands are solve,
 spin --example --model paper -> a constant says nothing of the spin
 spin --example --model natan -> did you mean nathan
 spin --up 16in -> --up: it goes with --speed
-spin t.csv --speed 40 -> --speed: of a single pitch, without a table
+spin t.csv --speed 40 -> --speed is for a single pitch: leave out the table
 spin --example --speed 40 -> --example: of a table
 spin --speed 40 --games g.csv -> --games: of a table
 spin --speed 40 --release 3,4 -> pitch.release[2]: is missing
