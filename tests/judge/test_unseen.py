@@ -84,3 +84,11 @@ def test_a_name_that_new_scenes_refute_is_withdrawn():
     (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
     assert (found.kind, found.edit) == ("nearest", None)
     assert "but not in" in found.sentence
+
+
+def test_without_an_answer_in_new_scenes_a_name_stays():
+    scenes = flights()
+    cases, said = solved(scenes, Ivp()), answers(scenes, heavy)
+    for few in ({}, {"moved-1-0000": Answer("moved-1-0000", "missed", {})}):
+        (found,) = diagnose(cases, said, solve=lambda new, few=few: few).findings
+        assert found.kind == "named"

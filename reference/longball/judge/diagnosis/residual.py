@@ -704,7 +704,9 @@ def compared(
         off = np.where(np.isfinite(given) & ~np.isfinite(off), HUGE, off)
         unsure = np.abs(predicted - np.atleast_2d(again[quantity]))
         unsure = np.nan_to_num(unsure)
-        if rough:  # two steppings may agree by chance near a kink: most of the scenes count
+        if (
+            rough and some.size
+        ):  # two steppings may agree by chance near a kink: most of the scenes count
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
         absolute, relative = data.cut.get(quantity, (0.0, 0.0))
         short = absolute + relative * np.abs(given) if stage.kind != "event" else 0.0

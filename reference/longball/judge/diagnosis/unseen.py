@@ -56,8 +56,8 @@ class Unseen:
         self._followed: tuple[tuple[Stage, ...], Mapping[str, Any]] = ((), {})
 
     @cached_property
-    def data(self) -> Data:
-        """The candidate's answers in these scenes, where it has the right outcome."""
+    def data(self) -> Data | None:
+        """The candidate's answers, where it has the right outcome; None if it has none."""
         known = self._known
         some = evenly(np.arange(len(known.cases)), SCENES)
         scenes = [*moved([known.cases[i].scene for i in some], seed=1)]
@@ -68,6 +68,8 @@ class Unseen:
             if (told := answers.get(case.id)) and told.error is None
             and told.outcome in (None, case.expected.outcome)
         ]  # fmt: skip
+        if not cases:
+            return None
         data = data_of(cases, answers, known.granted)
         if self._scheme is not None:
             data = in_steps(data, self._scheme)
@@ -85,6 +87,8 @@ class Unseen:
 
     def converted(self, found: Sequence[Finding]) -> Unseen | None:
         """The same with outputs converted back; None if these scenes refute a conversion."""
+        if self.data is None:
+            return self
         data, conversions = outputs(self.data, self._chain)
         if not {one.edit for one in found} <= {one.edit for one in conversions}:
             return None
@@ -94,6 +98,8 @@ class Unseen:
 
     def holds(self, chain: tuple[Stage, ...], stage: Stage, edit: Edit) -> bool:
         """True if an edit of a stage makes the candidate's numbers there."""
+        if self.data is None:
+            return True
         (edited,) = edit.apply([stage])
         data = replace(self.data, ways=self._known.ways)
         if self._followed[0] is not chain:
@@ -110,6 +116,8 @@ class Unseen:
 
         They are counted among all that have the stage; None if all of them agree.
         """
+        if self.data is None:
+            return lambda stage, rough: None
         data = replace(self.data, ways=ways)
         columns, every = followed(chain, data, located)
         of = {(f.stage.name, f.stage.kind): f for f in every}
