@@ -26,6 +26,7 @@ from longball.judge.diagnosis.chain import (
     e_x,
     e_y,
     e_z,
+    moves,
     n,
     r,
     r0,
@@ -636,6 +637,8 @@ OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
 )  # fmt: skip
 
 
+STEPPED = frozenset((str(moves.data),))  # which is no other value than v
+
 # Operators that take no other node from the pool.
 OF_ITSELF: tuple[Callable[[Site], Iterator[Option]], ...] = (_numbers, _factors, _shapes)
 
@@ -663,6 +666,7 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     for node in ordered(roots):
         if node.op in ("symbol", "named", "component") and node.data != FREE:
             found[id(node)] = node
+    found = {key: node for key, node in found.items() if not depends(node, STEPPED)}
     if stage.kind == "event":
         places = [x for x in found.values() if x.op == "symbol" and x.vector and x.dimension == M]
         found |= {id(x): x for place in places for i in range(3) for x in [component(place, i)]}
@@ -718,12 +722,12 @@ def _of_regions(
 ) -> Iterator[Edit]:
     """Edits in one option of a switch, or in one use of a definition, of what stands elsewhere too.
 
-    Programs write each option on its own, and write a definition out that they have no name for, so
-    that a mistake in one place leaves the others right.
+    Programs write each option on its own, and write out what they have no name for, so that a
+    mistake in one place leaves the others right.
     """
     here, places = frozenset(nodes), math.log2(1 + len(nodes))
     used = Counter(arg for node in nodes for arg in dict.fromkeys(node.args))
-    # What is edited, the part of it in which a node may err, and where that is in words.
+    # What is edited, the argument in which a node may err or all, and where that is in words.
     regions: list[tuple[Node, Node, str]] = []
     for node in nodes:
         if node.op == "switch":
@@ -731,19 +735,22 @@ def _of_regions(
             arms = zip(options, node.args, strict=True)
             regions += [(arm, arm, f" where {key} is {option}") for option, arm in arms]
         for arg in node.args if node.op != "switch" else ():
-            if arg.op == "named" and used[arg] > 1 and arg.args[0].op in PRODUCTS:
-                regions.append((node, arg.args[0], f" in {words(node)}"))
-    for region, inside, where in regions:
+            if used[arg] > 1 and _meaning(arg).op in PRODUCTS:
+                regions.append((node, arg, f" in {words(node)}"))
+    for region, part, where in regions:
         if region not in here or region in known:
             continue
         elsewhere = here.intersection(ordered([form], {region}))
         # Of a definition, what it is written with: not what that in turn stands for.
+        whole_arm, inside = part is region, region if part is region else _meaning(part)
         written = ordered([inside], (), _written)
-        parts = [x for x in (ordered([region]) if inside is region else written) if x in here]
-        for node in (x for x in parts if x is not region and x in elsewhere):
+        parts = [x for x in (ordered([region]) if whole_arm else written) if x in here]
+        for node in (x for x in parts if x is not inside and x in elsewhere):
             site = replace(whole, node=node, parents=tuple(x for x in parts if node in x.args))
             hole = named(words(node), node)
-            opened = substitute(region, node, hole)
+            opened = substitute(inside, node, hole)
+            if not whole_arm:
+                opened = rebuilt(region, [opened if arg is part else arg for arg in region.args])
             if form is not root:
                 opened = substitute(form, region, opened)
             variable = node in written and node.op in ("symbol", "named")
@@ -790,7 +797,7 @@ def _written(node: Node) -> tuple[Node, ...]:
     return () if node.op == "named" else node.args
 
 
-PRODUCTS = "product", "quotient", "sum"  # definitions that programs write out
+PRODUCTS = "product", "quotient", "sum"  # what programs write out
 
 
 # Bits of a place that is no definition with a name. Nobody writes a switch as one: its words say
