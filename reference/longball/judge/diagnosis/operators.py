@@ -827,7 +827,6 @@ def _of_formula(
     places = math.log2(1 + len(nodes))
     for node in nodes:
         using = parents[id(node)]
-        uses = [(use, k) for use in using for k, arg in enumerate(use.args) if arg is node]
         above = [q for p in using for q in ([p] if p.op != "named" else parents[id(p)])]
         site = replace(whole, node=node, parents=tuple(above or using))
         for operator in OPERATORS:
@@ -837,9 +836,9 @@ def _of_formula(
                 place, within = (node, None) if form is root else (root, (form, node))
                 if node not in known:
                     yield Edit(place, by, cost, said, starts, within=within)
-                for use, k in uses if len(uses) > 1 else ():
+                for use in using if len(using) > 1 else ():
                     if use not in known:
-                        new = rebuilt(use, [*use.args[:k], by, *use.args[k + 1 :]])
+                        new = rebuilt(use, [by if arg is node else arg for arg in use.args])
                         place, within = (use, None) if form is root else (root, (form, use))
                         text = f"{said} in {words(use)}"
                         yield Edit(place, new, cost + 2, text, starts, None, within)
