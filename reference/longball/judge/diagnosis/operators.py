@@ -278,8 +278,8 @@ def _others(site: Site) -> Iterator[Option]:
     like = [b for b in site.pool if b.vector == a.vector and b is not a and words(b) != words(a)]
     same = [b for b in like if b.dimension == a.dimension]
     choice = math.log2(1 + len(same))
-    variable = a.op in ("symbol", "named", "component", "dot") or not site.parents
-    if variable and not a.vector:
+    variable = not a.vector and a.op in ("symbol", "named", "component", "dot")
+    if variable or not site.parents:
         # A wrong variable or key may be of any unit: programs have none.
         cost = BITS["other"] + BITS["unit"] + math.log2(1 + len(like))
         for b in like:
@@ -837,8 +837,12 @@ def _of_formula(
                 if node not in known:
                     yield Edit(place, by, cost, said, starts, within=within)
                 for use in using if len(using) > 1 else ():
-                    if use not in known:
-                        new = rebuilt(use, [by if arg is node else arg for arg in use.args])
-                        place, within = (use, None) if form is root else (root, (form, use))
-                        text = f"{said} in {words(use)}"
-                        yield Edit(place, new, cost + 2, text, starts, None, within)
+                    if use in known:
+                        continue
+                    place, within = (use, None) if form is root else (root, (form, use))
+                    text = f"{said} in {words(use)}"
+                    new = rebuilt(use, [by if arg is node else arg for arg in use.args])
+                    yield Edit(place, new, cost + 2, text, starts, None, within)
+                    if use.args.count(node) > 1:  # a square, written as a product
+                        new = rebuilt(use, [by, *use.args[1:]])
+                        yield Edit(place, new, cost + 3, f"{text}, once", starts, None, within)
