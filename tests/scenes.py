@@ -12,9 +12,11 @@ import json
 import math
 import random
 from functools import cache, partial
-from typing import get_args
+from types import UnionType
+from typing import Annotated, Union, get_args, get_origin
 
 from hypothesis import strategies as st
+from pydantic import BaseModel
 
 from longball import golden
 from longball.golden.reader import EXTENDED
@@ -69,56 +71,39 @@ def paper_scenes(*kinds):
     )
 
 
-ids = st.text(min_size=1, max_size=8)
 decimals = st.from_regex(r"[+-]?[0-9]{1,40}(\.[0-9]{1,40})?([eE][+-]?[0-9]{1,3})?", fullmatch=True)
 radii = st.from_regex(r"[0-9](\.[0-9]{1,8})?[eE]-[0-9]{1,3}", fullmatch=True)
 finite = st.floats(allow_nan=False, allow_infinity=False)
-numbers = (
-    finite
-    | st.builds(result.Bounded, value=decimals, radius=st.none() | radii)
-    | st.builds(result.Certified, value=finite, radius=radii)
-)
-triples = st.tuples(numbers, numbers, numbers)
+# Values of the parts of which the fields of results are made; other types have hypothesis's own.
+VALUES = {
+    float: finite,
+    result.Bounded: st.builds(result.Bounded, value=decimals, radius=st.none() | radii),
+    result.Certified: st.builds(result.Certified, value=finite, radius=radii),
+}
+
+
+def drawn(kind):
+    """Any value of a type that a field of a result may have."""
+    if kind in VALUES:
+        return VALUES[kind]
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        fields = {name: field.annotation for name, field in kind.model_fields.items()}
+        if kind is result.Result:
+            del fields["path"]  # points, whose lines are long
+        return st.builds(kind, **{name: drawn(each) for name, each in fields.items()})
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        return drawn(parts[0])
+    if origin is tuple:
+        return st.tuples(*map(drawn, parts))
+    if origin in (Union, UnionType):
+        return st.one_of(*map(drawn, parts))
+    return st.from_type(kind)
 
 
 def results():
     """Any valid result, of whatever engine."""
-    maybe = st.none()
-    return st.builds(
-        result.Result,
-        id=maybe | ids,
-        outcome=maybe | st.sampled_from(get_args(result.Outcome)),
-        plate=maybe | st.builds(result.Plate, time=numbers, position=triples, velocity=triples),
-        contact=maybe
-        | st.builds(
-            result.Contact,
-            time=maybe | numbers,
-            position=maybe | triples,
-            normal=maybe | triples,
-            bat_velocity=maybe | triples,
-            normal_speed=maybe | numbers,
-            margin=maybe | numbers,
-        ),
-        impact=maybe
-        | st.builds(
-            result.Impact,
-            restitution=numbers,
-            impulse=numbers,
-            velocity=triples,
-            energy_change=numbers,
-        ),
-        landing=maybe
-        | st.builds(
-            result.Landing,
-            time=numbers,
-            hang_time=numbers,
-            position=triples,
-            velocity=triples,
-            distance=numbers,
-        ),
-        engine=maybe | st.text(),
-        error=maybe | st.text(),
-    )
+    return drawn(result.Result)
 
 
 # --- drawn at random ------------------------------------------------------------------------------

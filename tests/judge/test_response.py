@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from longball.judge.diagnosis.chain import Stage
-from longball.judge.diagnosis.expression import Values
+from longball.judge.diagnosis.expression import Values, cross, norm, ordered, symbol
 from longball.judge.diagnosis.operators import FREE, Edit, edits
 from longball.judge.diagnosis.residual import begun, specialised_to, take, values
 from longball.judge.diagnosis.response import Direct, Effects, Response
@@ -100,3 +100,15 @@ def test_of_a_pair_both_edits_are_found_where_neither_fits_alone():
     # Whatever scales both forces alike moves the ball as the mass does.
     (other,) = pair - {gravity.words}
     assert other in {f"takes {{c}} times {name}" for name in ("m", "ρ_0", "ρ", "A", "k", "π")}
+
+
+def test_a_slip_in_the_vector_product_of_a_program_shows_in_all_and_in_nothing_else():
+    a, b = symbol("a", vector=True), symbol("b", vector=True)
+    right = norm(a) * cross(a, b) + norm(b) * cross(b, a)
+    stage = Stage("", ("impact.velocity",), "formula", {"value": right})
+    found = [e for e in edits((stage,), stage, {}, {}) if "in every vector product" in e.words]
+    assert found
+    for edit in found:
+        nodes = ordered([edit.by])
+        assert {norm(a), norm(b)} <= {*nodes}
+        assert sum(node.op == "vector" for node in nodes) == 2

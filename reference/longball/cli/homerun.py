@@ -119,7 +119,8 @@ def homerun(
         lines = (
             home_run.with_restitution(x, each).line() for x in pitched for each in restitutions
         )
-        scenes.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+        with open(scenes, "w", encoding="utf-8") as file:  # they may be millions
+            file.writelines(f"{line}\n" for line in lines)
         if omitted := len(sampled) - len(pitched):
             tell(f"{omitted} samples drew a speed that is not positive; not in {scenes}")
     if csv_:

@@ -71,7 +71,7 @@ class Run:
     engine, model
         The engine that computes; the parts of the chain.
     answer
-        What is recorded, by name, with the outcome.
+        The quantities recorded so far, by name, and the outcome.
     legs
         The flights of the scene, in order.
     engines
@@ -351,9 +351,9 @@ def meet_bat(run: Run) -> ContactState | None:
         frame.position(state),
         frame.velocity(state),
         spin_at(frame, pitch.law, state, numbers, numbers.exact(error)),
-        # the y by which the bat's end is decided: by Verlet's method, that of the first step inside
-        # the bat (paper, Sec. III.C)
-        aside=frame.position(touch.detected)[1],
+        # Verlet's method compares the y of the first step inside the bat with the bat's end (paper,
+        # Sec. III.C).
+        end_y=frame.position(touch.detected)[1],
         leaving=touch.leaving,
         approach=approach,
     )
@@ -446,8 +446,7 @@ class Ball:
     position: Vector
     velocity: Vector
     spin: Vector | None = None
-    # y by which the bat's end is decided, m; None: that of `position`
-    aside: N | None = None
+    end_y: N | None = None  # y that is compared with the bat's end, m; None: that of `position`
     leaving: bool = False  # it is where it would leave the bat, instead of where it enters
     approach: Any = None  # the pitch and the bat; None: the touching is given
 
@@ -478,9 +477,9 @@ def meet(
     # along the bat
     half = numbers.exact(bat.length) / 2
     slack = half * (inherited + 2 * numbers.rounding) if inherited else numbers.exact(0.0)
-    aside = ball.position[1] if ball.aside is None else ball.aside
+    y = ball.position[1] if ball.end_y is None else ball.end_y
     question = "whether the ball meets the bat or its end"
-    on_bat, beyond = run.decide(half - abs(aside), slack, question, rows)
+    on_bat, beyond = run.decide(half - abs(y), slack, question, rows)
     run.conclude("beyond_bat", beyond)
     if not run.any(on_bat):
         return None
@@ -516,7 +515,7 @@ def meet(
 
 @dataclass(frozen=True)
 class Impact:
-    """The impulse, N s, and what it does: see `longball.model.result.Impact`."""
+    """The impulse, N s, and its effects: see `longball.model.result.Impact`."""
 
     restitution: N
     impulse: N
@@ -534,12 +533,11 @@ def strike(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
         if (value := getattr(impact, quantity.name)) is not None:
             run.record(f"impact.{quantity.name}", value, parted)
 
-    # Does a bat that swings on as before the impulse strike the ball again? The impulse of the
-    # model makes ball and bat part, since the bat gives way by J/M. A batter does not: his bat goes
-    # on at ω', and if the ball is slower along the normal than that, so that (V⁺ - V_b)·n still has
-    # the sign of Ṽ·n, they meet again at once. The model has one impulse; what it says of the
-    # flight is then not what such a bat would do. Of a ball that parts, and falls back on the bat
-    # later, nothing is said: where the bat is then, is not in the model.
+    # Would a bat that swings on as before strike the ball again? In the model the impulse slows the
+    # bat, too, so that the two part. A batter's bat keeps its speed: if (V⁺ - V_b)·n still has the
+    # sign of Ṽ·n, the ball is slower along the normal than that bat, and they touch again at once.
+    # The model's single impulse then misstates the flight. A ball that falls back on the bat later
+    # is not considered, since the model does not say where the bat is by then.
     rate = dot(minus(impact.velocity, contact.bat_velocity), contact.normal)
     parting = run.numbers.where(contact.normal_speed < 0, rate, -rate)
     speeds = sum(map(abs, (*contact.ball.velocity, *contact.bat_velocity)), rate * 0)
@@ -596,8 +594,8 @@ def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
 # Fewer operations lead from the velocities to the decisions below, each on terms that are no larger
 # than those of the bounds.
 _OPERATIONS = 40
-# For a ball far heavier than the bat K is all but singular: its determinant cancels, and the
-# impulse that grips loses as many digits. In doubles, a scene that loses over three is refused.
+# If the ball is far heavier than the bat, K is nearly singular: digits cancel in its determinant,
+# and the gripping impulse loses as many. In doubles, a scene that loses more than three is refused.
 _MOST_LOST = 1e3
 
 
@@ -616,7 +614,7 @@ def _rub(
     e, e_t = pair.restitution, bats.tangential_restitution(bat, numbers)
     zero, one = numbers.exact(0.0), numbers.exact(1.0)
 
-    # the slip, and what an impulse does to it
+    # the slip, and its change by an impulse
     velocity, spin = contact.ball.velocity, contact.ball.spin or (zero, zero, zero)
     motion = velocity, spin, contact.bat_velocity, bats.bat_rotation(scene.swing, numbers)
     _, g_y, g_t = formulas.slip(*motion, normal, radius, bat_radius)
@@ -624,8 +622,8 @@ def _rub(
     k = bats.inverse_masses(ball, bat, contact.lever_arm, pair, scene.reading, numbers)
 
     # grip, if the friction suffices
-    # No element of K is below 1/m but that which couples, so that an impulse is at most m times
-    # what it does to the slip; doubled for the coupling.
+    # The diagonal elements of K are at least 1/m, so that an impulse is at most m times its change
+    # of the slip; the factor 2 allows for the coupling.
     lengths = one, radius, one, bat_radius
     sizes = (abs(x) * a for v, a in zip(motion, lengths, strict=True) for x in v)
     off = (error + _OPERATIONS * numbers.rounding) * sum(sizes, zero)
@@ -663,7 +661,7 @@ def _rub(
     run.refuse(CannotSolve(reason), jammed)
     slid = formulas.sliding_impulse(resistance, e, friction, g, direction)
 
-    # what the impulse does
+    # the effects of the impulse
     x, y, z = (numbers.where(grips, a, b) for a, b in zip(wanted, slid, strict=True))
     push = x, y, z
     impact = Impact(
@@ -942,8 +940,8 @@ def _meet_fence(
     error = _flight_error(run) * (1 + abs(x) + abs(y) + abs(z))
     heading = _heading_error(run) if landing is None else _flight_error(run)
     question = "on which side the ball passes a vertex where the fence ends or has two heights"
-    aside = heading * (1 + abs(x) + abs(y))
-    known, at_vertex = run.decide(place.to_break, aside, question, rows)
+    sideways = heading * (1 + abs(x) + abs(y))  # the error across the path, m
+    known, at_vertex = run.decide(place.to_break, sideways, question, rows)
     reason = f"{question} cannot be said: it passes over the vertex itself"
     run.refuse(Undecided(reason), at_vertex)
 

@@ -122,7 +122,7 @@ MOVING = frozenset(("r", "dr/dt", "v", "t", "path"))
 IN_FLIGHT = MOVING | {"r0", "v0", "ω0"}
 FLYING = "rate", "law", "spin_left", "through"
 r, v = symbol("r", M, True), symbol("v", SPEED, True)
-moves = symbol("dr/dt", SPEED, True)  # which is v, apart from its symbol
+r_dot = symbol("dr/dt", SPEED, True)  # v, by a symbol of its own: edits of it leave the law alone
 t, path = symbol("t", S), symbol("path", M)
 r0, v0, spin0 = symbol("r0", M, True), symbol("v0", SPEED, True), symbol("ω0", RATE, True)
 
@@ -691,7 +691,7 @@ _spin_reported = named("the share of the spin that is left", spin_left)
 def _flight(duration: Node, place: Node, velocity: Node, spinning: Node) -> dict[str, Node]:
     return {
         "place": place, "velocity": velocity, "spin": spinning, "duration": duration,
-        "rate": moves, "law": LAW, "spin_left": _spin_reported, "through": U,
+        "rate": r_dot, "law": LAW, "spin_left": _spin_reported, "through": U,
     }  # fmt: skip
 
 
@@ -722,7 +722,7 @@ def _formula(
 
 
 _STRUCK = ("impact", "at-bat")
-_forms = {"law": OTHER_FORMS, "rate": (vector(*_parts(moves)),)}
+_forms = {"law": OTHER_FORMS, "rate": (vector(*_parts(r_dot)),)}
 # By components of a speed, and by the angle of the aim above the level.
 _by_parts = _released(I["V_0"] / norm(_towards) * _towards)
 _flat_aim = named("(aim - release)_xy", level(_towards))

@@ -356,8 +356,8 @@ def together(some: Sequence[Integrator], count: int) -> Integrator:
 
 ON_STEP = 1e-7  # of a step: a time that is nearer to one is there
 DIRECT = 2000  # steps of a flight that are taken one by one
-# s: where it has more, and more than flights in all these steps, the state is extrapolated from
-# those and the exact one.
+# s: the steps of flights from which, and from the exact one, the state is extrapolated where it
+# takes more steps than that, and more than these flights take together.
 NODES = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
 
@@ -411,7 +411,7 @@ class Way:
     chord: bool = False
     last: Integrator | None = None
     push: ContactForce | None = None
-    times: float = 1.0  # how often the push is as large as half of the contact force
+    times: float = 1.0  # the push, in units of half of the contact force
 
     @property
     def words(self) -> str:
@@ -430,8 +430,8 @@ class Way:
 
     @property
     def reads(self) -> Sequence[str]:
-        """Columns that it takes besides those of the stage's formulas."""
-        return () if self.push is None else AT_BAT
+        """Columns that it needs besides those of the stage's formulas."""
+        return () if self.push is None else PUSHED_BY
 
     def __call__(
         self, stage: Stage, columns: Mapping[str, Any]
@@ -452,9 +452,9 @@ def in_steps(data: Data, engine: Verlet) -> Data:
 
 
 BATTED = ("flight", "fence")  # stages of a batted ball's flight
-# Columns of a push: time, place and velocity of the contact, the velocity after, the time of
-# flight.
-AT_BAT = *(
+# Columns that a push needs: time, place and velocity of the contact, the velocity after it, and the
+# time of flight.
+PUSHED_BY = *(
     str(OWN[quantity].data)
     for quantity in ("contact.time", "contact.position", "contact.velocity", "impact.velocity")
 ), "hang_time"  # fmt: skip
@@ -511,7 +511,7 @@ def _pushed(
     struck = columns["kind"] == "at-bat"
     if step is None or not struck.any():
         return steps(stage, columns, way.one, h, way.chord, way.last)
-    time, place, velocity, after, hang = AT_BAT
+    time, place, velocity, after, hang = PUSHED_BY
     # From the step gone back to, a straight line leads to the contact.
     ahead = columns[time] - np.floor(columns[time] / h + ON_STEP) * h
     before = columns[velocity]

@@ -26,10 +26,10 @@ from longball.judge.diagnosis.chain import (
     e_x,
     e_y,
     e_z,
-    moves,
     n,
     r,
     r0,
+    r_dot,
     t,
     v,
     v0,
@@ -114,8 +114,8 @@ class Edit:
     @property
     def rough(self) -> bool:
         """True if it adds a jump or a kink."""
-        before = ordered([self.place])
-        return any(node.op in JUMPS | KINKS and node not in before for node in ordered([self.by]))
+        added = {*ordered([self.by])}.difference(ordered([self.place]))
+        return any(node.op in JUMPS | KINKS for node in added)
 
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
@@ -637,8 +637,6 @@ OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
 )  # fmt: skip
 
 
-STEPPED = frozenset((str(moves.data),))  # which is no other value than v
-
 # Operators that take no other node from the pool.
 OF_ITSELF: tuple[Callable[[Site], Iterator[Option]], ...] = (_numbers, _factors, _shapes)
 
@@ -663,17 +661,18 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     if stage.kind == "event":  # where the flight that it ends began
         ends = (s for s in chain if s.kind == "flight" and s.quantities[0] == stage.quantities[0])
         roots += [flight.roots["place"] for flight in ends]
+    again = frozenset((str(r_dot.data),))  # which is v, and would be at hand twice
     for node in ordered(roots):
-        if node.op in ("symbol", "named", "component") and node.data != FREE:
+        variable = node.op in ("symbol", "named", "component") and node.data != FREE
+        if variable and not depends(node, again):
             found[id(node)] = node
-    found = {key: node for key, node in found.items() if not depends(node, STEPPED)}
     if stage.kind == "event":
         places = [x for x in found.values() if x.op == "symbol" and x.vector and x.dimension == M]
         found |= {id(x): x for place in places for i in range(3) for x in [component(place, i)]}
     if stage.kind == "flight":
         states = v, r, v0, r0
         found |= {id(x): x for state in states for i in range(3) for x in [component(state, i)]}
-    if stage.kind == "formula":  # which its own quantity is no part of
+    if stage.kind == "formula":  # its own quantity would explain whatever it is
         found.pop(id(OWN.get(stage.quantities[0])), None)
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
@@ -727,7 +726,7 @@ def _of_regions(
     """
     here, places = frozenset(nodes), math.log2(1 + len(nodes))
     used = Counter(arg for node in nodes for arg in dict.fromkeys(node.args))
-    # What is edited, the argument in which a node may err or all, and where that is in words.
+    # An expression that is edited, its argument that has the mistake (or itself), and where it is.
     regions: list[tuple[Node, Node, str]] = []
     for node in nodes:
         if node.op == "switch":
@@ -741,7 +740,7 @@ def _of_regions(
         if region not in here or region in known:
             continue
         elsewhere = here.intersection(ordered([form], {region}))
-        # Of a definition, what it is written with: not what that in turn stands for.
+        # A definition is edited in its own symbols, not in what those stand for in turn.
         whole_arm, inside = part is region, region if part is region else _meaning(part)
         written = ordered([inside], (), _written)
         parts = [x for x in (ordered([region]) if whole_arm else written) if x in here]
@@ -775,11 +774,10 @@ def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
             for node in nodes:  # arguments come first
                 again = rebuilt(node, [made.get(arg, arg) for arg in node.args])
                 if node.op in ops:
-                    a, b = (again.args * 2)[:2]
+                    a, b = (again.args * 2)[:2]  # of a length, one vector twice
                     again, _ = [*slips(a, b)][number]
-                if node.op in ("norm", "unit"):
                     size = function("sqrt", again, dimension=a.dimension)
-                    again = size if node.op == "norm" else a / size
+                    again = {"norm": size, "unit": a / size}.get(node.op, again)
                 made[node] = again
             cost = BITS["sibling"] + 3.0 + math.log2(1 + len(nodes))
             yield Edit(root, made[root], cost, f"takes {text} in every {name} a, b")

@@ -30,7 +30,7 @@ from longball.judge.diagnosis.chain import (
     Kind,
     Stage,
     closest,
-    moves,
+    r_dot,
 )
 from longball.judge.diagnosis.evidence import ADEQUATE
 from longball.judge.diagnosis.expression import (
@@ -91,16 +91,16 @@ Index = NDArray[np.integer[Any]]  # numbers of scenes
 
 
 class Flying(Protocol):
-    """A candidate's way to fly: from a stage and columns to quantities and their errors."""
+    """How a candidate flies: a function from a stage and columns to quantities and their errors."""
 
     @property
     def reads(self) -> Sequence[str]:
-        """Columns that it takes besides those of the stage's formulas."""
+        """Columns that it needs besides those of the stage's formulas."""
 
     def __call__(
         self, stage: Stage, columns: Mapping[str, Any]
     ) -> tuple[dict[str, Array], dict[str, Array]]:
-        """Quantities of the stage, and their errors."""
+        """Return the quantities of the stage, and their errors."""
 
 
 @dataclass(frozen=True)
@@ -403,9 +403,9 @@ def launched(stage: Stage, columns: Columns) -> Launched:
     }
     follows = depends(roots["law"], _PATH) or depends(roots["spin_left"], _PATH)
     moving = MOVING | {str(node.data) for node in START.values()}
-    strays = roots["rate"] is not moves
-    every = [roots["law"], *([roots["through"]] if follows else [])]
-    law = Evaluator([*every, *([roots["rate"]] if strays else [])], columns, moving)
+    is_edited = roots["rate"] is not r_dot
+    more = ("through",) * follows + ("rate",) * is_edited
+    law = Evaluator([roots[name] for name in ("law", *more)], columns, moving)
     began = [str(START[name].data) for name in ("r", "v")]
 
     def rates(at: Array, t: Any, start: Array | None = None) -> Array:
@@ -413,7 +413,7 @@ def launched(stage: Stage, columns: Columns) -> Launched:
         begin = {began[0]: start[:3], began[1]: start[3:6]}
         pushed = law(r=at[:3], v=at[3:6], t=t, path=at[6], **{**begin, "dr/dt": at[3:6]})
         slope = np.empty_like(at)
-        slope[:3], slope[3:6] = pushed[-1] if strays else at[3:6], pushed[0]
+        slope[:3], slope[3:6] = pushed[-1] if is_edited else at[3:6], pushed[0]
         slope[6] = pushed[1] if follows else 0.0
         return slope
 
@@ -704,9 +704,8 @@ def compared(
         off = np.where(np.isfinite(given) & ~np.isfinite(off), HUGE, off)
         unsure = np.abs(predicted - np.atleast_2d(again[quantity]))
         unsure = np.nan_to_num(unsure)
-        if (
-            rough and some.size
-        ):  # two steppings may agree by chance near a kink: most of the scenes count
+        if rough and some.size:
+            # Two steppings may agree by chance near a kink: most of the scenes count.
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
         absolute, relative = data.cut.get(quantity, (0.0, 0.0))
         short = absolute + relative * np.abs(given) if stage.kind != "event" else 0.0

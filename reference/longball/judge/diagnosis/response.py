@@ -312,6 +312,12 @@ class Effects:
             np.minimum.at(found, self._of, rest)
         return found.tolist()
 
+    def bits(self) -> Array:
+        """Bits of each edit and of what its effect leaves: the likeliest has the fewest."""
+        numbers = np.count_nonzero(self.errors)
+        own = np.array([edit.bits for edit in self.edits])
+        return np.asarray(numbers / 2 * np.log2(np.maximum(self.left(), LINEAR)) + own)
+
     def pairs(self, count: int) -> list[tuple[Trial, Trial]]:
         """Pairs of trials whose effects together fit the errors best, the best ones first.
 
@@ -381,4 +387,4 @@ PARALLEL = 1e-7  # of an effect: a smaller part of it across another is rounding
 FIRSTS = 200  # edits that fit best alone: one of a pair is among them
 AMISS = 1e-3  # relative: what each factor of 2 between an edit's effect and its fit adds to that
 ABOUT = 2.0  # factor that the effect of a finite edit may differ by from that of first order
-LINEAR = 1e-6  # of the squared errors, what effects of first order leave of a right pair at least
+LINEAR = 1e-6  # of the squared errors: effects of first order may leave so much of a right edit's

@@ -7,10 +7,12 @@ An integrator is named if that makes every number of every scene
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -342,7 +344,8 @@ class Steps:
     def _adequate(
         self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None, more: float = 0.0
     ) -> Scheme | None:
-        """The first option that makes all numbers. A slip costs `more` bits."""
+        """Of the options that make all numbers, the likeliest. A slip costs `more` bits."""
+        found: list[Scheme] = []
         for one, h, chord in options:
             # The shortest flights tell most of them.
             if not self._holds(one, h, chord, self.few[:2]) or not self._holds(one, h, chord):
@@ -364,8 +367,8 @@ class Steps:
                 if alike and one is not EXACT:
                     said += f" (in these scenes the same as {' and '.join(dict.fromkeys(alike))})"
                 order = None if one is EXACT else one.order
-                return Scheme(said, order, h, bits, evidence, True, way)
-        return None
+                found.append(Scheme(said, order, h, bits, evidence, True, way))
+        return max(found, key=attrgetter("evidence"), default=None)
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:
         """Integrators by the share of the median scene's errors that they leave, with a step.
@@ -434,22 +437,30 @@ def explain_push(
         return None
     # Integrators of one order may be alike without a push, and differ with one.
     alike = [one for one in VERLET.values() if one.order == pitch.one.order and one != pitch.one]
-    tried = [
-        replace(pitch, one=one, push=push, times=times)
-        for times in (1.0, 2.0, 0.5, -1.0, 0.0) for one in (pitch.one, *alike) for push in PUSHES
-    ]  # fmt: skip
-    null, bits = cost(followed.off / followed.floor), math.log2(len(tried))
-    for way in tried:
+    tried = [replace(pitch, one=one, push=push) for one in (pitch.one, *alike) for push in PUSHES]
+
+    def left(way: Way, some: Index) -> Array:
         other = replace(data, ways={**data.ways, stage.name: way})
+        after, _ = compared(stage, other, columns, some)
+        return np.asarray(after.off / after.floor)
 
-        def left(some: Index, other: Data = other) -> Array:
-            after, _ = compared(stage, other, columns, some)
-            return np.asarray(after.off / after.floor)
+    def sized(way: Way) -> Iterator[tuple[Way, float]]:
+        """The push in round sizes near that which fits best, with the bits of each."""
 
-        if not is_adequate(left(wrong[:FEW]), is_rough(stage)):
+        def beside(sizes: Array) -> Array:
+            return np.array([left(replace(way, times=float(x)), wrong[:FEW]) for (x,) in sizes])
+
+        (c,), *_ = fitted(beside, [(1.0,)], 3)
+        yield from ((replace(way, times=x), more) for x, more in rounded(float(c), FACTORS))
+
+    null, choice = cost(followed.off / followed.floor), math.log2(len(tried))
+    sizes = itertools.chain.from_iterable(map(sized, tried))
+    for way, more in itertools.chain(((way, 0.0) for way in tried), sizes):
+        if not is_adequate(left(way, wrong[:FEW]), is_rough(stage)):
             continue
-        evidence = null - cost(left(followed.some)) - bits - CHANCE
-        if evidence > 0 and is_adequate(left(struck), is_rough(stage)):
+        bits = choice + more
+        evidence = null - cost(left(way, followed.some)) - bits - CHANCE
+        if evidence > 0 and is_adequate(left(way, struck), is_rough(stage)):
             return Scheme(way.words, way.one.order, way.h, bits, evidence, adequate=True, way=way)
     return None
 

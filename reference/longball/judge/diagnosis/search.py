@@ -91,7 +91,7 @@ class Located:
     nearest: Edit | None = None
     left: float = 1.0  # fraction of the initial cost that remains with `nearest`
     near: tuple[Edit, ...] = ()  # edits that leave least in the first scenes
-    # Of scenes that nobody had seen, in how many `nearest` is refuted, and all; else none is.
+    # If unseen scenes refute `nearest`: how many of them do, and how many there are.
     refuted: tuple[int, int] | None = None
 
 
@@ -188,7 +188,6 @@ class Explanation:
     followed: Followed
     effort: Effort = ALONE
     pairs: int = 0
-    searched: int = 0  # edits, among which one is chosen
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
 
     def __post_init__(self) -> None:
@@ -299,13 +298,13 @@ class Explanation:
         options = {**wrong, "spin": wrong[self.stage.spins]}
         every = edits(self.chain, self.stage, defaults(), options)
         cheapest = heapq.nsmallest(sum(self.effort.foreseen), every, key=lambda edit: edit.bits)
-        first = self.effort.foreseen[0]
-        self.searched = min(first, len(cheapest))
-        found = self._explained_by(cheapest[:first], unseen)
-        if isinstance(found, Named) or len(cheapest) <= first:
+        first, responses = cheapest[: self.effort.foreseen[0]], self.responses
+        found = self._explained_by(first, len(first), responses, unseen, self.pairs)
+        if isinstance(found, Named) or len(first) == len(cheapest):
             return found
-        self.searched, self.pairs = len(cheapest), 0
-        other = self._explained_by(cheapest[first:], unseen, slice(-1, None))
+        # Those that are left are many: they are ranked along one path, and not tried in pairs.
+        others = cheapest[len(first) :]
+        other = self._explained_by(others, len(cheapest), responses[-1:], unseen)
         if isinstance(other, Named):
             return other
         return replace(min(found, other, key=attrgetter("left")), near=(*found.near, *other.near))
@@ -336,8 +335,13 @@ class Explanation:
         return found
 
     @np.errstate(all="ignore")
-    def candidates(self, some: Sequence[Edit], which: slice) -> list[tuple[float, list[Edit]]]:
-        """Screen some edits of the stage, ranked by `which` of its `responses`.
+    def candidates(
+        self, some: Sequence[Edit], responses: Sequence[tuple[Response | Direct, Array]],
+        needed: float,
+    ) -> list[tuple[float, list[Edit]]]:  # fmt: skip
+        """Screen some edits of the stage, ranked by some of its `responses`.
+
+        The search ends soon after an edit that saves the bits `needed` in the screening scenes.
 
         Return groups of equal edits with the cost that they leave in the screening scenes, the
         cheapest in all first.
@@ -352,17 +356,16 @@ class Explanation:
             Values({**own, "spin": own[self.stage.spins], place: own[place] + by})
             for by in (0.0, MOVED, -MOVED)
         )
-        # They are ranked by the cost that their first-order effects leave.
-        flies, at = self.stage.kind == "flight", self.responses[0][0].at
+        # They are ranked by their cost and by what their first-order effects leave.
+        flies, at = self.stage.kind == "flight", responses[0][0].at
         starts = [self._starts(edit, at) for edit in some]
-        every = [Effects(way, some, starts, errors) for way, errors in self.responses[which]]
+        every = [Effects(way, some, starts, errors) for way, errors in responses]
         self.fits = every[0]
-        remains = np.min([one.left() for one in every], axis=0)
-        shares = dict(zip(some, remains.tolist(), strict=True))
-        # Groups of equal edits, which leave equal costs and so follow each other.
+        ranks = np.argsort(np.min([one.bits() for one in every], axis=0), kind="stable")
+        # Groups of equal edits.
         groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
         unchanged = _fingerprint(self.stage, probe)
-        for edit in sorted(shares, key=shares.__getitem__):
+        for edit in (some[i] for i in ranks):
             stage = self.edited(edit)
             if not self._is_possible(stage):
                 continue
@@ -383,14 +386,17 @@ class Explanation:
             if edit.starts:
                 c, r = _fitted_from(screened, self._starts(edit, at), edit.factor)
                 group[0] = replace(edit, starts=(c,))
+                number = min(
+                    bits for x, bits in rounded(c, FACTORS) if abs(x - c) <= FITTED * abs(c)
+                )
                 made = self.edited(edit.settled(c, 0.0))
                 if not self._is_possible(made):
                     continue
             else:
-                (r,) = screened(np.zeros((1, 0)))
+                (r,), number = screened(np.zeros((1, 0))), 0.0
             if (left := cost(r)) < NEARER * self.null:
                 found.append((left, group))
-            if left <= RIVAL * self.null:
+            if is_adequate(r, edit.rough) and self.null - left - edit.bits - number > needed:
                 last = k
         found.sort(key=lambda one: one[0] + one[1][0].bits)
         return found
@@ -433,16 +439,21 @@ class Explanation:
         return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
 
     def _explained_by(
-        self, some: Sequence[Edit], unseen: Unseen | None, which: slice = slice(None)
-    ) -> Named | Located:
-        """One or two of some edits that explain the stage; see `candidates`."""
-        found = self.candidates(some, which)
+        self, some: Sequence[Edit], tried: int,
+        responses: Sequence[tuple[Response | Direct, Array]],
+        unseen: Unseen | None, pairs: int = 0,
+    ) -> Named | Located:  # fmt: skip
+        """One or two of some edits that explain the stage, of so many that were `tried` by now.
+
+        So many `pairs` are tried; for `responses` see `candidates`.
+        """
+        # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
+        # tried.
+        needed = CHANCE + math.log2(1 + tried)
+        found = self.candidates(some, responses, needed)
         near = tuple(group[0] for left, group in found[:NEAR])
         alone = min((left for left, _ in found), default=self.null)
         found = [(left, group) for left, group in found if left <= HALF * self.null]
-        # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
-        # tried.
-        needed = CHANCE + math.log2(1 + self.searched)
         adequate: list[tuple[Edit, float]] = []
         partial: list[tuple[float, Edit]] = []
         for i, (left, group) in enumerate(found[: self.effort.held]):
@@ -453,6 +464,12 @@ class Explanation:
             if edit.starts:
                 edit, r, more = self.settled(edit)
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
+                # The number may be that of an edit that has none, such as "takes 1 for …".
+                place, same = (edit.place, edit.within), _fingerprint(self.edited(edit), self.probe)
+                twins += [
+                    e for e in some if not e.starts and (e.place, e.within) == place
+                    and _fingerprint(self.edited(e), self.probe) == same
+                ]  # fmt: skip
             else:
                 r = self._in_floors(self.edited(edit), self.all, edit.rough)
                 twins = [twin for twin in twins if not twin.starts]
@@ -467,7 +484,7 @@ class Explanation:
         if adequate:  # rule 3: no rival
             return self._named(adequate, unseen)
         partial.sort(key=lambda one: one[0])
-        for edit in self._in_pairs(alone) if self.pairs else ():
+        for edit in self._in_pairs(alone, pairs) if pairs else ():
             if (both := self._with_another(edit)) is not None:
                 return both
         if not partial:
@@ -476,8 +493,8 @@ class Explanation:
         return Located(edit, (left - edit.bits) / self.null_all, near)
 
     @np.errstate(all="ignore")
-    def _in_pairs(self, best: float) -> list[Edit]:
-        """Edits that are worth a second one, those of the best pairs first.
+    def _in_pairs(self, best: float, count: int) -> list[Edit]:
+        """So many edits that are worth a second one, those of the best pairs first.
 
         Of each pair of `Effects.pairs` it is the edit that explains more alone. `best` is the cost
         that the best single edit leaves in the screening scenes.
@@ -499,7 +516,7 @@ class Explanation:
         found = [pair for pair in found if pair.bits < least + RIVALS][:ELSEWHERE]
         if len(found) > 1:
             found.sort(key=lambda pair: pair.bits + self._elsewhere(pair))
-        return [self._settled_beside(pair) for pair in found[: self.pairs]]
+        return [self._settled_beside(pair) for pair in found[:count]]
 
     def _settled_beside(self, pair: _Pair) -> Edit:
         """The edit of a pair that explains more, with the roundest number that fits."""
@@ -567,7 +584,8 @@ class Explanation:
             ranked.append((min(after, before) - before, edit.bits, evidence, chosen))
         ranked.sort(key=lambda one: one[:2])
         if unseen is not None and len(ranked) > 1:
-            holds = [one for one in ranked if unseen.holds(self.chain, self.stage, one[3])]
+            ways = self.data.ways
+            holds = [one for one in ranked if unseen.holds(self.chain, self.stage, one[3], ways)]
             ranked = holds or ranked
         _, _, evidence, best = ranked[0]
         return Named((best,), evidence, tuple(edit for *_, edit in ranked[1:4]))
@@ -586,7 +604,8 @@ class Explanation:
 
 
 RIVAL = 0.2  # fraction of the initial cost that a right edit leaves in screening scenes at most
-FURTHER = 12  # groups that are computed after one that leaves no more
+FURTHER = 12  # groups that are computed after one that explains the screening scenes
+FITTED = 1e-8  # relative error of a free number that is fitted there
 BETTER = 0.8  # fraction of the cost of the best single edit that a pair may leave
 ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chosen
 TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
@@ -596,8 +615,8 @@ RIVALS = 10.0  # bits: an edit that costs so much more than the cheapest is no r
 # NOTHING, m, for balls anywhere, or if a ball MOVED by so many metres changes it by less than FLAT
 # of the change without the edit.
 NOTHING, ANYWHERE = 1e-9, 0.1
-USUAL_NUMBER = 0.5  # a value of a free number
 MOVED, FLAT = 0.1, 0.3
+USUAL_NUMBER = 0.5  # the value of a free number there
 
 
 def _fitted_from(
