@@ -91,7 +91,7 @@ Index = NDArray[np.integer[Any]]  # numbers of scenes
 
 
 class Flying(Protocol):
-    """How a candidate flies: a function from a stage and columns to quantities and their errors."""
+    """The flights of a candidate, from a stage and its columns to quantities and their errors."""
 
     @property
     def reads(self) -> Sequence[str]:
