@@ -49,7 +49,7 @@ from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
 from longball.judge.diagnosis.findings import Finding
 from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outputs import outputs
-from longball.judge.diagnosis.residual import Data, compared, follow, switches
+from longball.judge.diagnosis.residual import Data, follow, switches
 from longball.judge.diagnosis.schemes import explain_scheme
 from longball.judge.diagnosis.search import Named
 from longball.judge.diagnosis.unseen import Solve, followed
@@ -222,14 +222,9 @@ def _holding(
     data, converted = with_digits(plain, again), list[Finding]()
     if made.outputs:
         data, converted = outputs(data, chain)
-    data = replace(data, ways=made.data.ways)
+    data = replace(data, ways=made.data.ways, rough=made.data.rough)
     located = [step.followed.stage.name for step in made.steps if not step.explained]
     columns, every = followed(made.chain, data, located)
-    rough = {told.stage for told in told_by(made) if told.edit and told.edit.rough}
-    every = [
-        compared(f.stage, data, columns, f.some, rough=True)[0] if f.stage.name in rough else f
-        for f in every
-    ]
     shaken = follow(made.chain, _shaken(data))[1]
 
     def left(told: Told) -> list[int]:

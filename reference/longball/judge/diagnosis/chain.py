@@ -216,7 +216,9 @@ _ω_lift = switch("reading.spin_parameter", {"transverse": norm(c) / U_lift, "to
 _ω_table = switch("reading.spin_parameter", {"transverse": transverse, "total": norm(spin)})
 S_lift = named("S", I["R"] * _ω_lift / U_lift)
 S_drag = I["R"] * _ω_table / U
-sound = 331.3 * function("sqrt", I["T"] / 273.15) * constant(1.0, SPEED)
+sound = named(
+    "the speed of sound", 331.3 * function("sqrt", I["T"] / 273.15) * constant(1.0, SPEED)
+)
 
 
 def _tables(key: str, speed: Node, parameter: Node) -> dict[str, Node]:
@@ -572,11 +574,16 @@ _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
 _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
 _in_flight = (
+    named("331.3 + 0.606·(T - 273.15)", (331.3 + 0.606 * celsius) * constant(1.0, SPEED)),
     named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])),
     named("a/(1 + ρ·V/2m) (added mass)", LAW / (1.0 + ρ * _ball / (2.0 * I["m"]))),
     _unshifted,
 )
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
+_leaving = switch("kind", {"flight": I["launch.velocity"], "at-bat": after})
+_downrange = named(
+    "the distance along the launch's heading", dot(landing - _launched_at, _heading(_leaving))
+)
 OTHERWISE = {
     "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)),),
     "bat velocity": (named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y),
@@ -601,7 +608,7 @@ OTHERWISE = {
         named("the ball's energy, m(V⁺² - V²)/2", _sizes), dot(V, n), _with_bat, _with_effective,
         I["e"],
     ),
-    "distance": (_from_launch, component(landing, 0), place, I["launch.position"]),
+    "distance": (_from_launch, _downrange, component(landing, 0), place, I["launch.position"]),
     "time": (plate_time,),
     "landing": (I["R"],),
     "plate": (reach,),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -134,35 +134,30 @@ def clock(
         parts = [part for part in rows if np.isfinite(followed.off[part]).any()]
         own = [states.own_times(part) for part in parts]
         rules = [_rule(told, times, dt) for times in own]
-        if len(own) > 1 and None in rules and _mostly(np.abs(own[0] - own[1]) < SAME):
-            most = float(np.nanmax(np.abs(told - own[0])))
-            text = f"gives {{0}} of up to {most:.3g} s before or after {{1}}"
-            rules = [_Rule(text, own[0], FREE * len(told) / len(own))] * len(own)
-        known = [rule for rule in rules if rule is not None]
-        if not known or len(known) < len(rules):
-            return None
+        if len(own) > 1 and _mostly(np.abs(own[0] - own[1]) < SAME):  # of one time both
+            rules = [replace(rules[0], bits=rules[0].bits / 2)] * 2
         left = [
             states.off(part, rule.times)[0] / followed.floor[part]
-            for part, rule in zip(parts, known, strict=True)
+            for part, rule in zip(parts, rules, strict=True)
         ]
         left.append(followed.off[6:] / followed.floor[6:])  # no clock explains the spin
-    r, bits = np.concatenate(left), sum(rule.bits for rule in known)
+    r, bits = np.concatenate(left), sum(rule.bits for rule in rules)
     evidence = cost(followed.off / followed.floor) - cost(r) - bits - CHANCE
     if evidence <= 0 or not is_adequate(r, is_rough(stage)):
         return None
     name = words(stage.roots["duration"])
-    texts = dict.fromkeys(rule.text for rule in known)
+    texts = dict.fromkeys(rule.text for rule in rules)
     whose = stage.quantities if len(texts) > 1 else ("position and velocity",)
     said = "; ".join(
         rule.text.format(quantity, name)
-        for rule, quantity in zip(known, whose, strict=False)
+        for rule, quantity in zip(rules, whose, strict=False)
         if rule.text
     )
-    step = next((rule.step for rule in known if rule.step), None)
+    step = next((rule.step for rule in rules if rule.step), None)
     return Scheme(said, None, step, bits, evidence, adequate=True)
 
 
-def _rule(told: Array, own: Array, dt: float | None) -> _Rule | None:
+def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     """The rule by which states are of other times than those told."""
     behind = told - own
     known = behind[np.isfinite(behind)]
@@ -182,7 +177,9 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule | None:
     if (found := lattice(told, dt)) and _mostly(np.abs(known) < found[0] * (1 + ON_LATTICE)):
         text = f"gives {{1}} in whole multiples of {found[0]:.6g} s"
         return _Rule(text, own, FREE * known.size, found[0])
-    return None
+    most = float(np.abs(known).max(initial=0.0))
+    text = f"gives {{0}} of up to {most:.3g} s before or after {{1}}"
+    return _Rule(text, own, FREE * known.size)
 
 
 SAME = 1e-8  # s: times that differ by less are one

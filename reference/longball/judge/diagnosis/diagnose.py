@@ -16,6 +16,7 @@ from longball.judge.diagnosis import sentences as told
 from longball.judge.diagnosis.chain import CHAIN, CHAIN_IN_STEPS, Kind, Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
+from longball.judge.diagnosis.evidence import is_adequate
 from longball.judge.diagnosis.findings import Diagnosis, Finding
 from longball.judge.diagnosis.integrators import BATTED, Way, in_steps, straight
 from longball.judge.diagnosis.operators import Edit
@@ -233,11 +234,12 @@ def reason(
             for stage, one in zip(chain, last, strict=True)
             if one.relative[one.beyond].max(initial=0.0) > LAST * begun[stage.name, stage.kind]
             and tried[stage.name, stage.kind] < ROUNDS
+            and not (stage.name in data.rough and is_adequate(one.off / one.floor, rough=True))
         ]
         if not wrong:
             standing = _standing(steps, last)
             if unseen is not None:
-                standing = _confirmed(standing, chain, data, unseen)
+                standing = _confirmed(standing, chain, data, unseen, dt)
             return Reasoned(chain, data, standing)
         stage, one = _clearest(wrong)
         at = stage.name, stage.kind
@@ -255,11 +257,13 @@ def reason(
         found = search.explain(unseen)
         if isinstance(found, Named):
             for edit in found.edits:
-                chain = edit.apply(chain)
+                before, chain = chain, edit.apply(chain)
+                changed = {s.name for s, was in zip(chain, before, strict=True) if s is not was}
+                data = replace(data, rough=data.rough.union(changed if edit.rough else ()))
             columns, last = follow(chain, data, unknown)
             # An earlier flight that is right now is where the mistake shows first.
-            right, before = _right(last), wrong[: wrong.index((stage, one))]
-            told = next((other for s, other in before if (s.name, s.kind) in right), one)
+            right, earlier = _right(last), wrong[: wrong.index((stage, one))]
+            told = next((other for s, other in earlier if (s.name, s.kind) in right), one)
             steps.append(Step(told, found))
             continue
         tried[at] = ROUNDS
@@ -306,19 +310,19 @@ def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:
 
 
 def _confirmed(
-    steps: Sequence[Step], chain: tuple[Stage, ...], data: Data, unseen: Unseen
+    steps: Sequence[Step], chain: tuple[Stage, ...], data: Data, unseen: Unseen, dt: float | None
 ) -> tuple[Step, ...]:
     """The same steps, without the names that unseen scenes refute."""
     found = []
     located = [step.followed.stage.name for step in steps if not step.explained]
-    refuted = unseen.refuting(chain, data.ways, located)
+    refuted = unseen.refuting(chain, data, located, dt)
     for step in steps:
         stage, cause = step.followed.stage, step.found
         if isinstance(cause, Named):
-            count = refuted(stage, any(edit.rough for edit in cause.edits))
+            count = refuted(stage, any(edit.rough for edit in cause.edits), None)
             cause = cause if count is None else Located(cause.edits[0], refuted=count)
         elif isinstance(cause, Scheme) and cause.adequate:
-            cause = replace(cause, adequate=refuted(stage, True) is None)
+            cause = replace(cause, adequate=refuted(stage, False, cause) is None)
         found.append(replace(step, found=cause))
     return tuple(found)
 

@@ -267,7 +267,7 @@ _EXPLICIT = (one for how, one in VERLET.items() if not how.iterates)
 SLIPPED = (_RK4, _MIDPOINT, _HEUN, _EULER, *_SEMI_IMPLICIT, *_EXPLICIT)
 TIMES = (0.0, 2.0, 0.5, -1.0, 1.5, 3.0)  # factors of a wrong coefficient
 # Factors of all weights: a wrong sign, or another divisor than the 6 of 1 + 2 + 2 + 1.
-DIVIDED = (-1.0, *(6 / n for n in (2, 3, 4, 5, 7, 8, 9, 12, 18)))
+DIVIDED = (-1.0, *(6 / n for n in (1, 2, 3, 4, 5, 7, 8, 9, 12, 18)))
 
 
 @cache
@@ -343,6 +343,8 @@ def together(some: Sequence[Integrator], count: int) -> Integrator:
     if len(some) == 1:
         return some[0]
     tables = [one.step for one in some if isinstance(one.step, Table)]
+    if not tables:  # what has no table is alike only itself
+        return some[0]
 
     def repeated(name: str) -> Array:
         stacked = np.stack([getattr(table, name) for table in tables], axis=-1)

@@ -672,6 +672,8 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     if stage.kind == "flight":
         states = v, r, v0, r0
         found |= {id(x): x for state in states for i in range(3) for x in [component(state, i)]}
+    earlier = (one.quantities for one in chain[: chain.index(stage)] if stage.kind == "formula")
+    found |= {id(OWN[q]): OWN[q] for quantities in earlier for q in quantities}
     if stage.kind == "formula":  # its own quantity would explain whatever it is
         found.pop(id(OWN.get(stage.quantities[0])), None)
     known: dict[int, Node] = {}
@@ -714,6 +716,26 @@ def edits(
             others = ordered([form], (), arguments)
             yield from _of_formula(root, form, others, frozenset(nodes), site)
             yield from _of_regions(root, form, others, frozenset(nodes), site)
+        # Who knows one option alone may be wrong in it.
+        for form, text in _with_one_option(root, nodes, flies):
+            others = ordered([form], (), arguments)
+            yield Edit(root, form, BITS["option"], text)
+            for edit in _of_formula(root, form, others, frozenset(), site):
+                said = f"{text}, and {edit.words}"
+                yield replace(edit, bits=edit.bits + BITS["option"], words=said)
+
+
+def _with_one_option(root: Node, nodes: Sequence[Node], flies: bool) -> Iterator[tuple[Node, str]]:
+    """A formula without one of its switches, or without those of readings; and words."""
+    plain = specialised(root, DEFAULT_READING, {})
+    if plain is not root:
+        yield plain, "ignores the scene's readings"
+    for node in nodes if not flies else ():
+        if node.op == "switch" and node.data[0].startswith("reading."):
+            key, options = node.data
+            for option in options:
+                text = f"takes {key} = {option} in every scene"
+                yield specialised(root, {key: np.array([option])}, {}), text
 
 
 def _of_regions(
@@ -814,9 +836,6 @@ def _of_formula(
             exchanged = substitute(substitute(substitute(form, a, hole), b, a), hole, b)
             said = f"exchanges {words(a)} and {words(b)}"
             yield Edit(root, exchanged, BITS["exchange"] + math.log2(len(leaves)), said)
-    plain = specialised(form, DEFAULT_READING, {})
-    if plain is not form:
-        yield Edit(root, plain, BITS["option"], "ignores the scene's readings")
     parents: dict[int, list[Node]] = {id(node): [] for node in nodes}
     for node in nodes:
         for arg in dict.fromkeys(node.args):

@@ -76,6 +76,9 @@ class Stepping(NamedTuple):
 # estimate it. The coarse steps give the effect of nine edits in ten to better than a thousandth.
 FINE, EQUAL, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.2, 400), Stepping(0.4, 200)
 MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
+# Steps across kinks and jumps, as a program takes them that does not look for those: what they miss
+# is proportional to the step, whatever the method.
+UNAWARE = Stepping(0.05, 400)
 # Flights are grouped by their steps, at most 36, 36², and so on: short ones do not wait for long
 # ones.
 TOGETHER = 36
@@ -129,6 +132,8 @@ class Data:
     ways
         The candidate's integrators by the names of stages, as far as they are known. Other stages
         are flown exactly.
+    rough
+        Names of stages with an edit that has a jump or a kink; see `compared`.
     blind
         Scenes in which the right chain does not reproduce the true value from the true earlier
         values, by the stage's name and kind, such as balls that graze a jump of the law. They are
@@ -146,6 +151,7 @@ class Data:
     slips: Callable[..., Array] | None = None
     granted: float = 0.0
     ways: Mapping[str, Flying] = field(default_factory=dict)
+    rough: frozenset[str] = frozenset()
     blind: Mapping[tuple[str, Kind], Index] = field(default_factory=dict)
     flights: dict[Any, Any] = field(default_factory=dict, compare=False)
 
@@ -683,14 +689,18 @@ def compared(
 ) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
     """The residuals of a stage in some scenes, and the values that the stage predicts.
 
-    The error of the flights is found by flying them again with twice the step. A `rough` law has
-    jumps or kinks.
+    The error of the flights is found by flying them again with twice the step. If an edit has made
+    the law `rough`, with jumps or kinks, the candidate's own steps may cross those unawares.
     """
     own = take(columns, some)
+    rough = rough or stage.name in data.rough
     if stage.kind == "flight":
         found, again = _flown_once(stage, own, data, limits)
     else:
         again = found = values(stage, own)
+    careless = found
+    if rough and stage.kind == "flight" and data.way(stage) is None:
+        careless = values(stage, own, UNAWARE)
     rows = []
     for quantity in stage.quantities:
         if quantity not in found:
@@ -702,8 +712,8 @@ def compared(
         off = predicted if stage.kind == "event" else given - predicted
         off = np.where(np.isfinite(given).all(axis=0), off, np.nan)
         off = np.where(np.isfinite(given) & ~np.isfinite(off), HUGE, off)
-        unsure = np.abs(predicted - np.atleast_2d(again[quantity]))
-        unsure = np.nan_to_num(unsure)
+        others = (np.atleast_2d(x[quantity]) for x in (again, careless))
+        unsure = np.nan_to_num(np.max([np.abs(predicted - other) for other in others], axis=0))
         if rough and some.size:
             # Two steppings may agree by chance near a kink: most of the scenes count.
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))

@@ -61,10 +61,10 @@ SHOWS = 100.0  # floors: the error beside which steps are looked for with an edi
 LEAST = 1e-300  # a divisor in place of 0
 SHORTEST = 2e-5  # s: of the steps of candidates
 # Of the size of a number: an error that steps do not make.
-ELSEWHERE = 0.9
+ELSEWHERE = 1e9
 LOST = 1e12  # floors: what a scheme leaves that makes no number
 ALIKE = 0.3  # fraction by which errors of order 0 may depend on the step
-MANY = 100, 24, 8  # numbers of integrators that are flown again in steps that fit better
+MANY = 100, 40, 40  # numbers of integrators that are flown again in steps that fit better
 # Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
 ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
 LIKE, MOST = 0.1, 0.8  # errors are of an order if so much is left, at most, in most scenes
@@ -78,6 +78,10 @@ ROUND = tuple(
            | {1 / n for n in _RATES})
 )  # fmt: skip
 ROUND_BITS, TRIED_BITS = math.log2(len(ROUND)), math.log2(2 * (len(INTEGRATORS) + 1))
+
+
+# An integrator, its step, and whether the end of a flight is on the chord between two steps.
+Option = tuple[Integrator, float, bool]
 
 
 def _nearer(one: Integrator, h: float, share: float) -> float:
@@ -168,38 +172,45 @@ class Steps:
             [np.atleast_2d(found[q]) for q in self.stage.quantities if q in found]
         )
 
-    def errors(self, one: Integrator, h: Any, chord: bool, some: Index) -> tuple[Array, Array]:
-        """Difference of a scheme from the exact path, and its doubt."""
-        with np.errstate(all="ignore"):
-            found, doubt = steps(self.stage, self.columns_of(some), one, h, chord)
-            given = self.rows({q: self.data.given[q][..., self.followed.some[some]] for q in found})
-            exact = given - self.followed.off[:, some]
-            return self.rows(found) - exact, self.rows(doubt)
+    def errors(self, options: Sequence[Option], some: Index) -> tuple[Array, Array]:
+        """Differences of schemes from the exact path, and their doubts.
 
-    def left(self, one: Integrator, h: float, chord: bool, some: Index) -> Array:
-        """Errors that a scheme leaves unexplained, in floors."""
-        made, doubt = self.errors(one, h, chord, some)
-        off = self.followed.off[:, some]
-        r = (off - made) / (self.followed.floor[:, some] + doubt)
+        Both have the shape (numbers, options, scenes). Integrators with equally many evaluations of
+        the acceleration fly as one, each in its own step.
+        """
+        shape = len(self.followed.off), len(options), len(some)
+        made, doubt = np.zeros(shape), np.zeros(shape)
+        groups: dict[Any, list[int]] = {}
+        for i, (one, _, chord) in enumerate(options):
+            groups.setdefault((one.like, chord), []).append(i)
+        for (_, chord), group in groups.items():
+            every = together([options[i][0] for i in group], len(some))
+            h = np.repeat([options[i][1] for i in group], len(some))
+            which = np.tile(some, len(group))
+            with np.errstate(all="ignore"):
+                found, doubts = steps(self.stage, self.columns_of(which), every, h, chord)
+                given = {q: self.data.given[q][..., self.followed.some[which]] for q in found}
+                exact = self.rows(given) - self.followed.off[:, which]
+                off, unsure = self.rows(found) - exact, self.rows(doubts)
+            made[:, group] = off.reshape(len(off), len(group), -1)
+            doubt[:, group] = unsure.reshape(len(off), len(group), -1)
+        return made, doubt
+
+    def left(self, options: Sequence[Option], some: Index) -> Array:
+        """Errors that schemes leave unexplained, in floors: (numbers, options, scenes)."""
+        made, doubt = self.errors(options, some)
+        off = self.followed.off[:, None, some]
+        r = (off - made) / (self.followed.floor[:, None, some] + doubt)
         return np.where(np.isfinite(off) & ~np.isfinite(r), LOST, r)
 
     def made(self, some: Sequence[Integrator], h: Any, which: Index) -> Array:
-        """Errors that schemes make in scenes, in units of their sizes: (numbers, schemes, scenes).
+        """Errors that integrators make in scenes, in units of their sizes.
 
-        `h` is the step of all, or of each. Those with equally many evaluations of the acceleration
-        fly as one.
+        `h` is the step of all, or of each.
         """
-        count, h = len(which), h + np.zeros(len(some))
-        made = np.zeros((len(self.followed.off), len(some), count))
-        groups: dict[Any, list[int]] = {}
-        for i, one in enumerate(some):
-            groups.setdefault(one.like, []).append(i)
-        for group in groups.values():
-            every = together([some[i] for i in group], count)
-            tiled = np.tile(which, len(group))
-            errors, _ = self.errors(every, np.repeat(h[group], count), False, tiled)
-            made[:, group] = errors.reshape(-1, len(group), count)
-        made /= self.followed.scale[:, None, which]
+        h = h + np.zeros(len(some))
+        options = [(one, float(step), False) for one, step in zip(some, h, strict=True)]
+        made = self.errors(options, which)[0] / self.followed.scale[:, None, which]
         return np.nan_to_num(made, nan=0.0, posinf=0.0, neginf=0.0)
 
     @cached_property
@@ -265,8 +276,8 @@ class Steps:
             return Way(one, h) if left < FITS else None
         return None
 
-    def named(self, dt: float | None) -> Scheme | None:
-        """The cheapest scheme that makes all numbers, if one does."""
+    def named(self, dt: float | None, slipped: bool = True) -> Scheme | None:
+        """The cheapest scheme that makes all numbers, if one does; also with a slip, if asked."""
         least = TRIED_BITS + (0.0 if dt else ROUND_BITS) + CHANCE
         if not self.few.size or self.null < least:  # no scheme saves more than the errors cost
             return None
@@ -277,24 +288,28 @@ class Steps:
             close = {h for h in usual if max(h / fit, fit / h) < factor}
             return sorted(close, key=lambda h: abs(math.log(h / fit)))
 
-        options = [
+        options: list[Option] = [
             (one, h, chord)
             for left, fit, one in found if left < FITS
             for h in near(fit, NEAR) for chord in (False, True)
         ]  # fmt: skip
         # Errors of a chord grow as the square of the step.
-        made, _ = self.errors(EXACT, TRIALS[1], True, self.few)
+        made, _ = self.errors([(EXACT, TRIALS[1], True)], self.few)
         off = self.followed.off[:, self.few]
         sizes = (float(np.nanmax(np.abs(x[:3]), initial=1e-30)) for x in (off, made))
         fit = TRIALS[1] * math.sqrt(next(sizes) / next(sizes))
-        chords = {h: self._chord_leaves(h) for h in near(fit, CHORD)}
-        best = min(chords, key=lambda h: chords[h], default=None)
-        if best is not None and chords[best] < ROUGHLY:
-            options.append((EXACT, best, True))
-            options += [(one, best, True) for one in INTEGRATORS if one.order and one.order > 1]
+        chords = near(fit, CHORD)
+        if chords:
+            made, _ = self.errors([(EXACT, h, True) for h in chords], self.few)
+            made = np.nan_to_num(made / self.followed.scale[:, None, self.few])
+            _, left = _shares(self.off, made)
+            best = chords[int(np.argmin(left))]
+            if left.min() < ROUGHLY:
+                options.append((EXACT, best, True))
+                options += [(one, best, True) for one in INTEGRATORS if one.order and one.order > 1]
         named = self._adequate(options, dt)
         if named is None:  # chords and a method of order 2 err alike
-            both = [
+            both: list[Option] = [
                 (one, h, True)
                 for _, other, one in found if one.order and one.order > 1
                 for h in near(other, CHORD) if max(h / fit, fit / h) < CHORD**2
@@ -302,7 +317,7 @@ class Steps:
             named = self._adequate(both, dt)
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt)
-        if named is None:
+        if named is None and slipped:
             trials = [self.made(slips(), h, self.few) for h in TRIALS]
             options = [
                 (one, h, chord)
@@ -312,62 +327,58 @@ class Steps:
             named = self._adequate(options, dt, math.log2(len(slips())))
         return named
 
-    def _chord_leaves(self, h: float) -> float:
-        """Fraction of the squared errors that remains beside chords of the exact path."""
-        made, _ = self.errors(EXACT, h, True, self.few)
-        _, left = _shares(self.off, np.nan_to_num(made / self.followed.scale[:, self.few])[:, None])
-        return float(left[0])
-
-    def _fitted_step(self, one: Integrator, start: float) -> float:
-        """The step of an integrator with the smallest residual in the first scenes, s."""
-
-        def left(steps: Array) -> Array:
-            return np.array([self.left(one, abs(h), False, self.few) for (h,) in steps])
-
-        (c,), *_ = fitted(left, [(start,)], 3)
-        return abs(float(c))
-
-    def _free(
-        self, found: Iterable[tuple[float, float, Integrator]]
-    ) -> Iterable[tuple[Integrator, float, bool]]:
+    def _free(self, found: Iterable[tuple[float, float, Integrator]]) -> Iterable[Option]:
+        """Integrators in the round steps near the one with the smallest residual."""
         for _, fit, one in found:
-            c = self._fitted_step(one, fit)
-            yield from ((one, x, False) for x, _ in rounded(c) if x > SHORTEST)
 
-    def _holds(self, one: Integrator, h: float, chord: bool, some: Index | None = None) -> bool:
-        """True if a scheme makes all numbers of the first scenes, but for those with a kink."""
-        some = self.few if some is None else some
-        known = np.nan_to_num(np.abs(self.left(one, h, chord, some)))
-        made = (known <= ADEQUATE).all(axis=0)
-        return bool(np.mean(made) >= (0.5 if len(some) <= 2 else MOST))
+            def left(steps: Array, one: Integrator = one) -> Array:
+                options = [(one, float(abs(h)), False) for (h,) in steps]
+                return self.left(options, self.few).swapaxes(0, 1)
+
+            (c,), *_ = fitted(left, [(fit,)], 3)
+            yield from ((one, x, False) for x, _ in rounded(abs(float(c))) if x > SHORTEST)
+
+    def _holding(self, options: Sequence[Option]) -> Sequence[Option]:
+        """Options that make all numbers of the first scenes, but for those with a kink.
+
+        Those that leave least come first.
+        """
+        for some in (self.few[:2], self.few):  # the shortest flights tell most of them
+            if options:
+                r = self.left(options, some)
+                near = (np.nan_to_num(np.abs(r)) <= ADEQUATE).all(axis=0).mean(axis=1)
+                enough = np.flatnonzero(near >= (0.5 if len(some) <= 2 else MOST))
+                costs = [cost(r[:, i]) for i in enough]
+                options = [options[enough[i]] for i in np.argsort(costs, kind="stable")]
+        return options
 
     def _adequate(
-        self, options: Sequence[tuple[Integrator, float, bool]], dt: float | None, more: float = 0.0
+        self, options: Sequence[Option], dt: float | None, more: float = 0.0
     ) -> Scheme | None:
         """Of the options that make all numbers, the likeliest. A slip costs `more` bits."""
+
+        def bits(h: float) -> float:
+            return TRIED_BITS + more + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
+
         found: list[Scheme] = []
-        for one, h, chord in options:
-            # The shortest flights tell most of them.
-            if not self._holds(one, h, chord, self.few[:2]) or not self._holds(one, h, chord):
-                continue
+        holding = self._holding(options)
+        for one, h, chord in sorted(holding, key=lambda option: bits(option[1]))[:VERIFIED]:
             ways = {**self.data.ways, self.stage.name: Way(one, h, chord)}
             data = replace(self.data, ways=ways)  # whose flights are looked up later
             after, _ = compared(self.stage, data, self.columns, self.followed.some)
             r = after.off / after.floor
-            bits = TRIED_BITS + more + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
-            evidence = self.null - cost(r) - bits - CHANCE
+            evidence = self.null - cost(r) - bits(h) - CHANCE
             if evidence > 0 and is_adequate(r, is_rough(self.stage)):
                 alike = [
-                    other.words
-                    for other, x, side in options
-                    if (x, side) == (h, chord) and other is not one and self._holds(other, h, chord)
-                ]
+                    other.words for other, x, side in holding
+                    if (x, side) == (h, chord) and other is not one
+                ]  # fmt: skip
                 way = Way(one, h, chord)
                 said = way.words
                 if alike and one is not EXACT:
                     said += f" (in these scenes the same as {' and '.join(dict.fromkeys(alike))})"
                 order = None if one is EXACT else one.order
-                found.append(Scheme(said, order, h, bits, evidence, True, way))
+                found.append(Scheme(said, order, h, bits(h), evidence, True, way))
         return max(found, key=attrgetter("evidence"), default=None)
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:
@@ -391,14 +402,14 @@ class Steps:
         off = self.followed.off[:, self.followed.wrong]
         wrong = self.all[self.followed.wrong]
         for _, h, one in self._alike()[:2] if self.few.size else []:
-            made, _ = self.errors(one, h, False, wrong)
+            made = self.errors([(one, h, False)], wrong)[0][:, 0]
             known = np.isfinite(off) & np.isfinite(made)
             before, after = (
                 np.sqrt(np.square(np.where(known, x / self.followed.scale[:, wrong], 0.0)).sum(0))
                 for x in (off, off - made)
             )
             bits = TRIED_BITS + ROUND_BITS
-            evidence = self.null - cost(self.left(one, h, False, self.all)) - bits - CHANCE
+            evidence = self.null - cost(self.left([(one, h, False)], self.all)) - bits - CHANCE
             if np.mean(after < LIKE * before) >= MOST and evidence > 0:
                 said = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
                 return Scheme(f"{said} about {h:.2g} s", one.order, h, bits, evidence, False)
@@ -467,6 +478,7 @@ def explain_push(
 
 SOME = 24  # wrong scenes with short flights, in which edits are tried first beside a scheme
 VARIANTS = 6  # edits that are tried with all schemes
+VERIFIED = 6  # schemes that make the first scenes and are flown in all
 
 
 def with_edit(
@@ -502,7 +514,7 @@ def with_edit(
     different = {f"{way[0]:.6g}": way for way in reversed(ways)}  # what comes to the same: once
     for _, edit in [*different.values()][::-1][:VARIANTS]:
         search = searched(edit, followed.some)
-        scheme = search.named(dt)
+        scheme = search.named(dt, slipped=False)
         if scheme is not None:
             saved = plain.null - search.null - edit.bits - math.log2(1 + len(ways))
             return edit, replace(scheme, evidence=scheme.evidence + saved)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from longball.judge.diagnosis.chain import OWN, Kind, Stage
 from longball.judge.diagnosis.evidence import (
+    ADEQUATE,
     CHANCE,
     cost,
     fitted,
@@ -436,7 +437,7 @@ class Explanation:
             c, r, slopes = fitted(every, c[None], 1)
             x, bits = _roundest(c, r, slopes, 0)
         edit = edit.settled(x, bits)
-        return edit, self._in_floors(self.edited(edit), self.all, edit.rough), (x, bits)
+        return edit, self._in_floors(self.edited(edit), self.all), (x, bits)
 
     def _explained_by(
         self, some: Sequence[Edit], tried: int,
@@ -455,7 +456,8 @@ class Explanation:
         alone = min((left for left, _ in found), default=self.null)
         found = [(left, group) for left, group in found if left <= HALF * self.null]
         adequate: list[tuple[Edit, float]] = []
-        partial: list[tuple[float, Edit]] = []
+        roughly: list[tuple[Edit, float]] = []
+        partial: list[tuple[float, Edit, float]] = []
         for i, (left, group) in enumerate(found[: self.effort.held]):
             # Only the best group is worth a verification if it leaves much.
             if left > RIVAL * self.null and (adequate or i > 0):
@@ -471,26 +473,36 @@ class Explanation:
                     and _fingerprint(self.edited(e), self.probe) == same
                 ]  # fmt: skip
             else:
-                r = self._in_floors(self.edited(edit), self.all, edit.rough)
+                r = self._in_floors(self.edited(edit), self.all)
                 twins = [twin for twin in twins if not twin.starts]
             saved = self.null_all - cost(r) - edit.bits
             if saved < needed:
                 continue
-            if is_adequate(r, edit.rough):  # rule 1: within the noise everywhere
+            # Rule 1: within the noise everywhere, or within that of steps across a jump.
+            exact = is_adequate(r, edit.rough)
+            if not exact and edit.rough:
+                r = self._in_floors(self.edited(edit), self.all, rough=True)
+                saved = self.null_all - cost(r) - edit.bits
+            if exact or is_adequate(r, edit.rough):
                 possible = [e for e in (edit, *twins) if self._is_possible(self.edited(e))]
-                adequate += [(one, saved - needed) for one in possible]
+                (adequate if exact else roughly).extend((e, saved - needed) for e in possible)
             else:
-                partial.append((cost(r) + edit.bits, edit))
-        if adequate:  # rule 3: no rival
-            return self._named(adequate, unseen)
+                partial.append((cost(r) + edit.bits, edit, self._share(r)))
+        if adequate or roughly:  # rule 3: no rival
+            return self._named(adequate or roughly, unseen)
         partial.sort(key=lambda one: one[0])
-        for edit in self._in_pairs(alone, pairs) if pairs else ():
+        most = [edit for _, edit, share in partial[:1] if share >= MOST]
+        for edit in most or self._in_pairs(alone, pairs) if pairs else ():
             if (both := self._with_another(edit)) is not None:
                 return both
         if not partial:
             return Located(near=near)
-        left, edit = partial[0]
+        left, edit, _ = partial[0]
         return Located(edit, (left - edit.bits) / self.null_all, near)
+
+    def _share(self, r: Array) -> float:
+        """Fraction of the wrong scenes whose errors, in floors, an edit leaves within the noise."""
+        return float(np.mean(np.nan_to_num(np.abs(r[:, self.base.beyond])).max(axis=0) <= ADEQUATE))
 
     @np.errstate(all="ignore")
     def _in_pairs(self, best: float, count: int) -> list[Edit]:
@@ -603,6 +615,7 @@ class Explanation:
         return self.counted[key]
 
 
+MOST = 0.5  # fraction of the wrong scenes that one of two edits explains if it is tried first
 RIVAL = 0.2  # fraction of the initial cost that a right edit leaves in screening scenes at most
 FURTHER = 12  # groups that are computed after one that explains the screening scenes
 FITTED = 1e-8  # relative error of a free number that is fitted there

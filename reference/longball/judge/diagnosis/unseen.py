@@ -19,6 +19,7 @@ from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Known, decidable, solved
 from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import with_cut
 from longball.judge.diagnosis.evidence import ADEQUATE, is_adequate
 from longball.judge.diagnosis.findings import Finding
@@ -35,6 +36,7 @@ from longball.judge.diagnosis.residual import (
     follow,
     seen,
 )
+from longball.judge.diagnosis.schemes import explain_scheme
 from longball.judge.fresh import moved
 from longball.model.numbers import Undecided
 from longball.model.scene import Scene
@@ -42,7 +44,7 @@ from longball.model.scene import Scene
 # Runs a candidate again: from scenes to answers by id.
 Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
 
-SCENES = 32  # that are tried
+SCENES = 100  # that are tried at most
 
 
 class Unseen:
@@ -112,28 +114,33 @@ class Unseen:
         return is_adequate(f.off / f.floor, edit.rough)
 
     def refuting(
-        self, chain: tuple[Stage, ...], ways: Mapping[str, Flying], located: Iterable[str]
-    ) -> Callable[[Stage, bool], tuple[int, int] | None]:
+        self, chain: tuple[Stage, ...], known: Data, located: Iterable[str], dt: float | None
+    ) -> Callable[[Stage, bool, Scheme | None], tuple[int, int] | None]:
         """Return a function that counts the scenes in which the explanation of a stage fails.
 
-        It takes the stage, and True if a rough edit or a scheme explains it. It returns that number
-        and the number of scenes that have the stage; None if the explanation holds in all.
+        `known` has the ways and the roughness of flights that the explanations come with. The
+        function takes the stage, True if a rough edit explains it, and the scheme if that does. It
+        returns that number and the number of scenes that have the stage; None if the explanation
+        holds in all.
         """
         if self.data is None:
-            return lambda stage, rough: None
-        data = replace(self.data, ways=ways)
+            return lambda stage, rough, scheme: None
+        data = replace(self.data, ways=known.ways, rough=known.rough)
         columns, every = followed(chain, data, located)
         of = {(f.stage.name, f.stage.kind): f for f in every}
 
-        def refuted(stage: Stage, rough: bool) -> tuple[int, int] | None:
+        def refuted(stage: Stage, rough: bool, scheme: Scheme | None) -> tuple[int, int] | None:
             f = of[stage.name, stage.kind]
-            if rough:
-                f, _ = compared(f.stage, data, columns, f.some, rough=True)
-            r = f.off / f.floor
+            r, checked = f.off / f.floor, int(f.checked.sum())
             beyond = int((np.abs(r) > ADEQUATE).any(axis=0).sum())
-            # Of so few scenes, 5 % of the numbers may be less than one scene.
-            holds = is_adequate(r, rough) or (rough and beyond == 1)
-            return None if not f.checked.any() or holds else (beyond, int(f.checked.sum()))
+            if scheme is not None and scheme.way is None:  # which the chain cannot follow
+                again = explain_scheme(chain, f.stage, data, columns, f, dt)
+                holds = not f.wrong.any() or (again is not None and again.adequate)
+            else:
+                loose = rough or scheme is not None
+                # Of so few scenes, 5 % of the numbers may be less than one scene.
+                holds = is_adequate(r, loose) or (loose and beyond == 1)
+            return None if not checked or holds else (beyond, checked)
 
         return refuted
 
