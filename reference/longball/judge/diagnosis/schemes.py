@@ -211,7 +211,7 @@ class Steps:
         h = h + np.zeros(len(some))
         options = [(one, float(step), False) for one, step in zip(some, h, strict=True)]
         made = self.errors(options, which)[0] / self.followed.scale[:, None, which]
-        return np.nan_to_num(made, nan=0.0, posinf=0.0, neginf=0.0)
+        return np.clip(np.nan_to_num(made, posinf=0.0, neginf=0.0), -LOST, LOST)
 
     @cached_property
     def off(self) -> Array:
@@ -299,22 +299,9 @@ class Steps:
         sizes = (float(np.nanmax(np.abs(x[:3]), initial=1e-30)) for x in (off, made))
         fit = TRIALS[1] * math.sqrt(next(sizes) / next(sizes))
         chords = near(fit, CHORD)
-        if chords:
-            made, _ = self.errors([(EXACT, h, True) for h in chords], self.few)
-            made = np.nan_to_num(made / self.followed.scale[:, None, self.few])
-            _, left = _shares(self.off, made)
-            best = chords[int(np.argmin(left))]
-            if left.min() < ROUGHLY:
-                options.append((EXACT, best, True))
-                options += [(one, best, True) for one in INTEGRATORS if one.order and one.order > 1]
+        ways = (EXACT, *(one for one in INTEGRATORS if one.order and one.order > 1))
+        options += [(one, h, True) for h in chords for one in ways]
         named = self._adequate(options, dt)
-        if named is None:  # chords and a method of order 2 err alike
-            both: list[Option] = [
-                (one, h, True)
-                for _, other, one in found if one.order and one.order > 1
-                for h in near(other, CHORD) if max(h / fit, fit / h) < CHORD**2
-            ]  # fmt: skip
-            named = self._adequate(both, dt)
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt)
         if named is None and slipped:
