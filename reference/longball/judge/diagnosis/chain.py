@@ -307,15 +307,19 @@ rotation = named(
 _drag, _lift = named("k·C_D·U", k * C_D * U), named("k·C_L·U", k * C_L * U_lift)
 
 
-def _law(drag: Node, paper_lift: Node, turned: Node) -> Node:
-    """The law of motion, with the drag, the paper's lift, and ω × u in one of their forms."""
-    spinning = switch(
-        "reading.spin_parameter",
-        {
-            "transverse": k * C_L * (U_lift * U_lift) * unit(turned),
-            "total": k * where(norm(spin), _per_spin, constant(0.0, M)) * turned,
-        },
-    )
+def _per_turn(turned: Node) -> Node:
+    """The lift of a spinning ball as a multiple of ω × u, of which no unit vector is taken."""
+    return k * where(norm(c), _per_spin, constant(0.0, M)) * turned
+
+
+_spinning = switch(
+    "reading.spin_parameter",
+    {"transverse": k * C_L * (U_lift * U_lift) * unit(c), "total": _per_turn(c)},
+)
+
+
+def _law(drag: Node, paper_lift: Node, spinning: Node) -> Node:
+    """The law of motion, with the drag, the paper's lift, and that of a spin in their forms."""
     lift = switch("spin", {"none": paper_lift, "given": spinning})
     turns = switch(
         "earth",
@@ -340,7 +344,9 @@ def _by_components() -> Node:
     ahead, aside, _ = _parts(_headed(_heading_by_parts))
     lift = -(_lift * ahead * z), -(_lift * aside * z), _lift * (ahead * x + aside * y)
     turned = q * z - s * y, s * x - p * z, p * y - q * x
-    return _law(vector(*(-(_drag * each) for each in _parts(u))), vector(*lift), vector(*turned))
+    return _law(
+        vector(*(-(_drag * each) for each in _parts(u))), vector(*lift), _per_turn(vector(*turned))
+    )
 
 
 def _in_launch_frame() -> Node:
@@ -355,14 +361,14 @@ def _in_launch_frame() -> Node:
 
     ahead, _, up = frame(u_lift)
     lift = spread(-(_lift * up), constant(0.0, ACCELERATION), _lift * ahead)
-    return _law(spread(*(-(_drag * each) for each in frame(u))), lift, c)
+    return _law(spread(*(-(_drag * each) for each in frame(u))), lift, _per_turn(c))
 
 
-LAW = _law(-(k * C_D * U * u), k * C_L * U_lift * cross(about, u_lift), c)
+LAW = _law(-(k * C_D * U * u), k * C_L * U_lift * cross(about, u_lift), _spinning)
 # The same law in other forms has other neighbours: "axis -y" is an edit of the first, and one
 # component in place of another of the others.
 OTHER_FORMS = (
-    _law(-(k * C_D * U * u), k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)), c),
+    _law(-(k * C_D * U * u), k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)), _spinning),
     _by_components(),
     _in_launch_frame(),
 )

@@ -475,7 +475,7 @@ def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, A
         y = np.where(flies, new, y)
         if limits.exact:
             after = balls.piece(y, (step + 1) * h)
-            again |= flies & ((after != before).any(axis=0) | (_error(y, slopes, h) > STEEP))
+            again |= flies & ((after != before).any(axis=0) | ~(_error(y, slopes, h) < STEEP))
             before = after
     if again.any():
         which = np.flatnonzero(again)
@@ -534,7 +534,7 @@ def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Ar
         h = step * duration
         new, slopes = _step(balls, y, t * duration, h)
         there = balls.piece(new, (t + step) * duration)
-        error = _error(new, slopes, h)
+        error = np.nan_to_num(_error(new, slopes, h), nan=HUGE)
         crossed = (there != here).any(axis=0) & (step > LEAST)
         coarse = (error > CAREFUL) & (step > LEAST) & ~crossed
         if crossed.any():

@@ -137,7 +137,7 @@ class Effort(NamedTuple):
     held: int  # verified in all scenes
 
 
-ALONE, BESIDE_ANOTHER = Effort((10_000, 70_000), 100, 16), Effort((5000, 0), 50, 16)
+ALONE, BESIDE_ANOTHER = Effort((10_000, 70_000), 200, 16), Effort((5000, 0), 50, 16)
 # Edits that are tried with a second one; few of flights, since each trial integrates them.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
@@ -269,10 +269,12 @@ class Explanation:
             r = (off + self.own_error) / self.roughly
             huge = np.asarray((known & ~(np.abs(off) < HUGE)).any(axis=1))
             for c, left, lost in zip(numbers, r, huge, strict=True):
-                if lost.any() and self._is_explained(left, ~lost):
-                    # Long steps may diverge where a flight does not: shorter ones decide.
-                    again = self._off(stage, self.few[lost], c[None], MIDDLE)[0]
-                    left[:, lost] = again / self.roughly[:, lost]
+                # Long steps may diverge where a flight does not: shorter ones decide.
+                for limits in (MIDDLE, FINE):
+                    if lost.any() and self._is_explained(left, ~lost):
+                        again = self._off(stage, self.few[lost], c[None], limits)[0]
+                        left[:, lost] = again / self.roughly[:, lost]
+                        lost[lost] = ~(np.abs(again) < HUGE).all(axis=0)
             return np.where(known & ~np.isfinite(r), LOST, r)
 
         return flown
