@@ -22,7 +22,7 @@ from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis.diagnose import diagnose, reason
 from longball.judge.diagnosis.expression import ordered
 from longball.judge.diagnosis.operators import edits
-from longball.judge.diagnosis.residual import follow, specialised_to, values
+from longball.judge.diagnosis.residual import FINE, Stepping, follow, specialised_to, values
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.search import PAIRS, Explanation, Named, defaults
 from longball.judge.quantities import values_of
@@ -213,21 +213,25 @@ def test_an_edit_of_one_use_is_made_in_every_flight():
     assert any(node.op == "switch" for node in ordered([pitch.roots["law"]]))
 
 
-def planted(families: Sequence[str], every: int, words: str) -> list[str]:
-    """Names found where the flights of some families are those of the law with an edit."""
+def planted(
+    families: Sequence[str], every: int, *words: str, at: str = "flight", steps: Stepping = FINE
+) -> list[str]:
+    """Names found where a stage of some families has edits, flown in some steps."""
     cases = known(*families)[::every]
     data = truth(cases)
     chain = specialised_to(data)
-    (flight,) = [stage for stage in chain if stage.kind == "flight"]
+    (stage,) = [stage for stage in chain if stage.name == at and stage.kind != "event"]
     columns, _ = follow(chain, data)
-    own = {**columns, "spin": columns[flight.spins]}
-    edit = next(e for e in edits(chain, flight, defaults(), own) if e.words == words)
-    edit = edit.settled(1.0005, 0.0) if edit.starts else edit
-    made = values(*edit.apply([flight]), columns)
+    own, wrong = {**columns, "spin": columns[stage.spins]}, stage
+    for text in words:
+        every_edit = edits(chain, stage, defaults(), own)
+        edit = next(e for e in every_edit if e.words == text)
+        (wrong,) = (edit.settled(1.0005, 0.0) if edit.starts else edit).apply([wrong])
+    made = values(wrong, columns, steps)
     given = {q: np.where(np.isfinite(told), made.get(q, told), np.nan)
              for q, told in data.given.items()}  # fmt: skip
-    steps = reason(replace(data, given=given), chain).steps
-    return [e.words for step in steps if isinstance(step.found, Named) for e in step.found.edits]
+    found = reason(replace(data, given=given), chain).steps
+    return [e.words for step in found if isinstance(step.found, Named) for e in step.found.edits]
 
 
 @pytest.mark.nightly
@@ -256,6 +260,24 @@ def test_a_law_is_mended_where_other_scenes_have_a_decaying_spin():
 @pytest.mark.sampled(every=8)
 def test_what_is_planted_is_named(family: str, words: str):
     assert planted([family], 3, words) == [words]
+
+
+def test_one_option_with_a_mistake_in_it_is_named():
+    words = "takes reading.bat_ball_restitution = as_printed in every scene, and takes -m/M_eff in "
+    words += "e·(1 + m/M_eff) + m/M_eff"
+    assert planted(["impact"], 1, words, at="restitution") == [words]
+
+
+def test_two_mistakes_are_named_of_which_one_shows_in_a_few_scenes():
+    """The profile of the wind is in three scenes of forty."""
+    sign, profile = planted(["flight-wind"], 1, "takes -W", "leaves out wind.velocity")
+    assert sign in ("takes -W", "takes -W_0")
+    assert profile in ("leaves out wind.velocity", "leaves out r_z")
+
+
+def test_a_law_with_a_jump_is_named_although_steps_cross_it_unawares():
+    words = "applies lift only on the way up"
+    assert planted(["flight-both"], 3, words, steps=Stepping(0.03, 400)) == [words]
 
 
 @NIGHTLY

@@ -136,6 +136,7 @@ def runge_kutta(nodes=(0.5, 0.5, 1.0), weights=(1, 2, 2, 1), divisor=6):
         ({"nodes": (0.5, 0.5, 0.0)}, "no k3 in the state of k4", 1),
         ({"weights": (1, 1, 2, 1)}, "1/6 k2 for 1/3 k2 in the last sum", 0),
         ({"divisor": 7}, "6/7 times its last sum", 0),
+        ({"divisor": 1}, "6 times its last sum", 0),
     ],
 )
 @pytest.mark.parametrize("h", [0.02, 0.005])
@@ -196,6 +197,20 @@ def test_a_late_clock_is_told_and_no_scheme():
     found = explain_scheme(*wrong(true(late)))
     assert found.words == "gives position and velocity of 0.02 s before hang_time"
     assert found.order is None
+
+
+def test_a_velocity_of_another_time_is_told_without_a_rule():
+    """As of steps that are of no one length."""
+    draw = np.random.default_rng(1)
+
+    def stale(case, landing):
+        time = landing["landing.hang_time"][0] - 0.3 * draw.uniform()
+        path = longball.solve(case.scene, engine="ivp").path
+        landing["landing.velocity"] = np.array(path.at(time).velocity)
+
+    found = explain_scheme(*wrong(true(stale)))
+    assert found.adequate
+    assert found.words.startswith("gives landing.velocity of up to 0.2")
 
 
 def test_the_velocity_of_the_step_before_is_told():

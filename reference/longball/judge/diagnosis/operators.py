@@ -854,7 +854,7 @@ def _of_formula(
                 if node not in known:
                     yield Edit(place, by, cost, said, starts, within=within)
                 for use in using if len(using) > 1 else ():
-                    if use in known:
+                    if use in known and all(q in known for q in parents[id(use)]):
                         continue
                     place, within = (use, None) if form is root else (root, (form, use))
                     text = f"{said} in {words(use)}"
