@@ -213,6 +213,7 @@ def test_an_edit_of_one_use_is_made_in_every_flight():
     assert any(node.op == "switch" for node in ordered([pitch.roots["law"]]))
 
 
+@np.errstate(all="ignore")  # as `diagnose`
 def planted(
     families: Sequence[str], every: int, *words: str, at: str = "flight", steps: Stepping = FINE
 ) -> list[str]:
