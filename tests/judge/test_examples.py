@@ -14,10 +14,8 @@ from pathlib import Path
 import pytest
 
 from longball.engines.ivp import Ivp
-from longball.golden import load
 from longball.judge.candidate import Limits
 from longball.judge.cases import Known, profile, solved
-from longball.judge.diagnosis.scenes import TURNED
 from longball.judge.evaluation import Evaluation, Judge
 from longball.judge.quantities import OPTIONAL
 from longball.judge.text import render
@@ -214,22 +212,6 @@ def test_another_contact_force_is_no_longer_the_printed_scheme(
     assert verdict.diagnosis is not None
     (named,) = verdict.diagnosis.named
     assert name in named
-
-
-@NIGHTLY  # nothing has this mistake's name, so that every edit is tried: half a minute
-def test_a_heading_taken_anew_is_told_where_the_ball_turns(tmp_path: Path):
-    source, right = tmp_path / "candidate.py", "(c, s), (vx, vy, vz) = heading, velocity\n"
-    text = (FOLDER.parents[1] / "docs/candidate.py").read_text(encoding="utf-8")
-    assert right in text
-    wrong = "    now = math.hypot(vx, vy)\n    c, s = (vx / now, vy / now) if now else (c, s)\n"
-    source.write_text(text.replace(right, right + wrong), encoding="utf-8")
-    verdict = evaluate(
-        Judge(load("flight-both"), profile("converged", 1e-6)), command(source, tmp_path)
-    ).verdict
-    assert verdict.diagnosis is not None
-    told = next(f for f in verdict.diagnosis.findings if f.stage == "flight")
-    assert told.scenes == TURNED
-    assert told.kind == "located"
 
 
 @pytest.mark.nightly

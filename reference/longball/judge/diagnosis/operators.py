@@ -586,9 +586,14 @@ def _components(site: Site) -> Iterator[Option]:
 
 
 def _states(site: Site) -> Iterator[Option]:
-    """A part that moves, frozen at the launch or acting only under a condition."""
+    """A part that moves, frozen at the launch or acting only under a condition; or the reverse."""
     a, said = site.node, words(site.node)
-    if not site.flies or not depends(a, frozenset(("r", "v"))):
+    if not site.flies:
+        return
+    now = substitute(substitute(a, v0, v), r0, r)
+    if now is not a and a.op in ("symbol", "named"):
+        yield now, BITS["launch"], f"takes {said} of each moment, not of the launch", ()
+    if not depends(a, frozenset(("r", "v"))):
         return
     at_launch = substitute(substitute(a, v, v0), r, r0)
     if at_launch is not a and a.op != "sum":

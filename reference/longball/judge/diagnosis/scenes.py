@@ -7,16 +7,12 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import accumulate, islice
-from operator import attrgetter, eq, gt, lt, ne
+from itertools import accumulate
+from operator import eq, gt, lt, ne
 from typing import Any
 
-from longball.engines.chain import MODEL, Run, fly
-from longball.engines.ivp import Ivp
-from longball.judge.cases import MOST_PIECES, Case
+from longball.judge.cases import Case
 from longball.judge.diagnosis.residual import SWITCHES, options
-from longball.model.frame import launch_frame
-from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import Reading
 from longball.model.scene import KINDS, AtBatScene, Scene, written_out
@@ -62,59 +58,7 @@ def features(case: Case) -> Features:
     if landing is not None:
         speeds = found.get("launch speed", 0.0), found["landing speed"]
         found["larger speed of launch and landing"] = max(speeds)
-        if (extremes := _extremes(case)) is not None:
-            found["highest point in m"], forward = extremes
-            if forward < -NOTHING:
-                found[TURNED] = True
     return found
-
-
-# The horizontal velocity comes to be against the heading of the launch; only lift is seen to do so.
-TURNED = "a ball that turns past the vertical"
-
-# The highest point and the least forward velocity of a case's ball, by the case's identity.
-_EXTREMES: dict[int, tuple[Case, tuple[float, float] | None]] = {}
-
-
-def _extremes(case: Case) -> tuple[float, float] | None:
-    """Return a landing ball's largest height, m, and least velocity along its launch, m/s."""
-    if id(case) not in _EXTREMES:
-        _EXTREMES[id(case)] = case, _extremes_of_path(case)
-    return _EXTREMES[id(case)][1]
-
-
-def _extremes_of_path(case: Case) -> tuple[float, float] | None:
-    scene: Any = case.scene
-    truth: Any = case.expected
-    spin = None
-    if scene.kind == "flight":
-        position, velocity, spin = scene.launch.position, scene.launch.velocity, scene.launch.spin
-    elif scene.kind == "at-bat" and truth.contact is not None and truth.impact is not None:
-        position = tuple(map(float, truth.contact.position))
-        velocity = tuple(map(float, truth.impact.velocity))
-        spin = truth.impact.spin and tuple(map(float, truth.impact.spin))
-    else:
-        return None
-    frame, start = launch_frame(position, velocity, DOUBLES, spin)
-    engine, tops, forward = Ivp(), [start.z], [start.u]
-    lifted = spin is None and scene.air is not None and scene.air.lift_coefficient != 0.0
-    if velocity[2] <= 0.0 and not lifted:
-        return start.z, start.u
-    looked_at = [(tops, attrgetter("z")), *([(forward, attrgetter("u"))] if lifted else [])]
-    run = Run(scene, engine, MODEL)
-    law = run.law(frame)
-    try:
-        if scene.reading.lift_direction == "always_up":
-            path = fly(run, law, start, lambda s: [run.ground(s)], run.time_limit, True).path
-        else:  # that takes a third of the time
-            path = engine.path(law, law.state_of(start), float(truth.landing.hang_time))
-        for piece in islice(path.pieces(), MOST_PIECES):
-            for values, value in looked_at:
-                curve = piece.curve(value)
-                values += map(curve, (0.0, *curve.turns(0.0, piece.length), piece.length))
-    except ArithmeticError:  # doubles do not decide it, or it takes too long
-        return None
-    return float(max(tops)), float(min(forward))
 
 
 # Flags of what a program meets on the way, and no field of the scene or the result tells.
@@ -193,7 +137,7 @@ def _sorts(name: str) -> bool:
 
 def _is_simple(name: str) -> bool:
     """True if it is no form of a block or a law, of which several may go together."""
-    one_of = ("kind", "outcome", "air", "impact.mode", TURNED)
+    one_of = ("kind", "outcome", "air", "impact.mode")
     return name in one_of or name.startswith(("reading.", "flag "))
 
 
@@ -228,8 +172,8 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
     """Yield what may tell the scenes."""
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values, others = _values(wrong, name), _values(right, name)
-        if name == TURNED or name.startswith("flag "):
-            yield Condition(name, name if name == TURNED else f"the {name}", bool)
+        if name.startswith("flag "):
+            yield Condition(name, f"the {name}", bool)
             continue
         if not values:
             continue
