@@ -74,12 +74,15 @@ class Flight:
     def highest(self, numbers: Numbers) -> tuple[N, State] | None:
         """Return time, s since launch, and state at the highest point; None if it still rises."""
         found: tuple[N, State] | None = None
-        start = numbers.exact(0.0)
-        for number, piece in enumerate(self.path.pieces()):
+        start, rises = numbers.exact(0.0), True
+        for piece in self.path.pieces():
             left = self.time - piece.begin
             climb, sink = piece.curve(lambda state: state.w), piece.curve(lambda state: -state.w)
-            if number == 0 and not climb(start) > 0:
-                found = start, piece.at(start)
+            # The launch of a ball that falls, or the top between two pieces.
+            if rises and not climb(start) > 0:
+                state = piece.at(start)
+                if found is None or state.z > found[1].z:
+                    found = piece.begin, state
             over = not piece.length < left
             end = left if over else piece.length
             # Most pieces only climb or only sink, which is cheaper to see than where they turn.
@@ -94,6 +97,7 @@ class Flight:
                         found = piece.begin + t, state
             if over:
                 break
+            rises = climb(end) > 0
         return found
 
     def then(self, second: Flight) -> Flight:

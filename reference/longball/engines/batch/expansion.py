@@ -48,6 +48,9 @@ LENGTH, TIME, TIME_COMPENSATION, CLEARANCE, FARTHEST, RANGES = range(6)
 MOST_CHAINS = 10 if binding.get_host_cpu_features().get("avx512f") else 5
 
 NO_LIMIT = 1e300  # s, of a step
+# How much longer than of a speed's small last terms a step may be where only derivatives of forces
+# that are nearly 0 depend on the speed: in scenes with usual forces that never binds.
+LOOSER = 3.0
 
 
 @dataclass(frozen=True)
@@ -340,7 +343,7 @@ class _Step(_Expansion):
         self.expand()
         self.variables = [name for name, _ in self.outputs]
         self.positions = [name for name, rate in self.outputs if rate.kind == "variable"]
-        # A path along which spin decays is neither: its rate is a speed, whose terms are no larger.
+        # A path along which spin decays is neither position nor velocity: its rate is a speed.
         velocities = [rate for _, rate in self.outputs if rate.kind == "variable"]
         length = self.choose_length(velocities)
         ranges = self.take(length)
@@ -369,7 +372,8 @@ class _Step(_Expansion):
 
         A second bound keeps the roots of sums of squares analytic. Such a sum q_0 + q_1 t + q_2 t²
         has its complex zeros near √(q_0/q_2) from a minimum, and a step stays within half of that.
-        It is not needed where the series ends.
+        A third one is that of the velocity for these roots, which are speeds: a path depends on
+        them, and a derivative, also where the air hardly pushes the ball.
 
         The length is NaN where no ordinary step is possible. On a vertical flight only one of the
         squares does not vanish, and the root has a corner where that falls to zero. Near rest the
@@ -396,13 +400,15 @@ class _Step(_Expansion):
         for _ in range(3):
             total = self.multiply(total, order)
         ordinary = self.builder.fcmp_ordered("<", total, self.number(math.inf))
-        ends = self.builder.fcmp_ordered(">=", length, self.number(NO_LIMIT))
-        # the roots: within half the distance of their singularities, unless the series ends
+        # the roots: within half the distance of their singularities, and of small last terms
+        looser = self.number(1.0 if len(self.variables) > 2 * len(velocities) else LOOSER)
         for node in self.recurrence.roots:
             apart, limit = self.distance_to_zero(node)
-            ordinary = self.builder.and_(ordinary, self.builder.or_(apart, ends))
-            shorter = self.choose(limit, "<", length, limit, length)
-            length = self.builder.select(ends, length, shorter)
+            ordinary = self.builder.and_(ordinary, apart)
+            last = self.call("fabs", self.at(node, before))
+            term = self.multiply(looser, self.root(self.divide(allowed, last), before))
+            for bound in (limit, term):
+                length = self.choose(bound, "<", length, bound, length)
         # the law: not where it ends
         for guard in self.program.outputs[len(self.variables) :]:
             above = self.builder.fcmp_ordered(">", self.zeroth[guard], self.number(0.0))
