@@ -76,6 +76,23 @@ def test_a_ball_straight_up_rests_there(name: str) -> None:
     assert float(found.apex.position[2]) == pytest.approx(height, rel=1e-13)
 
 
+@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure"])
+def test_a_ball_that_its_lift_turns_upright_has_one(name: str) -> None:
+    """Always up, lift ends where a ball comes to rise straight up: its last way is Galileo's."""
+    air = {"density": 1.2, "drag_coefficient": 0.4, "lift_coefficient": 0.2}
+    up = scene(
+        launch=launch([0, 0, 1], [7.5, -2, 58]), air=air, reading={"lift_direction": "always_up"}
+    )
+    found = solve(up, engines.create(name))
+    x, y, z = found.apex.position
+    assert [float(x), float(y)] == pytest.approx([*map(float, found.landing.position[:2])])
+    # From its top the ball falls as one that is dropped.
+    k = 1.2 * 0.4 * math.pi * 0.0366**2 / (2 * 0.145)
+    falling = float(found.landing.time) - float(found.apex.time)
+    dropped = math.log(math.cosh(falling * math.sqrt(k * 9.8))) / k
+    assert float(z) == pytest.approx(dropped, rel=1e-12)
+
+
 def test_a_ball_that_meets_a_wall_on_its_way_up_has_none() -> None:
     near = [[10, 8, 30], [10, -8, 30]]
     wall = scene(launch=launch([0, 0, 1], [30, 0, 25]), fence={"polyline": near})

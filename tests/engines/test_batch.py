@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from longball.engines import create
 from longball.engines.batch import (
@@ -554,6 +555,31 @@ def test_a_flight_through_rest_is_left_to_the_scalar_engine(velocity: Any) -> No
     assert table["engine"].tolist() == ["ivp Taylor"] * 2
     assert expected.landing is not None
     assert table["landing.time"][0] == expected.landing.time
+
+
+@pytest.mark.parametrize("velocity", [(40.0, 3.0, 20.0), (0.0, 0.0, 30.0)])
+@pytest.mark.parametrize("wind", [0.0, 3.0])
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_a_path_is_long_where_the_air_does_not_push(
+    engine: Engine, wind: float, velocity: tuple[float, float, float]
+) -> None:
+    """The velocity's series ends, and the speed's does not: s = ∫ |v - W| dt along a parabola."""
+    air = {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "spin_decay_length": 100.0}
+    air |= {"wind": {"velocity": (wind, 0.0, 0.0), "height": 10.0, "roughness": 0.03}}
+    launch = {"position": (0.0, 0.0, 1.0), "velocity": velocity, "spin": (0.0, 100.0, 0.0)}
+    scene = FlightScene.model_validate({"air": air, "launch": launch, "gravity": 9.8})
+    x, y, z = velocity
+
+    def speed(t: float) -> float:
+        height = 1.0 + z * t - 4.9 * t * t
+        blown = wind * math.log(height / 0.03 + 1.0) / math.log(10.0 / 0.03 + 1.0)
+        return math.hypot(x - blown, y, z - 9.8 * t)
+
+    top, end = z / 9.8, (z + math.sqrt(z * z + 19.6)) / 9.8
+    parts = [quad(speed, *ends, epsabs=1e-12, epsrel=1e-12)[0] for ends in ((0, top), (top, end))]
+    found = solve(scene, engine).landing
+    assert found is not None
+    assert found.path == pytest.approx(sum(parts), rel=1e-11)
 
 
 @pytest.mark.parametrize(

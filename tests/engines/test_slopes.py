@@ -35,6 +35,8 @@ DECAYING = SPINNING | {"air": {"lift_coefficient": {"law": "rational"}, "spin_de
 ASIDE = SPINNING | {"air": {"side_coefficient": {"value": 0.08, "direction": [0.2, 1, 0.3]}}}
 PROFILE = {"velocity": [3, 1, 0], "height": 10, "roughness": 0.03}
 CRISIS_IN_PROFILE = SPINNING | {"air": {"drag_coefficient": {"law": "crisis"}, "wind": PROFILE}}
+# Of no force, and with derivatives by the coefficients.
+FEEBLE = FLIGHT | {"air": {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "wind": PROFILE}}
 FENCE = [[30, 80, 4], [70, 20, 4], [60, -60, 3], [0, -90, 3]]
 FENCED = FLIGHT | {"fence": {"polyline": FENCE}}
 UPWARD = FLIGHT | {"reading": {"lift_direction": "always_up"}}
@@ -128,6 +130,7 @@ def off(scene, columns, names, engine, every=1):
         (FLIGHT, velocities(8), TRACKED),
         (SPINNING, velocities(8), [*COMPONENTS, *AIR, *OF_SPIN, "air.wind[0]"]),
         (CRISIS_IN_PROFILE, velocities(6), [*COMPONENTS, *AIR_ONLY, "air.wind.roughness"]),
+        (FEEBLE, velocities(6), ["air.drag_coefficient", "air.lift_coefficient"]),
         (DECAYING, velocities(6), [*TRACKED, *OF_SPIN, "air.spin_decay_length", "gravity"]),
         (
             DECAYING | {"reading": {"spin_decay": "nathan"}},

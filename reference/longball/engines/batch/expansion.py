@@ -48,9 +48,9 @@ LENGTH, TIME, TIME_COMPENSATION, CLEARANCE, FARTHEST, RANGES = range(6)
 MOST_CHAINS = 10 if binding.get_host_cpu_features().get("avx512f") else 5
 
 NO_LIMIT = 1e300  # s, of a step
-# How much longer than of a speed's small last terms a step may be where only derivatives of forces
-# that are nearly 0 depend on the speed: in scenes with usual forces that never binds.
-LOOSER = 3.0
+# A step that is so many times longer than one with small last terms of the speed is cut to that.
+# In scenes with usual forces none is; a derivative by a force of 0 needs it.
+LONGER = 3.0
 
 
 @dataclass(frozen=True)
@@ -401,14 +401,14 @@ class _Step(_Expansion):
             total = self.multiply(total, order)
         ordinary = self.builder.fcmp_ordered("<", total, self.number(math.inf))
         # the roots: within half the distance of their singularities, and of small last terms
-        looser = self.number(1.0 if len(self.variables) > 2 * len(velocities) else LOOSER)
+        longer = self.number(1.0 if len(self.variables) > 2 * len(velocities) else LONGER)
         for node in self.recurrence.roots:
             apart, limit = self.distance_to_zero(node)
             ordinary = self.builder.and_(ordinary, apart)
             last = self.call("fabs", self.at(node, before))
-            term = self.multiply(looser, self.root(self.divide(allowed, last), before))
-            for bound in (limit, term):
-                length = self.choose(bound, "<", length, bound, length)
+            term = self.root(self.divide(allowed, last), before)
+            length = self.choose(self.multiply(longer, term), "<", length, term, length)
+            length = self.choose(limit, "<", length, limit, length)
         # the law: not where it ends
         for guard in self.program.outputs[len(self.variables) :]:
             above = self.builder.fcmp_ordered(">", self.zeroth[guard], self.number(0.0))
