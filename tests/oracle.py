@@ -557,7 +557,8 @@ def falls(flight, value, rate, doubt, question, times=None):
     before, height, slope = times[0], seen(flight, value, times[0]), rate(times[0])
     for now in times[1:]:
         height_now, slope_now = seen(flight, value, now), rate(now)
-        rises = abs(height) < FINE and slope > 0  # from zero, perhaps for less than a sample
+        # From zero, perhaps for less than a sample; two samples may be at zero.
+        rises = abs(height) < FINE and slope > 0 and not slope_now > 0
         if (height > 0 or rises) and height_now <= 0:
             yield flight.root(value, flight.root(rate, before, now) if rises else before, now)
         elif height > 0 and slope < 0 < slope_now:
