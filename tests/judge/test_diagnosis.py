@@ -5,6 +5,7 @@ The program (`tests/planted/at_bat_lab.py`) is right to 1e-12; a mistake is an e
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Callable, Sequence
@@ -21,7 +22,7 @@ from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis.diagnose import diagnose, reason
 from longball.judge.diagnosis.expression import ordered
-from longball.judge.diagnosis.operators import edits
+from longball.judge.diagnosis.operators import edits, edits_of_one_option
 from longball.judge.diagnosis.residual import FINE, Stepping, follow, specialised_to, values
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.search import PAIRS, Explanation, Named, defaults
@@ -225,7 +226,9 @@ def planted(
     columns, _ = follow(chain, data)
     own, wrong = {**columns, "spin": columns[stage.spins]}, stage
     for text in words:
-        every_edit = edits(chain, stage, defaults(), own)
+        every_edit = itertools.chain(
+            edits(chain, stage, defaults(), own), edits_of_one_option(stage, defaults(), own)
+        )
         edit = next(e for e in every_edit if e.words == text)
         (wrong,) = (edit.settled(1.0005, 0.0) if edit.starts else edit).apply([wrong])
     made = values(wrong, columns, steps)

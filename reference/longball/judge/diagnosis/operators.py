@@ -636,14 +636,15 @@ def _options(site: Site) -> Iterator[Option]:
                 yield rebuilt(a, args), BITS["option"] + 2, text, ()
 
 
-OPERATORS: tuple[Callable[[Site], Iterator[Option]], ...] = (
+Operator = Callable[[Site], Iterator[Option]]
+OPERATORS: tuple[Operator, ...] = (
     _others, _numbers, _factors, _terms, _scales, _products, _shapes, _siblings, _directions,
     _components, _states, _options,
 )  # fmt: skip
 
 
 # Operators that take no other node from the pool.
-OF_ITSELF: tuple[Callable[[Site], Iterator[Option]], ...] = (_numbers, _factors, _shapes)
+OF_ITSELF: tuple[Operator, ...] = (_numbers, _factors, _shapes)
 
 DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 
@@ -721,26 +722,45 @@ def edits(
             others = ordered([form], (), arguments)
             yield from _of_formula(root, form, others, frozenset(nodes), site)
             yield from _of_regions(root, form, others, frozenset(nodes), site)
-        # Who knows one option alone may be wrong in it.
-        for form, text in _with_one_option(root, nodes, flies):
-            others = ordered([form], (), arguments)
-            yield Edit(root, form, BITS["option"], text)
-            for edit in _of_formula(root, form, others, frozenset(), site):
+        plain = specialised(root, DEFAULT_READING, {})
+        if plain is not root:
+            yield Edit(root, plain, BITS["option"], WITHOUT_READINGS)
+
+
+WITHOUT_READINGS = "ignores the scene's readings"
+
+
+def edits_of_one_option(
+    stage: Stage, defaults: Mapping[str, float | tuple[float, ...]], columns: Columns
+) -> Iterator[Edit]:
+    """Edits of a program that knows one option of a reading alone, and is wrong in it.
+
+    Both are told by one edit, since neither explains much without the other. No other node takes
+    the place of one.
+    """
+    arguments = Values(columns).arguments
+    for name, root in stage.roots.items():
+        if name == "through":
+            continue
+        site = Site(root, (), (), defaults, name in FLYING)
+        # A formula with one option everywhere, what that is, and the part that is wrong.
+        plain = specialised(root, DEFAULT_READING, {})
+        forms = [(plain, WITHOUT_READINGS, plain)] if stage.kind == "flight" else []
+        for node in ordered([root], (), arguments) if stage.kind == "formula" else ():
+            if node.op == "switch" and node.data[0].startswith("reading."):
+                key, options = node.data
+                for option, arm in zip(options, node.args, strict=True):
+                    known: dict[int, Node] = {}
+                    form = specialised(root, {key: np.array([option])}, known)
+                    forms.append((form, f"takes {key} = {option} in every scene", known[id(arm)]))
+        for form, text, part in forms:
+            if form is root:
+                continue
+            nodes = ordered([form], (), arguments)
+            others = frozenset(nodes).difference(ordered([part]))
+            for edit in _of_formula(root, form, nodes, others, site, OF_ITSELF):
                 said = f"{text}, and {edit.words}"
                 yield replace(edit, bits=edit.bits + BITS["option"], words=said)
-
-
-def _with_one_option(root: Node, nodes: Sequence[Node], flies: bool) -> Iterator[tuple[Node, str]]:
-    """A formula without one of its switches, or without those of readings; and words."""
-    plain = specialised(root, DEFAULT_READING, {})
-    if plain is not root:
-        yield plain, "ignores the scene's readings"
-    for node in nodes if not flies else ():
-        if node.op == "switch" and node.data[0].startswith("reading."):
-            key, options = node.data
-            for option in options:
-                text = f"takes {key} = {option} in every scene"
-                yield specialised(root, {key: np.array([option])}, {}), text
 
 
 def _of_regions(
@@ -831,8 +851,9 @@ UNNAMED = {"named": 0.0, "symbol": 0.5, "switch": 4.0}
 
 
 def _of_formula(
-    root: Node, form: Node, nodes: Sequence[Node], known: Container[Node], whole: Site
-) -> Iterator[Edit]:
+    root: Node, form: Node, nodes: Sequence[Node], known: Container[Node], whole: Site,
+    operators: Sequence[Operator] = OPERATORS,
+) -> Iterator[Edit]:  # fmt: skip
     """Edits at the nodes of a form of a formula, but for those that are known of another form."""
     leaves = [node for node in nodes if node.op == "symbol" and node not in known]
     for a, b in itertools.combinations(leaves, 2):
@@ -851,7 +872,7 @@ def _of_formula(
         using = parents[id(node)]
         above = [q for p in using for q in ([p] if p.op != "named" else parents[id(p)])]
         site = replace(whole, node=node, parents=tuple(above or using))
-        for operator in OPERATORS:
+        for operator in operators:
             for by, bits, said, starts in operator(site):
                 # People err in what has a name; another form is a choice of one in two.
                 cost = bits + places + UNNAMED.get(node.op, 1.5) + (form is not root)

@@ -9,6 +9,7 @@ and a *floor* the noise of a number: what no edit needs to explain.
 from __future__ import annotations
 
 import heapq
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -35,7 +36,7 @@ from longball.judge.diagnosis.expression import (
     ordered,
     symbol,
 )
-from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits
+from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits, edits_of_one_option
 from longball.judge.diagnosis.residual import (
     COARSE,
     EQUAL,
@@ -299,7 +300,10 @@ class Explanation:
         """The cheapest edit that explains the stage in all scenes; or two, if none does."""
         wrong = take(self.columns, self.followed.some[self.followed.beyond])
         options = {**wrong, "spin": wrong[self.stage.spins]}
-        every = edits(self.chain, self.stage, defaults(), options)
+        every = itertools.chain(
+            edits(self.chain, self.stage, defaults(), options),
+            edits_of_one_option(self.stage, defaults(), options),
+        )
         cheapest = heapq.nsmallest(sum(self.effort.foreseen), every, key=lambda edit: edit.bits)
         first, responses = cheapest[: self.effort.foreseen[0]], self.responses
         found = self._explained_by(first, len(first), responses, unseen, self.pairs)
