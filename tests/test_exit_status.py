@@ -248,7 +248,7 @@ solve --engine enclosure --digits 501 -> --digits = 501
 solve --dt -> --dt: a value is needed: verlet: the step, s
 solve --certify=yes -> --certify: it takes no value
 sovle -> no such command 'sovle', did you mean solve? The commands are solve,
-spin --example --model paper -> a constant says nothing of the spin
+spin --example --model paper -> a constant does not depend on the spin
 spin --example --model natan -> did you mean nathan
 spin --up 16in -> --up: it goes with --speed
 spin t.csv --speed 40 -> --speed is for a single pitch: leave out the table

@@ -59,7 +59,7 @@ def alike(scenes: Iterable[object]) -> list[Alike]:
 
     The others need not be scenes at all.
     """
-    found: dict[tuple[Any, ...], Alike] = {}
+    groups: dict[tuple[Any, ...], Alike] = {}
     for place, scene in enumerate(scenes):
         if type(scene) is not dict:
             continue
@@ -76,11 +76,11 @@ def alike(scenes: Iterable[object]) -> list[Alike]:
         rest.pop("id", None)
         names = tuple(numbers)
         key = names, tuple((at, repr(x)) for at, x in rest.items())
-        group = found.setdefault(key, Alike(names, rest))
+        group = groups.setdefault(key, Alike(names, rest))
         group.places.append(place)
         group.ids.append(name)
         group.rows.append([*numbers.values()])
-    return [*found.values()]
+    return [*groups.values()]
 
 
 class _OtherForm(Exception):

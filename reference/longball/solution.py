@@ -108,8 +108,8 @@ class Path:
         with self._numbers.arithmetic():
             # One by one: engines of many digits have no arrays.
             states = [self._state(t) for t in times.ravel().tolist()]
-        found = np.array(states).reshape(*times.shape, 6)
-        return State(times[()], found[..., :3], found[..., 3:])
+        numbers = np.array(states).reshape(*times.shape, 6)
+        return State(times[()], numbers[..., :3], numbers[..., 3:])
 
     @naming_extras()
     def sample(self, points: int = 200) -> pd.DataFrame:
@@ -239,12 +239,12 @@ class Solution:
     @cached_property
     def result(self) -> Result:
         """The whole result as a model; ``result.line()`` is its line of JSON."""
-        found = self._result
-        engine = found["engine"] if isinstance(found, dict) else found.engine
+        result = self._result
+        engine = result["engine"] if isinstance(result, dict) else result.engine
         by = {"engine": engine and signed(engine)}
-        if isinstance(found, dict):
-            return Result.model_validate(found | by)
-        return found.model_copy(update=by)
+        if isinstance(result, dict):
+            return Result.model_validate(result | by)
+        return result.model_copy(update=by)
 
     def __getattr__(self, name: str) -> Any:
         # Blocks and top-level keys; the declarations above are for type checkers.

@@ -190,9 +190,9 @@ def solve_many(
                 flyer,
                 derivatives=_derivatives_alone(asked, result, flyer, derivatives),
             )
-    found = [solutions[i] for i in range(len(written))]
-    _warn_of_repeated(solution.id for solution in found)
-    return found
+    in_order = [solutions[i] for i in range(len(written))]
+    _warn_of_repeated(solution.id for solution in in_order)
+    return in_order
 
 
 @contextmanager
@@ -258,8 +258,8 @@ def _solve_alike(written: Sequence[object], solver: Any, workers: int) -> dict[i
             middle = (begin + end) // 2
             parts += [(group, begin, middle), (group, middle, end)]
             continue
-        found = solve_columns_as_data(base, columns, solver, workers)
-        for i, data in enumerate(found, begin):
+        rows = solve_columns_as_data(base, columns, solver, workers)
+        for i, data in enumerate(rows, begin):
             if data is not None:
                 made = partial(_made, group, i)
                 solutions[group.places[i]] = Solution(made, data | {"id": group.ids[i]}, solver)
@@ -322,8 +322,8 @@ def _solve_table(
             points[:] = [None if path is None else np.array(path, float) for path in flown]
             frame["path"] = points
         if derivatives:
-            found = [_derivatives_alone(*one, solver, derivatives) for one in solved]
-            frame = _with_slopes(frame, *_slopes_alone(found, solver))
+            derived = [_derivatives_alone(*one, solver, derivatives) for one in solved]
+            frame = _with_slopes(frame, *_slopes_alone(derived, solver))
     if ids is not None and count:
         frame.insert(0, "id", ids)
     return frame
@@ -360,8 +360,8 @@ def _solve_as_columns(
         return frame
     columns = {
         (quantity, name): column
-        for quantity, found in slopes.columns.items()
-        for name, column in zip(names, found, strict=True)
+        for quantity, by_number in slopes.columns.items()
+        for name, column in zip(names, by_number, strict=True)
     }
     # Engine of the derivatives: compiled for most rows, `ivp` for those at a corner.
     by = np.full(len(frame), None, object)
@@ -391,14 +391,14 @@ Slopes = Mapping[tuple[str, str], Any]  # columns, by quantities of results and 
 
 
 def _slopes_alone(
-    found: Sequence[Derivatives | None], engine: Any
+    derived: Sequence[Derivatives | None], engine: Any
 ) -> tuple[Slopes, Any, dict[int, Mapping[str, str]]]:
     """Return derivatives of rows as columns, the engine of each, and what is refused by row."""
-    there = {i: one for i, one in enumerate(found) if one is not None}
+    there = {i: one for i, one in enumerate(derived) if one is not None}
     # Rows have different quantities, as a miss has no landing: columns are the union.
     pairs = dict.fromkeys((q, n) for one in there.values() for q, by in one.items() for n in by)
-    columns = {pair: np.full(len(found), math.nan) for pair in pairs}
-    by = np.full(len(found), None, object)
+    columns = {pair: np.full(len(derived), math.nan) for pair in pairs}
+    by = np.full(len(derived), None, object)
     for i, one in there.items():
         by[i] = signed(_alone(engine).description)
         for quantity, slopes in one.items():

@@ -303,7 +303,7 @@ def test_scenes_that_end_otherwise_are_left_out_and_told():
     assert distance_of(report).rungs[0].scenes == 1
     assert distance_of(report).rungs[-1].scenes == 3
     assert [row.lost for row in report.lost] == [2 if h > 0.01 else 0 for h in STEPS]
-    assert "2 of 3 scenes without an answer of the right outcome" in report.text()
+    assert "2 of 3 scenes refused, or with a wrong outcome" in report.text()
 
 
 def test_too_few_steps_and_strange_results_are_refused():

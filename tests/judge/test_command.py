@@ -217,7 +217,7 @@ def test_a_step_that_hangs_is_the_last_that_is_tried(called):
     assert said.returncode == 1
     assert said.stdout.count("no answer came for 5 s, and was stopped") == 1
     assert "dt = 0.1: the candidate: no answer came" in said.stdout
-    assert "convergence: nothing was answered that could converge" in said.stdout
+    assert "convergence: no answer has a quantity that could converge" in said.stdout
 
 
 # --- what is asked ------------------------------------------------------------------------------

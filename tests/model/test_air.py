@@ -261,10 +261,10 @@ def test_values_are_quoted_up_to_forty_characters() -> None:
 
 def test_a_pitch_is_thrown_along_its_way() -> None:
     thrown = scene("pitch", pitch={"speed": 30, "release": [12, 3, 2], "aim": [-1, 5]}).pitch
-    assert thrown.way == (-12.0, -4.0, 3.0)
+    assert thrown.along == (-12.0, -4.0, 3.0)
     assert thrown.thrown == pytest.approx((-12 * 30 / 13, -4 * 30 / 13, 3 * 30 / 13), rel=1e-15)
     given = scene("pitch", pitch={"velocity": [-30, 1, 2]}).pitch
-    assert given.thrown == given.way == (-30.0, 1.0, 2.0)
+    assert given.thrown == given.along == (-30.0, 1.0, 2.0)
     with pytest.raises(InvalidScene, match="leave out aim and speed"):
         scene("pitch", pitch={"velocity": [-30, 1, 2], "aim": [0, 1], "speed": 3})
     assert AtBatScene().pitch.velocity is None

@@ -95,7 +95,7 @@ def test_a_share_above_one_is_flagged():
     ("blocks", "said"),
     [
         ({"air": None}, "there is none"),
-        ({}, "a constant says nothing of the spin"),
+        ({}, "a constant does not depend on the spin"),
         ({"air": {"density": 0.0, "lift_coefficient": {"law": "linear"}}}, "density: is 0"),
         (
             {"air": {"lift_coefficient": {
@@ -204,7 +204,7 @@ def test_a_movement_that_no_spin_makes_is_an_error():
     pitch = scene(LAWS["rational"], [0.0, 0.0, 0.0])
     with pytest.raises(ValueError, match="no spin moves a ball so far"):
         lb.spin_for(pitch, lb.Movement(0.0, 3.0))
-    with pytest.raises(ValueError, match="a constant says nothing of the spin"):
+    with pytest.raises(ValueError, match="a constant does not depend on the spin"):
         lb.spin_for(lb.Pitch(), lb.Movement(0.0, 0.3))
     with pytest.raises(lb.InvalidScene, match="must be 'pitch' here"):
         lb.spin_for(lb.AtBat(), lb.Movement(0.0, 0.3))

@@ -101,8 +101,8 @@ class Commands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is asked for, and give it what a file of settings has for it."""
-        found: Any = super().resolve_command(ctx, args)
-        name, command, rest = found
+        resolved: Any = super().resolve_command(ctx, args)
+        name, command, rest = resolved
         # Help must work with a wrong file of settings. What follows -- belongs to the COMMAND.
         asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
         has_settings = not self.group and name not in GROUPS

@@ -99,13 +99,13 @@ def coverage(
     with refusing():
         own = proven(list(read_scenes(scenes)), "own")
     with progress_bar("edits", EDITS // every) as advance:
-        found = covered([*reader.load("all"), *own], every, advance)
-    mine = [i for i, case in enumerate(found.cases) if case.family == "own"]
-    shown = found.noticed[:, mine].sum(axis=1) > 0
+        detected = covered([*reader.load("all"), *own], every, advance)
+    mine = [i for i, case in enumerate(detected.cases) if case.family == "own"]
+    shown = detected.noticed[:, mine].sum(axis=1) > 0
     # The edits of fewest bits are the mistakes that authors make most often.
-    likeliest = sorted(range(len(shown)), key=found.bits.__getitem__)
-    missed = [found.told(i) for i in likeliest if not shown[i]]
-    by_stage = found.by_stage(shown)
+    likeliest = sorted(range(len(shown)), key=detected.bits.__getitem__)
+    missed = [detected.told(i) for i in likeliest if not shown[i]]
+    by_stage = detected.by_stage(shown)
     if json_:
         stages = [{"stage": name, "edits": n, "noticed": k} for name, n, k in by_stage]
         print(json.dumps({"stages": stages, "missed": missed[:most]}, ensure_ascii=False))
@@ -154,7 +154,7 @@ def check(
     # The oracle knows the shipped set alone.
     if target.resolve() == reader.DATA:
         note("python -m tests.oracle_check solves them by a program that shares no line with these")
-    found = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
+    verdict = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"
     count = f"{report.cases} cases, with those of P(e)"
-    note(f"{count}; {report.solved_again} solved again: {found}")
+    note(f"{count}; {report.solved_again} solved again: {verdict}")
     exit_unless(not report.failures)

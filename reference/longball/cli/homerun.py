@@ -152,11 +152,11 @@ def base_scene(
     # Through a line of JSON, so that options are checked as scenes are.
     with refusing():
         line = json.dumps({"id": "base", "kind": "at-bat", "reading": reading})
-        found = parse_scene(line, change)
-    assert isinstance(found, AtBatScene)
+        scene = parse_scene(line, change)
+    assert isinstance(scene, AtBatScene)
     with refusing("--set "):
-        home_run.refuse_drawn(found)
-    return found
+        home_run.refuse_drawn(scene)
+    return scene
 
 
 def parse_restitutions(text: str) -> list[float]:
@@ -213,11 +213,11 @@ def print_probability(
         off = [f"{row.p - curves[chosen](row.e):+.4f}"] if curves else []
         if isinstance(row, Estimate):
             interval = f"{row.low:.4f} to {row.high:.4f}"
-            found = [f"{row.p:.4f}", interval, f"{row.home_runs} of {row.trials}"]
+            numbers = [f"{row.p:.4f}", interval, f"{row.home_runs} of {row.trials}"]
         else:
             slope = f"{row.slope:.7f}", f"{row.slope_error:.1e}"
-            found = [f"{row.p:.8f}", f"{row.error:.1e}", *slope]
-        table.append((f"{row.e:g}", *found, *of_paper, *off))
+            numbers = [f"{row.p:.8f}", f"{row.error:.1e}", *slope]
+        table.append((f"{row.e:g}", *numbers, *of_paper, *off))
     # Samples have a confidence interval, integrals an error and a derivative.
     sampled = isinstance(rows[0], Estimate)
     head = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")

@@ -59,19 +59,19 @@ def infer(
             data = {name: value_of(name, text, [Result]) for name, text in pairs.items()}
     scene = one_scene(source, chosen_changes(set_, None, reading))
     with answering():
-        found = fit(data, scene, unknowns=unknown, sigma=sigma)
+        fitted = fit(data, scene, unknowns=unknown, sigma=sigma)
     if not json_:
-        print(found)
+        print(fitted)
         return
     print(
         json.dumps(
             {
-                "value": found.value,
-                "sigma": found.sigma,
-                "covariance": found.covariance.tolist(),
-                "chi_squared": found.chi_squared,
-                "freedom": found.freedom,
-                "scene": json.loads(found.scene.line()),
+                "value": fitted.value,
+                "sigma": fitted.sigma,
+                "covariance": fitted.covariance.tolist(),
+                "chi_squared": fitted.chi_squared,
+                "freedom": fitted.freedom,
+                "scene": json.loads(fitted.scene.line()),
             }
         )
     )

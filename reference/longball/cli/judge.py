@@ -110,7 +110,7 @@ def judge(
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
             columns = assignments("--column", column)
-            found = judge.evaluate_file(results, columns, drawn)
+            evaluation = judge.evaluate_file(results, columns, drawn)
         elif command:
             if stepped:
                 note(f"first run: dt = {dt:g}; then runs with other steps (--steps FROM:TO:COUNT)")
@@ -118,30 +118,30 @@ def judge(
             with progress_bar("judging", len(judge.cases)) as advance:
                 sweep = replace(sweep, progress=advance) if sweep else None
                 limits = Limits(timeout, total_timeout)
-                found = judge.evaluate_command(command, limits, advance, sweep, drawn, as_csv)
+                evaluation = judge.evaluate_command(command, limits, advance, sweep, drawn, as_csv)
         else:
             assert drawn
-            found = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
+            evaluation = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
     if html:
-        html.write_text(page.page(found), encoding="utf-8")
+        html.write_text(page.page(evaluation), encoding="utf-8")
     # GitHub's log shows the text, too, below the annotations.
-    text = render(found.verdict, table=table).rstrip()
-    if further := further_options(found, rule, golden, scenes or random):
+    text = render(evaluation.verdict, table=table).rstrip()
+    if further := further_options(evaluation, rule, golden, scenes or random):
         text += f"\n\nfurther: {further}"
-    with failing_unless(found.verdict.passed):
+    with failing_unless(evaluation.verdict.passed):
         match format_:
             case "text":
                 print(text)
             case "json":
-                print(found.verdict.line())
+                print(evaluation.verdict.line())
             case "junit":
-                print(junit(found), end="")
+                print(junit(evaluation), end="")
             case "github":
-                print(annotated(found.verdict, text))
+                print(annotated(evaluation.verdict, text))
 
 
 def further_options(
-    found: Evaluation, rule: Profile, golden: Sequence[str] | None, others: object
+    evaluation: Evaluation, rule: Profile, golden: Sequence[str] | None, others: object
 ) -> str:
     """List the tests that were not run, with the options that run them."""
     from longball.golden import reader
@@ -149,12 +149,12 @@ def further_options(
     from longball.judge.verdict import compare
 
     sentences = []
-    judged = [c for c in found.comparisons if c.judged and c.answer and not c.refused]
+    judged = [c for c in evaluation.comparisons if c.judged and c.answer and not c.refused]
     if judged and isinstance(rule, Converged):
         right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
         sentences.append(f"at --profile exact, {right} of {len(judged)} are right")
     if judged and not others:
-        tried = {case.case.family for case in found.comparisons}
+        tried = {case.case.family for case in evaluation.comparisons}
         # Wrong defaults are common, and no other family shows them.
         more = [name for name in reader.header().families if name not in tried]
         more.sort(key=lambda name: name != "defaults")
@@ -200,11 +200,11 @@ def cases_of(
         drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
         return list(cases), f"proven values of {random} random {drawn}, seed {seed}"
     # Without a family, a first-time author is asked for the paper's model in its default reading.
-    found: list[Case] = [] if golden else [*load()]
+    chosen_cases: list[Case] = [] if golden else [*load()]
     for name in dict.fromkeys(golden or ()):
-        found += proven(usual_constants(), USUAL) if name == USUAL else load(name)
-    found = [case for case in found if not chosen or case.scene.kind in chosen]
-    found = asked_of(found, readings, hard=bool(golden))
-    if not found:
+        chosen_cases += proven(usual_constants(), USUAL) if name == USUAL else load(name)
+    chosen_cases = [case for case in chosen_cases if not chosen or case.scene.kind in chosen]
+    chosen_cases = asked_of(chosen_cases, readings, hard=bool(golden))
+    if not chosen_cases:
         wrong_call("no golden case is of these families and kinds")
-    return found, ", ".join(["golden data", *(golden or ()), *chosen])
+    return chosen_cases, ", ".join(["golden data", *(golden or ()), *chosen])

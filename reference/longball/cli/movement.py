@@ -28,16 +28,16 @@ def movement(
     """
     pitches = pitches_of(table, example, None, column, spin=False)
     since = PFX if pfx else None
-    found = answers(measured_movement, pitches, since, workers=workers, scheduler=scheduler)
+    columns = answers(measured_movement, pitches, since, workers=workers, scheduler=scheduler)
     if json_:
-        clocks = [*map(clock, found["across"].tolist(), found["up"].tolist())]
-        show_each(pitches, found | {"clock": np.array(clocks)})
+        clocks = [*map(clock, columns["across"].tolist(), columns["up"].tolist())]
+        show_each(pitches, columns | {"clock": np.array(clocks)})
         return
     # Pitches of left- and right-handers break to opposite sides, and would cancel in a median.
     shown = {
-        "across, in": abs(found["across"]) / INCH,
-        "up, in": found["up"] / INCH,
-        "VAA, °": np.degrees(found["vertical"]),
-        "HAA (size), °": np.degrees(abs(found["horizontal"])),
+        "across, in": abs(columns["across"]) / INCH,
+        "up, in": columns["up"] / INCH,
+        "VAA, °": np.degrees(columns["vertical"]),
+        "HAA (size), °": np.degrees(abs(columns["horizontal"])),
     }
     show_types(pitches, shown)

@@ -57,15 +57,15 @@ def parks(
             yield number, scene, where, solver
 
     with on_cluster(scheduler):
-        for name, found in in_parallel(_answer, tasks(), -1 if scheduler else workers):
+        for name, outcomes in in_parallel(_answer, tasks(), -1 if scheduler else workers):
             solved += 1
-            if isinstance(found, str):
+            if isinstance(outcomes, str):
                 failed += 1
-                tell(f"{name}: {found}")
+                tell(f"{name}: {outcomes}")
                 continue
-            _show(name, found, json_)
+            _show(name, outcomes, json_)
             # A ball that one park refuses, as outside of its fence, still has an answer.
-            failed += all(each.result.error for each in found)
+            failed += all(each.result.error for each in outcomes)
     if not solved:
         wrong_call(f"no scenes in {named(source)}")
     if fixed:
@@ -102,18 +102,18 @@ def _list(where: Sequence[Park]) -> None:
     )
 
 
-def _show(name: str, found: list[InPark], as_json: bool) -> None:
+def _show(name: str, outcomes: list[InPark], as_json: bool) -> None:
     if as_json:
-        for each in found:
+        for each in outcomes:
             known = {"id": name, "park": each.park.name, "outcome": each.result.outcome}
             more = {"clearance": each.clearance, "error": each.result.error}
             print(json_line(known | {key: x for key, x in more.items() if x is not None}))
         return
-    out = sum(each.is_out for each in found)
-    print(f"{name}: a home run in {out} of {len(found)} parks")
+    out = sum(each.is_out for each in outcomes)
+    print(f"{name}: a home run in {out} of {len(outcomes)} parks")
     rows = []
     # By the height above the fence; parks whose fence the ball does not reach come last.
-    for each in sorted(found, key=lambda x: math.inf if x.clearance is None else -x.clearance):
+    for each in sorted(outcomes, key=lambda x: math.inf if x.clearance is None else -x.clearance):
         over = "" if each.clearance is None else f"{each.clearance:+.2f}"
         rows.append([each.park.name, str(each.result.outcome or each.result.error), over])
     show(["park", "outcome", "above the fence, m"], rows)

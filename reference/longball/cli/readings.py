@@ -26,7 +26,7 @@ def readings(
     effects: dict[Readings | None, Estimate] = {}
     if samples:
         # The default of each switch is the same reading, and is solved once.
-        switched = dict.fromkeys(found for line in lines if (found := readings_with(*line)))
+        switched = dict.fromkeys(chosen for line in lines if (chosen := readings_with(*line)))
         with progress_bar("readings", len(switched)) as advance:
             for done, (reading, sampling) in enumerate(switched, 1):
                 base = AtBatScene(id="base", reading=reading)

@@ -97,15 +97,15 @@ def each_scene(
 
 def read_scenes(source: str) -> list[Scene]:
     """Return the scenes of a file, as `each_scene` has them; an invalid line is a wrong call."""
-    found = []
+    scenes = []
     for number, scene in each_scene(source):
         if isinstance(scene, InvalidScene):
             wrong_call(f"{named(source)}, line {number}: {scene}")
-        found.append(scene)
+        scenes.append(scene)
     # An empty file is a slip, and a verdict on no scenes would pass.
-    if not found:
+    if not scenes:
         wrong_call(f"no scenes in {named(source)}")
-    return found
+    return scenes
 
 
 def one_scene(source: str, change: Changes) -> Scene:

@@ -25,21 +25,21 @@ def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, A
         if not file.is_file():
             continue
         try:
-            found = tomllib.loads(file.read_text(encoding="utf-8"))
+            tables = tomllib.loads(file.read_text(encoding="utf-8"))
         except ValueError as error:  # also of text that is not UTF-8
             wrong_call(f"{file}: not TOML: {error}")
         # Other tools have their tables there; a longball.toml is ours alone.
         if file.name == "pyproject.toml":
-            found = found.get("tool", {}).get("longball", {})
+            tables = tables.get("tool", {}).get("longball", {})
         # All tables are checked, also those of other commands: a slip in a name is found early.
-        for name, table in found.items():
+        for name, table in tables.items():
             if name not in commands:
                 wrong_call(f"{file}: {name}: no such command{one_of('they are', name, commands)}")
             if not isinstance(table, dict):
                 wrong_call(f"{file}: {name}: must be a table of options, [{name}]")
         # A pyproject.toml without a table of ours is no file of settings.
-        if found:
-            return file.name, found.get(command, {})
+        if tables:
+            return file.name, tables.get(command, {})
     return "", {}
 
 
@@ -47,7 +47,7 @@ def defaults_of(
     file: str, given: Mapping[str, Any], options: Mapping[str, Any], command: str
 ) -> dict[str, Any]:
     """Return settings by the names of parameters; `options` has these by the names of options."""
-    found = {}
+    defaults = {}
     for name, value in given.items():
         where = f"{file}: {command}.{name}"
         if name not in options:
@@ -66,5 +66,5 @@ def defaults_of(
         # As texts: typer checks them as it checks those of the command line.
         values = value if isinstance(value, list) else [value]
         texts = [x if isinstance(x, bool) else str(x) for x in values]
-        found[parameter.name] = texts if many else texts[0]
-    return found
+        defaults[parameter.name] = texts if many else texts[0]
+    return defaults

@@ -78,18 +78,18 @@ def spin(
         return
     pitches = pitches_of(table, example, games, column, spin=True)
     with refusing(f"--model {model}: "):
-        found = answers(measured_spin, pitches, law, workers=workers, scheduler=scheduler)
+        columns = answers(measured_spin, pitches, law, workers=workers, scheduler=scheduler)
     if json_:
-        show_each(pitches, found)
+        show_each(pitches, columns)
     else:
         shown = {
-            "C_D": found["drag_coefficient"],
-            "C_L": found["lift_coefficient"],
-            "across, rpm": found["transverse"] / RPM,
-            "active share": found["active_share"],
+            "C_D": columns["drag_coefficient"],
+            "C_L": columns["lift_coefficient"],
+            "across, rpm": columns["transverse"] / RPM,
+            "active share": columns["active_share"],
         }
         show_types(pitches, shown)
-    above, beyond = (found["active_share"] > 1.0).sum(), np.isnan(found["transverse"]).sum()
+    above, beyond = (columns["active_share"] > 1.0).sum(), np.isnan(columns["transverse"]).sum()
     # Both are findings on the table, and no failures: the rows have their numbers, or NaN.
     if above:
         note(f"the active share of {above} pitches is above 1: they move more than their spin can")

@@ -1,4 +1,4 @@
-"""Observed orders of convergence, limits and errors of a family of time steps.
+"""Observed orders of convergence, extrapolated limits and errors of a family of time steps.
 
 `study` takes a function of the time step; `converge` takes a solver of scenes.
 """

@@ -1,9 +1,9 @@
 """One quantity over a family of steps: its values, its error at each step, and its order.
 
-An event between two steps (a plate, a bat, the ground) can make an error that jumps with the phase
-of the step. It is recognised by evaluating again with steps so little shorter that a smooth error
-would not notice, though the phase is another one. Such a quantity is evaluated at several phases
-of each step, and its error is their root mean square.
+An event between two steps (plate, bat, ground) can cause an error that jumps with its phase, the
+position of the event within the step. To recognise it, the quantity is evaluated again with a step
+that is so little shorter that a smooth error stays the same, while the phase changes. A quantity
+with jumps is evaluated at several phases of each step, and its error is their root mean square.
 """
 
 from __future__ import annotations
@@ -29,31 +29,35 @@ Expected = float | Mapping[str, float] | None
 
 EPSILON = float(np.finfo(np.float64).eps)
 
-# Phases of each step for a quantity that jumps: the root mean square of eight is within a quarter.
+# Phases of each step for a quantity with jumps. The root mean square of n is known to 1/√(2 n):
+# with eight, to a quarter.
 PHASES = 8
-# A smooth error changes by p times the change of log h; this much more is a jump, and below it a
-# jump is lost in what is allowed to bend a line.
+# Relative change of the error with the phase that counts as a jump, beyond that of a smooth error,
+# which is p times the change of log h. Smaller jumps disappear in the allowed curvature of the
+# line.
 JUMP = 0.15
-# Means over phases keep some noise; their differences are taken between steps so far apart that it
-# is not blown up.
+# Least ratio of two steps whose means over phases are subtracted: closer steps would amplify the
+# noise of the means.
 FAR = 4.0
-TOLERANCE = 0.1  # an order is held to theory with this tolerance, besides its own interval
-UNDECIDED = 0.4  # an interval wider than this does not tell an order from the next
+# Allowed difference between the observed order and theory, beside the interval of the observed
+# order.
+TOLERANCE = 0.1
+# Orders are integers or halves: a wider 95 % interval does not distinguish neighbouring orders.
+UNDECIDED = 0.4
 
 
 @dataclass(frozen=True)
 class Observed:
-    """One quantity of all scenes, at one step or as it should be."""
+    """One quantity of all scenes, at one step or in truth."""
 
-    # What it is called.
     quantity: str
     unit: str
-    # (scene, component); NaN where a scene does not have it, or ended otherwise than it should.
+    # (scene, component); NaN if a scene lacks the quantity or has another outcome than expected.
     values: Array
 
 
 def step_family(steps: Sequence[float]) -> Array:
-    """Return different steps, the coarsest first; a ValueError if they are too few or no steps."""
+    """Return the different steps, the coarsest first; raise a ValueError if there are too few."""
     family = np.array(sorted(set(steps), reverse=True), float)
     if len(family) < FEWEST or not (np.isfinite(family).all() and family[-1] > 0):
         raise ValueError(f"{len(family)} steps; {FEWEST} different positive ones are needed")
@@ -61,8 +65,8 @@ def step_family(steps: Sequence[float]) -> Array:
 
 
 def phase_step(step: float, clock: float, phase: int) -> float:
-    """Return a step a little shorter, so that an event at `clock` has another phase in it."""
-    # Multiples of the golden ratio's are well spread, however many there are.
+    """Return a slightly shorter step, in which an event at the time `clock` has another phase."""
+    # Multiples of the golden ratio, mod 1, are evenly spread for every number of phases.
     share = phase * (math.sqrt(5) - 1) / 2 % 1.0
     return step / (1 + share * step / clock)
 
@@ -80,16 +84,17 @@ def observe(
     progress: Callable[[int, int], None],
 ) -> tuple[tuple[Order, ...], tuple[Limit, ...]]:
     """Evaluate quantities at a family of descending steps, and fit the order of each."""
-    # `evaluate` returns the same quantities at every step; the first event of any scene happens at
-    # `first`, the last at `last`, s. Of each step there are `phases` for a quantity that jumps, if
-    # more than 1. `progress` takes the evaluations done, and how many there are as far as is known.
+    # `evaluate` returns the same quantities at every step. `first` and `last` are the times of the
+    # first and the last event of all scenes, s. `phases` is the number of phases of each step for a
+    # quantity with jumps; 1 means no search for jumps. `progress` takes the number of evaluations
+    # done and their total as known so far.
     wanted = expected.values() if isinstance(expected, Mapping) else [expected or 0.0]
     if not all(map(math.isfinite, wanted)):
         raise ValueError(f"expected = {expected}: an order is a finite number")
     done: dict[tuple[int, int], Sequence[Observed]] = {}
 
     def measured(count: int) -> list[_Measured]:
-        """Evaluate what is missing of the first `count` phases of every step."""
+        """Evaluate the first `count` phases of every step, except those already evaluated."""
         planned = [(level, phase) for level in range(len(family)) for phase in range(count)]
         steps = np.array([[phase_step(h, first, phase) for phase in range(count)] for h in family])
         for key in planned:
@@ -104,14 +109,15 @@ def observe(
             every.append(_Measured(one.quantity, one.unit, steps, values, true, last / family))
         return every
 
-    # Two phases show whether anything jumps; only then the others are worth their runs.
-    found = measured(min(2, phases))
-    jumps = [_jump(one) if phases > 1 else 0.0 for one in found]
+    # Two phases show whether a quantity jumps. The others are evaluated only then.
+    errors_by_step = measured(min(2, phases))
+    jumps = [_jump(one) if phases > 1 else 0.0 for one in errors_by_step]
     if max(jumps, default=0.0) > JUMP:
-        found = measured(phases)
+        errors_by_step = measured(phases)
     orders: list[Order] = []
     limits: list[Limit] = []
-    for one, jump in zip(found, jumps, strict=True):
+    for one, jump in zip(errors_by_step, jumps, strict=True):
+        # A quantity that is zero in every scene, such as a sideways landing, has no order.
         if one.size == 0.0:
             continue
         theory = expected.get(one.quantity) if isinstance(expected, Mapping) else expected
@@ -135,7 +141,7 @@ class _Measured:
 
     @property
     def size(self) -> float:
-        """The largest of the values; 0 if there is none."""
+        """Largest absolute value; 0 if there are none."""
         return float(np.max(np.abs(self.values), where=np.isfinite(self.values), initial=0.0))
 
     def levels(self, jumps: bool) -> Array:
@@ -150,7 +156,7 @@ class _Measured:
     def errors(self, jumps: bool, order: float) -> Array:
         """Return the errors (scene, step), root mean squares over phases if they jump.
 
-        `order` is a guess, which is needed only without the truth.
+        `order` is an estimate, needed only without the truth.
         """
         if self.truth is None:
             levels, ratio = self.levels(jumps), FAR if jumps else 1.0
@@ -174,13 +180,13 @@ def mean_over_phases(values: Array) -> Array:
 def _jump(one: _Measured) -> float:
     """Return the relative change of the error with the phase.
 
-    The median over scenes and the finer half of the steps, without what a smooth error changes
-    from one phase to the next. Not where rounding rules.
+    It is the median over scenes and the finer half of the steps, minus the change of a smooth error
+    from one phase to the next. Errors at the level of rounding are excluded.
     """
     fine = slice(len(one.steps) // 2, None)
     change = np.linalg.norm(one.values[:, fine, 1] - one.values[:, fine, 0], axis=-1)
     error = one.errors(jumps=False, order=1.0)[:, fine]
-    # Independent roundings add up like the square root of their number.
+    # Independent rounding errors grow with the square root of their number.
     noise = 4 * EPSILON * one.size * np.sqrt(one.counts[fine])
     clear = np.isfinite(change) & np.isfinite(error) & (np.maximum(error, change) > noise)
     if not clear.any():
@@ -194,10 +200,11 @@ def _jump(one: _Measured) -> float:
 
 
 def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order, PowerLaw | None]:
-    """Fit the order of one quantity and hold it against theory."""
+    """Fit the order of one quantity and compare it with theory."""
     jumps = jump > JUMP
     steps, order = one.levels(jumps), 1.0
-    for _ in range(5):  # the guess is needed without the truth; it settles to 1e-3 in three rounds
+    # Without the truth the errors depend on the order; three rounds determine it to 1e-3.
+    for _ in range(5):
         errors = typical(np.maximum(one.errors(jumps, order), EPSILON / 2 * one.size))
         law = fit_power_law(steps, errors)
         if law is None or one.truth is not None:
@@ -233,8 +240,8 @@ def _use(level: int, error: float, law: PowerLaw | None) -> Use:
 
 
 def _widened(law: PowerLaw, steps: Array, phases: int) -> PowerLaw:
-    """Return a law with an interval that allows for means over a few phases."""
-    # Each is off by 1/√(2 phases) of itself; neighbouring steps may be off alike.
+    """Return a law whose interval includes the noise of means over a few phases."""
+    # The relative noise of each mean is 1/√(2 phases); neighbouring steps may have the same error.
     x = np.log(steps[law.first : law.last + 1])
     noise = 1 / math.sqrt(2 * phases * float(((x - x.mean()) ** 2).sum()))
     half = math.hypot(law.half_width, 2 * noise)
@@ -249,16 +256,18 @@ def _verdict(
     wide: PowerLaw | None,
     expected: float | None,
 ) -> tuple[OrderVerdict, str]:
-    """Return the verdict on one quantity, and why; `wide` is the law with the interval told."""
+    """Return the verdict on one quantity, and its reason; `wide` has the interval to be shown."""
     unit = one.unit
     there = np.flatnonzero(np.isfinite(errors))
-    bound = EPSILON * one.size * one.counts  # as many roundings, if all go the same way
+    # Worst case of rounding: all errors have the same sign.
+    bound = EPSILON * one.size * one.counts
     if len(there) == 0:
-        return "not resolved", "no scene ends as it should at two steps"
+        return "not resolved", "no scene has the right outcome at two steps"
     if (errors[there] <= bound[there]).all():
         most = f"{errors[there].max():.1e} {unit}"
-        return "exact", f"the typical error is no more than rounding makes, at most {most}"
-    # The finest error is above rounding, and above the fitted line or equal to those before it.
+        return "exact", f"the typical error is rounding, at most {most}"
+    # A wrong limit: the finest error is above rounding, and either far above the fitted line or, if
+    # there is no line, within a factor of two of the errors before it.
     finest = there[-1]
     stuck = errors[finest] > bound[finest] and (
         errors[finest] > 3 * law.error(steps[finest])
@@ -267,21 +276,21 @@ def _verdict(
     )
     if one.truth is not None and stuck:
         return "wrong limit", (
-            f"the error stays at {errors[finest]:.2e} {unit}, which rounding does not explain "
-            f"(at most {bound[finest]:.0e}): the limit is not the truth"
+            f"the error stays at {errors[finest]:.2e} {unit}, above rounding "
+            f"(at most {bound[finest]:.0e}): the results converge to another value than the truth"
         )
     advice = ""
     if errors[finest] <= bound[finest]:
         advice = "; the errors at the finest steps are rounding: try longer steps, such as "
         advice += f"{5 * steps[0]:.2g} to {steps[0] / 2:.2g} s"
     if law is None or wide is None:
-        why = f"no {FEWEST} steps lie on one line: there is no asymptotic range"
+        why = f"no {FEWEST} steps are on one line: there is no asymptotic range"
         return "not resolved", why + advice
     seen = f"order {law.order:.3f} ({wide.low:.3f} to {wide.high:.3f})"
     if expected is not None and abs(law.order - expected) > TOLERANCE + wide.half_width:
         return "other order", f"{seen}, but {expected:g} in theory"
     if law.half_width > UNDECIDED / 2:
-        return "not resolved", f"{seen} does not tell an order from the next{advice}"
+        return "not resolved", f"{seen}: the interval is too wide for an order{advice}"
     if expected is None:
         return "no expectation", seen
     return "as expected", f"{seen}, {expected:g} in theory"
@@ -292,8 +301,8 @@ def _limits(one: _Measured, jumps: bool, law: PowerLaw, scenes: Sequence[str]) -
     steps, means = one.levels(jumps)[: law.last + 1], one.means(jumps)[:, : law.last + 1]
     limits = []
     for scene, values in enumerate(means):
-        if found := richardson(steps, values, law.order):
-            value, error = found
+        if limit := richardson(steps, values, law.order):
+            value, error = limit
             off = None if one.truth is None else float(np.linalg.norm(value - one.truth[scene]))
             limits.append(
                 Limit(scene=scenes[scene], quantity=one.quantity, value=tuple(value.tolist()),

@@ -1,8 +1,8 @@
-"""The order of convergence that a family of steps shows: numbers in, numbers out.
+"""Order of convergence of a family of steps, from steps and errors.
 
 An error C h^p is a straight line of slope p in log h and log e, but only in the asymptotic range:
-above it higher terms bend the line, below it rounding takes over. The range is looked for and not
-assumed, and neither is a constant ratio of the steps.
+above it higher terms bend the line, and below it rounding dominates. The range is searched, not
+assumed, and the ratio of the steps need not be constant.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from scipy.special import stdtrit
 
 from longball.model.arrays import Array
 
-FEWEST = 5  # two parameters, and three steps more to tell a line from a bend
-NARROWEST = 4.0  # a range narrower than this factor in h would call any smooth curve a line
-# Orders are held to 0.1; a range that is bent at an end moves the slope by about as much as it
-# widens the interval, so that a fifth of that is good enough, and the finest of such ranges is
-# nearest to the limit h -> 0.
+FEWEST = 5  # two parameters, and three more steps to distinguish a line from a curve
+NARROWEST = 4.0  # in a range narrower than this factor in h, any smooth curve looks straight
+# Half width of an interval that is good enough: a fifth of the tolerance of orders, 0.1. A range
+# that is curved at an end moves the slope by about as much as it widens the interval. Of all such
+# ranges the finest is nearest to the limit h -> 0.
 GOOD_ENOUGH = 0.02
-FLAT = 0.2  # the errors do not fall: a floor, of rounding or of a limit that is not the truth
-HARMLESS = 0.05  # half of what orders are held to
-# The errors fall: less than the lowest order of any scheme, more than a floor with its noise.
+FLAT = 0.2  # order of errors that do not fall: rounding, or a wrong limit
+HARMLESS = 0.05  # change of the slope by curvature: half the tolerance of orders
+# Order of errors that fall: below the order of any scheme, above a floor with its noise.
 FALLING = 0.5
 
 
@@ -31,12 +31,12 @@ FALLING = 0.5
 class PowerLaw:
     """An error C h^p, over a range of steps."""
 
-    # p, and its interval of 95 % from the scatter about the line.
+    # p, and its 95 % interval from the scatter about the line.
     order: float
     low: float
     high: float
     constant: float  # C, in the error's unit over s^p
-    # Indices of the steps at the ends of the range, both inside it.
+    # Indices of the first and the last step of the range, inclusive.
     first: int
     last: int
 
@@ -67,10 +67,10 @@ def fit_line(steps: Array, errors: Array, first: int, last: int) -> PowerLaw:
 def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
     """Find the asymptotic range of descending steps, s, and fit it; None if there is no such range.
 
-    Of all ranges of at least `FEWEST` steps and a factor `NARROWEST` in which errors fall along a
-    line that is not bent, and below which they do not fall on, those are kept whose interval is
-    narrow: within `GOOD_ENOUGH`, or within one and a half times the narrowest. Of these the one
-    with the finest step wins, and the longest if there are several. An error of NaN is none.
+    A candidate range has at least `FEWEST` steps and a ratio of `NARROWEST`; its errors fall along
+    a straight line, and do not continue to fall below it. Ranges with a narrow interval are kept,
+    up to `GOOD_ENOUGH` or 1.5 times the narrowest. The result is the range with the finest step
+    among these, or the longest of several. NaN means no error at that step.
     """
     there = np.flatnonzero(np.isfinite(errors) & (errors > 0))
     h, e = steps[there], errors[there]
@@ -91,8 +91,8 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
 
 
 def _is_bent(steps: Array, errors: Array) -> bool:
-    """True if a parabola has another slope at the finest step than the line."""
-    # By more than `HARMLESS`, and by more than scatter explains in 19 of 20 cases.
+    """True if the slope of a parabola at the finest step differs from that of the line."""
+    # The difference must exceed `HARMLESS` and the scatter, at 95 %.
     x, y = np.log(steps), np.log(errors)
     x = x - x.mean()
     turn = float(x @ x**2 / (x @ x))
@@ -107,10 +107,11 @@ def _is_bent(steps: Array, errors: Array) -> bool:
 
 
 def _falls_on(steps: Array, errors: Array) -> bool:
-    """True if the errors of the steps below a range still fall, so that it is not the last.
+    """True if the errors below a range still fall, so that a finer range must exist.
 
-    By the median of all slopes between two of them, which a stray error does not move. Fewer steps
-    than a range needs are none: a floor may happen to fall over three or four.
+    The criterion is the median of the slopes between all pairs (Theil and Sen), which ignores
+    single outliers. Fewer than `FEWEST` steps are not tested: a floor may happen to fall over three
+    or four.
     """
     if len(steps) < FEWEST:
         return False
@@ -120,11 +121,11 @@ def _falls_on(steps: Array, errors: Array) -> bool:
 
 
 def typical(errors: Array) -> Array:
-    """Return one error a step from those of several scenes: (scene, step) -> (step,).
+    """Return one error for each step from those of several scenes: (scene, step) -> (step,).
 
-    Scenes differ in size and some lack some steps, so that a mean over those at hand would jump
-    from step to step. Tukey's median polish of log e separates scene and step; the median is not
-    moved by a scene whose error happens to change its sign near a step. NaN: no error there.
+    Scenes have errors of different sizes, and may lack some steps, so that a mean would jump from
+    step to step. Tukey's median polish of log e separates scene and step; a scene whose error
+    happens to change sign near a step does not affect the median. NaN means no error.
 
     J. W. Tukey, Exploratory Data Analysis (1977), Ch. 11.
     """
@@ -148,13 +149,14 @@ def typical(errors: Array) -> Array:
 
 
 def errors_without_truth(steps: Array, values: Array, order: float, ratio: float = 1.0) -> Array:
-    """Return |q(h) - q(0)| as the differences from finer steps tell it.
+    """Return |q(h) - q(0)| from the differences between steps.
 
     If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p). Steps, s, descend;
-    values are (step, component), NaN where there is none. A guess of the order p is exact for a
-    constant ratio of the steps, and improved by repeating. A step is held against the next one that
-    is finer by more than `ratio`: noise counts (1 + (h_l/h_k)^p) / (1 - (h_l/h_k)^p) times. NaN is
-    returned for steps that have no finer one.
+    values have the shape (step, component), with NaN for missing ones. An estimate of the order p
+    is enough: with a constant ratio of the steps its error cancels in the slope, otherwise
+    repetition improves it. Each step is compared with the next one that is finer by more than
+    `ratio`, because noise is amplified by (1 + (h_l/h_k)^p) / (1 - (h_l/h_k)^p). The result is NaN
+    without a finer step.
     """
     errors = np.full(len(steps), np.nan)
     there = np.flatnonzero(np.isfinite(values).all(axis=1))
@@ -168,7 +170,8 @@ def errors_without_truth(steps: Array, values: Array, order: float, ratio: float
 
 def richardson(steps: Array, values: Array, order: float) -> tuple[Array, float] | None:
     """Extrapolate to h = 0 from the two finest steps, descending, at a known order."""
-    # The error is the distance to what the two before give. None with fewer than three steps.
+    # The error estimate is the distance to the same from the two steps before. None with fewer than
+    # three steps.
     there = np.flatnonzero(np.isfinite(values).all(axis=1))
     if len(there) < 3:
         return None

@@ -1,4 +1,4 @@
-"""A few runs that choose the steps of a study: where errors are seen, and not yet rounding."""
+"""Trial runs that choose the steps of a study: errors must be visible, and above rounding."""
 
 from __future__ import annotations
 
@@ -12,21 +12,25 @@ from longball.convergence.family import EPSILON
 from longball.convergence.studies import first_and_last_event, in_order, observed
 from longball.model.scene import Scene, ids_of
 
-BEGIN = 0.1  # s: some fifty steps a flight, five a pitch
-FINEST = BEGIN / 512  # s: at-bats by methods of order 2 need it where plates and bats are
-# s that a run may take longer than start-ups do: some forty runs follow, most of them shorter.
+# First step, s: about fifty steps in a flight, five in a pitch.
+BEGIN = 0.1
+# Finest step, s. In at-bats, methods of order 2 need it near the plate and the bat.
+FINEST = BEGIN / 512
+# Longest run, s, beyond the time of two start-ups: about forty runs follow, most of them shorter.
 PATIENCE = 0.4
-COARSEST = 1.6  # s: a third of a flight, which methods of order 8 need to show it
-SPAN, COUNT = 16.0, 9  # of the steps chosen: twice the factor that a fit needs on either side
+# Coarsest step, s: a third of a flight. Methods of order 8 show their order only with such steps.
+COARSEST = 1.6
+# Ratio and number of the chosen steps: four times the ratio that a fit needs (`NARROWEST`).
+SPAN, COUNT = 16.0, 9
 
 
 def chosen_steps(run: Callable[[float], Sequence[Any]], scenes: Sequence[Scene]) -> list[float]:
     """Choose steps, s, the coarsest first, for `longball.convergence.converge`.
 
-    The step is halved as long as that changes the results by more than rounding may; if it does
-    not from the beginning, it is doubled. The finest step whose change is seen is the finest of
-    those chosen, or less by a half: methods of high order get long steps, and others
-    those that do not take long.
+    The step is halved while this changes the results by more than rounding. If even the first
+    halving does not, the step is doubled instead. The chosen steps end near the finest step with a
+    visible change. Methods of high order thus get long steps; for others, the time of a run is the
+    limit.
     """
     ids = ids_of(scenes)
     results: dict[float, Sequence[Any]] = {}
@@ -57,7 +61,7 @@ def chosen_steps(run: Callable[[float], Sequence[Any]], scenes: Sequence[Scene])
     else:
         while 4 * step < COARSEST and not is_seen(step):
             step *= 2
-        # A method that is exact shows its rounding, which adds up in many steps.
+        # An exact method shows only rounding, which grows with the number of steps: use short ones.
         step = step if is_seen(step) else BEGIN / SPAN
     longest = min(SPAN * step, COARSEST)
     shortest = min(step, longest * 2 / SPAN)

@@ -12,7 +12,7 @@ from longball.text_table import aligned
 
 
 class Frozen(BaseModel):
-    """A part of a report: finite numbers only, for JSON knows no others."""
+    """A part of a report; its numbers are finite, because JSON has no others."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -22,6 +22,7 @@ OrderVerdict = Literal[
     "as expected", "other order", "wrong limit", "exact", "not resolved", "no expectation"
 ]
 
+# Verdicts that make `longball converge` fail.
 BAD: tuple[OrderVerdict, ...] = ("other order", "wrong limit", "not resolved")
 
 
@@ -53,7 +54,7 @@ class Order(Frozen):
 
     @property
     def errors(self) -> list[tuple[float, float, Use]]:
-        """The steps that have an error, s; the error; and whether the order is fitted to it."""
+        """Steps with an error: the step, s, the error, and its use in the fit."""
         return [(r.step, r.error, r.use) for r in self.rungs if r.error is not None]
 
 
@@ -68,7 +69,7 @@ class Limit(Frozen):
 
 
 class Lost(Frozen):
-    """A step, and how many scenes ended otherwise there than they should."""
+    """A step, and the number of scenes with a wrong outcome or none."""
 
     step: float
     lost: int
@@ -86,14 +87,14 @@ class ConvergenceReport(Frozen):
 
     @property
     def passed(self) -> bool:
-        """True if no verdict is against the implementation."""
+        """True if no verdict is bad, and at least one quantity was measured."""
         return bool(self.orders) and not any(order.verdict in BAD for order in self.orders)
 
     @property
     def faults(self) -> list[str]:
-        """Return the faults: where no order is expected, only a wrong limit is one."""
+        """Return the faults. Without an expected order, only a wrong limit is one."""
         if not self.orders:
-            return ["nothing was answered that could converge"]
+            return ["no answer has a quantity that could converge"]
         return [
             f"{order.quantity}: {order.verdict}"
             for order in self.orders
@@ -101,17 +102,17 @@ class ConvergenceReport(Frozen):
         ]
 
     def text(self) -> str:
-        """Return the report for people: a line a quantity, its sentence, and the scenes lost."""
+        """Return the report as text: a table, a sentence for each quantity, and lost scenes."""
         head = ("quantity", "order", "95 %", "expected", "C", "steps fitted, s", "verdict")
         lines = aligned([head, *(_row(order) for order in self.orders)])
         lines += ["", *(f"{order.quantity}: {order.why}" for order in self.orders)]
+        # Scenes without the right outcome at a step contribute nothing to its errors. A program
+        # that refuses a kind loses the same scenes at every step: one line for all.
         lost = {row.step: f"{row.lost} of {row.of} scenes" for row in self.lost if row.lost}
         where = {step: f"step {step:.3g} s" for step in lost}
         if len({*lost.values()}) == 1 and len(lost) == len(self.lost):
             where = {next(iter(lost)): "every step"}
-        lines += [
-            f"{at}: {lost[h]} without an answer of the right outcome" for h, at in where.items()
-        ]
+        lines += [f"{at}: {lost[h]} refused, or with a wrong outcome" for h, at in where.items()]
         return "\n".join(lines) + "\n"
 
     def csv(self) -> str:

@@ -1,9 +1,8 @@
 """Studies of a family of time steps: of a function of the step, and of a solver of scenes.
 
-For each quantity the observed order comes from the steps in its asymptotic range, which
-`longball.convergence.order` finds; the others are shown with the reason why they are left out. With
-the truth at hand the errors are those against it; without, those that the differences of
-neighbouring steps imply.
+`longball.convergence.order` finds the asymptotic range of each quantity and fits the order there;
+the report gives the reason for every other step. Errors are differences from the truth if it is
+given; otherwise the differences between steps give them.
 """
 
 from __future__ import annotations
@@ -38,32 +37,31 @@ def study(
     Parameters
     ----------
     function_of_dt
-        Takes a step, s; returns a number or an array, of the same shape at every step. NaN: no
-        value there.
+        Function of a step, s. It returns a number or an array, of the same shape at every step;
+        NaN means no value.
     steps
-        s; at least five different ones. Their ratio is free.
+        Steps, s: at least five different ones, with any ratios.
     truth
-        The values without an error; if not given, the differences of neighbouring steps imply it.
+        Exact values; by default, differences between steps estimate the errors.
     expected
-        The order in theory.
+        Theoretical order.
     duration
-        s, that the steps are taken through: their number bounds what rounding can do.
+        Duration of the calculation, s. The number of steps bounds the effect of rounding.
     phases
-        Each step is evaluated alone if this is 1. With more, it is also shortened by less than
-        one step in `duration`, to see whether the error jumps with the phase that the step has in
-        an event at that time; the errors of a number that does are root mean squares over so many
-        phases.
+        With 1, each step is evaluated once. With more, it is also evaluated slightly shortened, by
+        less than one step in `duration`, to see whether the error jumps with the phase of an event
+        at that time. The error of a number that jumps is the root mean square over all phases.
 
     Returns
     -------
     ConvergenceReport
-        Its `orders` are those of ``value``, or ``value[0]``, ``value[1, 0]`` and so on of an array;
-        a number that is 0 at every step has none.
+        Its `orders` belong to ``value``, or to ``value[0]``, ``value[1, 0]`` and so on for an
+        array. A number that is 0 at every step has no order.
 
     Raises
     ------
     ValueError
-        If there are too few steps; if the values change their shape, or the truth has another one.
+        If there are too few steps, or if the values or the truth differ in shape.
 
     Examples
     --------
@@ -99,10 +97,10 @@ def study(
 # --- a solver of scenes ---------------------------------------------------------------------------
 
 
-# Quantities that an implementation answers with, by name: it need not have them all.
+# Quantities of an answer, by name; some may be missing.
 Answered = Mapping[str, Sequence[Any]]
 
-# What is observed of a result: what it is called here, its unit, and where it stands.
+# Observed quantities: name in the report, unit, and name in the result.
 OBSERVABLES = (
     ("plate height", "m", "plate.position[2]"),
     ("contact time", "s", "contact.time"),
@@ -116,11 +114,11 @@ OBSERVABLES = (
 
 @dataclass(frozen=True)
 class Sample:
-    """Statement about a scene, or a part of it."""
+    """Answer to a scene, or a part of one."""
 
     id: str | None
-    outcome: str | None  # None if it is not said: it is then taken to be as it should
-    # Quantities, each a sequence of its components, and those by names of their own.
+    outcome: str | None  # None if not given; it then counts as right
+    # Each quantity as a sequence of its components, and each component under its own name.
     values: Answered
     engine: str | None = None
     error: str | None = None
@@ -141,32 +139,32 @@ def converge(
     Parameters
     ----------
     run
-        Solves all the scenes with a step, s, as `longball.solve_many` does. The results carry the
-        scenes' ids; one without an id is that of the scene in its place. Samples may lack
-        quantities.
+        Function of a step, s, that solves all scenes, as `longball.solve_many` does. Results have
+        the scenes' ids; a result without an id belongs to the scene at its position. Quantities may
+        be missing.
     scenes
-        What is solved; at least one.
+        Scenes to solve; at least one.
     steps
-        s; at least five different ones. Their ratio is free.
+        Steps, s: at least five different ones, with any ratios.
     truth
-        Results of the scenes; without it the finest step says how each scene should end.
+        True results of the scenes; by default, the finest step decides the right outcomes.
     expected
-        The order in theory: one for all, or one for each name of `OBSERVABLES`.
+        Theoretical order: one for all, or one for each name of `OBSERVABLES`.
     phases
-        Of each step, for a quantity that jumps with them.
+        Phases of each step for a quantity that jumps.
     progress
-        Called with the runs done, and how many there are so far as is known.
+        Function that is called with the number of runs done, and their total as known so far.
 
     Raises
     ------
     ValueError
         If there are too few steps, no scenes, or results that belong to no scene.
     TypeError
-        If a result is none.
+        If an object is not a result.
     """
     if not scenes:
         raise ValueError("there is no scene to converge in")
-    # The finest step is solved first: without truth it says how scenes should end.
+    # The finest step is solved first: without a truth it decides the right outcomes.
     family = step_family(steps)
     ids = ids_of(scenes)
     finest = in_order(run(float(family[-1])), ids)
@@ -194,8 +192,8 @@ def converge(
 
 
 def observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:
-    """Return the observed numbers of results; NaN of those with another end than expected."""
-    found = []
+    """Return the observed numbers of results; NaN for a wrong outcome."""
+    observations = []
     for name, unit, quantity in OBSERVABLES:
         width = max([1, *(len(end.values.get(quantity, ())) for end in should)])
         values = np.full((len(results), width), np.nan)
@@ -203,13 +201,13 @@ def observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observ
             both = quantity in result.values and quantity in end.values
             if both and not _ends_otherwise(result, end):
                 values[scene] = [float(x) for x in result.values[quantity]]
-        found.append(Observed(name, unit, values))
-    return found
+        observations.append(Observed(name, unit, values))
+    return observations
 
 
 def _ends_otherwise(result: Sample, end: Sample) -> bool:
-    """True if a scene has another end than it should have, or no answer."""
-    # Answers of points alone, or of numbers, name no outcome: they are compared as they are.
+    """True if a scene has a wrong outcome, or no answer."""
+    # Answers that consist of points or numbers have no outcome; their numbers are compared.
     if result.outcome is None and result.error is None:
         return False
     return result.outcome != end.outcome
@@ -220,7 +218,7 @@ def _lost(results: Sequence[Sample], should: Sequence[Sample]) -> int:
 
 
 def first_and_last_event(results: Sequence[Sample]) -> tuple[float, float]:
-    """Return when the first and the last thing happens in any scene, s; 1 s if nothing does."""
+    """Return the times of the first and the last event of all scenes, s; 1 s without events."""
     names = ("plate.time", "contact.time", "landing.time")
     times = [float(r.values[name][0]) for r in results for name in names if name in r.values]
     later = [time for time in times if time > 0] or [1.0]
@@ -236,14 +234,14 @@ def _as_sample(result: Any) -> Sample:
         raise TypeError(f"a result is needed; not an object of type {type(result).__name__}")
     values: dict[str, list[Any]] = {}
     for name, number in numbers(result):
-        # A vector under its own name, and each component under its own.
+        # A vector has an entry, and each of its components has one.
         values.setdefault(name.partition("[")[0], []).append(number)
         values[name] = [number] if "[" in name else values[name]
     return Sample(result.id, result.outcome, values, result.engine, result.error)
 
 
 def in_order(results: Sequence[Any], ids: Sequence[str]) -> list[Sample]:
-    """Return the results in the order of the scenes; an error for one that is missing."""
+    """Return the results in the order of the scenes; an error in place of a missing one."""
     samples = map(_as_sample, results)
     by_id = {sample.id or str(number): sample for number, sample in enumerate(samples, 1)}
     unknown = [name for name in by_id if name not in ids]

@@ -64,14 +64,14 @@ def certify(scene: Scene, result: Result) -> Result:
     if result.error is not None:
         return result
     reason = ""
-    found: Result | None = None
+    certified: Result | None = None
     # More digits until smaller balls would hardly lower the errors. A proof that was found stays,
     # even if one with more digits fails.
     for digits in DIGITS:
         engine = Enclosure(digits)
         try:
             with engine.numbers.arithmetic():
-                found, tight = _with_errors(result, quantities_of(scene, engine))
+                certified, tight = _with_errors(result, quantities_of(scene, engine))
         except _Refuted as refuted:
             reason = str(refuted)
             break
@@ -82,7 +82,7 @@ def certify(scene: Scene, result: Result) -> Result:
         else:
             if tight:
                 break
-    return found or result.model_copy(update={"certificate": reason})
+    return certified or result.model_copy(update={"certificate": reason})
 
 
 class _Refuted(Exception):

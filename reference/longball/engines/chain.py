@@ -644,18 +644,18 @@ def _rub(
 
     # or else a slide, which needs a direction, and must make them part
     if scene.reading.slide_direction == "initial":
-        way, speed, off_way = (g_y, g_t), numbers.sqrt(g_y * g_y + g_t * g_t), off
+        slip, speed, off_slip = (g_y, g_t), numbers.sqrt(g_y * g_y + g_t * g_t), off
     else:
-        way, speed, off_way = (-wanted[1], -wanted[2]), rubbed, doubt
+        slip, speed, off_slip = (-wanted[1], -wanted[2]), rubbed, doubt
     speed = numbers.where(grips, one, speed)
     question = "in which direction the ball slides on the bat"
-    known, unknown = run.decide(speed, numbers.where(grips, zero, off_way), question, rows)
+    known, unknown = run.decide(speed, numbers.where(grips, zero, off_slip), question, rows)
     reason = f"{question} cannot be said: it has no slip; use the reading slide_direction = final"
     run.refuse(Undecided(reason), unknown)
-    direction = way[0] / speed, way[1] / speed
+    direction = slip[0] / speed, slip[1] / speed
     resistance = numbers.where(grips, one, formulas.sliding_resistance(k, friction, direction))
     coupled = friction * abs(k[1])
-    doubt = _OPERATIONS * numbers.rounding * (k[0] + coupled) + coupled * off_way / speed
+    doubt = _OPERATIONS * numbers.rounding * (k[0] + coupled) + coupled * off_slip / speed
     parts, jammed = run.decide(resistance, doubt, "whether ball and bat jam", rows)
     reason = "ball and bat jam: at so high a bat.friction no impulse parts them; take a lower one"
     run.refuse(CannotSolve(reason), jammed)
@@ -1056,11 +1056,11 @@ def solve_with_path(
 
 def solve_with_points(scene: Scene, engine: Engine, points: int) -> Result:
     """Return the result of a scene with so many points of its path, if it has any."""
-    result, way = solve_with_path(scene, engine)
-    if result.error is not None or not way.legs:
+    result, flown = solve_with_path(scene, engine)
+    if result.error is not None or not flown.legs:
         return result
     with engine.numbers.arithmetic():
-        rows = way.evenly(points, engine.numbers)
+        rows = flown.evenly(points, engine.numbers)
         path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
     return result.model_copy(update={"path": path})
 

@@ -19,10 +19,10 @@ MOST_NEWTON_STEPS = 50
 _CLOSE = 1e-6
 
 
-def values(x: Any, h: float, found: Any) -> None:
+def values(x: Any, h: float, out: Any) -> None:
     """Evaluate polynomials, the rows of `x`, at `h`."""
     for i in range(len(x)):
-        found[i] = x[i][0] + _change(x[i], h)
+        out[i] = x[i][0] + _change(x[i], h)
 
 
 def advance(x: Any, h: float, low: Any, end: Any, rounding: Any) -> None:

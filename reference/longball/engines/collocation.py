@@ -294,8 +294,8 @@ class Collocation:
         while True:
             values = dynamics.values(start, rates, integrate)
             at_nodes = [state(*column) for column in zip(*values, strict=True)]
-            found = [*zip(*(dynamics.exact(*there) for there in at_nodes), strict=True)]
-            residual = [x - y for i in unknown for x, y in zip(found[i], rates[i], strict=True)]
+            computed = [*zip(*(dynamics.exact(*there) for there in at_nodes), strict=True)]
+            residual = [x - y for i in unknown for x, y in zip(computed[i], rates[i], strict=True)]
             largest = max(map(abs, residual))
             if half * largest <= _SOLVED * self.tolerance * fastest:
                 break
@@ -352,7 +352,7 @@ class Collocation:
             # A step too long runs away.
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
                 values = dynamics.values(at_start, rates, lambda x, row: x + once @ row)
-                found = dynamics.rough(*values)
+                computed = dynamics.rough(*values)
                 # The rates at all nodes depend on the variables there, and these on the rates at
                 # all nodes: blocks of ∂f_i/∂x_k times the integrals, taken from the unit matrix;
                 # twice the integrals if x_k is a position, with the rates of its velocity.
@@ -364,7 +364,7 @@ class Collocation:
                         jacobian[n * row : n * (row + 1), n * column : n * (column + 1)] -= (
                             np.broadcast_to(partial, n)[:, np.newaxis] * integrals
                         )
-            residual = np.concatenate([found[i] - rates[i] for i in unknown])
+            residual = np.concatenate([computed[i] - rates[i] for i in unknown])
             if not (np.isfinite(jacobian).all() and np.isfinite(residual).all()):
                 return None
             factored = scipy.linalg.lu_factor(jacobian)

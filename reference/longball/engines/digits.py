@@ -52,12 +52,12 @@ def to_digits(
     for finer in engine.finer():
         if result.code != "undecided" and not _missed(scene, result, digits):
             break
-        more, way = solved(finer)
+        more, path = solved(finer)
         if more.error is not None and more.code != "undecided":  # too long in so many digits
             break
         # The answer of a finer engine is cut to the digits that were asked for.
         short = {name: shortened(number, digits) for name, number in numbers_of(more)}
-        result, rest = replaced(more, short), way
+        result, rest = replaced(more, short), path
     if missed := _missed(scene, result, digits):
         fault = f"{missed} is not proven to {digits} digits; take fewer digits"
         known = {"id": result.id, "engine": result.engine}

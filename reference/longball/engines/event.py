@@ -295,7 +295,7 @@ def first_met(
                 errors[event.name] = max(errors[event.name], event.slope * rounded)
 
         # the first fall of each value on this piece
-        found = []
+        met = []
         for event in events:
             curve, off = piece.curve(event.value), errors[event.name]
             t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
@@ -304,9 +304,9 @@ def first_met(
                 # Below zero from the start: it fell on an earlier piece, within its error there.
                 if numbers.rounding and number > 0 and not t > 0:
                     where, t = _fallen(seen, event, numbers)
-                found.append(Met(event, where.begin + t, event.place(where.at(t))))
-        if found:
-            return _earliest(found, events, errors, limit, error, numbers)
+                met.append(Met(event, where.begin + t, event.place(where.at(t))))
+        if met:
+            return _earliest(met, events, errors, limit, error, numbers)
         seen.append((piece, end))
         if not piece.begin + piece.length < limit:
             break
@@ -338,7 +338,7 @@ def _fallen(seen: Sequence[tuple[Piece, N]], event: Event, numbers: Numbers) -> 
 
 
 def _earliest(
-    found: list[Met],
+    candidates: list[Met],
     events: Events,
     errors: dict[str, N],
     limit: N,
@@ -346,7 +346,7 @@ def _earliest(
     numbers: Numbers,
 ) -> Met:
     """Return the earliest event of a piece; raise `Undecided` if another coincides with it."""
-    first = min(found, key=lambda met: met.time)
+    first = min(candidates, key=lambda met: met.time)
     # At the first event all other values are still positive, by more than their errors. At a launch
     # they are exact, and the event that is listed first wins.
     for other in events:
@@ -433,10 +433,10 @@ def margin_error(bat: BatSection, plate_height: N, flight_error: float, numbers:
     offset, bat_height, ball_height = (
         abs(value) for value in (bat.height - plate_height, bat.height, plate_height)
     )
-    way = numbers.where(offset > bat.reach, offset, bat.reach)
+    distance = numbers.where(offset > bat.reach, offset, bat.reach)
     height = numbers.where(bat_height > ball_height, bat_height, ball_height)
     rounding = numbers.rounding * (8 * height + 4 * abs(bat.frame.x) + 2 * bat.reach)
-    return 2 * way * flight_error + rounding
+    return 2 * distance * flight_error + rounding
 
 
 def inside_bat(distance: Any, reach: Any) -> InvalidScene:

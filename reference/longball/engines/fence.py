@@ -80,12 +80,12 @@ _FAR = 1e30
 
 def chords(polyline: Sequence[Sequence[float]], numbers: Numbers) -> list[Chord]:
     """Return the chords of a polyline; a step of the height, at one place, is no chord."""
-    found = [
+    sides = [
         (i, a, b) for i, (a, b) in enumerate(pairwise(polyline)) if tuple(a[:2]) != tuple(b[:2])
     ]
     made = []
-    for n, (i, a, b) in enumerate(found):
-        before, after = found[n - 1] if n else None, found[n + 1] if n + 1 < len(found) else None
+    for n, (i, a, b) in enumerate(sides):
+        before, after = sides[n - 1] if n else None, sides[n + 1] if n + 1 < len(sides) else None
         x, y, h = (numbers.exact(v) for v in a)
         u, v, k = (numbers.exact(v) for v in b)
         goes_on = before is not None and tuple(before[2]) == tuple(a)
@@ -168,14 +168,14 @@ def _seen(
     return (aside < 0) ^ True, aside, on & is_open
 
 
-def at_stop(name: str, found: Stop, sense: int, numbers: Numbers) -> Event:
+def at_stop(name: str, stop: Stop, sense: int, numbers: Numbers) -> Event:
     """Return the event that a flight in its plane is at the fence."""
     return Event(
         name,
         "the ball reaches the fence",
-        lambda state: sense * (found.s - state.s),
-        lambda state: state._replace(s=found.s),
-        numbers.where(abs(found.s) > 1, abs(found.s), numbers.exact(1.0)),
+        lambda state: sense * (stop.s - state.s),
+        lambda state: state._replace(s=stop.s),
+        numbers.where(abs(stop.s) > 1, abs(stop.s), numbers.exact(1.0)),
     )
 
 
@@ -239,7 +239,7 @@ def first_crossing(
         if not goes_on:  # the ball is elsewhere where it ends, as the time of that may be off
             u, v, _ = frame.velocity(piece.at(until))
             moved = late * (abs(u) + abs(v))
-        found: list[Crossing] = []
+        crossings: list[Crossing] = []
         for chord, value in lines:
             # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
             length = size(piece.at(zero))
@@ -253,9 +253,9 @@ def first_crossing(
                     # A crossing within the error of an end counts for both chords that meet there.
                     place = chord.passed(frame.position(state), error * size(state), numbers)
                 if place is not None:
-                    found.append(Crossing(piece.begin + t, state, place, doubtful))
-        if found:
-            return min(found, key=lambda crossing: crossing.time)
+                    crossings.append(Crossing(piece.begin + t, state, place, doubtful))
+        if crossings:
+            return min(crossings, key=lambda crossing: crossing.time)
         if not goes_on:
             return None
     return None

@@ -43,8 +43,8 @@ def in_parallel(
     tasks = (delayed(function)(*arguments) for arguments in chain(first, calls))
     prefer = "threads" if threads else "processes"
     with nullcontext() if threads or workers == 1 else _interrupts_held():
-        found: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)
-    return found
+        results: Iterator[T] = Parallel(n_jobs=workers, return_as="generator", prefer=prefer)(tasks)
+    return results
 
 
 def checked(workers: object) -> int:

@@ -73,7 +73,7 @@ class Flight:
 
     def highest(self, numbers: Numbers) -> tuple[N, State] | None:
         """Return time, s since launch, and state at the highest point; None if it still rises."""
-        found: tuple[N, State] | None = None
+        top: tuple[N, State] | None = None
         start, rises = numbers.exact(0.0), True
         for piece in self.path.pieces():
             left = self.time - piece.begin
@@ -81,8 +81,8 @@ class Flight:
             # The launch of a ball that falls, or the top between two pieces.
             if rises and not climb(start) > 0:
                 state = piece.at(start)
-                if found is None or state.z > found[1].z:
-                    found = piece.begin, state
+                if top is None or state.z > top[1].z:
+                    top = piece.begin, state
             over = not piece.length < left
             end = left if over else piece.length
             # Most pieces only climb or only sink, which is cheaper to see than where they turn.
@@ -93,12 +93,12 @@ class Flight:
                     # w is zero exactly where the flight of a ball straight up is cut in two.
                     t = climb.zero(a, b) if climb(b) < 0 else b
                     state = piece.at(t)
-                    if found is None or state.z > found[1].z:
-                        found = piece.begin + t, state
+                    if top is None or state.z > top[1].z:
+                        top = piece.begin + t, state
             if over:
                 break
             rises = climb(end) > 0
-        return found
+        return top
 
     def then(self, second: Flight) -> Flight:
         """Return this flight, continued by a second one from where it ends."""

@@ -120,7 +120,7 @@ class PathEngine(Engine, ABC):
         # branch       0   |   1   |   2   |   3
         #                  <-- - - -->           leaving branch 1: down (-1) or up (1)
         one, nothing = self.numbers.exact(1.0), self.numbers.exact(0.0)
-        found = []
+        switching = []
         for which, (switch, branch) in enumerate(zip(form.switches, branches, strict=True)):
             for direction, number in ((-1, branch - 1), (1, branch)):
                 if not 0 <= number < len(switch.thresholds):
@@ -140,8 +140,8 @@ class PathEngine(Engine, ABC):
                 size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
                 event = Event("switch", switch.question, value, lambda state: state, size)
                 function = form.switching_function(switch)
-                found.append(_SwitchEvent(event, which, direction, function, threshold))
-        return found
+                switching.append(_SwitchEvent(event, which, direction, function, threshold))
+        return switching
 
     def _first_switch(
         self,
@@ -156,7 +156,7 @@ class PathEngine(Engine, ABC):
         The `first` piece on a branch begins on the threshold that was `passed`; another switch of
         the same function may have that threshold, too.
         """
-        found: tuple[N, _SwitchEvent] | None = None
+        earliest: tuple[N, _SwitchEvent] | None = None
         for end in ends:
             event = end.event
             error = self.numbers.exact(self.flight_error) * event.size
@@ -172,9 +172,9 @@ class PathEngine(Engine, ABC):
                 on_surface=passed is not None and end.is_threshold_of(passed),
                 stays=False,
             )  # fmt: skip
-            if time is not None and (found is None or time < found[0]):
-                found = time, end
-        return found
+            if time is not None and (earliest is None or time < earliest[0]):
+                earliest = time, end
+        return earliest
 
     def _smooth(
         self, law: Law, start: State, begin: N, limit: N, events: Events

@@ -102,9 +102,9 @@ COEFFICIENTS = Code(Path(coefficients.__file__).read_text("utf-8"), 5_000)
 
 def values_at(x: Array, h: float) -> Array:
     """Return the values of polynomials, one a row."""
-    run, found = COEFFICIENTS.now, np.empty(len(x))
-    run.values(run.taken(x), h, found)
-    return found
+    run, heights = COEFFICIENTS.now, np.empty(len(x))
+    run.values(run.taken(x), h, heights)
+    return heights
 
 
 def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
@@ -183,8 +183,8 @@ class PolynomialCurve:
 
     def turns(self, a: float, b: float) -> Sequence[float]:
         """See `Curve.turns`."""
-        found = self.run.turning_points(self._from(a), (b - a) / self.unit) * self.unit
-        return (a + found if a else found).tolist()  # type: ignore[no-any-return]
+        times = self.run.turning_points(self._from(a), (b - a) / self.unit) * self.unit
+        return (a + times if a else times).tolist()  # type: ignore[no-any-return]
 
     def zero(self, a: float, b: float) -> float:
         """See `Curve.zero`."""

@@ -53,10 +53,10 @@ def reach_of_terms(x: Any, order: int, rtol: float, changing: tuple[int, ...]) -
 
 def total(x: Any, n: int, rows: tuple[int, ...]) -> float:
     """Return the sum of the sizes of the coefficients n of some rows."""
-    found = 0.0
+    result = 0.0
     for i in rows:
-        found += abs(x[i][n])
-    return found
+        result += abs(x[i][n])
+    return result
 
 
 # The series of a square root converges up to the complex zeros of its argument, even where that

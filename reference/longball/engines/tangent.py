@@ -330,10 +330,10 @@ class Tangent(PathEngine):
         A distance has a corner at zero: a pitch that passes the bat's axis itself, to more digits
         than a derivative needs, has a margin without one.
         """
-        found = super().touch(pitch, law, bat, events, limit)
-        if abs(bat.reach - found.margin) > ON_THE_AXIS * bat.reach:
-            return found
-        return replace(found, margin=Jet(plain_of(found.margin), rate_of(found.margin) * math.nan))
+        met = super().touch(pitch, law, bat, events, limit)
+        if abs(bat.reach - met.margin) > ON_THE_AXIS * bat.reach:
+            return met
+        return replace(met, margin=Jet(plain_of(met.margin), rate_of(met.margin) * math.nan))
 
 
 # Of the reach: the direction in which a pitch passes the axis is then known to six digits.
@@ -368,12 +368,12 @@ class JetPiece:
     def at(self, t: Jet) -> Any:
         """Return the state at a time on the piece, s since it begins."""
         inner = self.piece.at(plain_of(t))
-        found = jets_of(inner, self.state)
+        state = jets_of(inner, self.state)
         if rate_of(t) == 0:
-            return found
+            return state
         speeds = self.rates(*inner)
         return self.state(
-            *(Jet(x.value, x.rate + v * t.rate) for x, v in zip(found, speeds, strict=False))
+            *(Jet(x.value, x.rate + v * t.rate) for x, v in zip(state, speeds, strict=False))
         )
 
     def curve(self, value: Callable[[Any], Any]) -> JetCurve:
@@ -411,12 +411,12 @@ class JetCurve:
         if not self.piece.rounding:
             return [Jet(t) for t in turns]
         h = self.piece.piece.length * _APART
-        found = []
+        shifted = []
         for t in turns:
             curvature = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
             step = -self._falling(t) / curvature if curvature else 0
-            found.append(Jet(t + step if abs(step) < h else t))
-        return found
+            shifted.append(Jet(t + step if abs(step) < h else t))
+        return shifted
 
     def _falling(self, t: Any) -> Any:
         """Return ġ."""
@@ -511,13 +511,13 @@ def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any
     numbers = engine.numbers
     with numbers.arithmetic(), not_beyond_a_kink():
         try:
-            found = quantities_of(marked, Tangent(engine))
+            jets = quantities_of(marked, Tangent(engine))
         except Shallow:
             finer = derivatives_by(scene, name, Enclosure(_DIGITS))
             return {quantity: numbers.exact(float(slope)) for quantity, slope in finer.items()}
         return {
             path: (numbers.exact(0.0) + jet.rate) / numbers.exact(speed)
-            for quantity, value in found.items()
+            for quantity, value in jets.items()
             for path, jet in _named(quantity, value)
         }
 

@@ -37,14 +37,14 @@ def partials(program: Program) -> tuple[tuple[trace.Node, ...], ...]:
     }
     of_names = program.bind(dict(zip(known, names, strict=True)), functions)
     derived: list[dict[Any, Any]] = [{} for _ in known]
-    found = [
+    derivatives = [
         trace.derivative(trace.as_node(output), name, known_so_far)
         for output in of_names(*names[: len(program.variables)])
         for name, known_so_far in zip(names, derived, strict=True)
     ]
     # Turn the parameters back, so that what depends on them alone is computed once for a flight.
     as_they_were = (*map(variable, program.variables), *map(parameter, program.parameters))
-    bound = Program(known, (), tuple(found)).bind({}, functions)(*as_they_were)
+    bound = Program(known, (), tuple(derivatives)).bind({}, functions)(*as_they_were)
     nodes = tuple(map(trace.as_node, bound))
     return tuple(nodes[i : i + len(known)] for i in range(0, len(nodes), len(known)))
 

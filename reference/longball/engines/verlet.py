@@ -669,12 +669,12 @@ def _acceleration(law: Law, state: Sequence[float]) -> Components:
     """Return the acceleration in a state; NaN beyond the range of doubles."""
     position, velocity = _halves(list(map(float, state)))
     try:
-        found: Components = (
+        acceleration: Components = (
             steps_of(law.program).count().accelerate(position, velocity, _parameters(law))
         )
     except BEYOND:
         return (math.nan,) * len(velocity)
-    return found
+    return acceleration
 
 
 def _parameters(law: Law) -> Components:

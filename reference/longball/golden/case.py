@@ -1,4 +1,4 @@
-"""Golden cases and probabilities as they stand in their files, and the header of a set."""
+"""Golden cases, probabilities and the header of a set, in the form of their files."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from longball.model.scene import AtBatScene, Scene
 
 Difficulty = Literal["lower", "average", "higher"]
 
-# 2^-53: half an ulp of 1, relative; the largest error of rounding a number to a double.
+# Largest relative error of rounding to a double: half an ulp of 1.
 ROUNDING = 2.0**-53
 
 
-# Flags that solving a case gives it; the others come with its scene.
+# Flags that solving adds to a case; the others are written with its scene.
 FOUND = ("undecided", "many-digits", "fragile", "unconfirmed", "wide")
 
 
 class Draft(Strict, extra="ignore"):
-    """A case as it is written; its scene, whose id is the case's, gives the rest."""
+    """The written part of a case. The rest follows from its scene, which has the case's id."""
 
     scene: Scene = Field(discriminator="kind")
     comment: str
@@ -36,18 +36,19 @@ class Draft(Strict, extra="ignore"):
     @field_validator("flags")
     @classmethod
     def _written(cls, flags: tuple[str, ...]) -> tuple[str, ...]:
+        # A finished case of an earlier version is also a draft: solving decides its flags again.
         return tuple(flag for flag in flags if flag not in FOUND)
 
 
 class Drafts(NamedTuple):
-    """A family before it is solved: what it is about, and its cases."""
+    """A family before it is solved: its subject and its cases."""
 
     about: str
     cases: list[Draft]
 
 
 class Quantity(Strict):
-    """A number of the expected result for those who compute in doubles."""
+    """A number of the expected result, for programs that compute in doubles."""
 
     double: float = Field(description="the double nearest to the truth")
     hex: str = Field(
@@ -116,17 +117,17 @@ class Case(Strict):
         Parameters
         ----------
         quantity
-            Its path in the result, such as ``landing.distance``.
+            Name of the quantity, such as ``landing.distance``.
 
         Returns
         -------
         float
-            Infinite if an input's last bits decide the outcome.
+            The error; infinite if an input's last bits decide the outcome.
 
         Raises
         ------
         KeyError
-            If the result has no such quantity; the message names the nearest that it has.
+            If the result has no such quantity; the message gives similar names.
         """
         if quantity not in self.quantities:
             raise KeyError(str(unknown(quantity, self.quantities)))
@@ -134,7 +135,9 @@ class Case(Strict):
         return math.inf if error is None else error
 
     def line(self) -> str:
-        """Return the case as a line of JSON, scene and result as `longball solve` has them."""
+        """Return the case as a line of JSON, with scene and result as in `longball solve`."""
+        # The scene is written without its defaults if it was given without them: the family
+        # `defaults` tests whether implementations know these.
         whole = self.model_dump(mode="json") | {
             "scene": json.loads(self.scene.as_written()),
             "expected": json.loads(self.expected.line()),
@@ -151,7 +154,7 @@ class Family(Strict):
 
 
 class Header(Strict):
-    """Header of the set: all that its users have to know."""
+    """Header of a set: the meaning of its keys and numbers, its families and versions."""
 
     title: str
     format: str = Field(description="version of the form of the files; see README.md")
@@ -220,11 +223,14 @@ def as_double(number: Bounded) -> float:
 
 def decisions(result: Result) -> tuple[object, ...]:
     """Return a result's decisions: the outcome, and its flags."""
+    # Two results with other decisions have different formulas, so their numbers cannot be compared.
     mode = result.impact and result.impact.mode
     fair = result.landing and result.landing.fair
     return result.outcome, mode, result.fence and result.fence.segment, fair
 
 
+# The quantities for which a scene with this outcome is usually solved. Difficulty and derivatives
+# of a case refer to them. Outcomes without an entry, such as airborne, have no such quantity.
 _ASKED: dict[str | None, tuple[str, ...]] = {
     "batted": ("landing.distance", "landing.time"),
     "landed": ("landing.distance", "landing.time"),
@@ -239,7 +245,7 @@ _ASKED: dict[str | None, tuple[str, ...]] = {
 
 
 def decisive(result: Result) -> tuple[str, ...]:
-    """Return the paths of the quantities that an outcome is mainly asked for."""
+    """Return the names of the quantities that matter most for an outcome."""
     wanted = _ASKED.get(result.outcome, ())
-    # A touching that is given has no margin.
+    # Some quantities are missing: an impact scene begins at the contact, and has no margin.
     return tuple(name for name, _ in numbers_of(result) if name in wanted)

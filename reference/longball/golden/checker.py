@@ -1,4 +1,4 @@
-"""Verification of a golden set: files, form, consistency, and every number computed again."""
+"""Verification of a golden set: files, schemas, consistency, and every number computed again."""
 
 from __future__ import annotations
 
@@ -54,10 +54,10 @@ def check(
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Report:
-    """Verify a golden set: its files, and its cases, or a random sample of them, solved again.
+    """Verify a golden set: check its files, and solve its cases, or a random sample, again.
 
-    The second method takes a few times as long as the first; `progress` is called with the numbers
-    of cases solved again, and of those to be.
+    If `independent`, a second method solves them as well, in several times the time. `progress` is
+    called with the number of cases solved again, and their total.
     """
     # the files, and the cases in them
     failures = [*_wrong_files(folder)]
@@ -69,25 +69,26 @@ def check(
         if not inside(folder, family.file):
             failures.append(f"{HEADER}: {family.file!r} is not a file of {folder}")
             continue
-        found, wrong = _read_family(folder / family.file, name, family.cases)
-        cases += found
+        of_family, wrong = _read_family(folder / family.file, name, family.cases)
+        cases += of_family
         failures += wrong
     if folder.resolve() != DATA:
         failures += _out_of_order(cases)
     every: list[Case | ProbabilityCase] = [*cases]
-    # the probabilities, which a set may lack
+    # the probabilities; a set can be written without them
     if (folder / PROBABILITIES).exists():
         integrals, fault = _read(Probabilities, folder / PROBABILITIES)
         if integrals is None:
             failures.append(f"{PROBABILITIES}: {fault}")
         else:
             every += integrals.cases
-    # what the cases say of themselves
+    # consistency of each case with the header and with itself
     ids = Counter(case.id for case in every)
     failures += [f"{name}: the id is given twice" for name, count in ids.items() if count > 1]
     failures += [sentence for case in cases for sentence in _inconsistent(case, top)]
 
-    # every number once more, or those of a sample; P(e) needs the compiled code
+    # Solve all cases again, or a sample. P(e) needs the compiled engine, which is an extra: without
+    # it the other cases can still be checked.
     chosen = every
     if sample is not None and sample < len(every):
         chosen = random.Random(seed).sample(every, sample)
@@ -120,6 +121,7 @@ def _wrong_files(folder: Path) -> Iterator[str]:
             yield f"{name}: listed in {CHECKSUMS}, but not there"
         elif checksum(folder / name) != digest:
             yield f"{name}: its SHA-256 is not the one in {CHECKSUMS}; the file was changed"
+    # Hidden files, such as those of an interrupted run, are not part of the set.
     for path in sorted(folder.rglob("*")):
         name = path.relative_to(folder).as_posix()
         if path.is_file() and name not in {*sums, CHECKSUMS} and not name.startswith("."):
@@ -159,7 +161,8 @@ def _read_family(path: Path, family: str, count: int) -> tuple[list[Case], list[
 
 
 def _out_of_order(cases: list[Case]) -> Iterator[str]:
-    """Yield which cases stand where others belong, in the order of the shipped set."""
+    """Yield a sentence for each case that is not in the order of the shipped set."""
+    # Reordered lines would leave every checksum of a newly written set right.
     shipped = (draft.scene.id for family in drafts().values() for draft in family.cases)
     place = {name: number for number, name in enumerate(shipped)}
     ids = [case.id for case in cases if case.id in place]
@@ -173,11 +176,11 @@ def _first_fault(error: ValidationError) -> str:
     return f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}"
 
 
-# --- what a case says of itself -------------------------------------------------------------------
+# --- consistency ----------------------------------------------------------------------------------
 
 
 def _inconsistent(case: Case, top: Header) -> Iterator[str]:
-    """Yield what in a case contradicts the header, or the rest of it."""
+    """Yield the contradictions between a case and the header, and within the case."""
     if case.scene.id != case.id or case.expected.id != case.id:
         yield f"{case.id}: scene and expected result have other ids"
     for flag in case.flags:
@@ -185,6 +188,7 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
             yield f"{case.id}: the flag {flag} is not explained in {HEADER}"
     if case.level not in top.levels:
         yield f"{case.id}: the level {case.level} is not explained in {HEADER}"
+    # `quantities`, for programs in doubles, repeats the decimal numbers of `expected`.
     expected = dict(numbers_of(case.expected))
     if expected.keys() != case.quantities.keys():
         yield f"{case.id}: quantities are not those of the expected result"
@@ -216,7 +220,7 @@ def _confirmations(cases: list[Case]) -> str:
     )
 
 
-# --- every number once more -----------------------------------------------------------------------
+# --- cases solved again ---------------------------------------------------------------------------
 
 
 def _made_again(case: Case | ProbabilityCase, independent: bool) -> list[str]:
@@ -226,7 +230,7 @@ def _made_again(case: Case | ProbabilityCase, independent: bool) -> list[str]:
 
 
 def solved_again(case: Case, independent: bool) -> list[str]:
-    """Solve a case again; return a sentence for each thing that comes out otherwise."""
+    """Solve a case again; return a sentence for each difference."""
     failures = [f"{case.id}: {fault}" for fault in _apart(case.expected, prove(case.scene))]
     if independent:
         confirmation, agrees = confirm(case.scene, case.expected)
@@ -239,11 +243,12 @@ def solved_again(case: Case, independent: bool) -> list[str]:
 
 
 def _apart(expected: Result, again: Result) -> Iterator[str]:
-    """Yield where two enclosures of the same truth do not meet."""
+    """Yield the numbers whose two enclosures do not overlap."""
     if expected.outcome != again.outcome:
         yield f"expected {expected.outcome or expected.error}, now {again.outcome or again.error}"
         return
     now = dict(numbers_of(again))
+    # More digits than any number of the set has: the differences are exact.
     with localcontext(prec=100):
         for name, number in numbers_of(expected):
             other = now[name]

@@ -1,28 +1,28 @@
 """Sensitivity of a result to its inputs, and the accuracy that doubles can attain.
 
-**Derivatives.** Each number of a scene that is an input of the model is moved to either side, the
-whole scene is solved again, and the central difference taken: a diagnostic of three digits. It is
-moved by 2^-15 of itself, or of the vector it is a component of, and solved in doubles, which takes
-milliseconds. If the differences to either side agree to three digits, neither rounding nor a kink
-nor the curvature spoils them, and nothing changes the outcome in between; a change that doubles do
-not see at all is none. Otherwise it is moved by 2^-50 of itself (a few ulps: the moved input is a
-double too) and solved with 30 digits, in a hundred times the time: the difference of two results is
-then known to fifteen digits less, and the step is so short that even at a graze with a margin of
-1e-15 m it is a small part of the margin.
+**Derivatives.** They are central differences with three digits: each input of the model is moved to
+either side, and the whole scene is solved again. The first step is 2^-15 of the input, or of the
+length of its vector, and the scenes are solved in doubles, in milliseconds. If the differences to
+both sides agree to three digits, rounding, kinks and curvature do not matter, and the outcome stays
+the same in between; a difference of exactly zero counts unless the step is tiny. Otherwise the step
+is 2^-50 of the input (a few ulps, because the moved input must be a double, too), and the scenes
+are solved with 30 digits, in a hundred times the time. The difference of two results then has
+fifteen digits less, and even for a graze with a margin of 1e-15 m the step is a small part of the
+margin.
 
 **Attainable error.** With u = 2^-53, the error of rounding to a double, relative,
 
     attainable(Q) = u ( Σ_i |∂Q/∂x_i| |x_i|  +  |∂Q/∂σ_b| |z_b|  +  |Q| ).
 
-The first term: whoever reads the inputs as decimals, or multiplies each of them once, has errors
-that act like inputs that are off by half an ulp; a backward stable computation adds a small
-multiple of that for the roundings on its way. The second (at-bats): the bat is put at the height
-z_b = z'_b + σ_b, which a double holds to half an ulp of z_b, however small the offset σ_b that
-margin and normal hang on; this is no rounding of an input, and no input's derivative shows it,
-because pitch and bat move up and down together. The third: the result is rounded too; for a
-component |Q| is the length of its vector, since whoever computes the vector along other axes
-rounds like that, and for the way along a fence to its next vertex it is the distance of the place
-from the plate. What an implementation loses beyond a small multiple of this is its own doing.
+First term: a program that reads the inputs as decimals, or multiplies each of them once, has errors
+like those of inputs that are off by half an ulp; a backward stable computation adds a small
+multiple of that for its own roundings. Second term (at-bats): the bat is at the height z_b = z'_b +
+σ_b. A double holds it to half an ulp of z_b, however small the offset σ_b that decides margin and
+normal. No derivative by an input shows this error, because pitch and bat move up and down together.
+Third term: the result is rounded, too. For a component, |Q| is the length of its vector, because a
+program may compute the vector along other axes; for the distance along a fence to the next vertex,
+|Q| is the distance of the crossing from the plate. A good implementation loses only a small
+multiple of the attainable error.
 
 N. J. Higham, Accuracy and Stability of Numerical Algorithms, Ch. 1: the rule of thumb that the
 forward error is the condition number times the backward error.
@@ -44,13 +44,15 @@ from longball.model.quantities import numbers, numbers_of, vector_of
 from longball.model.result import Bounded, Result
 from longball.model.scene import AtBatScene, Scene
 
-# Of an input; see the module's docstring. An input of zero is moved by this in its unit.
+# Relative step of an input in doubles; see the module's docstring. It is also the step of an input
+# that is zero, in its unit.
 WIDE_STEP = 2.0**-15
 
-# How much differences to either side may differ: three digits.
+# Largest relative difference between the differences to either side: three digits.
 _RESOLVED = 1e-3
 
-# A step as short as that, in an input's unit, may change nothing in doubles though it matters.
+# A step shorter than this, in the unit of the input, may change nothing in doubles although the
+# derivative is not zero.
 _SEEN = 1e-6
 
 
@@ -58,9 +60,9 @@ _SEEN = 1e-6
 class Sensitivity:
     """Derivatives of a result by its inputs."""
 
-    # ∂Q/∂x by quantity and input; None where a step in either direction changes the outcome.
+    # ∂Q/∂x by quantity and input; None if steps in both directions change the outcome.
     derivatives: Mapping[str, Mapping[str, float | None]]
-    # Whether a step of any input, in any direction, changes the outcome or leaves none.
+    # True if a step of some input changes the outcome, or leads to a scene without one.
     fragile: bool
 
 
@@ -87,19 +89,19 @@ def sensitivity(scene: Scene, result: Result, engine: Engine) -> Sensitivity:
 
 
 def _in_doubles(scene: Scene | None, result: Result) -> dict[str, float] | None:
-    """Return the numbers of a scene solved in doubles; None if it is not decided as a result is."""
-    if scene is None or decisions(found := solve(scene, Ivp())) != decisions(result):
+    """Return the numbers of a scene solved in doubles; None if its decisions differ."""
+    if scene is None or decisions(doubles := solve(scene, Ivp())) != decisions(result):
         return None
-    known = dict(numbers(found))
+    known = dict(numbers(doubles))
     return {name: float(known[name]) for name, _ in numbers_of(result)}
 
 
 def _slopes_of_doubles(
     scene: Scene, result: Result, path: str, x: float, here: Mapping[str, float]
 ) -> dict[str, float | None] | None:
-    """Return the derivatives by an input; None if doubles do not have three digits of them.
+    """Return the derivatives by an input; None if doubles do not give three digits of them.
 
-    Where nothing much is asked, three digits of the quantity itself are enough.
+    For quantities that are not decisive, three digits of their own size are enough.
     """
     values = inputs(scene)
     step = WIDE_STEP * (math.hypot(*(values.get(part, 0.0) for part in vector_of(path))) or 1.0)
@@ -124,9 +126,9 @@ def _slopes_of_doubles(
 def _moved(
     scene: Scene, result: Result, path: str, x: float, engine: Engine
 ) -> tuple[list[tuple[float, Mapping[str, Bounded]]], bool]:
-    """Return an input and the numbers of a result at two ends of a short step, or none.
+    """Return the input and the numbers at both ends of a short step, and whether both are decided.
 
-    Those are ends that decide as the result does; and whether both do.
+    An end with other decisions than the result is replaced by the middle; two of them by none.
     """
     step = STEP * (abs(x) or 1.0)
     there = [
@@ -134,11 +136,12 @@ def _moved(
         for moved in (x - step, x + step)
         if (other := with_input(scene, path, moved)) is not None
     ]
-    ends = [(moved, found) for moved, found in there if decisions(found) == decisions(result)]
+    ends = [(moved, solved) for moved, solved in there if decisions(solved) == decisions(result)]
     decided = len(ends) == len(there)
+    # At a kink or a tie only one side has this outcome: a one-sided difference.
     if len(ends) == 1:
         ends.append((x, result))
-    return [(moved, dict(numbers_of(found))) for moved, found in ends], decided
+    return [(moved, dict(numbers_of(solved))) for moved, solved in ends], decided
 
 
 def _slope(name: str, ends: list[tuple[float, Mapping[str, Bounded]]]) -> float:
@@ -147,19 +150,22 @@ def _slope(name: str, ends: list[tuple[float, Mapping[str, Bounded]]]) -> float:
     return float(difference / (Decimal(b) - Decimal(a)))
 
 
-def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[str, float | None]:
+def attainable_errors(
+    scene: Scene, result: Result, sensitivity: Sensitivity
+) -> dict[str, float | None]:
     """Return the attainable error of each quantity, in its unit; see the module's docstring.
 
     None if a derivative is.
     """
     values = inputs(scene)
-    height = 0.0  # z_b, m, where a bat is put relative to the pitch
+    # z_b, m, for the second term; other scenes give the height of the bat as an input.
+    height = 0.0
     if isinstance(scene, AtBatScene) and result.plate is not None:
         height = float(result.plate.position[2]) + scene.swing.height_offset
     lengths = magnitudes(result)
     errors: dict[str, float | None] = {}
     for name, _ in numbers_of(result):
-        slopes = found.derivatives.get(name, {})
+        slopes = sensitivity.derivatives.get(name, {})
         pairs = [(slopes.get(path), x) for path, x in values.items()]
         pairs.append((slopes.get("swing.height_offset", 0.0), height))
         parts = [abs(slope * x) for slope, x in pairs if slope is not None]
@@ -170,9 +176,9 @@ def attainable_errors(scene: Scene, result: Result, found: Sensitivity) -> dict[
 
 
 def magnitudes(result: Result) -> dict[str, float]:
-    """Return of every number its absolute value, of a component the length of its vector.
+    """Return the size of every number: its absolute value, or the length of its vector.
 
-    Of the way along a fence to a vertex, that of the place on the fence.
+    The size of the distance along a fence to a vertex is that of the crossing's position.
     """
     value = {name: as_double(number) for name, number in numbers_of(result)}
     parts = {name: vector_of(name) for name in value}
@@ -181,13 +187,13 @@ def magnitudes(result: Result) -> dict[str, float]:
     return {name: math.hypot(*(value[part] for part in parts[name])) for name in value}
 
 
-def condition(result: Result, found: Sensitivity) -> Condition:
+def condition(result: Result, sensitivity: Sensitivity) -> Condition:
     """Return the condition block of a golden case."""
     return Condition(
         derivatives={
             name: {
                 path: None if slope is None else _three_digits(slope)
-                for path, slope in found.derivatives[name].items()
+                for path, slope in sensitivity.derivatives[name].items()
             }
             for name in decisive(result)
         },
@@ -204,7 +210,8 @@ def rates(result: Result) -> dict[str, float]:
     if contact is not None and contact.normal is not None:
         assert contact.normal_speed is not None
         assert contact.bat_velocity is not None
-        # V·n = Ṽ·n + V_b·n: the bat's cylinder stands still while it is touched.
+        # V·n = Ṽ·n + V_b·n. The contact is found for a bat at rest (docs/model.md, Swing and
+        # contact), so the ball's own speed counts.
         pairs = zip(contact.bat_velocity, contact.normal, strict=True)
         of_bat = math.fsum(float(v) * float(n) for v, n in pairs)
         speeds["contact"] = abs(float(contact.normal_speed) + of_bat)

@@ -1,4 +1,4 @@
-"""The files of a golden set: names, texts, checksums, schemas, and writing without halves."""
+"""The files of a golden set: names, texts, checksums, schemas, and atomic writing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from longball import __version__
 from longball.golden.case import Case, Header, Probabilities
 from longball.model.schema import published, text
 
-# The version of the form of the files; README.md in their folder says when it changes.
+# Version of the files' format; README.md in their folder says when it changes.
 FORMAT = "1.3"
 
 # Files that come with every set, written by hand.
@@ -28,7 +28,7 @@ PROBABILITIES = "probability.json"
 PARTIAL = ".partial"
 ARCHIVE = f"longball-golden-{FORMAT}-{__version__}"
 
-# What the headers say, by table and key.
+# Texts of the headers, by table and key.
 TEXTS: dict[str, dict[str, str]] = tomllib.loads(
     Path(__file__).with_name("legend.toml").read_text(encoding="utf-8")
 )
@@ -46,9 +46,9 @@ def schemas() -> dict[str, str]:
 
 
 def write_whole(path: Path, content: str) -> None:
-    """Write a file so that it is there whole, or not at all."""
+    """Write a file atomically: complete, or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    # A rename within a folder is atomic; without fsync it may come before the content.
+    # A rename within a folder is atomic. Without fsync it could reach the disk before the content.
     unfinished = path.with_name(path.name + ".tmp")
     with open(unfinished, "w", encoding="utf-8", newline="\n") as file:
         file.write(content)
@@ -59,11 +59,12 @@ def write_whole(path: Path, content: str) -> None:
 
 def inside(folder: Path, name: str) -> bool:
     """True if a name is that of a file in a folder or below it."""
+    # A set may be downloaded: a name such as ../x must not lead out of its folder.
     return (folder / name).resolve().is_relative_to(folder.resolve())
 
 
 def write_files(folder: Path, files: Mapping[str, str]) -> None:
-    """Write files of a set, and their checksums among those of the set's other files."""
+    """Write files of a set, and update the list of checksums."""
     for name, content in files.items():
         write_whole(folder / name, content)
     sums = {name: checksum(folder / name) for name in files}
@@ -95,7 +96,7 @@ def export(path: Path, folder: Path) -> int:
     if names == [CHECKSUMS]:
         raise ValueError(f"{folder}: there is no {CHECKSUMS}, and so no golden data")
     contents = {name: (folder / name).read_bytes() for name in names}
-    # The earliest time that ZIP has: that of writing would change the bytes.
+    # The earliest time that ZIP can hold; the time of writing would change the bytes.
     never = (1980, 1, 1, 0, 0, 0)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in contents.items():

@@ -1,4 +1,4 @@
-"""The golden probabilities of a home run: made by quadrature, confirmed by scrambled points."""
+"""Golden probabilities of a home run, by quadrature; scrambled points confirm them."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from longball.home_run import Randomised, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
 
 LINES = 1024  # in each scramble
+# Checks draw other points than the file, so that they confirm it independently.
 SEED, SEED_OF_CHECKS = 1, 2
-# A mean of 16 scrambles is farther off than five of the errors that they tell with a probability of
-# 2e-4 (Student's t with 15 degrees of freedom), which a set of some 40 values does not show.
+# In standard errors. The mean of 16 scrambles is off by more than five of its estimated standard
+# errors with a probability of 2e-4 (Student's t, 15 degrees of freedom), of 1 % in 40 values.
 FARTHEST = 5.0
 
 
@@ -30,11 +31,11 @@ def write_probabilities(
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> int:
-    """Write the file of probabilities into a set; return the number of its cases.
+    """Write the file of probabilities of a set; return the number of its cases.
 
-    Computed again are the scene, the sampling and the restitutions of cases, by default those of
-    the shipped set, with so many lines in each scramble of the second method. Threads do not change
-    what is written.
+    `wanted` gives scenes, samplings and restitutions, by default those of the shipped set; `lines`
+    is the number of points in each scramble of the second method. The number of workers does not
+    change the file.
     """
     chosen = probabilities().cases if wanted is None else wanted
     cases = []
@@ -58,37 +59,38 @@ def write_probabilities(
     )
     data = whole.model_dump(mode="json")
     for written, case in zip(data["cases"], cases, strict=True):
-        written["scene"] = json.loads(case.scene.line())  # as a line of scenes has it
+        # In the form that `longball solve` reads, not with every field of the model.
+        written["scene"] = json.loads(case.scene.line())
     content = json.dumps(data, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
     write_files(folder, {PROBABILITIES: content} | schemas())
     return len(cases)
 
 
 def make(case: ProbabilityCase, lines: int, workers: int) -> ProbabilityCase:
-    """Return a case with its integrals, and what the second method makes of them, anew."""
+    """Compute a case: its integrals, and their confirmation by the second method."""
     at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     problem = case.scene, at_bats, [row.e for row in case.rows]
-    found = integrals(*problem, sample_space=space, workers=workers)
-    # It shares the flights with quadrature, and neither nodes nor the order of integration.
+    computed = integrals(*problem, sample_space=space, workers=workers)
+    # It shares the flights with the quadrature, but neither the nodes nor the order of integration.
     second = scrambled(*problem, lines, SEED, sample_space=space, workers=workers)
     rows = tuple(
         ProbabilityRow(
             **asdict(row), confirmation=Second(p=other.p, standard_error=other.standard_error)
         )
-        for row, other in zip(found, second, strict=True)
+        for row, other in zip(computed, second, strict=True)
     )
     return case.model_copy(update={"rows": rows})
 
 
 def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
-    """Compute a case again; return a sentence for each thing that comes out otherwise.
+    """Compute a case again; return a sentence for each difference.
 
-    If `independent`, the second method computes it too, with other scrambles.
+    If `independent`, the second method also computes it, with other scrambles.
     """
     at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     restitutions = [row.e for row in case.rows]
     failures = []
-    # the quadrature: both values are estimates, each with an error
+    # the quadrature: both values are estimates, so their difference may be the sum of both errors
     again_found = integrals(case.scene, at_bats, restitutions, sample_space=space)
     for row, again in zip(case.rows, again_found, strict=True):
         for name, known, now, error in (
@@ -100,7 +102,7 @@ def integrated_again(case: ProbabilityCase, independent: bool) -> list[str]:
                     f"{case.id}, e = {row.e:g}: {name} is {known!r} in the file, computed again "
                     f"{now!r}; their errors allow for {error:.1e}"
                 )
-    # the second method, as it stands in the file, and with other scrambles
+    # the second method: its values in the file, and those with other scrambles
     seconds: list[tuple[ProbabilityRow, Second | Randomised]]
     seconds = [(row, row.confirmation) for row in case.rows]
     if independent:

@@ -15,7 +15,8 @@ def header(folder: Path = DATA) -> Header:
     return Header.model_validate_json((folder / "header.json").read_bytes())
 
 
-# Families of the extended model.
+# Families of the extended model. An implementation of the paper's model would reject their keys, so
+# `load` omits them by default.
 EXTENDED = (
     "impact-oblique", "fence", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
     "flight-wind", "flight-weather", "flight-side", "flight-kinks", "flight-real", "at-bat-real",
@@ -23,31 +24,31 @@ EXTENDED = (
 )  # fmt: skip
 
 
-QUICK = "quick"  # cases of all families: those that the header names
+QUICK = "quick"  # the cases that the header lists, from all families
 
 
 def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:
     """Return the cases of a family, of all families ("all"), or of all of the paper's model (None).
 
-    An implementation of the paper's model knows no key of the others' scenes. "quick" stands for
-    the few cases of all families that notice nearly every mistake.
+    The other families have keys that an implementation of the paper's model does not know. "quick"
+    stands for a few cases that together detect nearly every edit of the model.
 
     Parameters
     ----------
     family
-        Its name, "all", "quick", or None.
+        Name of a family, "all", "quick", or None.
     folder
-        Of another set than the one that comes with longball.
+        Folder of a set; by default the one that comes with longball.
 
     Returns
     -------
     list of Case
-        In the order of the files.
+        Cases in the order of the files.
 
     Raises
     ------
     ValueError
-        If there is no such family; the message names those that there are.
+        If there is no such family; the message gives similar names.
     """
     folder = Path(folder)
     top = header(folder)
@@ -64,20 +65,20 @@ def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:
 
 
 def read_cases(file: Path) -> list[Case]:
-    """Return the cases of a file, which has a line for each."""
+    """Return the cases of a file of JSON Lines."""
     return [Case.model_validate_json(line) for line in file.read_bytes().splitlines()]
 
 
 def drafts(folder: Path = DATA) -> dict[str, Drafts]:
-    """Return the families of a set with what is written of their cases, and not solved for.
+    """Return the families of a set with the written part of their cases.
 
-    A line may hold that alone.
+    A new case may have no other part.
     """
-    found = {}
+    by_family = {}
     for name, family in header(folder).families.items():
         lines = (folder / family.file).read_bytes().splitlines()
-        found[name] = Drafts(family.about, [Draft.model_validate_json(line) for line in lines])
-    return found
+        by_family[name] = Drafts(family.about, [Draft.model_validate_json(line) for line in lines])
+    return by_family
 
 
 def probabilities(folder: Path = DATA) -> Probabilities:

@@ -1,4 +1,4 @@
-"""From a draft to a golden case: solved with proof, confirmed by another method, and judged."""
+"""From a draft to a golden case: proven result, confirmation, and difficulty."""
 
 from __future__ import annotations
 
@@ -31,25 +31,27 @@ from longball.model.quantities import numbers_of, replaced
 from longball.model.result import Result
 from longball.model.scene import Scene
 
-# The digits that are promised: a proven radius of at most 1e-30 of a quantity's size. Where 30
-# digits of work do not get there, or cannot decide, more are tried before that is believed.
+# Promised digits: a proven radius of at most 1e-30 of a quantity's size. If 30 working digits do
+# not reach it, or cannot decide the outcome, 60 and 120 are tried.
 DIGITS = 30
 WORK = (DIGITS, 2 * DIGITS, 4 * DIGITS)
 
-# Digits of the independent method: what it prints is rounded far below the radii. More of them for
-# tiny numbers that are differences of large ones: its errors are relative to those.
+# Digits of the independent method: five more than the truth, so that its own error is far below the
+# radii. Tiny numbers that are differences of large ones need more, because its errors are relative
+# to the large ones.
 CONFIRMING = (DIGITS + 5, 2 * (DIGITS + 5), 3 * (DIGITS + 5))
 
-_PREC = 4 * WORK[-1]  # digits of decimal arithmetic: more than any number here has
+# Digits of decimal arithmetic: more than any number here has, so that differences are exact.
+_PREC = 4 * WORK[-1]
 
 
 def prove(scene: Scene) -> Result:
     """Return the result of a scene with proven radii, or with the reason why there is none.
 
-    Numbers have 31 digits and a radius of at most 1e-30 of their size (see `sizes`), if any number
-    of `WORK` brings that about.
+    Numbers have 31 digits and a radius of at most 1e-30 of their size (see `sizes`), unless all
+    precisions of `WORK` fail.
     """
-    # A radius grows on the way: more digits of work, not more steps, make it smaller.
+    # Radii grow along the flight. More working digits make them smaller; more steps do not.
     for digits in WORK:
         result = solve_once(scene, Enclosure(digits))
         if result.error is None and are_reached(scene, result, DIGITS):
@@ -58,11 +60,11 @@ def prove(scene: Scene) -> Result:
 
 
 def confirm(scene: Scene, proven: Result) -> tuple[Confirmation, bool]:
-    """Solve a scene by the independent method; return what it says, and whether it agrees.
+    """Solve a scene by the independent method; return its result, and whether it agrees.
 
-    It agrees if outcomes are the same and every number lies within the proven radius, but for the
-    digits that it is known to; higher precision is tried before a disagreement is accepted. Where
-    nothing is proven there is nothing to disagree with.
+    It agrees if the decisions are the same and every number lies within the proven radius, enlarged
+    by the method's own error. Higher precisions are tried before a disagreement is accepted. A
+    scene without a proven outcome always agrees.
     """
     for digits in CONFIRMING:
         engine = Multiprecision(digits)
@@ -91,7 +93,7 @@ def _compared(
                 return False, None
             difference = abs(Decimal(here[name].value) - Decimal(there[name].value))
             radius = Decimal(here[name].radius or "Infinity")
-            # Two digits for what the method's error may grow to on the way.
+            # The method proves no bound: allow its error to grow a hundredfold along the flight.
             agrees = agrees and difference <= radius + size.scaleb(2 - digits)
             if size:
                 largest = max(largest, difference / size)
@@ -115,7 +117,8 @@ def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Diffi
     asked = [table[name] for name in decisive(result)]
     if any(quantity.attainable is None for quantity in asked):
         return "higher"
-    # A distance of exactly zero has no digits to lose.
+    # The limits are those of the header: doubles keep at least 13 digits of the decisive
+    # quantities, or at least 10. A distance of exactly zero has no digits to lose.
     fewest = min((q.digits for q in asked if q.digits is not None), default=16.0)
     return "lower" if fewest >= 13 else "average" if fewest >= 10 else "higher"
 
@@ -123,19 +126,19 @@ def level_of(result: Result, table: dict[str, Quantity], fragile: bool) -> Diffi
 def make(family: str, draft: Draft) -> Case:
     """Return the golden case of a draft."""
     scene = draft.scene
-    # the truth, and what another method says of it
+    # the truth, and its confirmation by another method
     result = prove(scene)
     confirmation, agrees = confirm(scene, result)
     # what doubles can attain, from the derivatives; without an outcome there are none
-    found = Sensitivity({}, False)
+    sensitive = Sensitivity({}, False)
     if result.outcome is not None:
-        found = sensitivity(scene, result, Enclosure(DIGITS))
-    table = quantities(result, attainable_errors(scene, result, found))
+        sensitive = sensitivity(scene, result, Enclosure(DIGITS))
+    table = quantities(result, attainable_errors(scene, result, sensitive))
     # flags in the order of `FOUND`
     solved_with = (
         result.outcome is None and "refused" not in draft.flags,
         result.engine != Enclosure(DIGITS).description,
-        found.fragile,
+        sensitive.fragile,
         not agrees,
         result.outcome is not None and not are_reached(scene, result, DIGITS),
     )
@@ -144,12 +147,12 @@ def make(family: str, draft: Draft) -> Case:
     return Case(
         id=scene.id,
         family=family,
-        level=level_of(result, table, found.fragile),
+        level=level_of(result, table, sensitive.fragile),
         comment=draft.comment,
         flags=(*draft.flags, *found_out),
         scene=scene,
         expected=result,
         quantities=table,
-        condition=condition(result, found) if result.outcome is not None else None,
+        condition=condition(result, sensitive) if result.outcome is not None else None,
         confirmation=confirmation,
     )

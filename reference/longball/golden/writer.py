@@ -1,7 +1,7 @@
 """Writing the golden data.
 
-Finished cases are cached, so that an interrupted run resumes where it stopped; files are written
-atomically; neither the number of workers nor an interruption changes a byte of them.
+Finished cases are cached, so that an interrupted run resumes where it stopped. Files are written
+atomically, and neither the number of workers nor an interruption changes a byte of them.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from longball.golden.truth import CONFIRMING, DIGITS, WORK, make
 from longball.model.result import Bounded
 from longball.model.scene import FlightScene
 
-# Flights that are tabulated: one of every kind, all of which land.
+# Cases with a table of their flight: one of each kind; all of them land.
 TABULATED = (
     "flight-vacuum-0000",
     "flight-drag-0000",
@@ -59,19 +59,19 @@ def write(
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> int:
-    """Write the golden data, and leave other files in the folder alone; return the number of cases.
+    """Write the golden data into a folder; return the number of cases.
 
-    Solved are the families, by default the scenes of the shipped set; or `only` some of them: the
-    cases of the others are read from the folder, as they are. Processes do not change what is
-    written. `progress` is called with the numbers of cases done, those of an interrupted run
-    included, and of all.
+    `families` are the scenes to solve, by default those of the shipped set. With `only`, the cases
+    of the other families are read from the folder. Other files in the folder are kept. The number
+    of workers does not change the files. `progress` is called with the number of finished cases,
+    including those of an interrupted run, and their total.
     """
     families = drafts() if families is None else families
     chosen = families if only is None else {name: families[name] for name in only}
-    # This may need an extra, and says so before anything is solved.
+    # joblib is an extra: report its absence before anything is solved.
     with naming_extras():
         from joblib import Memory  # slow to import
-    # Each returns what an interrupted run has finished.
+    # One cache for each family; it returns the cases that an interrupted run has finished.
     lines = {name: Memory(folder / PARTIAL / name, verbose=0).cache(_line) for name in chosen}
     stamp = fingerprint()
     total = sum(len(family.cases) for family in chosen.values())
@@ -83,7 +83,7 @@ def write(
         for text in in_parallel(lines[name], calls, workers):
             made[name].append(Case.model_validate_json(text))
             progress(sum(len(made[name]) for name in chosen), total)
-    # Files are made whole before the first is written: an error leaves the folder as it was.
+    # All contents are complete before the first file is written: an error changes nothing.
     files = {
         f"{name}.jsonl": "".join(case.line() + "\n" for case in cases)
         for name, cases in made.items()
@@ -104,7 +104,8 @@ def write(
     write_files(folder, files)
     for name in chosen:
         shutil.rmtree(folder / PARTIAL / name, ignore_errors=True)
-    with suppress(OSError):  # what other families have left there is kept
+    # The folder is not empty if a run of other families was interrupted: keep their cases.
+    with suppress(OSError):
         (folder / PARTIAL).rmdir()
     return sum(map(len, made.values()))
 
@@ -115,14 +116,14 @@ def _line(stamp: str, family: str, draft: Draft) -> str:
 
 
 def fingerprint() -> str:
-    """Return a text that changes with the code that takes part and with its libraries."""
+    """Return a text that changes with the code behind the data, and with its libraries."""
     package = Path(longball.__file__).parent
     parts = ("model", "engines", "home_run", "golden")
     sources = sorted(
         path
         for part in parts
         for path in (package / part).rglob("*.py")
-        if PARTIAL not in path.parts  # joblib keeps copies of the function beside what it finished
+        if PARTIAL not in path.parts  # joblib keeps a copy of the function beside its results
     )
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
     for path in sources:
@@ -139,7 +140,8 @@ def header(
     histories: Mapping[str, str],
     quick: tuple[str, ...] = (),
 ) -> Header:
-    """Return the header of a set of families; `about` says what each one is."""
+    """Return the header of a set; `about` describes each family."""
+    # Flags without a case would explain nothing.
     used = {flag for family in cases.values() for case in family for flag in case.flags}
     return Header(
         title="Longball's golden data: scenes of baseball at-bats with proven results",

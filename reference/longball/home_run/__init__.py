@@ -1,9 +1,9 @@
 """The probability of a home run, P(e).
 
-`at_bats` has the paper's distributions and draws from them; `simulation` strikes the samples;
-`estimation` counts home runs and fits the paper's form of P(e). `quadrature` needs no samples:
-with `clearance`, how far inside the home runs an at-bat is, and `crossings`, where they end.
-`randomised` is a second way, to check it by.
+`at_bats` has the paper's distributions and draws from them; `simulation` computes the landings of
+the samples; `estimation` counts home runs and fits the paper's form of P(e). `quadrature` needs no
+samples: it integrates between the `crossings` of the `clearance`, the signed distance of an at-bat
+from the boundary of the home runs. `randomised` is an independent check of it.
 """
 
 from longball.home_run.at_bats import (

@@ -1,7 +1,7 @@
 """The paper's random at-bats: their distributions, and samples drawn from them.
 
-Samples come in blocks with a seed each, so that neither the number of workers nor the number of
-samples asked for changes any one of them.
+Samples are drawn in blocks, each with its own seed, so that neither the number of workers nor the
+number of samples changes any of them.
 """
 
 from __future__ import annotations
@@ -34,26 +34,26 @@ class Mixture:
 
     def draw(self, count: int, generator: np.random.Generator) -> Array:
         """Return `count` draws."""
-        # The same number of draws whatever comes out, so that a sample does not move the next one.
+        # Both parts always use the same number of draws: a sample does not change the next one.
         second = (generator.random(count) >= self.weight).astype(int)
         normal = generator.standard_normal(count)
         return np.take(self.means, second) + np.take(self.deviations, second) * normal
 
     @property
     def parts(self) -> tuple[tuple[float, float, float], ...]:
-        """Weights, means and standard deviations of the normal distributions that are drawn."""
+        """Weights, means and standard deviations of the parts with a positive weight."""
         weights = (self.weight, 1.0 - self.weight)
         every = zip(weights, self.means, self.deviations, strict=True)
         return tuple(part for part in every if part[0] > 0)
 
     def range(self, far: float) -> tuple[float, float]:
-        """Return between what all lies that is no more standard deviations than `far` off."""
+        """Return the range that extends `far` standard deviations from each mean."""
         ends = [(mean - far * s, mean + far * s) for _, mean, s in self.parts]
         return min(low for low, _ in ends), max(high for _, high in ends)
 
     @cached_property
     def distribution(self) -> Any:
-        """As `scipy.stats` has it: with ``pdf``, ``cdf`` and ``icdf``."""
+        """The same distribution in `scipy.stats`, with ``pdf``, ``cdf`` and ``icdf``."""
         from scipy import stats  # slow to import, and not needed for --help
 
         weights, means, deviations = zip(*self.parts, strict=True)
@@ -63,13 +63,17 @@ class Mixture:
 
 @dataclass(frozen=True)
 class AtBats:
-    """The distributions that at-bats are drawn from."""
+    """Distributions of the random numbers of an at-bat."""
 
-    speed: Mixture  # m/s, of the pitch (paper, Eq. 3).
-    aim: Mixture  # m, the horizontal coordinate P_y of the point aimed at (paper, Eq. 4).
-    # m, of the height of the bat's axis over the pitch; its mean is 0 (paper, Sec. III.A).
+    # Speed of the pitch, m/s (paper, Eq. 3).
+    speed: Mixture
+    # Horizontal coordinate P_y of the point aimed at, m (paper, Eq. 4).
+    aim: Mixture
+    # Standard deviation of the height of the bat's axis above the pitch, m; the mean is 0 (paper,
+    # Sec. III.A).
     offset_deviation: float
-    largest_tilt: float  # rad, of the swing's axis, which is uniform from 0 (paper, Sec. III.A).
+    # Largest tilt of the swing's axis, rad; the distribution is uniform from 0 (paper, Sec. III.A).
+    largest_tilt: float
 
     @property
     def offset(self) -> Mixture:
@@ -78,12 +82,14 @@ class AtBats:
 
 
 def paper_at_bats(reading: SamplingReading) -> AtBats:
-    """Return the paper's distributions, as a reading of Table II, Eqs. 2 to 4 and Sec. III."""
+    """Return the paper's distributions, by a reading of Table II, Eqs. 2 to 4 and Sec. III."""
+    # As printed, Table II exchanges means and standard deviations: a mean speed of 4.58 km/h.
     kmh = 1 / 3.6
     large, small = (139.1, 127.8), (4.58, 7.80)  # km/h, Table II
     means, spreads = (large, small) if reading.speed_table == "columns_swapped" else (small, large)
-    # As printed, exp(-(v - μ)²/σ²): the standard deviation is σ/√2.
+    # Eq. 2 as printed is exp(-(v - μ)²/σ²), with a standard deviation of σ/√2.
     per_spread = 1.0 if reading.speed_spread == "standard_deviation" else math.sqrt(0.5)
+    # Eq. 4 has its means in cells, numbered from 1; the plate's middle is the middle of cell 3.
     width = reading.cell_width
     left, right, deviation = (2.0 - MIDDLE_CELL) * width, (4.0 - MIDDLE_CELL) * width, 0.77 * width
     return AtBats(
@@ -99,23 +105,23 @@ def paper_at_bats(reading: SamplingReading) -> AtBats:
 
 
 class Arrays:
-    """A base of dataclasses of arrays, whose elements of one number are a row."""
+    """Base of dataclasses of arrays; equal indices form a row."""
 
     def chosen(self, which: NDArray[Any] | slice) -> Self:
-        """Return some of the rows, with what is no array as it is."""
+        """Return some of the rows; fields that are not arrays stay the same."""
         held = vars(self).values()
         return type(self)(*(x[which] if isinstance(x, np.ndarray) else x for x in held))
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
-        """Return the rows of all parts, one after the other."""
+        """Return the rows of all parts."""
         columns = zip(*(vars(part).values() for part in parts), strict=True)
         return cls(*map(np.concatenate, columns))
 
 
 @dataclass(frozen=True)
 class Samples(Arrays):
-    """Random inputs of at-bats, an array element each: m/s, m, m, rad."""
+    """Random inputs of at-bats, one array element for each: m/s, m, m, rad."""
 
     speed: Array
     aim: Array
@@ -129,13 +135,13 @@ class Samples(Arrays):
     def pitched(self) -> Flags:
         """True where the speed is positive.
 
-        The printed columns of Table II draw others, too: such a ball is never pitched.
+        With the printed columns of Table II, some speeds are negative: no pitch.
         """
         return self.speed > 0
 
     @property
     def columns(self) -> dict[str, Array]:
-        """As `longball.engines.batch.solve_columns` names them."""
+        """The columns under the names of scenes, as `longball.engines.batch` takes them."""
         return {
             "pitch.speed": self.speed,
             "pitch.aim[0]": self.aim,
@@ -144,7 +150,7 @@ class Samples(Arrays):
         }
 
 
-# Numbers of an at-bat that a sample has of its own; a velocity stands for the speed and the aim.
+# Numbers that vary from sample to sample; `pitch.velocity` would replace speed and aim.
 DRAWN = (
     "ball.restitution",
     "pitch.velocity",
@@ -164,14 +170,15 @@ def refuse_drawn(base: AtBatScene) -> None:
 
 
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:
-    """Return samples of a seed, from the one numbered `first` on: a multiple of BLOCK."""
+    """Return `count` samples of a seed from number `first` on, which is a multiple of BLOCK."""
     blocks = range(first // BLOCK, math.ceil((first + count) / BLOCK))
     drawn = Samples.joined([draw_block(at_bats, seed, block) for block in blocks])
     return drawn.chosen(slice(count))
 
 
 def draw_block(at_bats: AtBats, seed: int, block: int) -> Samples:
-    """Return the samples of one block, from a seed of its own."""
+    """Return the samples of one block, from its own seed."""
+    # SeedSequence makes the streams of different blocks independent, without a common state.
     generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(block,)))
     return Samples(
         speed=at_bats.speed.draw(BLOCK, generator),
@@ -182,9 +189,9 @@ def draw_block(at_bats: AtBats, seed: int, block: int) -> Samples:
 
 
 def scenes(base: AtBatScene, samples: Samples, first: int = 0) -> Iterator[AtBatScene | None]:
-    """Yield a scene a sample: `base` with what was drawn, and an id that counts from `first`.
+    """Yield a scene for each sample: `base` with its values, and an id that counts from `first`.
 
-    Yields None for a ball that is never pitched.
+    Yields None for a negative speed.
     """
     rows = zip(*(column.tolist() for column in samples.columns.values()), strict=True)
     for i, (row, pitched) in enumerate(zip(rows, samples.pitched, strict=True), first):
@@ -196,6 +203,6 @@ def scenes(base: AtBatScene, samples: Samples, first: int = 0) -> Iterator[AtBat
 
 
 def with_restitution(scene: AtBatScene, restitution: float) -> AtBatScene:
-    """Return a scene with another restitution of the ball, which its id tells."""
+    """Return a scene with another restitution of the ball, and the restitution in its id."""
     other = replaced(scene, {"ball.restitution": restitution})
     return other.model_copy(update={"id": f"{scene.id}-e{restitution:g}"})

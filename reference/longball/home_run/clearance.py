@@ -20,43 +20,47 @@ if TYPE_CHECKING:
 
 Counted = Literal["home runs", "sample space"]
 
-# More than the ball's fall, while it passes the bat, adds to the window in which the two meet.
+# Margin of the window in which ball and bat meet, for the curvature of the path: the ball's fall as
+# it passes the bat adds less than this.
 _WIDER = 1.05
+# Samples across the window, 5° apart around the bat.
 _OFFSETS = 37
 
 
 @dataclass(frozen=True)
 class Clearance:
-    """Distance of a landing from the edge of what is counted, m; negative outside.
+    """Signed distance of a landing from the boundary of the counted ones, m; negative outside.
 
-    A ball that is not batted goes no distance at all.
+    A ball that is not batted has a distance of zero.
     """
 
-    base: AtBatScene  # everything about the at-bats that is not random
-    restitution: float  # the ball's
-    engine: Batch  # what solves the at-bats
-    sample_space: SampleSpace = "pitches"  # of which the home runs are a share
-    counted: Counted = "home runs"  # home runs within the sample space, or all of that space
+    base: AtBatScene  # the at-bat without its random numbers
+    restitution: float  # of the ball
+    engine: Batch
+    sample_space: SampleSpace = "pitches"  # P(e) is the fraction of home runs in it
+    counted: Counted = "home runs"  # home runs within the sample space, or the whole space
 
     def __post_init__(self) -> None:
         if self.base.fence is not None:
-            raise ValueError("quadrature finds roots of D = 150 m, and knows no fence")
+            raise ValueError("quadrature needs home runs by distance (D = 150 m), not a fence")
 
     def __call__(self, inputs: Samples) -> Array:
-        """Return clearances, an array of shape (n,), for a search of their roots.
+        """Return clearances, an array of shape (n,), for a root search.
 
-        What grazes ground or bat, within the engine's error, counts as not batted.
+        A ball that grazes ground or bat within the engine's error counts as not batted.
         """
         from longball.engines.batch import solve_decided_columns
 
         return self._from_edge(solve_decided_columns(*self._problem(inputs)))
 
     def with_unsolved(self, inputs: Samples) -> tuple[Array, Flags]:
-        """Return clearances, and which at-bats no engine could decide: as if not batted."""
+        """Return clearances, and flags of the undecided at-bats, which count as not batted."""
         table = self._solve(inputs)
         return self._from_edge(table), table["outcome"] == ""
 
     def _from_edge(self, table: Mapping[str, NDArray[Any]]) -> Array:
+        # Each boundary has a distance; a landing inside all of them is counted, so the minimum
+        # decides.
         x, y = _column(table, "landing.position[0]"), _column(table, "landing.position[1]")
         inside = np.full_like(x, HOME_RUN_DISTANCE)
         if self.counted == "home runs":
@@ -66,10 +70,10 @@ class Clearance:
         return np.where(np.isnan(x), -HOME_RUN_DISTANCE, inside)
 
     def window(self, speed: Array) -> Array:
-        """Return, m, how far from a pitch at x = 0 the bat's axis can be and still touch the ball.
+        """Return the largest offset at which bat and ball can touch, m.
 
-        (R + r_b)/cos γ for a straight pitch that falls at the angle γ, and a little more; 0 for a
-        pitch that does not arrive.
+        It is (R + r_b)/cos γ for a straight pitch that falls at the angle γ, with a margin, and 0
+        for a pitch that does not reach the plate.
         """
         nothing = np.zeros_like(speed)
         table = self._solve(Samples(speed, nothing, nothing, nothing))
@@ -81,20 +85,21 @@ class Clearance:
     def offsets(self, speed: Array, farthest: float) -> Array:
         """Return offsets across the window, m, at most `farthest` from 0: an array (n, sample).
 
-        Their steps are equal in the angle around the bat, in which D is smooth.
+        They are evenly spaced in the angle around the bat, because D is a smooth function of it.
         """
         half = np.minimum(self.window(speed), farthest)
         return half[:, None] * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _OFFSETS))
 
     def aim_to_touch(self, y: float, inputs: Samples) -> Array:
-        """Return the aims, m, of the pitches that touch the bat at y; where all miss, y itself.
+        """Return the aims of the pitches that touch the bat at y, m; y itself if all miss.
 
-        The path from above is a line from the release to the aim. Where on it the ball touches, x,
-        is taken for an aim of y; for the other, some 2 mm off, it is the same within 1e-8 m.
+        Seen from above, the path is a line from the release to the aim. The x of the contact is
+        computed with the aim y. The returned aim differs by about 2 mm, which changes x by 1e-8 m.
         """
         release_x, release_y, _ = self.base.pitch.release
         aim = np.full_like(inputs.speed, y)
         x = _column(self._solve(replace(inputs, aim=aim)), "contact.position[0]")
+        # Similar triangles: the line is at y where its distance from the plate is x.
         fraction = np.nan_to_num(x) / release_x
         return (y - release_y * fraction) / (1.0 - fraction)
 
@@ -109,5 +114,5 @@ class Clearance:
 
 
 def _column(table: Mapping[str, NDArray[Any]], name: str) -> Array:
-    """Return a quantity of a table; NaN if no at-bat has it."""
+    """Return a column of a table; NaN if no at-bat has this quantity."""
     return table.get(name, np.full(len(table["outcome"]), np.nan))

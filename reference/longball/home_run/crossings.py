@@ -1,7 +1,7 @@
-"""Sign changes of a function along many lines: all that samples along them show.
+"""Sign changes of a function along many lines, as far as samples on the lines show them.
 
-The function is a number of metres that is positive where something is counted. It may jump, as
-where a bat ends; it need not be differentiable.
+The function is a length in metres, positive for counted at-bats. It may jump, for example at the
+end of the bat, and need not be differentiable.
 """
 
 from __future__ import annotations
@@ -14,22 +14,23 @@ import numpy as np
 
 from longball.model.arrays import Array, Flags, Integers
 
-Function = Callable[[Array, Integers], Array]  # of places on lines, and the numbers of the lines
+Function = Callable[[Array, Integers], Array]  # of positions on lines, and the lines' numbers
 
-# m/s or m along a line, or m of the function: far below what an integral over lines is wanted to.
+# Along a line in m/s or m, and of the function in m: far below the errors of the integrals.
 _TOLERANCES = {"xatol": 1e-13, "xrtol": 1e-13, "fatol": 1e-10}
-# Of Chandrupatla's method, enough for most roots. At a jump it halves the bracket: division by five
-# takes less than half as many steps, and a step costs little more for some places than for one.
+# Steps of Chandrupatla's method, enough for most roots. At a jump it only halves the bracket.
+# Division by five needs less than half as many steps, and evaluating five positions costs little
+# more than one.
 _MOST_STEPS, _SECTIONS = 10, 5
-# m, that a function can be from zero where it crosses zero without a jump: 1e10 times as much as
-# the place is off, and D never is so steep.
+# m. A function without a jump is closer to zero than this at its root: the root is accurate to
+# 1e-13, and D changes by less than 1e10 times that.
 _JUMP = 1e-3
 
 
 class Crossings(NamedTuple):
     """Changes of sign: arrays of shape (crossing,), in the order of lines and along each.
 
-    `rises` tells whether the function is positive after the crossing, `jumps` whether it jumps.
+    `rises` is True if the function is positive after the crossing, `jumps` if it jumps there.
     """
 
     line: Integers
@@ -39,9 +40,9 @@ class Crossings(NamedTuple):
 
 
 def sampled(function: Callable[..., Any], grid: Array, lines: Integers | None = None) -> Any:
-    """Return a function at the places of a grid, an array (line, sample).
+    """Return the values of a function on a grid, an array (line, sample).
 
-    The numbers of the lines are 0, 1, … if they are not given.
+    The lines are numbered 0, 1, … by default.
     """
     each = np.repeat(np.arange(len(grid)) if lines is None else lines, grid.shape[1])
     return function(grid.ravel(), each).reshape(grid.shape)
@@ -50,13 +51,13 @@ def sampled(function: Callable[..., Any], grid: Array, lines: Integers | None = 
 def probability(
     below: Callable[[Array], Array], grid: Array, values: Array, ends: Crossings
 ) -> Array:
-    """Return the probability, on each line, of places where a function is positive.
+    """Return the probability, on each line, of the positions where a function is positive.
 
-    Places have the distribution function `below`; the rest is what `crossings` takes and returns.
+    `below` is the cumulative distribution function of a position; see `crossings` for the others.
     """
     last, first = (np.where(values[:, i] >= 0.0, below(grid[:, i]), 0.0) for i in (-1, 0))
     p: Array = last - first
-    # What lies below a beginning does not count, what lies below an end does.
+    # An interval from a to b has the probability F(b) - F(a): ends add, beginnings subtract.
     np.add.at(p, ends.line, np.where(ends.rises, -1.0, 1.0) * below(ends.place))
     return p
 
@@ -71,9 +72,9 @@ class _Brackets(NamedTuple):
 def narrowed(
     low: Array, high: Array, changed: Callable[[Array], Flags], times: int
 ) -> tuple[Array, Array]:
-    """Narrow brackets, by so many divisions, to the part in which something first changes.
+    """Divide brackets repeatedly, and keep the part with the first change.
 
-    `changed` tells of places, an array (bracket, place), whether it has changed there.
+    `changed` takes positions, an array (bracket, position), and returns True behind the change.
     """
     rows = np.arange(len(low))
     for _ in range(times if len(rows) else 0):
@@ -87,14 +88,14 @@ def narrowed(
 
 
 def crossings(function: Function, grid: Array, values: Array) -> Crossings:
-    """Find where a function changes its sign, from its values on grids (line, sample).
+    """Find the sign changes of a function from its values on grids (line, sample).
 
-    There is one crossing between two samples of different signs; two or none beside a sample that
-    is nearer to zero than its neighbours.
+    There is one crossing between two samples of different signs, and two or none next to a sample
+    that is closer to zero than its neighbours.
     """
     from scipy.optimize import elementwise  # slow to import, and not needed for --help
 
-    # brackets: where neighbours differ, and beside samples near which the function may turn
+    # brackets: between neighbours of different signs, and next to samples near a turning point
     inside = values >= 0.0
     line, k = np.nonzero(inside[:, 1:] != inside[:, :-1])
     brackets = _Brackets(line, grid[line, k], grid[line, k + 1], inside[line, k + 1])
@@ -103,18 +104,18 @@ def crossings(function: Function, grid: Array, values: Array) -> Crossings:
     if len(brackets.line) == 0:
         return Crossings(brackets.line, brackets.low, brackets.rises, brackets.rises)
     # roots, all at once
-    found = elementwise.find_root(
+    roots = elementwise.find_root(
         function,
         (brackets.low, brackets.high),
         args=(brackets.line,),
         tolerances=_TOLERANCES,
         maxiter=_MOST_STEPS,
     )
-    place, value, left = found.x, found.f_x, ~found.success
-    # what is left are mostly jumps, which no interpolation finds: divide the brackets
+    place, value, left = roots.x, roots.f_x, ~roots.success
+    # most of the others are jumps, where interpolation fails: divide the brackets
     if left.any():
         line, rises = brackets.line[left], brackets.rises[left]
-        ends = [end[left] for end in found.bracket]
+        ends = [end[left] for end in roots.bracket]
         low, high = np.minimum(*ends), np.maximum(*ends)
 
         def changed(places: Array) -> Flags:
@@ -139,13 +140,13 @@ def _beside_turns(function: Function, grid: Array, values: Array, inside: Flags)
     if len(line) == 0:
         return []
     sign = np.where(inside[line, k], 1.0, -1.0)
-    found = elementwise.find_minimum(
+    minima = elementwise.find_minimum(
         lambda place, of, sign: sign * function(place, of),
         (grid[line, k - 1], grid[line, k], grid[line, k + 1]),
         args=(line, sign),
     )
-    crosses = found.f_x < 0.0
-    line, k, turn = line[crosses], k[crosses], found.x[crosses]
+    crosses = minima.f_x < 0.0
+    line, k, turn = line[crosses], k[crosses], minima.x[crosses]
     into = ~inside[line, k]
     return [
         _Brackets(line, grid[line, k - 1], turn, into),
@@ -154,11 +155,11 @@ def _beside_turns(function: Function, grid: Array, values: Array, inside: Flags)
 
 
 def _may_turn(values: Array, inside: Flags) -> Flags:
-    """True if the function may cross zero and come back beside a sample.
+    """True if the function may cross zero and return next to a sample.
 
-    It does if the sample is nearer to zero than both neighbours on the same side, and near enough.
-    A parabola through the three goes beyond it by an eighth of the sum of their differences at
-    most; four times that is looked into.
+    The sample must be closer to zero than both neighbours of the same sign, and close enough. A
+    parabola through the three passes it by at most an eighth of the sum of the differences; the
+    limit is four times that.
     """
     sign = np.where(inside[:, 1:-1], 1.0, -1.0)
     near = abs(values[:, 1:-1])

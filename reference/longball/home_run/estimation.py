@@ -26,14 +26,14 @@ RESTITUTIONS = (0.41, 0.42, 0.43, 0.44, 0.45)  # paper, Fig. 7
 
 @dataclass(frozen=True)
 class Estimate:
-    """P(e) counted from samples, with its Wilson interval of 95 %."""
+    """P(e) from samples, with its 95 % Wilson interval."""
 
     e: float  # the ball's coefficient of restitution
-    # What was counted, among how many of the sample space.
+    # Home runs, and samples in the sample space.
     home_runs: int
     trials: int
-    failed: int  # samples that the engine could not decide, counted as no home runs
-    # The share of home runs, and the interval; NaN without a trial.
+    failed: int  # samples that the engine could not decide; they count as no home runs
+    # Fraction of home runs, and its interval; NaN if there are no trials.
     p: float
     low: float
     high: float
@@ -60,7 +60,7 @@ def estimates(
     sample_space: SampleSpace = "pitches",
     **others: Any,
 ) -> list[Estimate]:
-    """Return P(e) at each restitution, counted from samples that `monte_carlo` strikes."""
+    """Return P(e) at each restitution, from the samples of `monte_carlo`."""
     struck = monte_carlo(base, at_bats, restitutions, count, seed, **others)
     return [estimate(e, one, sample_space) for e, one in zip(restitutions, struck, strict=True)]
 
@@ -77,7 +77,8 @@ def wilson(successes: int, trials: int) -> tuple[float, float]:
     middle = p + z * z / (2 * trials)
     half = z * math.sqrt(p * (1 - p) / trials + (z / (2 * trials)) ** 2)
     low, high = ((middle + side * half) / (1 + z * z / trials) for side in (-1, 1))
-    # These ends are exact; rounding would move them.
+    # The interval of no success begins at exactly 0, that of no failure ends at exactly 1; rounding
+    # would miss these by an ulp.
     return (0.0 if successes == 0 else low), (1.0 if successes == trials else high)
 
 
@@ -100,7 +101,8 @@ class Curve:
         return 0.5 * math.erfc((HOME_RUN_DISTANCE - self.c1 * e) / (math.sqrt(2) * self.sigma))
 
 
-FEWEST = 3  # values of P(e) that the form is fitted to
+# Values of P(e) for a fit: two parameters, and one more value for their errors.
+FEWEST = 3
 PAPER_CURVES = {"caption": Curve(242.0, 52.2), "text": Curve(271.0, 59.8)}  # Fig. 7 and its text
 
 
@@ -116,12 +118,13 @@ class Fit:
 def fit(estimates: Sequence[Estimate]) -> Fit | None:
     """Fit C₁ and σ to estimates by least squares, each weighted by its Wilson interval.
 
-    Returns None where the samples do not determine two parameters.
+    Returns None if the samples do not determine two parameters.
 
-    The standard errors take the estimates for independent; estimates from the same samples are
-    not, and vary together.
+    The standard errors assume independent estimates. Estimates from the same samples are not: they
+    vary together.
     """
-    wide = 2 * NormalDist().inv_cdf(0.975)  # the interval of 95 %, in standard deviations
+    # Width of a 95 % interval, in standard deviations.
+    wide = 2 * NormalDist().inv_cdf(0.975)
     return fit_form(
         [row.e for row in estimates],
         [row.p for row in estimates],
@@ -134,15 +137,16 @@ def fit_form(
 ) -> Fit | None:
     """Fit C₁ and σ to values of P(e) by least squares.
 
-    Without `errors`, the standard ones of P, every value weighs the same, and the errors of the fit
-    come from how far the values are from the form.
+    `errors` are the standard errors of P. Without them all values have the same weight, and the
+    scatter of the values about the form gives the errors of the fit.
 
-    Returns None for fewer than `FEWEST` values, too few of them strictly between 0 and 1 (fewer
-    than two, or without errors three), or values that do not tell the two parameters.
+    Returns None if there are fewer than `FEWEST` values, too few of them strictly between 0 and 1
+    (fewer than two, or three without errors), or if they do not determine the two parameters.
     """
     from scipy.optimize import OptimizeWarning, curve_fit
     from scipy.special import erfc
 
+    # At P = 0 or 1 the probit of the starting line is infinite, and a Wilson interval is one-sided.
     inner = [i for i, value in enumerate(p) if 0 < value < 1]
     if len(p) < FEWEST or len(inner) < (3 if errors is None else 2):
         return None
@@ -154,7 +158,8 @@ def fit_form(
     # In a = C₁/σ and b = 150/σ the form is a probit line, a e - b, which gives the start.
     start = np.polyfit(e, [NormalDist().inv_cdf(value) for value in values], 1)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", OptimizeWarning)  # of what is asked for below
+        # An infinite covariance is checked below.
+        warnings.simplefilter("ignore", OptimizeWarning)
         (a, b), covariance = curve_fit(
             form,
             e,
@@ -165,6 +170,7 @@ def fit_form(
         )
     if not np.isfinite(covariance).all():
         return None
+    # Back to C₁ and σ, and their errors to first order: ∂C₁/∂(a, b) = (150/b, -C₁/b), ∂σ/∂b = -σ/b.
     sigma, c1 = HOME_RUN_DISTANCE / b, HOME_RUN_DISTANCE * a / b
     to_c1 = np.array([HOME_RUN_DISTANCE / b, -c1 / b])
     return Fit(

@@ -1,16 +1,16 @@
 """P(e) and dP/de by quadrature: no random numbers, and errors far below those of samples.
 
-For given speed, offset and tilt the home runs are intervals of the aim, between an end of the bat
-and roots of D = 150 m. D depends strongly on the aim, since the bat moves faster farther from its
-pivot; the probability of the intervals is therefore smooth in the other three variables, except for
-kinks where an interval opens or closes, or where a root of D = 150 m gives way to a jump of D, as
-between a ball that just clears the ground and one that just does not. The range of offsets is cut
-there; kinks that are not seen are dealt with by halving ranges. Where an interval opens between the
-ends of the bat, its length is a square root of the offset, and smooth in the angle of which the
-offset is the sine. Where the pattern of those ranges changes, the integral over them has a kink as
-a function of the speed, whose range is cut there, too, where that matters. The density of the
-speeds is two narrow peaks: over them the Gauss rule of that density takes a few nodes. Over the
-tilts a Gauss-Legendre rule does.
+For given speed, offset and tilt, the home runs are intervals of the aim between an end of the bat
+and roots of D = 150 m. D depends strongly on the aim, because the bat moves faster farther from its
+pivot. The probability of the intervals is therefore smooth in the other three variables, except for
+kinks: an interval opens or closes, or a root of D = 150 m becomes a jump of D, as between a ball
+that just clears the ground and one that just does not. The range of offsets is cut at kinks, and
+halved where one remains. An interval that opens between the ends of the bat has a length that is a
+square root of the offset; the length is a smooth function of the angle whose sine is the offset. If
+the pattern of these ranges changes, the integral over the offsets has a kink as a function of the
+speed, and the range of speeds is cut there if that matters. The density of the speeds has two
+narrow peaks, for which the Gauss rule of that density needs few nodes. A Gauss-Legendre rule
+integrates over the tilts.
 
 Integrating the offset between its roots first, as `longball.home_run.randomised` does, leaves an
 integrand with square-root endpoint singularities.
@@ -34,37 +34,41 @@ from longball.model.arrays import Array, Flags, Integers
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
+# A hundredth of the noise of a million samples.
 TOLERANCE = 1e-7
 
-# A normal variable is farther from its mean, in standard deviations, with a probability of 1e-12:
-# what lies beyond is left out, and what the last part of the bat's ends hits.
+# Beyond 7.1 standard deviations a normal variable has a probability of 1e-12. These tails are
+# omitted, and so are the contacts on the last 1e-8 of the bat's ends; `_LEFT_OUT` bounds both.
 FARTHEST = 7.1
 _END = 1e-8
 _LEFT_OUT = 1e-10
-# Samples of lines along a variable: none, one or two roots are found between two of them.
+# Samples on a line along a variable; up to two roots are found between neighbours.
 _AIMS, _SPEEDS = 13, 25
-# Of the length of a line, and of e: steps for central differences of D. They are off by 1e-9 of the
-# derivative by truncation, and by less through the engine's rounding.
+# Steps for central differences of D, relative to the length of a line, and of e. Truncation causes
+# a relative error of 1e-9, the engine's rounding a smaller one.
 _STEP = 1e-5
-# The same for the place of a jump, of which 1e-13 is off.
+# The same for the position of a jump, which is known to 1e-13 only.
 _WIDER_STEP = 1e-4
-_OFFSET_NODES = 12  # of a range of offsets, which is halved until that is enough
+_OFFSET_NODES = 12  # of a range of offsets, which is halved until they are enough
 _HALVINGS = 20
-# The distance of two nodes with a kink between them is divided by five, so many times: the errors
-# that remain are as what is left of an offset to the power 3/2, of a speed to the power 5/2.
+# Divisions by five of the distance between two nodes with a kink between them. The remaining error
+# is that distance to the power 3/2 for offsets, 5/2 for speeds.
 _OF_OFFSETS, _OF_SPEEDS = 8, 4
-_STEEPER = 10.0  # how much larger than that of P the error of dP/de may be
-# How much more than the tolerance two rules without cuts at kinks may differ: others follow them.
+# dP/de is a difference of densities: its error may be this many times that of P.
+_STEEPER = 10.0
+# If two rules without cuts at kinks differ by more than this many tolerances, kinks matter, and the
+# other rules without cuts are skipped.
 _KINKED = 100.0
-# Nodes of a Gauss-Legendre rule on which a density is known to rounding, per standard deviation.
+# Nodes per standard deviation of a Gauss-Legendre rule that integrates a normal density to
+# rounding.
 _FINE = 4.0
-_PAIRS = 240  # of speed and tilt, that a thread takes at a time: fewer are mostly overhead
+_PAIRS = 240  # pairs of speed and tilt of one task; smaller tasks are mostly overhead
 
 
 class Nodes(NamedTuple):
-    """Nodes of two Gauss rules: of a range of speeds, whose density is the weight; of the tilts.
+    """Numbers of nodes of two Gauss rules, over a range of speeds and over the tilts.
 
-    `cut` tells whether the range of speeds is cut at kinks.
+    `cut` is True if the range of speeds is cut at kinks.
     """
 
     speed: int
@@ -72,7 +76,8 @@ class Nodes(NamedTuple):
     cut: bool = False
 
 
-# Kinks cost time, and most readings have none that matters.
+# Rules from coarse to fine. Those with cuts are last: searching kinks costs time, and under most
+# readings no kink matters.
 LEVELS = (Nodes(4, 2), Nodes(6, 3), Nodes(8, 4), Nodes(6, 2, cut=True), Nodes(8, 3, cut=True))
 
 
@@ -80,12 +85,12 @@ LEVELS = (Nodes(4, 2), Nodes(6, 3), Nodes(8, 4), Nodes(6, 2, cut=True), Nodes(8,
 class Integral:
     """P(e) and its slope, with generous estimates of their errors.
 
-    Each error is the difference of two rules, the coarser of which makes nearly all of it, and the
-    weight of what the engine could not decide. NaN where the sample space is empty.
+    Each error is the difference of two rules, almost all of which is that of the coarser one, and
+    the weight of the undecided at-bats. All are NaN if the sample space is empty.
     """
 
     e: float  # the ball's coefficient of restitution
-    # The probability of a home run.
+    # P(e), the probability of a home run.
     p: float
     error: float
     # dP/de.
@@ -94,19 +99,19 @@ class Integral:
 
     @property
     def low(self) -> float:
-        """The least that P may be."""
+        """Lower end of the range of P."""
         return self.p - self.error
 
     @property
     def high(self) -> float:
-        """The most."""
+        """Upper end of the range of P."""
         return self.p + self.error
 
 
 class Share(NamedTuple):
-    """Probabilities of what is counted and their derivatives by e, with their errors.
+    """Probability of the counted at-bats and its derivative by e, with their errors.
 
-    Numbers, or arrays with an element for each pair of speed and tilt.
+    The fields are numbers, or arrays with an element for each pair of speed and tilt.
     """
 
     p: Array
@@ -127,30 +132,32 @@ def integrals(
 ) -> list[Integral]:
     """Return P(e) and dP/de at each restitution, by the batch engine.
 
-    Rules are refined until two in a row agree so far as P is to be known, and dP/de ten times less
-    well, or there is no finer one. `progress` is called with the number of restitutions done.
+    Rules are refined until two in a row agree to the tolerance (dP/de: ten times the tolerance), or
+    there is no finer one. `progress` is called with the number of restitutions done.
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
-    found = []
+    rows = []
     for done, e in enumerate(restitutions, 1):
         home_runs = Clearance(base, e, Batch(), sample_space)
-        found.append(_refined(home_runs, at_bats, tolerance, workers))
+        rows.append(_refined(home_runs, at_bats, tolerance, workers))
         progress(done)
-    return found
+    return rows
 
 
 def _refined(home_runs: Clearance, at_bats: AtBats, tolerance: float, workers: int) -> Integral:
-    """Return the share of the sample space that home runs have."""
+    """Return the probability of a home run within the sample space."""
     e = home_runs.restitution
     runs = _share(home_runs, at_bats, tolerance, workers)
     if home_runs.sample_space == "pitches":
         return Integral(e, *map(float, (runs.p, runs.error, runs.slope, runs.slope_error)))
-    # An error of the sample space enters P as a part of P, which is small.
+    # P is a quotient: a relative error of the sample space is the same relative error of the small
+    # P, so the sample space needs fewer digits.
     loose = tolerance / max(float(runs.p), 1e-3)
     space = _share(replace(home_runs, counted="sample space"), at_bats, loose, workers)
     if space.p == 0.0:
         return Integral(e, *[math.nan] * 4)
+    # The quotient's error and derivative, to first order.
     p = runs.p / space.p
     return Integral(
         e,
@@ -162,7 +169,7 @@ def _refined(home_runs: Clearance, at_bats: AtBats, tolerance: float, workers: i
 
 
 def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int) -> Share:
-    """Refine the rules until two in a row agree about the probability of what is counted."""
+    """Refine the rules until two in a row agree on the probability of the counted at-bats."""
     before = _over_speeds(clearance, at_bats, LEVELS[0], tolerance, workers)
     off = np.zeros(())
     for nodes in LEVELS[1:]:
@@ -170,7 +177,7 @@ def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int
             continue
         now = _over_speeds(clearance, at_bats, nodes, tolerance, workers)
         off, slope_off = abs(now.p - before.p), abs(now.slope - before.slope)
-        # More nodes do not mend what is left open at each of them.
+        # More nodes do not reduce the errors at the single nodes.
         if off <= tolerance + now.error and slope_off <= _STEEPER * tolerance + now.slope_error:
             break
         before = now
@@ -186,7 +193,7 @@ def _share(clearance: Clearance, at_bats: AtBats, tolerance: float, workers: int
 
 
 class _Ranges(NamedTuple):
-    """Ranges of a variable, and the number of the line in the other variables that each is on."""
+    """Ranges of a variable, and the number of the line (the other variables) of each."""
 
     line: Integers
     low: Array
@@ -201,16 +208,16 @@ class _Ranges(NamedTuple):
         return cls(line[first], edge[first], edge[first + 1])
 
     def at(self, which: NDArray[Any]) -> _Ranges:
-        """Return some of them."""
+        """Return some of the ranges."""
         return _Ranges(*(x[which] for x in self))
 
     def and_also(self, others: _Ranges) -> _Ranges:
-        """Return these and others."""
+        """Return these ranges and others."""
         line, low, high = (np.concatenate(pair) for pair in zip(self, others, strict=True))
         return _Ranges(line, low, high)
 
     def cut(self, number: Integers, place: Array) -> _Ranges:
-        """Return them cut at some places, each within the range of that number."""
+        """Return the ranges, cut at positions within those of the given numbers."""
         every = np.arange(len(self.line))
         numbers = np.concatenate([every, every, number])
         pieces = _Ranges.between(numbers, np.concatenate([self.low, self.high, place]))
@@ -251,14 +258,14 @@ def _without_kinks(
 def _over_speeds(
     clearance: Clearance, at_bats: AtBats, nodes: Nodes, tolerance: float, workers: int
 ) -> Share:
-    """Return the probability of what is counted among all pitches."""
+    """Return the probability of the counted at-bats among all pitches."""
     tilt, tilt_weight = _rule(0.0, at_bats.largest_tilt, nodes.tilt)
     tilt_weight = tilt_weight / at_bats.largest_tilt
     density = at_bats.speed.distribution.pdf
     narrowest = min(deviation for *_, deviation in at_bats.speed.parts)
 
     def rule(ranges: _Ranges) -> tuple[Array, Array, Integers]:
-        """Return speeds, their weights and the ranges they are in."""
+        """Return speeds, their weights and the numbers of their ranges."""
         fine = np.ceil(_FINE * (ranges.high - ranges.low) / narrowest).astype(int)
         each = zip(ranges.low, ranges.high, fine, strict=True)
         rules = [rule_of(density, *one, nodes.speed) for one in each]
@@ -283,26 +290,25 @@ def _over_speeds(
     ranges = _Ranges(lines, np.tile(low, nodes.tilt), np.tile(high, nodes.tilt))
     speed, weight, number = rule(ranges)
     if nodes.cut:
-        # A kink between speeds that hardly matter does not either.
-        found = np.where(weight > tolerance, pattern(speed, ranges.line[number]), 0)
-        smooth, pieces = _without_kinks(ranges, _Nodes(number, speed, found), pattern, _OF_SPEEDS)
+        # Kinks between speeds of negligible weight are ignored.
+        heights = np.where(weight > tolerance, pattern(speed, ranges.line[number]), 0)
+        smooth, pieces = _without_kinks(ranges, _Nodes(number, speed, heights), pattern, _OF_SPEEDS)
         ranges = ranges.at(smooth).and_also(pieces)
         speed, weight, number = rule(ranges)
-    # the integrals over offsets and aims at each pair
-    # What counts little need not be known well.
+    # The integrals over offsets and aims at each pair. A pair of small weight needs fewer digits.
     allowed = tolerance / np.clip(weight * len(weight), _LEFT_OUT, 1.0)
     shares = in_blocks(share_over_offsets, speed, ranges.line[number], allowed)
     return Share(*(np.concatenate(shares, axis=1) @ weight if shares else np.zeros(4)))
 
 
 def _speeds(clearance: Clearance, law: Mixture) -> tuple[Array, Array]:
-    """Return the ends of ranges of speeds, m/s; a pitch too slow to arrive is left out."""
+    """Return the ends of the ranges of speeds, m/s, at which a pitch reaches the plate."""
 
     def arrives(speed: Array, line: Integers) -> Array:
         return np.where(clearance.window(speed) > 0.0, 1.0, -1.0)
 
     low, high = law.range(FARTHEST)
-    # The printed columns of Table II draw negative speeds, too: such a ball is never pitched.
+    # With the printed columns of Table II some speeds are negative: no pitch.
     grid = np.linspace(max(low, high / 1000), high, _SPEEDS)
     cuts = crossings(arrives, grid[None], sampled(arrives, grid[None])).place
     edges = np.array([grid[0], *cuts, grid[-1]])
@@ -321,14 +327,15 @@ def rule_of(
 ) -> tuple[Array, Array]:
     """Return nodes and weights of the Gauss rule of a density over an interval.
 
-    Its orthogonal polynomials are found on a Gauss-Legendre rule with `fine` nodes (Stieltjes's
-    procedure); the nodes are the eigenvalues of their Jacobi matrix (Golub and Welsch, Math. Comp.
+    A Gauss-Legendre rule with `fine` nodes gives its orthogonal polynomials (Stieltjes's
+    procedure). The nodes are the eigenvalues of their Jacobi matrix (Golub and Welsch, Math. Comp.
     23, 1969).
     """
     x, width = _rule(low, high, max(fine, 4 * nodes))
     w = width * density(x)
     if not w.sum() > 0.0:
         return _rule(low, high, nodes)[0], np.zeros(nodes)
+    # three-term recurrence of the orthonormal polynomials
     before, p, off = np.zeros_like(x), np.ones_like(x), 0.0
     diagonal, beside = np.empty(nodes), np.empty(nodes)
     for k in range(nodes):
@@ -353,16 +360,16 @@ class _Lines:
     tilt: Array
 
     def intervals(self, offset: Array, line: Integers) -> _Intervals:
-        """Return the intervals of aims that are counted."""
+        """Return the counted intervals of aims."""
         inputs = Samples(self.speed[line], np.zeros_like(offset), offset, self.tilt[line])
-        return _Intervals.found(self.clearance, inputs)
+        return _Intervals.of(self.clearance, inputs)
 
     def kinds(self, offset: Array, line: Integers) -> Integers:
-        """Return of what kind they are."""
+        """Return the kinds of the intervals."""
         return self.intervals(offset, line).kind
 
     def over(self, ranges: _Ranges) -> tuple[Array, _Nodes]:
-        """Return integrals (3, range) of what `_Intervals.shares` returns, and the nodes."""
+        """Return the integrals of `_Intervals.shares`, shape (3, range), and the nodes."""
         offset, weight, number = _sine_rule(ranges)
         each = self.intervals(offset, ranges.line[number])
         shares = np.array(each.shares(self.at_bats.aim))
@@ -374,23 +381,24 @@ class _Lines:
 def share_over_offsets(
     clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array, tolerance: Array
 ) -> Share:
-    """Return, for pairs of speed and tilt, the probability of what is counted.
+    """Return the probability of the counted at-bats for pairs of speed and tilt.
 
-    Ranges of offsets are halved until the rule over a range and those over its halves agree, to the
-    tolerance of its pair.
+    Ranges of offsets are halved until the rule over a range and those over its halves agree to the
+    tolerance of the pair.
     """
-    # one rule over each range shows its kinks: cut there, and take the rule over the parts
+    # The kinds at the nodes of one rule over each range show kinks: cut there, and use the rule
+    # over the parts.
     lines = _Lines(clearance, at_bats, speed, tilt)
-    found = np.zeros((4, len(speed)))
+    totals = np.zeros((4, len(speed)))
     ranges = _ranges(clearance, at_bats, speed, tilt)
     whole, nodes = lines.over(ranges)
     smooth, pieces = _without_kinks(ranges, nodes, lines.kinds, _OF_OFFSETS)
     ranges = ranges.at(smooth).and_also(pieces)
     whole = np.concatenate([whole[:, smooth], lines.over(pieces)[0]], axis=1)
-    # A range that is empty at every node is taken to be empty: it was cut where it opens.
+    # A range without an interval at any node is empty, because ranges are cut where intervals open.
     there = np.array(whole.any(axis=0))
     ranges, whole = ranges.at(there), whole[:, there]
-    # halve what is not known well enough yet
+    # halve the ranges that are not accurate enough
     for halving in range(_HALVINGS):
         if len(ranges.line) == 0:
             break
@@ -405,17 +413,17 @@ def share_over_offsets(
         done |= halving == _HALVINGS - 1
         p, slope, doubt = sums
         values = np.array([p, slope, off + doubt, slope_off + _STEEPER * doubt])
-        for total, each in zip(found, values, strict=True):
+        for total, each in zip(totals, values, strict=True):
             np.add.at(total, ranges.line[done], each[done])
         again = np.tile(~done, 2)
         ranges, whole = halves.at(again), parts[:, again]
-    return Share(*found)
+    return Share(*totals)
 
 
 def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Integers]:
-    """Return nodes, their weights and the ranges they are in: of Gauss-Legendre rules of an angle.
+    """Return nodes, weights and range numbers of Gauss-Legendre rules over an angle.
 
-    Over a range, the variable is the sine of the angle.
+    The position within a range is the sine of the angle.
     """
     x, w = np.polynomial.legendre.leggauss(_OFFSET_NODES)
     half, angle = 0.5 * (ranges.high - ranges.low)[:, None], 0.5 * np.pi * x
@@ -425,7 +433,7 @@ def _sine_rule(ranges: _Ranges) -> tuple[Array, Array, Integers]:
 
 
 def _patterns(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> Integers:
-    """Return a number for each pair, which tells the kinds of intervals that follow each other."""
+    """Return a number for each pair that identifies the sequence of kinds along the offset."""
     ranges = _ranges(clearance, at_bats, speed, tilt)
     offset, _, number = _sine_rule(ranges)
     line = ranges.line[number]
@@ -438,7 +446,7 @@ def _patterns(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) 
 
 
 def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) -> _Ranges:
-    """Cut the offsets where the counted set begins or ends at an end of the bat, or amid it."""
+    """Cut the offsets where counted aims begin or end at an end of the bat, or at its middle."""
     grid = clearance.offsets(speed, FARTHEST * at_bats.offset_deviation)
     pairs = np.arange(len(speed))
     lines, cuts = [pairs, pairs], [grid[:, 0], grid[:, -1]]
@@ -448,9 +456,9 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
             inputs = Samples(speed[pair], np.zeros_like(offset), offset, tilt[pair])
             return clearance(replace(inputs, aim=clearance.aim_to_touch(y, inputs)))
 
-        found = crossings(touching, grid, sampled(touching, grid))
-        lines.append(found.line)
-        cuts.append(found.place)
+        edges = crossings(touching, grid, sampled(touching, grid))
+        lines.append(edges.line)
+        cuts.append(edges.place)
     return _Ranges.between(np.concatenate(lines), np.concatenate(cuts))
 
 
@@ -459,20 +467,19 @@ def _ranges(clearance: Clearance, at_bats: AtBats, speed: Array, tilt: Array) ->
 
 @dataclass(frozen=True)
 class _Intervals:
-    """Intervals of aims that are counted, for given speeds, offsets and tilts: the lines."""
+    """Counted intervals of aims; a line is a set of speed, offset and tilt."""
 
-    # What is counted, and the lines.
     clearance: Clearance
     inputs: Samples
-    # Aims, m, an array (line, sample), and clearances there, m.
+    # Aims, m, an array (line, sample), and their clearances, m.
     grid: Array
     values: Array
-    ends: Crossings  # of the intervals, but for the ends of the bat
-    unsolved: Flags  # whether the engine could not decide some at-bat of a line
+    ends: Crossings  # of the intervals, without the ends of the bat
+    unsolved: Flags  # True for a line with an undecided at-bat
 
     @classmethod
-    def found(cls, clearance: Clearance, inputs: Samples) -> _Intervals:
-        """Find them."""
+    def of(cls, clearance: Clearance, inputs: Samples) -> _Intervals:
+        """Locate the ends of the intervals, in the order of the aim."""
         half = clearance.base.bat.length / 2 * (1.0 - _END)
         low, high = clearance.aim_to_touch(-half, inputs), clearance.aim_to_touch(half, inputs)
         grid = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _AIMS)
@@ -485,22 +492,23 @@ class _Intervals:
 
     @property
     def kind(self) -> Integers:
-        """A number a line, which tells how many ends there are, and how many of them are jumps.
+        """One number for each line: ends, jumps among them, and a flag.
 
-        And whether the first end of the bat is in an interval.
+        The flag is set if the first end of the bat is in an interval.
         """
         kind = np.where(self.values[:, 0] >= 0.0, 1_000_000, 0)
         np.add.at(kind, self.ends.line, 1 + 1000 * self.ends.jumps)
         return kind
 
     def shares(self, law: Mixture) -> tuple[Array, Array, Array]:
-        """Return the probability of the intervals of each line.
+        """Return the probability of the intervals of each line, its derivative by e, and a doubt.
 
-        And its derivative by e, and 1 where the engine could not decide some at-bat, 0 elsewhere.
+        The doubt is 1 on a line with an undecided at-bat, and 0 elsewhere.
         """
         ends = self.ends
         p = probability(law.distribution.cdf, self.grid, self.values, ends)
         slope = np.zeros_like(p)
+        # An end at the aim y moves by dy/de and changes the probability by the density times dy.
         length = (self.grid[:, -1] - self.grid[:, 0])[ends.line]
         at_ends = replace(self.inputs.chosen(ends.line), aim=ends.place)
         moves = np.where(ends.jumps, 0.0, _moves(self.clearance, at_ends, _STEP * length))
@@ -511,7 +519,7 @@ class _Intervals:
         return p, slope, self.unsolved.astype(float)
 
     def _moves_of_jumps(self, far: Array) -> Array:
-        """Return the derivatives of jumps' places by e, m; 0 for a move beyond `far` in a step."""
+        """Return the derivatives of the positions of jumps by e, m; 0 if one moves beyond `far`."""
         which = self.ends.jumps
         lines, place = self.inputs.chosen(self.ends.line[which]), self.ends.place[which]
         grid = place[:, None] + far[:, None] * np.array([-1.0, 1.0])
@@ -519,9 +527,9 @@ class _Intervals:
         for sign in (1.0, -1.0):
             e = self.clearance.restitution + sign * _WIDER_STEP
             along = _along(replace(self.clearance, restitution=e), lines)
-            found = crossings(along, grid, sampled(along, grid))
+            jumps = crossings(along, grid, sampled(along, grid))
             at = place.copy()
-            at[found.line] = found.place
+            at[jumps.line] = jumps.place
             moved.append(at)
         return (moved[0] - moved[1]) / (2 * _WIDER_STEP)
 
@@ -532,7 +540,7 @@ def _along(clearance: Clearance, inputs: Samples) -> Callable[[Array, Integers],
 
 
 def _moves(clearance: Clearance, roots: Samples, step: Array) -> Array:
-    """Return the derivatives of roots' places along the aim by e: -(∂D/∂e)/(∂D/∂aim)."""
+    """Return the derivatives of roots along the aim by e, m: -(∂D/∂e)/(∂D/∂aim)."""
     e = clearance.restitution
     by_e = replace(clearance, restitution=e + _STEP)(roots)
     by_e -= replace(clearance, restitution=e - _STEP)(roots)

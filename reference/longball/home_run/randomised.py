@@ -1,9 +1,8 @@
 """P(e) by randomised quasi-Monte Carlo, which shares no rule with the quadrature.
 
-The height offset is integrated exactly between the roots of D = 150 m, and where ball and bat begin
-to miss each other; the other three variables are points of Sobol' sequences, scrambled
-independently of each other (A. B. Owen, SIAM J. Numer. Anal. 34 (1997) 1884), so that their scatter
-tells the error.
+The height offset is integrated exactly between the roots of D = 150 m and the edges of the window
+in which ball and bat meet. The other three variables are points of independently scrambled Sobol'
+sequences (A. B. Owen, SIAM J. Numer. Anal. 34 (1997) 1884), whose scatter estimates the error.
 """
 
 from __future__ import annotations
@@ -23,8 +22,9 @@ from longball.model.arrays import Array, Integers
 from longball.model.readings import SampleSpace
 from longball.model.scene import AtBatScene
 
+# Independent estimates: 15 degrees of freedom for the standard error.
 SCRAMBLES = 16
-_LINES = 512  # that a thread takes at a time: some tenths of a second
+_LINES = 512  # of one task: a few tenths of a second
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,14 @@ def scrambled(
     sample_space: SampleSpace = "pitches",
     workers: int = 1,
 ) -> list[Randomised]:
-    """Return P(e) at each restitution, by the batch engine, from the same lines for all.
+    """Return P(e) at each restitution, by the batch engine, with the same points for all.
 
-    There is a power of 2 of lines along the offset in each of the scrambles.
+    `lines` is the number of points in each scramble, a power of 2. Each point is a line along the
+    offset.
     """
     from longball.engines.batch import Batch  # slow to import, and not needed for --help
 
-    # All scrambles go together, in columns as long as threads like them; `_means` parts them again.
+    # All scrambles are solved together, in long columns; `_means` separates them again.
     everything = Samples.joined([_lines(base, at_bats, lines, seed, i) for i in range(SCRAMBLES)])
     estimates = []
     for e in restitutions:
@@ -68,10 +69,10 @@ def scrambled(
 
 
 def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: int) -> Samples:
-    """Return the lines of one scramble; their offset is still open.
+    """Return the lines of one scramble, without their offset.
 
-    Speed and tilt are drawn from their distributions, the aim evenly from `_aims`: most home runs
-    are hit by the end of the bat, where few pitches go.
+    Speed and tilt follow their distributions. The aim is uniform over `_aims` (importance
+    sampling): the end of the bat hits most home runs, and few pitches are thrown there.
     """
     from scipy.stats import qmc
 
@@ -89,9 +90,9 @@ def _lines(base: AtBatScene, at_bats: AtBats, count: int, seed: int, scramble: i
 
 
 def _aims(base: AtBatScene, at_bats: AtBats) -> tuple[float, float]:
-    """Return between what aims, m, all lie that are drawn and can touch the bat.
+    """Return the range of the aims that occur and can touch the bat, m.
 
-    The ball touches the bat R + r_b in front of the plate at most, on a line from the release.
+    The contact is at most R + r_b in front of the plate, on a line from the release to the aim.
     """
     x, y, _ = base.pitch.release
     fraction = (base.ball.radius + base.bat.radius) / x
@@ -101,20 +102,21 @@ def _aims(base: AtBatScene, at_bats: AtBats) -> tuple[float, float]:
 
 
 def _means(clearance: Clearance, at_bats: AtBats, lines: Samples, workers: int) -> Array:
-    """Return the share of what is counted in each scramble."""
+    """Return the probability of the counted at-bats in each scramble."""
     calls = (
         (clearance, at_bats, lines.chosen(slice(first, first + _LINES)))
         for first in range(0, len(lines), _LINES)
     )
     low, high = _aims(clearance.base, at_bats)
     shares = np.concatenate([*in_parallel(_share_over_offsets, calls, workers, threads=True)])
+    # the weights of the uniform aims
     shares *= (high - low) * at_bats.aim.distribution.pdf(lines.aim)
     means: Array = shares.reshape(SCRAMBLES, -1).mean(axis=1)
     return means
 
 
 def _share_over_offsets(clearance: Clearance, at_bats: AtBats, lines: Samples) -> Array:
-    """Return the probability, on each line, of the offsets that are counted."""
+    """Return the probability of the counted offsets on each line."""
     shares, pitched = np.zeros(len(lines)), lines.pitched
     lines = lines.chosen(pitched)
     grid = clearance.offsets(lines.speed, FARTHEST * at_bats.offset_deviation)

@@ -1,7 +1,7 @@
 """Monte Carlo: landings of sampled at-bats.
 
-Every sample is drawn once and struck with every restitution asked for, so that differences of
-P(e) along e carry little noise.
+Every sample is drawn once and solved with every restitution. The noise is then almost the same at
+every e, and differences of P(e) have little noise.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from longball.engines.batch import Batch
 
 
-# Where a ball that meets the fence stays, and where another one lands.
+# Position of a ball that hits the fence, and of any other.
 _PLACES = "fence", "landing"
 
 HOME_RUN_DISTANCE = 150.0  # m; paper, Sec. IV
 
-# Samples that a thread takes at a time: some hundredths of a second.
+# Samples of one task: a few hundredths of a second.
 COLUMNS = 200 * BLOCK
 
 
@@ -37,10 +37,10 @@ COLUMNS = 200 * BLOCK
 class Struck(Arrays):
     """Landings of at-bats, one array element for each."""
 
-    # m, where the ball landed, or met the fence; NaN if it was not batted.
+    # Position of the landing, or of the ball at the fence, m; NaN if it was not batted.
     x: Array
     y: Array
-    failed: Flags  # whether the engine could not decide
+    failed: Flags  # True if the engine could not decide
 
     @property
     def distance(self) -> Array:
@@ -65,7 +65,7 @@ class Struck(Arrays):
 
 @dataclass(frozen=True)
 class Fenced(Struck):
-    """Landings of at-bats in a field with a fence, which the ball may be `over` as a home run."""
+    """Landings of at-bats in a field with a fence; `over` flags the home runs."""
 
     over: Flags
 
@@ -86,11 +86,11 @@ def monte_carlo(
     workers: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> list[Struck]:
-    """Return the landings of samples of a seed, the same ones at each restitution.
+    """Return the landings of the samples of a seed, the same samples at each restitution.
 
-    `base` is everything about the at-bats that is not random. Fewer samples are the first of more.
-    The batch engine, which is the default, solves columns in threads, another one scene by scene in
-    processes; their number changes no bit. `progress` is called with the number of samples done.
+    `base` is the at-bat without its random numbers. Fewer samples are the first of more. The batch
+    engine, the default, solves columns in threads; others solve single scenes in processes. The
+    number of workers does not change a bit. `progress` is called with the number of samples done.
     """
     solver = engine or create("batch")
     threads = isinstance(solver, ManyAtOnce)
@@ -99,7 +99,7 @@ def monte_carlo(
         (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)
         for first in range(0, count, size)
     )
-    # x, y, failure and home runs, in place as the blocks come in order
+    # rows: x, y, failure, home run; blocks arrive in order and fill the columns
     landed = np.empty((len(restitutions), 4, count))
     done = 0
     for part in in_parallel(_strike, calls, workers, threads):
@@ -121,7 +121,7 @@ def _strike(
     engine: Any,
 ) -> Array:
     """Return x, y, failure and home runs of samples: an array (restitution, 4, sample)."""
-    # Drawn where they are struck: blocks have seeds of their own, and need not be sent.
+    # Workers draw their own samples, because each block has its own seed: nothing is sent to them.
     samples = draw(at_bats, count, seed, first)
     pitched = samples.pitched
     landed = np.full((len(restitutions), 4, count), np.nan)

@@ -266,14 +266,14 @@ class Table(Block):
         at, values = [*map(exact, self.at)], [*map(exact, self.values)]
         nothing = exact(0.0)
         # Constant below the first node.
-        found = [(values[0], nothing)]
+        lines = [(values[0], nothing)]
         for (x, y), (right, above) in pairwise(zip(at, values, strict=True)):
             slope = (above - y) / (right - x)
             # The value that the line through (x, y) has at 0.
-            found.append((y - slope * x, slope))
-        found.append((values[-1], nothing))
+            lines.append((y - slope * x, slope))
+        lines.append((values[-1], nothing))
         first = 1 if self.at[0] == 0.0 else 0  # nothing is below 0
-        return Lines(tuple(at[first:]), tuple(found[first:]))
+        return Lines(tuple(at[first:]), tuple(lines[first:]))
 
 
 def law_name(coefficient: Any) -> str:

@@ -85,13 +85,13 @@ def wind_strengths(
         rise = numbers.functions["log"]((height + roughness) / roughness)
         velocity = velocity[0] / rise, velocity[1] / rise, velocity[2]
         profile = {ROUGHNESS: roughness}
-    found = present({"wind_s": velocity[0], "wind_y": velocity[1], "wind_z": velocity[2]}, numbers)
+    wind = present({"wind_s": velocity[0], "wind_y": velocity[1], "wind_z": velocity[2]}, numbers)
     # Without a wind there is nothing to profile.
-    found = found and found | profile
-    if hasattr(given, "above") and found:
+    wind = wind and wind | profile
+    if hasattr(given, "above") and wind:
         # Still air below the height, the wind above it: a switch of the law.
-        return ({}, found), (numbers.exact(given.above),)
-    return (found,), ()
+        return ({}, wind), (numbers.exact(given.above),)
+    return (wind,), ()
 
 
 # --- the Earth ------------------------------------------------------------------------------------

@@ -173,11 +173,11 @@ def roots() -> tuple[sp.Expr, sp.Expr]:
     ValueError
         If the roots are not one of each kind.
     """
-    found = [sp.factor(root) for root in sp.solve(restitution_equation(), BETA)]
-    rebounding = [root for root in found if sp.expand(NORMAL_SPEED + root).is_nonnegative]
-    penetrating = [root for root in found if sp.expand(NORMAL_SPEED + root).is_nonpositive]
-    if not (len(found) == 2 and len(rebounding) == 1 and len(penetrating) == 1):
-        raise ValueError(f"expected one rebounding and one penetrating root, found {found}")
+    solutions = [sp.factor(root) for root in sp.solve(restitution_equation(), BETA)]
+    rebounding = [root for root in solutions if sp.expand(NORMAL_SPEED + root).is_nonnegative]
+    penetrating = [root for root in solutions if sp.expand(NORMAL_SPEED + root).is_nonpositive]
+    if not (len(solutions) == 2 and len(rebounding) == 1 and len(penetrating) == 1):
+        raise ValueError(f"expected one rebounding and one penetrating root, found {solutions}")
     return penetrating[0], rebounding[0]
 
 
@@ -326,10 +326,10 @@ def inverse_mass() -> sp.Matrix:
 
     It is symmetric, and nothing couples to the direction across normal and bat, which is checked.
     """
-    found = (slip(pushed(BODIES)) - slip(BODIES)).jacobian(PUSH).applyfunc(sp.expand)
-    if found != found.T or found[0, 2] != 0 or found[1, 2] != 0:
-        raise ValueError(f"the impulse across normal and bat is coupled: {found}")
-    return found
+    matrix = (slip(pushed(BODIES)) - slip(BODIES)).jacobian(PUSH).applyfunc(sp.expand)
+    if matrix != matrix.T or matrix[0, 2] != 0 or matrix[1, 2] != 0:
+        raise ValueError(f"the impulse across normal and bat is coupled: {matrix}")
+    return matrix
 
 
 def _change(push: sp.Matrix) -> sp.Matrix:

@@ -160,15 +160,15 @@ def weightless(
     u, w = start.u, start.w
     speed = functions.sqrt(u * u + w * w)
     slowing = 1 + 0 * speed
-    way = speed * time
+    arc = speed * time
     if drag is not None:
-        slowing = 1 + drag * way
-        way = functions.log1p(drag * way) / drag
+        slowing = 1 + drag * arc
+        arc = functions.log1p(drag * arc) / drag
     if lift is None:
         return PlaneState(
-            start.s + way * u / speed, start.z + way * w / speed, u / slowing, w / slowing
+            start.s + arc * u / speed, start.z + arc * w / speed, u / slowing, w / slowing
         )
-    half = lift * way / 2
+    half = lift * arc / 2
     cos, sin = functions.cos(half), functions.sin(half)
     chord = 2 * sin / lift / speed
     # Turned by half the angle the launch velocity points along the chord, by all of it, onwards.

@@ -43,15 +43,15 @@ CONTACT = (0.6096, 0.0, 0.9144)
 def inputs(scene: Scene) -> dict[str, float]:
     """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
     # By the names of quantities, each component of a vector for itself.
-    found = dict(numbers(scene))
-    found.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
+    known = dict(numbers(scene))
+    known.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
     if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
         # A vertical launch takes the heading +x; any other heading is a jump away from it.
-        del found["launch.velocity[0]"], found["launch.velocity[1]"]
+        del known["launch.velocity[0]"], known["launch.velocity[1]"]
     # An input of zero is one if it can be another number in either direction.
     return {
         path: x
-        for path, x in found.items()
+        for path, x in known.items()
         if x
         or (
             path not in _ABSENT_AT_ZERO
@@ -104,12 +104,12 @@ def tracks_of(
     """Return a velocity and a spin in trackers' quantities; see `tracked`."""
     x, y, z = velocity
     angle, direction = turn(z, size(x, y)), turn(y, x)
-    found = dict(zip(OF_VELOCITY, (size(x, y, z), angle, direction), strict=True))
+    tracks = dict(zip(OF_VELOCITY, (size(x, y, z), angle, direction), strict=True))
     if spin is not None:
         along, back, side = axes_of(angle, direction, numbers)
         parts = dot(spin, back), dot(spin, side), dot(spin, along)
-        found |= dict(zip(OF_SPIN, parts, strict=True))
-    return found
+        tracks |= dict(zip(OF_SPIN, parts, strict=True))
+    return tracks
 
 
 def launched(values: Mapping[str, N], numbers: Numbers) -> dict[str, Vector]:

@@ -207,10 +207,10 @@ def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
     """
     if p.decay is ZERO:
         return 1.0
-    way = -p.decay * path
+    exponent = -p.decay * path
     if p.shape.spin_decay == "nathan":
-        way = -(p.decay / p.decay_speed) * (path * speed)
-    return p.auxiliary_for(trace.exp(way))
+        exponent = -(p.decay / p.decay_speed) * (path * speed)
+    return p.auxiliary_for(trace.exp(exponent))
 
 
 # --- what a law is traced with --------------------------------------------------------------------
@@ -694,10 +694,10 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
     strengths |= others | earth_strengths(scene, frame, numbers)
     acting = []
     for force in forces:
-        found = force.strengths(scene, frame, numbers)
-        if found is not None:
+        its = force.strengths(scene, frame, numbers)
+        if its is not None:
             acting.append(force.acceleration)
-            strengths |= found
+            strengths |= its
     if acting:
         shape = shape._replace(forces=tuple(acting))
     # The variables are the same on all branches: those of space, if one of them needs those.
@@ -726,14 +726,14 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switc
         lift_law, lift = _coefficient("lift", scene, spins, numbers)
     parts, shape = [drag, lift], Shape(drag_law, lift_law)
     # wind and side force: each may end the form of the law on the way
-    found: dict[str, N] = {}
+    strengths: dict[str, N] = {}
     if air.wind is not None:
         shape = shape._replace(wind_acts_on=reading.wind_acts_on)
         question = "the ball passes the height above which the wind blows"
         parts.append(Switch("wind", *wind_strengths(scene, frame, numbers), question))
     if air.side_coefficient is not None:
         side = side_strengths(scene, frame, numbers)
-        found |= side
+        strengths |= side
         if side:
             question = "the airspeed turns along air.side_coefficient.direction"
             parts.append(Switch("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
@@ -748,16 +748,16 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switc
     if spins:
         x, y, z = frame.spin
         s, left, up = frame.turned(frame.spin)
-        found |= present({"spin_s": s, "spin_y": left, "spin_z": up}, numbers)
-        found["spin"] = numbers.sqrt(x * x + y * y + z * z)
-        found["radius"] = exact(scene.ball.radius)
+        strengths |= present({"spin_s": s, "spin_y": left, "spin_z": up}, numbers)
+        strengths["spin"] = numbers.sqrt(x * x + y * y + z * z)
+        strengths["radius"] = exact(scene.ball.radius)
     if frame.spin is not None and air.spin_decay_length is not None:
-        found["decay"] = 1 / exact(air.spin_decay_length)
+        strengths["decay"] = 1 / exact(air.spin_decay_length)
         if reading.spin_decay != "path":
-            found["decay_speed"] = exact(PATH_SPEEDS[reading.spin_decay])
+            strengths["decay_speed"] = exact(PATH_SPEEDS[reading.spin_decay])
     if air.density_scale_height is not None:
-        found["thinning"] = 1 / exact(air.density_scale_height)
-    return shape, parts, found
+        strengths["thinning"] = 1 / exact(air.density_scale_height)
+    return shape, parts, strengths
 
 
 # m/s, of a path in which spin decays that is not the ball's. A decay in time is quoted as one along

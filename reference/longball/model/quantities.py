@@ -123,17 +123,17 @@ def rewritten(block: B, values: Mapping[str, object]) -> B:
 
 def flat(data: Any) -> list[tuple[str, Any]]:
     """Return the name and the value of everything in data that has no parts, or is a number."""
-    found: list[tuple[str, Any]] = []
+    pairs: list[tuple[str, Any]] = []
 
     def walk(inner: Any, name: str) -> None:
         parts = [] if _is_number(inner) else _parts(inner)
         if not parts:
-            found.append((name, inner))
+            pairs.append((name, inner))
         for key, part in parts:
             walk(part, f"{name}.{key}" if name and not key.startswith("[") else name + key)
 
     walk(data, "")
-    return found
+    return pairs
 
 
 def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
@@ -144,9 +144,9 @@ def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
     """
     data: dict[str, Any] = {}
     for name, value in values.items():
-        *way, (last, _) = _way(name)
+        *steps, (last, _) = _way(name)
         block = data
-        for step, _ in way:
+        for step, _ in steps:
             block = block.setdefault(step, {})
             if not isinstance(block, dict):
                 raise ValueError(f"{name}: {step} is given as {reprlib.repr(block)} already")

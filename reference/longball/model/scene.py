@@ -89,13 +89,13 @@ class Launch(_Block):
         return self.position
 
     @property
-    def way(self) -> Point:
+    def along(self) -> Point:
         """A vector along the velocity."""
         return self.velocity
 
     @property
     def pace(self) -> float:
-        """The velocity as a multiple of `way`."""
+        """The velocity as a multiple of `along`."""
         return 1.0
 
 
@@ -130,20 +130,20 @@ class Pitch(_Block):
         return self.release
 
     @property
-    def way(self) -> Point:
+    def along(self) -> Point:
         """A vector along the velocity."""
         x, y, z = self.release
         return self.velocity or (-x, self.aim[0] - y, self.aim[1] - z)
 
     @property
     def pace(self) -> float:
-        """The velocity as a multiple of `way`, in double precision."""
-        return self.speed / math.hypot(*self.way) if self.velocity is None else 1.0
+        """The velocity as a multiple of `along`, in double precision."""
+        return self.speed / math.hypot(*self.along) if self.velocity is None else 1.0
 
     @property
     def thrown(self) -> Point:
         """The velocity at the release, m/s, in double precision."""
-        x, y, z = self.way
+        x, y, z = self.along
         return x * self.pace, y * self.pace, z * self.pace
 
     @model_validator(mode="after")
@@ -463,9 +463,9 @@ def _across(direction: Point, start: Launch | Pitch, air: Air, reading: Reading)
     """Return the product of a vector and the velocity that lift depends on, at the start."""
     wind = (0.0, 0.0, 0.0)
     if reading.wind_acts_on == "both":
-        wind = air.wind_at(start.place[2], start.way[2])
+        wind = air.wind_at(start.place[2], start.along[2])
     # With the product by the way first: as long as that is, where it is 0 it stays 0.
-    across = scaled(start.pace, cross(direction, start.way))
+    across = scaled(start.pace, cross(direction, start.along))
     return plus(across, scaled(-1.0, cross(direction, wind)))
 
 

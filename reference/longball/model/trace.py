@@ -245,12 +245,12 @@ def square(node: Node) -> Node:
 def squares(node: Node) -> tuple[Node, ...]:
     """Return x, y, … of a node ``x x + y y + …``; nothing if it is another one."""
     rest, *terms = _as_sum(node)
-    found = []
+    bases = []
     for coefficient, term in terms:
         if coefficient is not _ONE or term.kind != "product" or term.args[0] is not term.args[1]:
             return ()
-        found.append(term.args[0])
-    return tuple(found) if rest is ZERO else ()
+        bases.append(term.args[0])
+    return tuple(bases) if rest is ZERO else ()
 
 
 def derivative(

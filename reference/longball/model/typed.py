@@ -34,33 +34,33 @@ Vector = Sequence[float] | NDArray[Any]
 
 def text() -> str:
     """Return the module that has a `TypedDict` for each scene and each block."""
-    found: dict[type[BaseModel], str] = {}
+    classes: dict[type[BaseModel], str] = {}
     for kind in get_args(Scene):
-        _collect(kind, found)
+        _collect(kind, classes)
     homes: dict[str, list[str]] = {}
-    for model in found:
+    for model in classes:
         if not model.__name__.endswith("Scene"):
             homes.setdefault(model.__module__, []).append(model.__name__)
     imports = (f"from {home} import {', '.join(sorted(homes[home]))}" for home in sorted(homes))
     head = HEAD.format(imports="\n".join(imports))
     scenes = " | ".join(f"{kind.__name__}Dict" for kind in get_args(Scene))
-    return "\n\n".join([head, *found.values(), f"SceneDict = {scenes}\n"])
+    return "\n\n".join([head, *classes.values(), f"SceneDict = {scenes}\n"])
 
 
-def _collect(model: type[BaseModel], found: dict[type[BaseModel], str]) -> None:
+def _collect(model: type[BaseModel], classes: dict[type[BaseModel], str]) -> None:
     """Add the class of a model, after those of its base and of the blocks in it."""
-    if model in found:
+    if model in classes:
         return
     base: Any = model.__base__
     inherited = base.model_fields if base.__module__ == scene.__name__ else {}
     rows = []
     if inherited:
-        _collect(base, found)
+        _collect(base, classes)
     for name, field in model.model_fields.items():
         if name == "kind" or name in inherited:
             continue
         for inner in filter(is_model, within(field.annotation)):
-            _collect(inner, found)
+            _collect(inner, classes)
         kind = spelled(field.annotation, _or_dict)
         rows.append(f"    {name}: {f'Required[{kind}]' if field.is_required() else kind}")
         if field.description:
@@ -71,7 +71,7 @@ def _collect(model: type[BaseModel], found: dict[type[BaseModel], str]) -> None:
         whole = name.removesuffix("Blocks") + "Dict"
         rows += ["", "", f"class {whole}({name}):", f"    kind: Required[{kind}]"]
     bases = f"{_name(base)}, total=False" if inherited else "TypedDict, total=False"
-    found[model] = "\n".join([f"class {_name(model)}({bases}):", *rows, ""])
+    classes[model] = "\n".join([f"class {_name(model)}({bases}):", *rows, ""])
 
 
 def _name(model: Any) -> str:

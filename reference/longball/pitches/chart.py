@@ -212,8 +212,8 @@ def _straight(names: tuple[str, ...], rows: Integers, types: PitchTypes, column:
                 f"as straight, nor as breaking, nor to be left out{and_more(len(strange))}"
             )
     straight = np.isin(names, types.straight)
-    for found, kind in ((straight, "straight"), (~straight, "breaking")):
-        if not found.any():
+    for chosen, kind in ((straight, "straight"), (~straight, "breaking")):
+        if not chosen.any():
             seen = ", ".join(sorted(set(names)))
             raise TableError(f"{column}: no {kind} ball among the types of pitch here: {seen}")
     return straight

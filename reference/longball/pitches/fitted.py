@@ -166,8 +166,8 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
     for each in fitted.left_out:
         yield f"  {each}"
     for name, types in (("straight", fitted.straight), ("breaking", fitted.breaking)):
-        found = ", ".join(f"{kind} {count}" for kind, count in types.items())
-        yield f"  {name}: {sum(types.values())} ({found})"
+        counts = ", ".join(f"{kind} {count}" for kind, count in types.items())
+        yield f"  {name}: {sum(types.values())} ({counts})"
 
     speed, aim = fitted.speed, fitted.aim
     yield "\nSpeed (Table II, Fig. 2)"

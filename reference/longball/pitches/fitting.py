@@ -74,10 +74,10 @@ def fit_pitches(
     def speeds_of(chosen: Integers | slice) -> list[float]:
         speed, straight = pitches.speed[chosen], pitches.straight[chosen]
         # Mean and variance are the likeliest of a normal curve; rounding has widened it (Sheppard).
-        found: list[float] = []
+        moments: list[float] = []
         for each in (speed[straight], speed[~straight]):
-            found += [each.mean(), np.sqrt(max(each.var() - rounding, 0.0))]
-        return [*found, straight.mean()]
+            moments += [each.mean(), np.sqrt(max(each.var() - rounding, 0.0))]
+        return [*moments, straight.mean()]
 
     def aim_of(chosen: Integers | slice, starts: Sequence[Aim]) -> Aim:
         counts = np.bincount(bins[chosen], minlength=len(edges) - 1)
@@ -250,7 +250,7 @@ def nearest_aim(
             theta[moving] = part
             return residuals(*theta.tolist())
 
-        found = least_squares(
+        fit = least_squares(
             residuals_of_part,
             # It wants to start inside; a thousandth is far from any end that it may seek.
             np.clip(theta[moving], low + 1e-3, high - 1e-3),
@@ -260,8 +260,8 @@ def nearest_aim(
             ftol=1e-12,
             gtol=1e-12,
         )
-        theta[moving] = found.x
-        return Aim(*theta.tolist()), float(found.cost)
+        theta[moving] = fit.x
+        return Aim(*theta.tolist()), float(fit.cost)
 
     aim, cost = min(map(search, starts), key=lambda end: end[1])
     return aim.sorted(), cost

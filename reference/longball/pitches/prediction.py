@@ -228,13 +228,13 @@ def _place(result: Result) -> tuple[float, ...] | None:
 
 def summaries(prediction: Prediction) -> list[Summary]:
     """Return the errors of groups: pitches by type, flies by angle and speed; of all at the end."""
-    found = []
+    rows = []
     for name, which in (*_groups(prediction.measured), ("all", prediction.compared)):
         error = prediction.error[which & prediction.compared]
         if len(error):
             rms = float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
-            found.append(Summary(name, len(error), tuple(error.mean(axis=0).tolist()), rms))
-    return found
+            rows.append(Summary(name, len(error), tuple(error.mean(axis=0).tolist()), rms))
+    return rows
 
 
 def _groups(measured: Measured) -> Iterator[tuple[str, Flags]]:

@@ -109,25 +109,25 @@ def read_table(
     wanted = needed | {name: its.get(name, name) for name in optional}
     for name in its.keys() - wanted.keys():
         raise TableError(f"{name}: no column that is read{one_of('they are', name, wanted)}")
-    source, found, frame = _frame(table, wanted.values())
+    source, head, frame = _frame(table, wanted.values())
     for name in wanted.values():
-        if found.count(name) > 1:
+        if head.count(name) > 1:
             raise TableError(f"{source}: the column {name} is there twice")
     # A name that is given is meant, also of a column that is optional.
-    if missing := [x for name, x in wanted.items() if x not in found and name in needed | its]:
-        shown = ", ".join(found[:20]) + (", …" if len(found) > 20 else "")
-        others = [name for name in found if name not in wanted.values()]
+    if missing := [x for name, x in wanted.items() if x not in head and name in needed | its]:
+        shown = ", ".join(head[:20]) + (", …" if len(head) > 20 else "")
+        others = [name for name in head if name not in wanted.values()]
         near = did_you_mean(missing[0], others) if len(missing) == 1 else ""
         theirs = f"{near} Its" if near else "; its"
         none = "no such column" if len(missing) == 1 else "no such columns"
         raise NoSuchColumn(
             f"{', '.join(missing)}: the table has {none}{theirs} columns are {shown}"
-            f"{other_separators(found)}",
+            f"{other_separators(head)}",
             missing,
         )
     if not len(frame):
         raise TableError(f"{source}: the table has a header, and nothing below it")
-    here = {name: x for name, x in wanted.items() if x in found}
+    here = {name: x for name, x in wanted.items() if x in head}
     named = frame.set_axis([str(name) for name in frame.columns], axis="columns")
     return source, named[[*here.values()]].set_axis([*here], axis="columns")
 

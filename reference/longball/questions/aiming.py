@@ -1,4 +1,4 @@
-"""The launch that hits a target: low and high, or how far it would get."""
+"""The launches that hit a target, or the farthest that the ball gets."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from longball.model.plain import column_of
 from longball.model.scene import FlightScene, InvalidScene, Scene
 from longball.solution import Path, Solution
 
-# Where each unknown is looked for: rad, m/s. No ball has been hit at 70 m/s. Straight up and down
-# a launch has no direction.
+# Range of each unknown, rad and m/s. No ball has been hit at 70 m/s. The ends of the angles are
+# left out, because a launch straight up or down has no direction.
 RANGES = {
     "launch.angle": (-math.pi / 2 + 1e-6, math.pi / 2 - 1e-6),
     "launch.speed": (1.0, 100.0),
 }
 _DIRECTION = "launch.direction"
 
-# Flights that are tried. Two launches that hit the target and lie between two of these have the
-# farthest one between them, which is looked for as well.
+# Launches on the first grid, 3° apart. If two launches between neighbours of the grid hit the
+# target, the farthest launch is between them, and a search adds it to the grid.
 _TRIED = 61
-# How often a direction is corrected at most, for the curve of side spin and wind: a first time by
-# what it is off, then by the secant, whose fourth step is below rounding.
+# Most corrections of the direction, which side spin and wind turn: the first by the angle that the
+# landing is off, the others by the secant method, whose fourth step is below rounding.
 _CORRECTED = 8
-# Tolerance of roots, in rad, m/s and s: rounding. Brent's method gets there in some ten flights.
+# Tolerance of roots in rad, m/s and s: rounding. Brent's method needs about ten flights.
 _EXACT = 1e-15
 
 
@@ -55,31 +55,31 @@ def aim(
     Parameters
     ----------
     scene
-        A flight as `solve` takes it; all of its launch but the unknowns is kept.
+        A flight as `solve` takes it. Everything except the unknowns stays the same.
     target
-        A number: the landing's distance, m. Two: the place [x, y] of the landing, m. Three: the
-        point [x, y, z] that the ball passes through, m.
+        One number: distance of the landing, m. Two: position [x, y] of the landing, m. Three: a
+        point [x, y, z] of the path, m.
     unknowns
-        ``launch.angle`` or ``launch.speed``, and ``launch.direction`` for a place or a point; if
-        left out, angle and direction. An angle is looked for from straight down to straight up, a
-        speed from 1 to 100 m/s.
+        ``launch.angle`` or ``launch.speed``, and ``launch.direction`` if the target is a position
+        or a point; by default angle and direction. Angles are searched from straight down to
+        straight up, speeds from 1 to 100 m/s.
     engine, options
         As `solve` takes them.
 
     Returns
     -------
     list
-        The scenes that hit the target, by rising angle or speed: of angles mostly a low one and a
-        high one.
+        Scenes that hit the target, in order of angle or speed. Usually there are two angles, a low
+        one and a high one.
 
     Raises
     ------
     InvalidScene
-        If `scene` is no flight.
+        If `scene` is not a flight.
     ValueError
-        If target or unknowns are none of these.
+        If `target` or `unknowns` have another form.
     CannotSolve
-        If the target is out of reach: the message says how far the ball would get, and how.
+        If the target is out of reach. The message gives the maximum and the launch that attains it.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def aim(
     asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
     if not isinstance(asked, FlightScene):
         raise InvalidScene(f"aim: a flight is needed, and this is a scene of kind {asked.kind}")
-    # A ball that hits the fence has no distance, and how far it would fly is asked.
+    # A ball that hits the fence has no landing; the question is how far it would fly.
     if asked.fence is not None:
         asked = asked.model_copy(update={"fence": None})
     place = column_of(target)
@@ -136,14 +136,14 @@ class _Trial:
     """A launch at a target."""
 
     scene: FlightScene
-    excess: float  # m beyond the target, or above it; negative: short of it, or below
-    gets: str  # how far the farthest launch gets, as a clause
+    excess: float  # m beyond or above the target; negative if the ball is short of or below it
+    gets: str  # the distance that the ball gets, as a clause of the error message
 
 
 def _hits(
     scene: FlightScene, target: Array, names: list[str], engine: PathEngine
 ) -> list[FlightScene]:
-    """Return the scenes that hit a target, by the first unknown: some are tried, roots refined."""
+    """Return the scenes that hit a target: a grid over the first unknown, then roots between."""
     main = names[0]
 
     @cache
@@ -151,12 +151,12 @@ def _hits(
         trial = _trial(scene, target, {main: x}, engine)
         return math.nan if trial is None else trial.excess
 
-    # some launches, and the one that gets farthest: beside a maximum two launches may hit, between
-    # which no tried one gets beyond the target
+    # the grid, and the launch that gets farthest: next to the maximum two launches may hit the
+    # target although no launch of the grid gets beyond it
     tried = np.linspace(*RANGES[main], _TRIED).tolist()
     known = [x for x in tried if not math.isnan(excess(x))]
     if not known:
-        raise CannotSolve(f"no launch lands, of those that are tried for {main}")
+        raise CannotSolve(f"no launch lands, at any {main} from {tried[0]:.4g} to {tried[-1]:.4g}")
     best = tried.index(max(known, key=excess))
     peak = minimize_scalar(
         lambda x: math.inf if math.isnan(excess(x)) else -excess(x),
@@ -166,22 +166,22 @@ def _hits(
     )
     farthest = max(tried[best], float(peak.x), key=excess)
 
-    # between two of which one is short and one is not, one hits
+    # the excess changes sign between neighbours: one launch between them hits
     hits = [
         b if excess(b) == 0 else brentq(excess, a, b, xtol=_EXACT)
         for a, b in pairwise(sorted({*tried, farthest}))
         if excess(a) * excess(b) < 0 or excess(b) == 0
     ]
-    found = [_trial(scene, target, {main: x}, engine) for x in hits or [farthest]]
+    trials = [_trial(scene, target, {main: x}, engine) for x in hits or [farthest]]
     if hits:
-        return [trial.scene for trial in found if trial]
-    (trial,) = found
+        return [trial.scene for trial in trials if trial]
+    (trial,) = trials
     assert trial is not None
     if trial.excess < 0:
         raise CannotSolve(
             f"the target is out of reach: {trial.gets}; that is at {main} = {farthest:.6g}"
         )
-    raise CannotSolve(f"the ball gets beyond the target at every {main} that is tried")
+    raise CannotSolve(f"the ball gets beyond the target at every {main} from {tried[0]:.4g} on")
 
 
 def _trial(
@@ -201,21 +201,22 @@ def _trial(
 def _in_its_direction(
     scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine
 ) -> _Trial:
+    # Distances count from the launch: a change of direction turns the path about it.
     origin = np.array(scene.launch.position[:2])
     away, bearing = _polar(target[:2] - origin)
     direction, step, before = bearing, 0.0, 0.0
     for _ in range(_CORRECTED):
         launched: Any = with_values(scene, {**values, _DIRECTION: direction})
-        found = _landed(launched, engine)
-        place = np.array([*map(float, found["landing.position"])])
+        result = _landed(launched, engine)
+        place = np.array([*map(float, result["landing.position"])])
         gets, turned = _polar(place[:2] - origin)
         trial = _Trial(launched, gets - away, _getting(gets, away))
-        # A point is passed at a height: the excess is the height above it, and for a ball that does
-        # not get so far also how far it falls short, which is negative, too.
+        # The excess at a point is the ball's height above it. A ball that lands before it has the
+        # (negative) distance by which it is short added, so that the excess stays continuous.
         if len(target) == 3:
             short = min(gets - away, 0.0)
             if not short:
-                place = found.path.at(_passing(found.path, origin, away)).position
+                place = result.path.at(_passing(result.path, origin, away)).position
                 _, turned = _polar(place[:2] - origin)
                 high = f"there the ball is {place[2]:.6g} m high at most"
                 trial = replace(trial, gets=f"{high}, and the target {target[2]:.6g} m")
@@ -223,6 +224,7 @@ def _in_its_direction(
         off = math.remainder(bearing - turned, 2 * math.pi)
         if abs(off) <= _EXACT:
             break
+        # Secant method for the direction at which `off` is zero; the first step assumes slope 1.
         step = off * step / (before - off) if step and before != off else off
         direction, before = direction + step, off
     return trial
@@ -237,10 +239,10 @@ def _polar(vector: Array) -> tuple[float, float]:
 
 
 def _landed(scene: Scene, engine: PathEngine) -> Solution:
-    found = solve(scene, engine)
-    if found.landing is None:
-        raise CannotSolve(f"the outcome is {found.outcome}")
-    return found
+    result = solve(scene, engine)
+    if result.landing is None:
+        raise CannotSolve(f"the outcome is {result.outcome}")
+    return result
 
 
 def _passing(path: Path, origin: Array, away: float) -> float:

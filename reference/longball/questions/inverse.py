@@ -1,8 +1,8 @@
-"""Inverse problems: the scene that fits what was measured, and the launch that hits a target.
+"""Inverse problem: the scene that fits a measurement.
 
-Both use Gauss-Newton (`scipy.optimize.least_squares`) with the derivatives of
+The method is Gauss-Newton (`scipy.optimize.least_squares`) with the derivatives of
 `longball.engines.tangent`, which have about twelve digits. Measurements without noise return the
-unknowns to about ten.
+unknowns to about ten digits.
 """
 
 from __future__ import annotations
@@ -38,14 +38,15 @@ from longball.model.quantities import doubles, unknown
 from longball.model.scene import Scene
 from longball.solution import error_of, real_numbers
 
-# Singular values below this fraction of the largest count as 0. Derivatives have about twelve
-# digits; two are a margin.
+# Singular values below this fraction of the largest count as 0: the twelve digits of the
+# derivatives, with a margin of two.
 _DETERMINED = 1e-10
 
 # Relative step below which the search ends: a smaller one is rounding.
 _CONVERGED = 1e-15
 _MOST_STEPS = 100
-_MET = 1e-6  # relative: what a fit without a freedom may miss, far above what it does miss
+# Relative error allowed in a fit with as many unknowns as measurements, which is exact to 1e-10.
+_MET = 1e-6
 
 _POINT = ("t", "x", "y", "z")
 
@@ -57,16 +58,16 @@ class Fit:
     Attributes
     ----------
     scene
-        The scene with the numbers found.
+        The scene with the fitted values.
     value
-        The numbers found, by name.
+        The fitted values, by name.
     sigma
         Their standard errors; NaN if `sigma` is not given and there are as many unknowns as
-        measurements, so that the scatter of these is not known.
+        measurements, because the scatter of the measurements is then unknown.
     covariance
-        Of the numbers found, shape (n, n), in the order of `value`.
+        Covariance of the fitted values, shape (n, n), in the order of `value`.
     residuals
-        Measured minus computed, in standard deviations; of points, shape (points, 3).
+        Measured minus computed, in standard deviations; shape (points, 3) if points were given.
     chi_squared
         The sum of their squares.
     freedom
@@ -82,7 +83,7 @@ class Fit:
     freedom: int
 
     def __getitem__(self, name: str) -> float:
-        """Return a number found."""
+        """Return a fitted value."""
         if name not in self.value:
             raise KeyError(str(unknown(name, self.value)))
         return self.value[name]
@@ -170,7 +171,7 @@ def fit(
         )
     x, residuals, jacobian = _least_squares(asked, names, data, deviations, solver)
 
-    # As many numbers as unknowns are met exactly, or not at all.
+    # With as many measurements as unknowns, either the fit is exact or no scene fits.
     if len(names) == len(data.values):
         missed = np.abs(residuals * deviations)
         if (missed > _MET * np.maximum(np.abs(data.values), 1.0)).any():
@@ -181,8 +182,9 @@ def fit(
                 f"{missed[worst]:.3g}"
             )
 
-    # How well each is determined: (Jᵀ J)⁻¹ in standard deviations of the measurements. If these are
-    # not given, the scatter about the fit stands for them: χ² would be the degrees of freedom.
+    # Covariance: (Jᵀ J)⁻¹, with J in standard deviations of the measurements. If these are not
+    # given, the scatter about the fit estimates them: the scale makes χ² equal to the degrees of
+    # freedom.
     root = _determined(names, jacobian)
     freedom = len(data.values) - len(names)
     chi_squared = float(residuals @ residuals)
@@ -206,16 +208,16 @@ def fit(
 def _least_squares(
     scene: Scene, names: list[str], data: _Measured, deviations: Array, engine: PathEngine
 ) -> tuple[list[float], Array, Array]:
-    """Return the fitted unknowns, the residuals, and the derivatives of what is computed."""
+    """Return the fitted unknowns, the residuals, and the derivatives of the computed values."""
     start = np.array([value_of(scene, name) for name in names])
 
-    # The search asks for residuals and derivatives at the same point, which are solved together.
+    # SciPy calls two functions at each point; one solution gives residuals and derivatives.
     @cache
     def solved_at(*x: float) -> tuple[Array, Array]:
-        found, slopes = data.model(
+        computed, slopes = data.model(
             with_values(scene, dict(zip(names, x, strict=True))), names, engine
         )
-        return (data.values - found) / deviations, slopes / deviations[:, None]
+        return (data.values - computed) / deviations, slopes / deviations[:, None]
 
     def solved(x: Array) -> tuple[Array, Array]:
         return solved_at(*x.tolist())
@@ -224,13 +226,15 @@ def _least_squares(
         try:
             return solved(x)[0]
         except (CannotSolve, Undecided, ValueError):
-            return np.full(len(deviations), math.nan)  # too far: a shorter step is taken
+            # The step was too long: SciPy shortens a step whose residuals are NaN.
+            return np.full(len(deviations), math.nan)
 
     # The start is solved outside `residuals`, which would hide its error.
     _lengths(names, solved(start)[1])
-    # Unknowns have different units: steps are measured by the columns of J. The search ends by the
-    # size of its step alone, as a residual that is left says nothing of the unknowns' digits.
-    found = least_squares(
+    # Unknowns have different units, so steps are scaled by the columns of J. The search ends by the
+    # size of its step alone: with noise in the measurements, the size of the residual says nothing
+    # about the digits of the unknowns.
+    fitted = least_squares(
         residuals,
         start,
         lambda x: -solved(x)[1],
@@ -240,20 +244,22 @@ def _least_squares(
         xtol=_CONVERGED,
         max_nfev=_MOST_STEPS,
     )
-    # After all steps the gradient may have vanished within rounding: then it is found as well.
-    slopes = np.linalg.norm(found.jac, axis=0) * max(np.linalg.norm(found.fun), 1e-12)
-    if found.status == 0 and not (np.abs(found.grad) <= 1e-6 * slopes).all():
+    # After the last step the gradient may be zero to rounding, relative to |J| |r|: also a
+    # solution.
+    slopes = np.linalg.norm(fitted.jac, axis=0) * max(np.linalg.norm(fitted.fun), 1e-12)
+    if fitted.status == 0 and not (np.abs(fitted.grad) <= 1e-6 * slopes).all():
         raise CannotSolve(
-            f"no fit is found in {_MOST_STEPS} steps; start nearer to it, or fix some unknowns"
+            f"no fit in {_MOST_STEPS} steps; start nearer to it, or fix some of the unknowns"
         )
-    return (found.x.tolist(), *solved(found.x))
+    return (fitted.x.tolist(), *solved(fitted.x))
 
 
 def _determined(names: list[str], jacobian: Array) -> Array:
     """Return R with R Rᵀ = (Jᵀ J)⁻¹, if measurements determine the unknowns."""
     lengths = _lengths(names, jacobian)
     _, sizes, axes = np.linalg.svd(jacobian / lengths, full_matrices=False)
-    # The columns have length 1 there: divided by their lengths, steps have units of the unknowns.
+    # Singular vectors belong to columns of length 1. Divided by the lengths they are steps of the
+    # unknowns in their own units.
     open_ = axes[sizes <= _DETERMINED * sizes[0]] / lengths
     if len(open_):
         directions = "; and ".join(_direction(names, axis) for axis in open_)
@@ -277,14 +283,14 @@ def _lengths(names: list[str], jacobian: Array) -> Array:
 
 
 def _direction(names: list[str], axis: Array) -> str:
-    """Return a direction in the unknowns as a text, largest part first of what matters."""
+    """Return a direction in the unknowns as a text, the largest component first."""
     order = [i for i in np.argsort(-np.abs(axis)) if abs(axis[i]) > 1e-6 * np.abs(axis).max()]
-    # By its largest part, so that the others say how much they move per unit of it.
+    # Relative to the largest component: the text gives the change of the others per unit of it.
     axis = axis / axis[order[0]]
     return ", ".join(f"{names[i]} {axis[i]:+.4g}" for i in order)
 
 
-# --- what is measured -----------------------------------------------------------------------------
+# --- measurements and their predictions -----------------------------------------------------------
 
 
 def _measured(given: Any) -> _Measured:
@@ -313,8 +319,8 @@ def _measured(given: Any) -> _Measured:
     place = np.flatnonzero(seen)
 
     def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
-        found, slopes = of_path(scene, times, unknowns, engine)
-        return found.reshape(-1)[place], slopes.reshape(-1, len(unknowns))[place]
+        states, slopes = of_path(scene, times, unknowns, engine)
+        return states.reshape(-1)[place], slopes.reshape(-1, len(unknowns))[place]
 
     shown = tuple(names[i] for i in place)
     return _Measured(points.reshape(-1)[place], shown, points.shape, place, model)
@@ -328,9 +334,9 @@ def of_path(
     columns = []
     for name in unknowns:
         marked, speed = seeded_by(scene, name)
-        found, slopes = _points(marked, times, engine)
+        states, slopes = _points(marked, times, engine)
         columns.append(slopes / speed)
-    return found, np.stack(columns, axis=-1)
+    return states, np.stack(columns, axis=-1)
 
 
 def _points(scene: Scene, times: Array, engine: PathEngine) -> tuple[Array, Array]:
@@ -344,18 +350,19 @@ def _points(scene: Scene, times: Array, engine: PathEngine) -> tuple[Array, Arra
             raise ValueError("an impact has no path: nothing flies in it")
         with engine.numbers.arithmetic():
             points = [_position(trajectory, tangent.numbers.exact(t)) for t in times.tolist()]
-    found, slopes = (
+    states, slopes = (
         np.array([[float(of(x)) for x in point] for point in points]) for of in (plain_of, rate_of)
     )
-    return found, slopes
+    return states, slopes
 
 
 def _position(trajectory: Trajectory, time: Any) -> Any:
     """Return the position at a time; after the landing, as if there were no ground.
 
-    So measured points may lie beyond the landing of the scene to start from.
+    Measured points may lie beyond the landing of the starting scene.
     """
-    # The law of the last leg goes on: a derivative that ended at the ground would be zero there.
+    # The path continues by the law of the last leg. If it ended at the ground, its derivatives
+    # would be zero from there on, and the search could not lengthen the flight.
     leg = [leg for leg in trajectory.legs if not time < leg.begin][-1]
     return leg.frame.position(leg.flight.path.at(time - leg.begin))
 
@@ -397,10 +404,10 @@ def of_result(
 ) -> tuple[Array, Array]:
     """Return numbers of a result, shape (m,), and their derivatives, shape (m, unknowns)."""
     result = solve(scene, engine).result
-    found = doubles(result)
+    known = doubles(result)
     for name in quantities:
-        if name not in found:
-            raise CannotSolve(f"measured: {unknown(name, found)}; the outcome is {result.outcome}")
+        if name not in known:
+            raise CannotSolve(f"measured: {unknown(name, known)}; the outcome is {result.outcome}")
     slopes = [derivatives_by(scene, name, engine) for name in unknowns]
-    values = np.array([found[name] for name in quantities])
+    values = np.array([known[name] for name in quantities])
     return values, np.array([[float(by[q]) for by in slopes] for q in quantities])

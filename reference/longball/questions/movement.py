@@ -1,6 +1,6 @@
-"""Pitches as trackers publish them: nine parameters, and how far air moves a ball.
+"""Pitches as trackers publish them: nine parameters, and movement.
 
-Trackers fit a constant acceleration to a pitch and publish nine numbers: place, velocity and
+Trackers fit a constant acceleration to a pitch and publish nine numbers: position, velocity and
 acceleration at one plane. Here they are in the frame of scenes, in SI units, with x = 0 at the
 front of the plate, as in `longball.pitches.statcast`.
 """
@@ -27,18 +27,18 @@ from longball.solution import Path, Solution, real_numbers
 
 Vector = tuple[float, float, float]
 
-# m, x of the planes at which trackers give the parameters (50 ft from the tip of the plate), and
-# from which pfx is counted (40 ft).
+# x, m, of the plane at which trackers give the parameters (50 ft from the tip of the plate), and of
+# the plane from which pfx counts (40 ft).
 TRACKED, PFX = FIT_PLANE - PLATE_FRONT, 40.0 * FOOT - PLATE_FRONT
 
-# Of the Gauss-Legendre rule for the mean square over a pitch. Its path is analytic: with 12 nodes
-# nine parameters of pitches of the shipped day are the same to 1e-12.
+# Nodes of the Gauss-Legendre rule for the mean square over a pitch. The path is analytic: 12 nodes
+# give the same parameters to 1e-12 on the shipped day of pitches.
 _NODES = 16
 
 
 @dataclass(frozen=True)
 class NineParameters:
-    """A pitch of constant acceleration, at one moment.
+    """State and acceleration of a pitch at one moment; the acceleration is constant.
 
     Attributes
     ----------
@@ -49,8 +49,7 @@ class NineParameters:
     acceleration
         m/s².
     residual
-        m, root mean square of the distance to the path that they were fitted to; 0 if they were
-        not fitted.
+        Root mean square distance from the fitted path, m; 0 if nothing was fitted.
 
     Examples
     --------
@@ -76,21 +75,21 @@ class NineParameters:
                 raise ValueError(f"{name} = {value!r}: one vector [x, y, z] is needed")
 
     def at(self, x: float) -> NineParameters:
-        """Return the parameters where the ball is at a place x, m, on its way to the plate.
+        """Return the parameters at the plane x, m, on the flight to the plate.
 
         Raises
         ------
         ValueError
-            If it never comes there: the deceleration turns it round before.
+            If the ball never reaches the plane, because the deceleration turns it round.
         """
-        # v² = v0² + 2 a d, which is negative beyond the place where the ball turns
+        # v² = v0² + 2 a d is negative beyond the point where the ball turns round.
         distance, speed, push = x - self.position[0], self.velocity[0], self.acceleration[0]
         square = speed * speed + 2.0 * push * distance
         if not (speed < 0.0 and square >= 0.0):
             turn = self.position[0] - speed**2 / (2.0 * push) if push > 0.0 else None
             turns = "" if turn is None else f"; it turns at x = {turn:.6g} m"
             raise ValueError(
-                f"the pitch of these nine parameters never is at x = {x} m on its way to the "
+                f"the pitch of these nine parameters never reaches x = {x} m on its flight to the "
                 f"plate: velocity[0] = {speed} m/s, acceleration[0] = {push} m/s²{turns}"
             )
         time = float(time_of_plane(speed, push, distance))
@@ -100,13 +99,13 @@ class NineParameters:
         return NineParameters((x, y, z), (u, v, w), self.acceleration, self.residual)
 
     def pitch(self, release: float) -> PitchBlock:
-        """Return the block of a scene: the pitch released at a place x, m; see `at`."""
+        """Return the `pitch` block of a scene released at x, m; see `at`."""
         start = self.at(release)
         return PitchBlock(release=start.position, velocity=start.velocity)
 
     @property
     def approach(self) -> tuple[float, float]:
-        """The vertical and the horizontal approach angle there, rad; see `result.Approach`."""
+        """Vertical and horizontal approach angle, rad; see `result.Approach`."""
         u, v, w = self.velocity
         return math.atan2(w, math.hypot(u, v)), math.atan2(v, -u)
 
@@ -114,20 +113,20 @@ class NineParameters:
 def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameters:
     """Fit a constant acceleration to a pitch, as trackers do.
 
-    Its squared distance from the path, averaged over the time from the release to the plate, is the
-    least: a fit to the whole way, not a Taylor polynomial at a point.
+    The fit minimises the squared distance from the path, averaged over the time from the release to
+    the plate. It is not a Taylor polynomial at one point.
 
     Parameters
     ----------
     path
-        Of a pitch, or its solution; of an at-bat the solution, whose pitch ends at the plate.
+        Path or solution of a pitch, or solution of an at-bat, whose pitch ends at the plate.
     at
-        m, x of the plane at which the parameters are given, by default 50 ft from the plate's tip.
+        Plane at which the parameters are given, x in m; by default 50 ft from the plate's tip.
 
     Raises
     ------
     ValueError
-        If the pitch does not reach the plate, or the fit is never at that plane.
+        If the pitch does not reach the plate, or the fit does not reach that plane.
     TypeError
         If `path` is neither a path nor a solution.
 
@@ -143,11 +142,13 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     nodes, weights = leggauss(_NODES)
     half = 0.5 * (end - trajectory.start)
     places = trajectory.at(trajectory.start + half * (1.0 + nodes)).position
-    # The projection on 1, τ, (3τ² - 1)/2, which are orthogonal over the pitch, τ from -1 to 1.
+    # Projection on the Legendre polynomials 1, τ, (3τ² - 1)/2, orthogonal for τ from -1 to 1,
+    # divided by their squared norms 2, 2/3, 2/5.
     basis = np.stack([np.ones_like(nodes), nodes, 1.5 * nodes**2 - 0.5])
     projection = (basis * weights) * np.array([[0.5], [1.5], [2.5]])
     fitted, left = np.zeros((3, 3)), places
-    for _ in range(2):  # the second time for what the first has rounded
+    # The second projection removes the rounding error of the first.
+    for _ in range(2):
         fitted += projection @ left
         left = places - basis.T @ fitted
     # r(τ) = mean + slope τ + curvature (3τ² - 1)/2 with t = half τ: at τ = 0 the position is
@@ -164,7 +165,7 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
 
 
 def _pitch_of(path: Path | Solution) -> tuple[Path, float]:
-    """Return a path, and when its pitch is at the plate, s."""
+    """Return a path, and the time at which its pitch reaches the plate, s."""
     if isinstance(path, Solution):
         if path.plate is None:
             raise ValueError(f"the pitch does not reach the plate: it is {path.outcome}")
@@ -173,7 +174,7 @@ def _pitch_of(path: Path | Solution) -> tuple[Path, float]:
         raise TypeError(
             f"path: the path or the solution of a pitch is needed; not a {type(path).__name__}"
         )
-    # A path of a pitch ends at x = 0 to rounding; one that lands before it ends centimetres away.
+    # The path of a pitch ends at x = 0 to rounding; if it lands first, it ends centimetres before.
     if path.at(path.end).position[0] > 1e-6:
         raise ValueError(f"the pitch does not reach the plate: its path ends at {path.end:.6g} s")
     return path, path.end
@@ -185,11 +186,11 @@ def _vector(values: Array) -> Vector:
 
 
 def vectors(name: str, value: ArrayLike) -> Array:
-    """Return vectors as an array of shape (…, 3); a ValueError names an argument that is none."""
-    found = real_numbers(name, value)
-    if found.shape[-1:] != (3,) or not np.isfinite(found).all():
+    """Return vectors as an array of shape (…, 3); a ValueError names an invalid argument."""
+    array = real_numbers(name, value)
+    if array.shape[-1:] != (3,) or not np.isfinite(array).all():
         raise ValueError(f"{name} = {value!r}: a vector [x, y, z] of finite numbers is needed")
-    return found
+    return array
 
 
 @dataclass(frozen=True)
@@ -201,8 +202,8 @@ class Movement:
     across, up
         m, to the catcher's left and up.
     clock
-        The direction on a clock as the pitcher sees it, such as ``"12:00"`` for straight up; empty
-        if it does not move.
+        Direction on a clock as the pitcher sees it, such as ``"12:00"`` for straight up; empty if
+        there is no movement.
     """
 
     across: float
@@ -210,12 +211,12 @@ class Movement:
 
     @property
     def clock(self) -> str:
-        """See `Movement`; of a pitch whose whole spin is active it is the spin's direction."""
+        """See `Movement`. It is also the spin's direction if the whole spin is active."""
         return clock(self.across, self.up)
 
 
 def clock(across: float, up: float) -> str:
-    """Return a direction on a clock that the pitcher looks at, to a minute; "" for no direction.
+    """Return a direction on a clock as the pitcher sees it, to a minute; "" for no direction.
 
     Backspin, which lifts a ball, is 12:00; a movement to the pitcher's right, which is the
     catcher's left, 3:00.
@@ -239,7 +240,7 @@ def movement(
     since: float | None = None,
     **options: Any,
 ) -> Movement:
-    """Compute how far a pitch moves from where it would go without air, or without lift.
+    """Compare a pitch with the same pitch without air, or without lift.
 
     Parameters
     ----------
@@ -250,17 +251,17 @@ def movement(
         this is pfx. ``"lift"``: compared with the same ball under gravity and drag, where each
         crosses the plate; from the release on this is the induced break.
     since
-        m, x of the place from which the two go apart; the release if left out. 40 ft from the
-        plate's tip are `longball.questions.movement.PFX`, 11.76 m from its front.
+        Plane from which the two paths separate, x in m; by default the release. The constant
+        `longball.questions.movement.PFX` is 40 ft from the plate's tip, 11.76 m from its front.
     options
-        ``engine=`` and options of it, as of `solve`.
+        ``engine=`` and its options, as `solve` takes them.
 
     Raises
     ------
     InvalidScene
-        If `scene` describes no pitch.
+        If `scene` is not a pitch.
     ValueError
-        If the pitch does not reach the plate, or is not released before `since`.
+        If the pitch does not reach the plate, or is released between `since` and the plate.
 
     Examples
     --------
@@ -293,38 +294,38 @@ def movement(
         free = place + velocity * left - [0.0, 0.0, 0.5 * asked.gravity * left**2]
         across, up = (crossed - free)[1:].tolist()
         return Movement(across, up)
-    # Its spin is still there, which drag may depend on.
+    # The pitch without lift keeps its spin, because drag may depend on it.
     thrown = {"release": place, "velocity": velocity, "spin": asked.pitch.spin}
     across = {"air.lift_coefficient": 0.0, "air.side_coefficient": None} if asked.air else {}
     straight = asked.replace(pitch={k: x for k, x in thrown.items() if x is not None}, **across)
-    found = solve(straight, **options)
-    if found.plate is None:
-        raise ValueError(f"without lift the pitch does not reach the plate: it is {found.outcome}")
-    across, up = (crossed - np.array([*map(float, found.plate.position)]))[1:].tolist()
+    solved = solve(straight, **options)
+    if solved.plate is None:
+        raise ValueError(f"without lift the pitch does not reach the plate: it is {solved.outcome}")
+    across, up = (crossed - np.array([*map(float, solved.plate.position)]))[1:].tolist()
     return Movement(across, up)
 
 
 def measured_movement(pitches: MeasuredPitches, since: float | None = None) -> dict[str, Array]:
-    """Compute how far measured pitches move from where gravity alone would take them.
+    """Compare measured pitches with flights under gravity alone.
 
     Parameters
     ----------
     pitches
-        As `longball.pitches.statcast.read_measured` returns them; their fit of a constant
-        acceleration counts.
+        As `longball.pitches.statcast.read_measured` returns them. Only their nine parameters
+        matter.
     since
-        m, x of the place from which the two go apart; the release if left out. See `movement`.
+        Plane from which the two paths separate, x in m; by default the release. See `movement`.
 
     Returns
     -------
     dict of str to array
-        ``across`` and ``up``, m; and ``vertical`` and ``horizontal``, the approach angles at the
-        plate, rad; a number for each pitch.
+        ``across`` and ``up``, m, and the approach angles at the plate, ``vertical`` and
+        ``horizontal``, rad; one number for each pitch.
     """
     speed, push, release = pitches.velocity[:, 0], pitches.acceleration[:, 0], pitches.release[:, 0]
     begin = 0.0 if since is None else time_of_plane(speed, push, since - release)
     end = time_of_plane(speed, push, -release)
-    # Of a constant acceleration a the deflection from gravity alone is (a + g e_z) t²/2.
+    # With a constant acceleration a, the deflection from gravity alone is (a + g e_z) t²/2.
     _, push_across, push_up = pitches.acceleration.T
     half_square = 0.5 * (end - begin) ** 2
     across, up = half_square * push_across, half_square * (push_up + STANDARD_GRAVITY)

@@ -1,11 +1,11 @@
-"""Parks: fences by published distances and heights, and whether a ball is out in each.
+"""Parks: their fences, and batted balls in each of them.
 
 A fence is a line of straight chords. Each vertex has a bearing from centre field, a distance from
-the plate and the height of the wall there, which is linear along a chord; two vertices at one place
-are a step. Most shapes were measured from the air by A. Fox, to a few feet; chords depart from his
-curves by a foot or two. Parks of which no such measurement was found have five vertices: the
-published distances of the foul poles, of centre field and of the alleys, which are put at 22.5°.
-Parks of which no source was found that gives distances and heights are not here.
+the plate and a height of the wall, which is linear along a chord; two vertices at the same point
+form a step. A. Fox measured most shapes from the air, to a few feet; the chords depart from his
+curves by a foot or two. Parks without such a measurement have five vertices: the published
+distances of the foul poles, of centre field and of the alleys, which are assumed at 22.5°.
+A park is missing if no source gives its distances and heights.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ from longball.pitches.table import DATA
 
 FENCES = DATA / "fences.csv"
 
-# Of a pole, both ways: so it stands on the foul line itself.
+# Cosine and sine of 45°: those of the library may differ in the last bit, and put a pole beside the
+# foul line.
 _POLE = math.sqrt(0.5)
 
 
@@ -40,23 +41,23 @@ class Park:
     Attributes
     ----------
     name
-        As Statcast and the league call it today.
+        Name in use today by Statcast and the league.
     formerly
-        What it was called before, with the same fence; empty if nothing else.
+        Former name of the park with the same fence; empty if there is none.
     city
-        Where it is.
+        City of its team.
     bearings
-        rad, of each vertex from centre field, positive to the left; the left pole is the first.
+        Bearing of each vertex from centre field, rad, positive to the left, from the left pole on.
     distances
-        m, from the plate to each vertex.
+        Distance of each vertex from the plate, m.
     walls
-        m, heights of the fence at each vertex.
+        Height of the fence at each vertex, m.
     elevation
-        m, above sea level.
+        Height above sea level, m.
     seasons
-        In which these numbers hold, such as ``"2013-"``.
+        Years for which these numbers are valid, such as ``"2013-"``.
     source
-        Who published them.
+        Publisher of the numbers.
     """
 
     name: str
@@ -71,7 +72,7 @@ class Park:
 
     @property
     def fence(self) -> Fence:
-        """The fence as a block of a scene."""
+        """The `fence` block of a scene."""
         places = zip(self.distances, map(_ahead, self.bearings), self.walls, strict=True)
         return Fence(polyline=tuple((x * far, y * far, top) for far, (x, y), top in places))
 
@@ -85,7 +86,7 @@ def _ahead(bearing: float) -> tuple[float, float]:
 
 @cache
 def parks() -> tuple[Park, ...]:
-    """Return the parks whose fences are known, by name.
+    """Return all parks with a known fence, in the order of their names.
 
     Examples
     --------
@@ -123,7 +124,7 @@ def park(name: str) -> Park:
     Raises
     ------
     ValueError
-        If no such park is known; the message names the nearest, or the parks of that city.
+        If the park is not known; the message gives similar names, or the parks of that city.
 
     Examples
     --------
@@ -137,7 +138,7 @@ def park(name: str) -> Park:
     if name in known:
         return known[name]
     near = did_you_mean(name, known)
-    # Who asks for Boston means Fenway Park.
+    # A city stands for its park: Boston is Fenway Park.
     for city in dict.fromkeys(each.city for each in parks()):
         if not near and did_you_mean(name, [city]):
             there = " or ".join(each.name for each in parks() if each.city == city)
@@ -150,7 +151,7 @@ def park(name: str) -> Park:
 
 @dataclass(frozen=True)
 class InPark:
-    """A ball in a park: its result, and the quantities that people ask for."""
+    """Result of a batted ball in a park."""
 
     park: Park
     result: Result
@@ -162,7 +163,7 @@ class InPark:
 
     @property
     def clearance(self) -> float | None:
-        """m, above the top of the fence; negative at a wall; None if it does not get there."""
+        """Height above the top of the fence, m; negative for a wall; None short of the fence."""
         fence = self.result.fence
         return None if fence is None else float(fence.clearance)
 
@@ -175,26 +176,26 @@ def in_parks(
     Parameters
     ----------
     scene
-        A flight or an at-bat, as `solve` takes it. Its fence is replaced by each park's. If its
-        density is a weather, that is at the park's elevation; a number stays what it is.
+        A flight or an at-bat, as `solve` takes it. Each park replaces its fence, and its elevation
+        if the density is a weather. A density that is a number stays the same.
     where
-        Parks, or their names; all that are known if left out.
+        Parks or their names; by default all known ones.
     engine, options
-        As of `solve`.
+        As `solve` takes them.
 
     Raises
     ------
     InvalidScene
-        If `scene` describes no flight and no at-bat.
+        If `scene` is not a flight or an at-bat.
     ValueError
-        If a park is not known; the message names the nearest.
+        If a park is not known; the message gives similar names.
 
     Examples
     --------
     >>> import longball as lb
     >>> ball = lb.Flight(launch=lb.launch(speed=46.0, angle=0.49, direction=0.35))
-    >>> found = lb.in_parks(ball)
-    >>> sum(each.is_out for each in found), len(found)
+    >>> outcomes = lb.in_parks(ball)
+    >>> sum(each.is_out for each in outcomes), len(outcomes)
     (11, 29)
     """
     asked = as_scene(scene)
@@ -208,13 +209,14 @@ def in_parks(
 
 def _in(one: Park, scene: FlightScene | AtBatScene) -> Any:
     """Return the scene in a park."""
-    # The scene's pressure is that of sea level: the model lowers it to the park's elevation.
+    # The pressure of a weather is that at sea level. The model reduces it to the elevation, by the
+    # weather formula of docs/model.md.
     rises = scene.air is not None and not ignores_elevation(scene)
     elevation = {"air.density.elevation": one.elevation} if rises else {}
     return scene.replace(fence=one.fence, **elevation)
 
 
 def ignores_elevation(scene: Scene) -> bool:
-    """True if a scene has air of a density that is the same in all parks."""
+    """True if the air density is a number, and so the same in all parks."""
     air = getattr(scene, "air", None)
     return air is not None and not isinstance(air.density, Weather)

@@ -4,7 +4,8 @@ With the velocity v and the acceleration a at a point of the pitch, u the veloci
 
     a_D = -(a + g e_z)·û,   a_M = a + g e_z + a_D û,   C_L = |a_M| / (k U²),   k = ρ A / (2 m),
 
-and the law of C_L gives S = R ω_T / U: how fast the ball turns across its way.
+and the law of C_L, solved for S = R ω_T / U, gives the spin ω_T perpendicular to the path (Nathan,
+Am. J. Phys. 76, 119 (2008), for the spin parameter S).
 """
 
 from __future__ import annotations
@@ -32,36 +33,37 @@ from longball.pitches.statcast import MeasuredPitches, time_of_plane
 from longball.questions.movement import Movement, movement, vectors
 from longball.solution import real_numbers
 
-# Of a share: of a ball whose spin is all active the law there and back gives 1 to 1e-13.
+# Rounding allowed above a share of 1: for a ball with active spin alone, the law and its inverse
+# give 1 to 1e-13.
 _ROUNDING = 1e-12
 
-# m: largest error of a movement; rounding leaves 1e-14.
+# Largest error of a movement, m; the search leaves 1e-14 by rounding.
 _MISSED = 1e-9
 
-# Laws of the spin parameter, which can be asked for it.
+# Laws of lift that depend on the spin parameter, so that they can be solved for it.
 _INVERTED = ("rational", "linear", "bilinear", "table")
 
 
 @dataclass(frozen=True)
 class SpinFromMovement:
-    """The spin that a movement needs; arrays have a number for each pitch.
+    """Spin that causes a movement; arrays have one number for each pitch.
 
     Attributes
     ----------
     transverse
-        rad/s, shape (…, 3): the spin across the velocity through the air.
+        Spin perpendicular to the velocity through the air, rad/s, shape (…, 3).
     drag_coefficient, lift_coefficient
         C_D and C_L, shape (…).
     active_share
-        Of the measured rate, shape (…); None if no rate is given. Above 1 the ball moves more than
-        its whole spin can move it: the movement has another cause, or the rate is wrong.
+        Transverse spin relative to the measured rate, shape (…); None without a rate. Above 1, the
+        whole spin cannot cause the movement: it has another cause, or the rate is wrong.
     spin
-        rad/s, shape (…, 3): with the part along the velocity; NaN where the share is above 1, and
-        None without a rate.
+        Whole spin, including the component along the velocity, rad/s, shape (…, 3); NaN if the
+        share is above 1, None without a rate.
     above_one
-        Where the share is above 1, shape (…); None without a rate.
+        True if the share is above 1, shape (…); None without a rate.
     reasons
-        Why pitches have no spin, by their number, in order.
+        Reasons why pitches have no spin, by their index.
     """
 
     transverse: Array
@@ -74,7 +76,7 @@ class SpinFromMovement:
 
     @property
     def rate(self) -> Any:
-        """The size of the transverse spin, rad/s, shape (…)."""
+        """Size of the transverse spin, rad/s, shape (…)."""
         return np.linalg.norm(self.transverse, axis=-1)[()]
 
 
@@ -86,31 +88,31 @@ def spin_from_movement(
     gyro: ArrayLike = 1.0,
     height: float = 0.0,
 ) -> SpinFromMovement:
-    """Compute the spin across its way that a pitch needs for its acceleration.
+    """Compute the spin that causes a pitch's acceleration perpendicular to its path.
 
     Parameters
     ----------
     scene
-        A pitch or an at-bat, as `solve` takes it: its ball, air, gravity and law of lift count, and
-        its side force is taken off; a mapping need not have a spin. A law of the spin parameter is
-        needed: rational, linear, bilinear, or a table.
+        A pitch or an at-bat, as `solve` takes it. Its ball, air, gravity and law of lift are used,
+        and its side force is subtracted; a mapping can omit the spin. The law of lift must depend
+        on the spin parameter: rational, linear, bilinear, or a table.
     velocity, acceleration
-        m/s and m/s², shape (…, 3), at one point of the pitch; of nine parameters best in the middle
-        of the way, where the acceleration is nearest to its mean.
+        At one point of the pitch, m/s and m/s², shape (…, 3). With nine parameters, use the middle
+        of the path, where the acceleration is closest to its mean.
     rate
-        rad/s, shape (…): the whole spin that was measured. With it the active share is returned.
+        Measured size of the whole spin, rad/s, shape (…). It is needed for the active share.
     gyro
-        The sign of the spin along the velocity, shape (…): 1 along it, -1 against it.
+        Sign of the spin along the velocity, shape (…): 1 along it, -1 against it.
     height
-        m, of that point: for a wind or a density that depend on it.
+        Height of the point, m, for a wind or a density that depends on it.
 
     Raises
     ------
     InvalidScene
-        If `scene` describes none.
+        If `scene` is invalid.
     ValueError
-        If its law of lift cannot be asked for a spin. Of a single pitch also if its C_L is above
-        what the law reaches; of many such a row is NaN, and named in `reasons`.
+        If the law of lift cannot be solved for the spin, or, for a single pitch, never reaches its
+        C_L. In arrays, such a row is NaN and has an entry in `reasons`.
 
     Examples
     --------
@@ -141,7 +143,8 @@ def spin_from_movement(
         raise ValueError(f"velocity = {velocity!r}: the ball must move through the air")
     ahead = u / speed[..., None]
     free = a + np.array([0.0, 0.0, asked.gravity])
-    # Drag is what is left along the way when gravity is taken off; lift is what is left across it.
+    # Without gravity, the component along the velocity is drag, and the rest is lift (a_D and a_M
+    # of the module's docstring).
     slowing = -np.sum(free * ahead, axis=-1)
     pressure = per_unit * speed**2
     moving = free + slowing[..., None] * ahead
@@ -172,7 +175,7 @@ def spin_from_movement(
     whole = real_numbers("rate", rate)
     if not (whole > 0.0).all():
         raise ValueError(f"rate = {rate!r}: spins must be positive, rad/s")
-    # The spin along the way makes no force: ω² = ω_T² + ω_along², whose sign nothing here shows.
+    # Spin along the velocity causes no force: ω² = ω_T² + ω_along² gives its size, not its sign.
     share = size / whole
     above = share > 1.0 + _ROUNDING
     along = np.sqrt(np.where(above, np.nan, np.maximum(whole**2 - size**2, 0.0)))
@@ -181,9 +184,9 @@ def spin_from_movement(
 
 
 def _asked(scene: object) -> Scene:
-    """Return a scene; a mapping of one need not have the spin that is asked for."""
+    """Return a scene; a mapping can omit the spin, which is the unknown."""
     if isinstance(scene, Mapping) and scene.get("kind") in ("pitch", "at-bat"):
-        # A law of the spin must have one in a scene.
+        # Scenes with a law of the spin are rejected without one.
         pitch = scene.get("pitch", {})
         if isinstance(pitch, Mapping):
             scene = {**scene, "pitch": {"spin": [0.0, 0.0, 0.0], **pitch}}
@@ -193,7 +196,7 @@ def _asked(scene: object) -> Scene:
 def spin_for(
     scene: object, moved: Movement, since: float | None = None, **options: Any
 ) -> PitchScene:
-    """Find the transverse spin that gives a pitch a movement.
+    """Compute the transverse spin that causes a given movement.
 
     Parameters
     ----------
@@ -202,9 +205,9 @@ def spin_for(
     moved
         Movement relative to a flight under gravity alone, m; see `movement`.
     since
-        x of the point from which the movement counts, m; the release by default.
+        Plane from which the movement counts, x in m; by default the release.
     options
-        ``engine=`` and options of it, as of `solve`.
+        ``engine=`` and its options, as `solve` takes them.
 
     Returns
     -------
@@ -214,19 +217,19 @@ def spin_for(
     Raises
     ------
     InvalidScene
-        If `scene` describes no pitch.
+        If `scene` is not a pitch.
     ValueError
-        If its law of lift cannot be inverted, or no spin reaches the movement.
+        If its law of lift cannot be inverted, or no spin causes so large a movement.
     CannotSolve
-        If no spin is found.
+        If the search does not converge.
 
     Examples
     --------
     >>> import longball as lb
     >>> air = {"lift_coefficient": {"law": "rational"}, "drag_coefficient": 0.35}
     >>> pitch = {"kind": "pitch", "pitch": {"speed": 42.0}, "air": air}
-    >>> found = lb.spin_for(pitch, lb.Movement(across=0.2, up=0.4))
-    >>> [round(x) for x in found.pitch.spin]
+    >>> moving = lb.spin_for(pitch, lb.Movement(across=0.2, up=0.4))
+    >>> [round(x) for x in moving.pitch.spin]
     [0, 88, -49]
     """
     asked = _asked(scene)
@@ -238,7 +241,7 @@ def spin_for(
     ahead /= np.linalg.norm(ahead)
     up = np.array([0.0, 0.0, 1.0]) - ahead[2] * ahead
     up /= np.linalg.norm(up)
-    # A force along n needs a spin along ahead × n: up, and to the left.
+    # Lift is along ω × v, so a force along n needs a spin along v × n: for n up, and n to the left.
     axes = np.stack([np.cross(ahead, up), np.cross(ahead, np.cross(ahead, up))])
     kept = ahead * (ahead @ np.array(asked.pitch.spin or (0.0, 0.0, 0.0)))
 
@@ -246,62 +249,62 @@ def spin_for(
         return asked.replace(**{"pitch.spin": (kept + parts @ axes).tolist()})
 
     def off(parts: Array) -> list[float]:
-        found = movement(thrown(parts), since=since, **options)
-        return [found.up - moved.up, found.across - moved.across]
+        reached = movement(thrown(parts), since=since, **options)
+        return [reached.up - moved.up, reached.across - moved.across]
 
-    # It begins with the spin for a constant acceleration, which also says what no spin reaches.
-    # A twentieth of its speed is what a pitch loses on half of its way.
+    # Start with the spin for a constant acceleration; it raises if no spin causes the movement. The
+    # mean speed is about 0.95 of that at the release: drag takes a tenth on the whole path.
     far = asked.pitch.release[0] if since is None else since
     time = far / (0.95 * abs(asked.pitch.thrown[0]))
     push = 2.0 * np.array([0.0, moved.across, moved.up]) / time**2
     gravity = np.array([0.0, 0.0, -asked.gravity])
     start = spin_from_movement(asked, asked.pitch.thrown, push + gravity).transverse
-    found = root(off, axes @ start, tol=1e-12)
-    missed = math.hypot(*off(found.x))
+    solution = root(off, axes @ start, tol=1e-12)
+    missed = math.hypot(*off(solution.x))
     if not missed <= _MISSED:
         raise CannotSolve(
-            f"no spin is found: the nearest one misses that movement by {missed:.2g} m"
+            f"no spin causes that movement: the nearest one misses it by {missed:.2g} m"
         )
-    return thrown(found.x)
+    return thrown(solution.x)
 
 
 def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Array]:
-    """Compute the spin that measured pitches need for their movement, in the middle of their way.
+    """Compute the spin that causes the movement of measured pitches, in the middle of their paths.
 
     Parameters
     ----------
     pitches
         As `longball.pitches.statcast.read_measured` returns them, with their spin.
     model
-        Whose law of lift is asked, in the weather of each game.
+        Model whose law of lift is inverted, in the weather of each game.
 
     Returns
     -------
     dict of str to array
-        ``drag_coefficient``, ``lift_coefficient``; ``transverse``, rad/s, NaN where the law does
-        not reach the lift; and ``active_share`` of the rate that was measured.
+        ``drag_coefficient``, ``lift_coefficient``, ``transverse`` (rad/s, NaN if the law does not
+        reach the lift) and ``active_share`` of the measured rate.
     """
     speed, push = pitches.velocity[:, 0], pitches.acceleration[:, 0]
     half = 0.5 * time_of_plane(speed, push, -pitches.release[:, 0])
     middle = pitches.velocity + pitches.acceleration * half[:, None]
-    # Pitches of one weather have one scene: a day has fifteen games and thousands of pitches.
+    # One scene for each weather: a day has about fifteen games and thousands of pitches.
     names = "drag_coefficient", "lift_coefficient", "transverse", "active_share"
     columns = {name: np.empty(len(pitches)) for name in names}
     weathers = np.stack([pitches.temperature, pitches.elevation], axis=1)
     for weather in np.unique(weathers, axis=0):
         here = (weathers == weather).all(axis=1)
         scene = {"kind": "pitch"} | model.blocks(*weather.tolist())
-        found = spin_from_movement(
+        spin = spin_from_movement(
             scene, middle[here], pitches.acceleration[here], rate=pitches.spin_rate[here]
         )
-        parts = found.drag_coefficient, found.lift_coefficient, found.rate, found.active_share
+        parts = spin.drag_coefficient, spin.lift_coefficient, spin.rate, spin.active_share
         for column, part in zip(columns.values(), parts, strict=True):
             column[here] = part
     return columns
 
 
 def _air_of(scene: PitchScene | AtBatScene) -> Air:
-    """Return the air of a scene whose law of lift can be asked for a spin."""
+    """Return the air of a scene; raise if its law of lift cannot be solved for the spin."""
     if scene.air is None:
         raise ValueError("air: there is none, and nothing can move the ball")
     law: Any = scene.air.lift_coefficient
@@ -309,7 +312,7 @@ def _air_of(scene: PitchScene | AtBatScene) -> Air:
     if name not in _INVERTED or getattr(law, "of", "spin_parameter") != "spin_parameter":
         what = "a constant" if name == "constant" else f"a {name} of {law.of}"
         raise ValueError(
-            f"air.lift_coefficient: {what} says nothing of the spin"
+            f"air.lift_coefficient: {what} does not depend on the spin"
             f"{one_of('laws that do are', name, _INVERTED)}"
         )
     if scene.reading.spin_parameter == "total":
@@ -320,9 +323,9 @@ def _air_of(scene: PitchScene | AtBatScene) -> Air:
 
 
 def _spin_parameter(air: Air, lift: Array) -> tuple[Array, float]:
-    """Return S at values of |C_L|, NaN beyond what the law reaches; and that, with its sign."""
-    # Each law solved for S at C_L: slope S; c0 S/(c1 + c2 S), which never gets beyond c0/c2; two
-    # lines that meet at the node; a table, by its own straight lines.
+    """Return S at values of |C_L|, NaN beyond the law's limit, and the limit with its sign."""
+    # The laws of docs/model.md solved for S: linear, a S; rational, c2 S/(c0 + c1 S), whose limit
+    # is c2/c1; bilinear, two lines that meet at the node; a table, linear between its nodes.
     law: Any = air.lift_coefficient
     match law_name(law):
         case "linear":
@@ -340,8 +343,8 @@ def _spin_parameter(air: Air, lift: Array) -> tuple[Array, float]:
     at, values = np.array(law.at), np.array(law.values)
     if at[0] != 0.0 or values[0] != 0.0 or not np.all(np.diff(np.abs(values)) > 0.0):
         raise ValueError(
-            "air.lift_coefficient: to be asked for a spin a table must begin with 0 at 0 and rise, "
-            "or fall, all the way"
+            "air.lift_coefficient: a table must begin with 0 at 0 and always rise, or always fall, "
+            "to be solved for the spin"
         )
     inside = np.where(lift <= abs(values[-1]), lift, np.nan)
     return np.interp(inside, np.abs(values), at), float(values[-1])

@@ -1,4 +1,4 @@
-"""Uncertainty of a result from that of its scene, J C Jᵀ, and the validity of that."""
+"""Uncertainty of a result from that of its scene, J C Jᵀ, and whether first order is enough."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from longball.model.result import Result
 from longball.model.scene import Scene
 from longball.solution import real_numbers
 
-# Of a standard deviation: from there on the second-order terms are said. A term of second order
-# that is a tenth of it makes it half a percent larger.
+# Second-order terms above this fraction of the standard deviation cause a warning. Independent
+# terms add in squares: a tenth makes the standard deviation half a percent larger.
 _LARGE = 0.1
 
-# Of the largest variance, relative: what rounding makes of one that is zero.
+# Second-order terms below this fraction of the number itself are rounding.
 _ROUNDED = 1e-12
 
 
@@ -39,17 +39,17 @@ class Uncertainty(Mapping[str, float]):
     Attributes
     ----------
     value
-        The numbers of the result themselves.
+        Numbers of the result.
     sigma
         Their standard deviations to first order, the square roots of the diagonal of J C Jᵀ.
     covariance
         J C Jᵀ, shape (n, n), in the order of `value`.
     shift
-        What the second-order term adds to the mean of each.
+        Change of each mean by the second-order term.
     second
-        The standard deviation that the second-order term alone has.
+        Standard deviation of the second-order term alone.
     warnings
-        What makes the first order a poor description, one sentence each.
+        Reasons why first order is not enough, one sentence each.
     """
 
     value: Mapping[str, float]
@@ -86,30 +86,31 @@ def uncertainty(
 ) -> Uncertainty:
     """Propagate the uncertainty of numbers of a scene to its result, to first order.
 
-    The covariance of the result is J C Jᵀ, with the derivatives J of `solve`. The second-order term
-    is taken from the same result one standard deviation away, along every principal axis of C and
-    between them; where it is more than a tenth of the first, a `UserWarning` says so.
+    The covariance of the result is J C Jᵀ, with the derivatives J of `solve`. Solutions one
+    standard deviation away, along the principal axes of C and between them, give the second-order
+    term. If it exceeds a tenth of the first, a `UserWarning` reports it.
 
     Parameters
     ----------
     scene
         As `solve` takes it.
     spread
-        Standard deviations by name, in SI units, as of ``{"launch.speed": 0.5}``; or a covariance:
-        a data frame with these names on both sides, or a mapping from names to its rows. A name is
-        that of a number of the scene, or ``launch.`` and an argument of `longball.launch`.
+        Standard deviations by name, in SI units, such as ``{"launch.speed": 0.5}``; or a covariance
+        as a data frame with these names on both sides, or as a mapping from names to its rows.
+        Names are those of numbers of the scene, or ``launch.`` and an argument of
+        `longball.launch`.
     quantities
-        Numbers of the result; all if left out.
+        Numbers of the result; by default all.
     engine, options
         As `solve` takes them.
 
     Raises
     ------
     InvalidScene
-        If `scene` describes none.
+        If `scene` is invalid.
     ValueError
-        If the scene has no number of a name; if `spread` is no covariance, or a quantity is none
-        of the result.
+        If the scene has no number of that name, `spread` is not a covariance, or the result has no
+        such quantity.
     CannotSolve, Undecided
         If the scene has no result, or the result no derivative.
 
@@ -117,8 +118,8 @@ def uncertainty(
     --------
     >>> import longball as lb
     >>> ball = lb.Flight(launch=lb.launch(speed=46.0, angle=0.45))
-    >>> found = lb.uncertainty(ball, {"launch.speed": 0.5, "launch.angle": 0.01})
-    >>> round(found["landing.distance"], 3)
+    >>> spread = lb.uncertainty(ball, {"launch.speed": 0.5, "launch.angle": 0.01})
+    >>> round(spread["landing.distance"], 3)
     1.203
     """
     asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
@@ -131,7 +132,7 @@ def uncertainty(
                 raise unknown(quantity, value)
         value = {quantity: value[quantity] for quantity in chosen}
 
-    # One derivative that is refused would make all of J C Jᵀ NaN.
+    # A single missing derivative would make all of J C Jᵀ NaN.
     derivatives = derivatives_of(asked, value, names, solver)
     for name, reason in derivatives.refused.items():
         raise CannotSolve(f"{name}: {reason}")
@@ -140,15 +141,15 @@ def uncertainty(
     spread_of_result = jacobian @ covariance @ jacobian.T
     sigma = dict(zip(value, np.sqrt(np.diag(spread_of_result)).tolist(), strict=True))
 
-    # With H of second derivatives along axes z of unit variance, Q(z) = Q + Jz + zᵀHz/2 has a mean
-    # of Q + tr(H)/2, and its second-order term a variance of tr(H²)/2 for a normal z.
+    # To second order Q(z) = Q + Jz + zᵀHz/2, with z normal and of unit variance along the axes. Its
+    # mean is Q + tr(H)/2, and the variance of its last term is tr(H²)/2.
     curvature, warned = _second_order(asked, result, value, names, covariance, solver)
     shift = dict(zip(value, (0.5 * np.trace(curvature, axis1=0, axis2=1)).tolist(), strict=True))
     size = np.sqrt(0.5 * np.square(curvature).sum(axis=(0, 1)))
     second = dict(zip(value, size.tolist(), strict=True))
     for name in value:
         largest = max(abs(shift[name]), second[name])
-        # A size of 1 is that of a number that is zero.
+        # The 1 stands for the size of a number that is exactly zero, such as a sideways landing.
         if largest > _LARGE * sigma[name] + _ROUNDED * (1.0 + abs(value[name])):
             warned.append(
                 f"{name}: the second-order term is large: it shifts the mean by {shift[name]:.2g} "
@@ -161,12 +162,12 @@ def uncertainty(
 
 
 def _numbers(result: Result) -> dict[str, float]:
-    """Return the numbers of a result that are measured, not counted."""
+    """Return the continuous numbers of a result; a chord of the fence, for one, is a count."""
     return {name: x for name, x in doubles(result).items() if name not in chain.DISCRETE}
 
 
 def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
-    """Return names of numbers of a scene, and the covariance that is given of them."""
+    """Return the names of the uncertain numbers, and their covariance."""
     given = spread.to_dict() if hasattr(spread, "to_dict") else spread
     if not isinstance(given, Mapping):
         raise TypeError(
@@ -192,7 +193,7 @@ def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
     table = real_numbers("spread", [[row[name] for name in given] for row in rows])
     if not np.isfinite(table).all() or not np.allclose(table, table.T, rtol=1e-9, atol=0.0):
         raise ValueError("spread: a covariance must be symmetric")
-    # Correlations that are written with nine digits are allowed to round below zero.
+    # Correlations rounded to nine digits may give slightly negative eigenvalues.
     if np.linalg.eigvalsh(_scaled(table))[0] < -1e-9:
         raise ValueError(
             "spread: a covariance cannot have a negative variance along any direction of "
@@ -218,13 +219,13 @@ def _second_order(
     covariance: Array,
     engine: Any,
 ) -> tuple[Array, list[str]]:
-    """Return the second derivatives along the principal axes of a covariance, and doubts.
+    """Return second derivatives along the principal axes of a covariance, and doubts.
 
-    Of shape (axes, axes, quantities), by an axis as long as its standard deviation:
-    ``Q(a + b) - Q(a) - Q(b) + Q`` of two, and ``Q(a) - 2 Q + Q(-a)`` of one.
+    The shape is (axes, axes, quantities), and an axis is as long as its standard deviation. The
+    differences are ``Q(a + b) - Q(a) - Q(b) + Q`` for two axes and ``Q(a) - 2 Q + Q(-a)`` for one.
     """
-    # Of the correlations and not of the covariance: its inputs have different units, and axes that
-    # mix metres and radians by their size would depend on these.
+    # Axes of the correlations, not of the covariance: numbers have different units, and the axes
+    # would depend on the choice of these.
     sigma = np.sqrt(np.diag(covariance))
     sizes, turned = np.linalg.eigh(_scaled(covariance))
     axes = (sigma[:, None] * turned * np.sqrt(np.maximum(sizes, 0.0))).T
@@ -235,12 +236,12 @@ def _second_order(
     def at(step: Array) -> Array:
         moved = dict(zip(names, (here + step).tolist(), strict=True))
         try:
-            found = chain.solve(with_values(scene, moved), engine)
-            reason = found.error or f"the outcome is {found.outcome} instead of {result.outcome}"
+            other = chain.solve(with_values(scene, moved), engine)
+            reason = other.error or f"the outcome is {other.outcome} instead of {result.outcome}"
         except ValidationError:
-            found, reason = None, "there is no such scene"
-        known = {} if found is None else _numbers(found)
-        if found is None or found.outcome != result.outcome or not known.keys() >= value.keys():
+            other, reason = None, "there is no such scene"
+        known = {} if other is None else _numbers(other)
+        if other is None or other.outcome != result.outcome or not known.keys() >= value.keys():
             where = ", ".join(f"{name} = {x:.6g}" for name, x in moved.items())
             doubts.append(f"one standard deviation away, at {where}: {reason}")
             return np.full(len(value), math.nan)
@@ -253,5 +254,5 @@ def _second_order(
             curvature[i, i] = ahead[i] - 2 * middle + behind[i]
         else:
             curvature[i, j] = curvature[j, i] = at(axes[i] + axes[j]) - ahead[i] - ahead[j] + middle
-    # One scene of another outcome is reason enough for doubt, and the others mostly say the same.
+    # One doubt is enough: scenes with another outcome mostly have the same reason.
     return curvature, doubts[:1]

@@ -181,13 +181,13 @@ class Batch(ManyAtOnce):
     def _pieces(self, flight: Records, law: Law) -> Iterator[Piece]:
         """Yield the steps of a flight, expanded anew."""
         code = kernel(records.in_lanes(law).program)
-        arrival, way = flights.fly_and_record(code, flight, self.order, self.truncation)
+        arrival, states = flights.fly_and_record(code, flight, self.order, self.truncation)
         expand = Expander(records.general(law), self.order)
-        ends = [*way[1:, 0].tolist(), arrival["time"].item()]
-        if ends[-1] == way[0, 0]:  # it ends where it begins
-            begin, *state = way[0].tolist()
+        ends = [*states[1:, 0].tolist(), arrival["time"].item()]
+        if ends[-1] == states[0, 0]:  # it ends where it begins
+            begin, *state = states[0].tolist()
             yield Rest(begin, 0.0, law.state(*state))
-        for (begin, *state), end in zip(way.tolist(), ends, strict=True):
+        for (begin, *state), end in zip(states.tolist(), ends, strict=True):
             if begin < end:  # not too short a step to be seen in the time
                 yield PolynomialPiece(begin, end - begin, law.state, expand(np.array(state))[0])
 

@@ -222,17 +222,17 @@ class _Expansion(Writer):
                 return known[key]
 
             coming = iter(totals)
-            found = []
+            sums = []
             for node, (a, b) in rows.items():
                 if a is b:
-                    found.append(self.fma(at(a, 0), at(a, 1), next(coming)))
+                    sums.append(self.fma(at(a, 0), at(a, 1), next(coming)))
                     continue
                 for side, weight in ((0, j), (1, k)):
                     x = at(a, side)
                     if node.kind in ("exp", "log"):
                         x = self.multiply(self.spread(weight), x)
-                    found.append(self.fma(x, at(b, 1 - side), next(coming)))
-            return found
+                    sums.append(self.fma(x, at(b, 1 - side), next(coming)))
+            return sums
 
         chains = sum(map(_chains, rows.values()))
         totals = self.repeat(self.index(0), count, [self.number(0.0)] * chains, pair)
@@ -245,16 +245,16 @@ class _Expansion(Writer):
         middle = build.ashr(n, self.index(1))
 
         def central(_: Value, totals: list[Value]) -> list[Value]:
-            found = []
+            sums = []
             for (node, (a, b)), total in zip(rows.items(), totals, strict=True):
                 x = self.at(a, middle)
                 if a is b:
-                    found.append(self.fma(self.multiply(self.number(0.5), x), x, total))
+                    sums.append(self.fma(self.multiply(self.number(0.5), x), x, total))
                     continue
                 if node.kind in ("exp", "log"):
                     x = self.multiply(self.spread(middle), x)
-                found.append(self.fma(x, self.at(b, middle), total))
-            return found
+                sums.append(self.fma(x, self.at(b, middle), total))
+            return sums
 
         odd = build.and_(n, self.index(1))
         return dict(zip(rows, self.repeat(odd, self.index(1), merged, central), strict=True))
@@ -465,13 +465,13 @@ class _Step(_Expansion):
 
         def term(k: Value, totals: list[Value]) -> list[Value]:
             down = self.builder.sub(self.builder.sub(self.order, self.index(1)), k)
-            found = {name: upper(name, down) for name in self.variables}
+            coefficients = {name: upper(name, down) for name in self.variables}
             sums = [
-                self.fma(total, length, found[name])
+                self.fma(total, length, coefficients[name])
                 for name, total in zip(self.variables, totals, strict=False)
             ]
             bounds = [
-                self.fma(total, sizes, self.call("fabs", found[name]))
+                self.fma(total, sizes, self.call("fabs", coefficients[name]))
                 for name, total in zip(self.positions, totals[len(sums) :], strict=True)
             ]
             return sums + bounds

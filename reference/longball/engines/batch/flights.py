@@ -159,7 +159,7 @@ def fly_all(
     -------
     arrivals : array
         Records of `arrival_dtype`, of the shape of `flights`.
-    found : array, shape (times, variables, tangents, flights)
+    derivatives : array, shape (times, variables, tangents, flights)
         Derivatives of the state at the end, at the mark and where the ball is closest to the bat,
         each at a fixed time; NaN where there is no mark, or no bat.
     """
@@ -171,7 +171,7 @@ def fly_all(
     if changes is None:
         changes = np.empty((0, 0, len(starts)))
     count = changes.shape[1]
-    found = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
+    derivatives = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
     lanes = layout.allocate(order)
     rows, width = lanes.shape[1], 2 * order + 4
     steps = np.empty((0, 0)) if steps is None else steps
@@ -190,9 +190,9 @@ def fly_all(
         steps.ravel(),
         len(steps),
         (tangents(program).address if count else 0, count, memory.first, memory.size),
-        (memory.allocate(count).ravel(), changes.ravel(), found.ravel()),
+        (memory.allocate(count).ravel(), changes.ravel(), derivatives.ravel()),
     )
-    return arrivals.reshape(flights.shape), found
+    return arrivals.reshape(flights.shape), derivatives
 
 
 def fly_and_record(
@@ -274,10 +274,10 @@ class _Tangents(NamedTuple):
     variables: int
     first: int
     size: int
-    # memory: of the lanes; starts, found: see `fly_all`
+    # memory: of the lanes; starts, derivatives: see `fly_all`
     memory: Any
     starts: Any
-    found: Any
+    derivatives: Any
 
 
 @compiled
@@ -335,7 +335,7 @@ def _fly_all(
         unowned_view(tangent_memory[2]),
     )
     pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
-    active, way = unowned_view(numbers), unowned_view(steps)
+    active, path = unowned_view(numbers), unowned_view(steps)
     flying = shifted(active, WIDTH)  # in the step
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     compensation_row, farthest_row = (
@@ -378,7 +378,7 @@ def _fly_all(
             slot = _slot(pointers, record_sizes, i, lane)
             time, length = step[time_row + lane], step[length_row + lane]
             if slot.status[_STEPS] < recorded:
-                row = shifted(way, slot.status[_STEPS] * (variables + 1))
+                row = shifted(path, slot.status[_STEPS] * (variables + 1))
                 row[0] = time
                 for k in range(variables):
                     row[1 + k] = x[k * s.block + lane]
@@ -469,9 +469,9 @@ def _take_tangents(t: _Tangents, number: Integer, lane: int) -> None:
         if math.isnan(t.memory[k * WIDTH + lane]):
             continue
         for i in range(t.each):
-            way = t.first + i * t.size + parameters + k * t.variables
-            source = shifted(t.memory, way * WIDTH + lane)
-            target = shifted(t.found, (k * t.variables * t.each + i) * t.flights + number)
+            row = t.first + i * t.size + parameters + k * t.variables
+            source = shifted(t.memory, row * WIDTH + lane)
+            target = shifted(t.derivatives, (k * t.variables * t.each + i) * t.flights + number)
             for j in range(t.variables):
                 target[j * t.each * t.flights] = source[j * WIDTH]
 

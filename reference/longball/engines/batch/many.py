@@ -154,7 +154,7 @@ def solve_columns_with_slopes(
     )
     table.alone |= table.outcome == UNSOLVED
     table.doubtful |= table.alone
-    found = _named(table, scene, known, flyer)
+    results = _named(table, scene, known, flyer)
 
     # the rows whose derivatives the lanes leave open, one by one
     solver: Any = create("ivp")
@@ -172,7 +172,7 @@ def solve_columns_with_slopes(
             table.slopes_of(quantity)[:, i] = [by[name] for name in names]
         if one.refused:
             refused[i] = one.refused
-    return found, Slopes(table.slopes, alone, refused)
+    return results, Slopes(table.slopes, alone, refused)
 
 
 def solve_columns_with_restitutions(
@@ -245,11 +245,11 @@ def _with_columns(value: Any, columns: Mapping[str, Any], name: str) -> Any:
     if isinstance(value, tuple):
         return tuple(_with_columns(x, columns, f"{name}[{i}]") for i, x in enumerate(value))
     if isinstance(value, BaseModel) and not isinstance(value, Reading):
-        way = f"{name}." if name else ""
-        if name and not any(column.startswith(way) for column in columns):
+        prefix = f"{name}." if name else ""
+        if name and not any(column.startswith(prefix) for column in columns):
             return value  # none of its numbers differs
         parts = {
-            key: _with_columns(getattr(value, key), columns, way + key)
+            key: _with_columns(getattr(value, key), columns, prefix + key)
             for key in type(value).model_fields
         }
         return SimpleNamespace(**parts)
@@ -272,8 +272,9 @@ def _named(
         except ValidationError:
             continue  # no scene
         engines[i] = result.engine
-        found = {name: x for name, x in quantities.flat(result.data()) if "." in name}  # of blocks
-        table.write(i, found | ({"outcome": result.outcome} if result.outcome else {}))
+        # Those of blocks; id, outcome and error have no dot in their names.
+        numbers = {name: x for name, x in quantities.flat(result.data()) if "." in name}
+        table.write(i, numbers | ({"outcome": result.outcome} if result.outcome else {}))
     return _by_name(table, engines)
 
 
@@ -293,8 +294,8 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[di
         if len(same) < FEW or not _flies_in_lanes(same[0], MODEL):
             results |= {i: chain.solve(scenes[i], solver).data() for i in places}
             continue
-        found = solve_columns_as_data(same[0], _columns_of(same), solver, threads)
-        for i, data in zip(places, found, strict=True):
+        solved = solve_columns_as_data(same[0], _columns_of(same), solver, threads)
+        for i, data in zip(places, solved, strict=True):
             # Solved alone for the reason.
             results[i] = data or chain.solve(scenes[i], solver).data()
             results[i]["id"] = scenes[i].id
@@ -338,14 +339,15 @@ def _form(part: Any) -> Any:
 def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
     """Return the numbers of scenes of one structure."""
     columns: dict[str, Array] = {}
-    for way in dict.fromkeys(name.partition("[")[0] for name, _ in quantities.numbers(scenes[0])):
-        if way.startswith("fence."):
+    names = (name.partition("[")[0] for name, _ in quantities.numbers(scenes[0]))
+    for quantity in dict.fromkeys(names):
+        if quantity.startswith("fence."):
             continue  # the same in all
-        values = np.array([*map(attrgetter(way), scenes)], np.float64)
+        values = np.array([*map(attrgetter(quantity), scenes)], np.float64)
         if values.ndim == 1:
-            columns[way] = values
+            columns[quantity] = values
         else:
-            columns |= {f"{way}[{i}]": values[:, i] for i in range(values.shape[1])}
+            columns |= {f"{quantity}[{i}]": values[:, i] for i in range(values.shape[1])}
     return columns
 
 
@@ -437,15 +439,15 @@ def _in_blocks(
 
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
     """Yield the table's rows as outcomes (None: no answer) and parts of results."""
-    found: dict[str, dict[str, list[Array]]] = {
+    blocks: dict[str, dict[str, list[Array]]] = {
         name: {key: [] for key in block.model_fields} for name, block in PARTS.items()
     }
     for name, column in table.columns.items():
         part, _, quantity = name.partition("[")[0].rpartition(".")
-        found[part][quantity].append(column)
+        blocks[part][quantity].append(column)
     parts = {
         name: _part(name, {key: columns for key, columns in block.items() if columns})
-        for name, block in found.items()
+        for name, block in blocks.items()
         if any(block.values())
     }
     for i, outcome in enumerate(table.outcome.tolist()):

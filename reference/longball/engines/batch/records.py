@@ -118,9 +118,9 @@ def records_of(
         **{(name,): getattr(start.state, name) for name in names},
     }
 
-    def put(way: tuple[Any, ...], line: Sequence[Any], size: Any) -> None:
+    def put(key: tuple[Any, ...], line: Sequence[Any], size: Any) -> None:
         for i, number in enumerate([*line, size]):
-            columns[(*way, i)] = number
+            columns[(*key, i)] = number
 
     # the events, as affine functions; before the plate lies the sampling plane, along the same line
     for i, event in enumerate(events):
@@ -136,7 +136,7 @@ def records_of(
         put(("across",), linear(law, bat.section.frame.towards_x), 0.0)
         put(("above",), linear(law, lambda state: state.z - bat.section.height), 0.0)
     # numbers that all flights share are broadcast when the records are made
-    columns = {way: value[rows] if np.ndim(value) else value for way, value in columns.items()}
+    columns = {key: value[rows] if np.ndim(value) else value for key, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
     flight = new_flights(law.program, shape, len(events))
     for (name, *place), value in columns.items():

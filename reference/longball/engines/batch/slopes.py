@@ -301,10 +301,10 @@ class SlopeColumns(Columns):
 
         # derivatives at fixed times, then at the events
         alone = without_size(known, rows)
-        ends, found = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
+        ends, jets = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
         stops = records.stops(ends, known)
         self.table.alone[self.table.rows] |= alone | (rows & (stops == Stop.FALLBACK))
-        state, mark = (self._noted(ends, found, law, which) for which in (0, 1))
+        state, mark = (self._noted(ends, jets, law, which) for which in (0, 1))
         end = self._stopped(plain, events, known, ends, state, limit)
 
         # A flight that ends where it starts goes on by the least change: a corner.
@@ -342,17 +342,17 @@ class SlopeColumns(Columns):
         for change, x in zip(changes, sources, strict=True):
             rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
             change[...] = rate[:, : begun.size] if whole_block else rate[:, rows]
-        ends, found = self.engine.fly_all_with_tangents(begun, program, changes)
+        ends, jets = self.engine.fly_all_with_tangents(begun, program, changes)
         if whole_block:
-            return ends, found
+            return ends, jets
         every, whole = not_flown(plain, still, len(rows)), np.full(shape, math.nan)
-        every[rows], whole[..., rows] = ends, found
+        every[rows], whole[..., rows] = ends, jets
         return every, whole
 
-    def _noted(self, ends: Any, found: Array, law: Law, which: int) -> Start:
+    def _noted(self, ends: Any, jets: Array, law: Law, which: int) -> Start:
         """Return time and state at the end or at a mark, which are at a fixed time."""
         time, state = records.noted(ends, _plain_law(law), flights.PREFIXES[which])
-        return Start(time, type(state)(*map(ColumnJet, state, found[which])))
+        return Start(time, type(state)(*map(ColumnJet, state, jets[which])))
 
     def _stopped(
         self,
@@ -410,17 +410,17 @@ class SlopeColumns(Columns):
         frame = replace(bat.frame, **parts)
         section = BatSection(frame, plain_of(bat.height), plain_of(bat.reach))
         limit = self.time_limit
-        ends, found = self._flown_in_jets(law, start, over, limit, rows, Bat(section, error))
+        ends, jets = self._flown_in_jets(law, start, over, limit, rows, Bat(section, error))
         code, margin = self._how_they_meet(ends, over, rows)
 
         # where the margin is taken: to first order, it does not change with the time of that
-        nearest = self._noted(ends, found, law, 2).state
+        nearest = self._noted(ends, jets, law, 2).state
         distance = bat.distance(nearest, numbers)
         margin = ColumnJet(margin, rate_of(bat.reach - distance))
         numbers.doubt(rows & (plain_of(distance) <= ON_THE_AXIS * section.reach))
 
         # the touching, where half the square of the distance falls at the rate d·v
-        state = self._noted(ends, found, law, 1).state
+        state = self._noted(ends, jets, law, 1).state
         noted = Start(*records.noted(ends, plain))
         state = type(state)(
             *(ColumnJet(plain_of(x), rate_of(y)) for x, y in zip(noted.state, state, strict=True))

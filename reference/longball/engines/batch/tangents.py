@@ -342,8 +342,8 @@ class _Collocation(Writer):
                     for j in range(size)
                 ]
 
-            found = self.repeat(self.index(0), until, begin, product)
-            return [found[size * i :][:size] for i in range(size)]
+            elements = self.repeat(self.index(0), until, begin, product)
+            return [elements[size * i :][:size] for i in range(size)]
 
         # row by row, so that each block is written once, when its sum is complete
         def lower(b: Value, _: list[Value]) -> list[Value]:
@@ -450,13 +450,13 @@ def _product(
     code: Writer, a: Sequence[Sequence[Value]], b: Sequence[Sequence[Value]]
 ) -> list[list[Value]]:
     """Return the product of two matrices."""
-    found = []
+    product = []
     for row in a:
         totals = [code.multiply(row[0], x) for x in b[0]]
         for x, others in zip(row[1:], b[1:], strict=True):
             totals = [code.fma(x, y, total) for y, total in zip(others, totals, strict=True)]
-        found.append(totals)
-    return found
+        product.append(totals)
+    return product
 
 
 def _inverse(code: Writer, matrix: Sequence[Sequence[Value]]) -> list[list[Value]]:

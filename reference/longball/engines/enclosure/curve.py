@@ -82,7 +82,7 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
     slope = value.derivative()
     curvature = slope.derivative()
     smallest = (b - a) * arb(2) ** (-flint.ctx.prec // 2)
-    found: list[arb] = []
+    enclosed: list[arb] = []
     parts = [(a, b)]
     while parts:
         a, b = parts.pop()
@@ -101,21 +101,21 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
             if falling(a) < 0 or falling(b) > 0:
                 continue
             with suppress(ValueError):  # of an empty intersection: no member has a zero there
-                _add(_newton(falling, falling_slope, a, b), found)
+                _add(_newton(falling, falling_slope, a, b), enclosed)
             continue
         # Where a value at one time is as uncertain as on all of a part, cutting tells no more.
         if b - a > smallest and there.rad() > 2 * value(middle).rad():
             parts += [(middle, b), (a, middle)]
         else:
-            _add(part, found)
-    return found
+            _add(part, enclosed)
+    return enclosed
 
 
-def _add(ball: arb, found: list[arb]) -> None:
+def _add(ball: arb, others: list[arb]) -> None:
     """Add a ball to others before it, or make it one with the last, if they overlap."""
-    if found and found[-1].overlaps(ball):
-        ball = found.pop().union(ball)
-    found.append(ball)
+    if others and others[-1].overlaps(ball):
+        ball = others.pop().union(ball)
+    others.append(ball)
 
 
 def _clear(x: arb) -> bool:
