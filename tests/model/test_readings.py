@@ -90,7 +90,7 @@ def test_switches_of_scene_and_sampling_are_told_apart():
 
 
 def test_readings_that_contradict_each_other_are_refused():
-    with pytest.raises(InvalidScene, match="plain takes the bat's whole mass"):
+    with pytest.raises(InvalidScene, match="plain needs the bat's whole mass"):
         Reading(bat_ball_restitution="plain", reduced_mass="effective_mass")
 
 

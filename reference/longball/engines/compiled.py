@@ -1,19 +1,17 @@
-"""Compiled functions, by numba where it is installed; without it they run as they are, slowly.
+"""Functions compiled by numba; without numba they run as Python, slowly.
 
-To compile a function takes seconds, to load numba and what was compiled about one. A single scene
-needs milliseconds without. Code that is printed for a law therefore runs as it is until it has
+Compiling a function takes seconds, and loading numba with cached code about one second. A single
+scene takes milliseconds as Python. Code generated for a law therefore runs as Python until it has
 worked enough (`Code`), with the same results to the last bit.
 
-Compiled code is kept on disk for later processes: in the folder that NUMBA_CACHE_DIR names, else
-beside this module, or where that cannot be written to in the user's cache; where there is no such
-place, each process compiles for itself. A file's name is a hash of all that the code is made of:
-sources, versions of the compilers, processor. Changed sources lead to another file, so none is ever
-out of date. A file that is not what was written is made anew.
+Compiled code is cached on disk: in the folder NUMBA_CACHE_DIR, else beside this module, or, if that
+is not writable, in the user's cache; otherwise each process compiles again. The name of a file is a
+hash of everything that the code depends on: sources, versions of the compilers, processor. Changed
+sources give another name, so that no file is out of date. A damaged file is replaced.
 
-numba's own cache (``cache=True``) would be less code, but keeps neither promise. It looks at the
-age of the file that a function stands in alone, so that code stays as it was when a function that
-it calls is changed in another file; a damaged file ends in LLVM's error. Of printed code there is
-no file at all.
+numba's own cache (``cache=True``) would need less code, but it checks only the age of the file with
+the function: if a called function in another file changes, the old code is used. A damaged file
+ends in an error of LLVM. Generated code has no file at all.
 """
 
 from __future__ import annotations
@@ -38,11 +36,11 @@ import longball
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# What arithmetic raises in code that runs as it is, where compiled code gives inf or nan.
+# Exceptions of arithmetic in Python, where compiled code returns inf or nan.
 BEYOND = (ArithmeticError, ValueError)
 
 PACKAGE = Path(longball.__file__).parent
-# What compiled code is made of, but for printed modules, whose names are hashes of their text.
+# Sources of compiled code. Generated modules are not here: their names are hashes of their text.
 SOURCES = (
     "engines/batch/*.py",
     "engines/compiled.py",
@@ -55,7 +53,7 @@ SOURCES = (
 
 @cache
 def compiler() -> Any:
-    """Return numba; None where it is not installed."""
+    """Return numba; None if it is not installed."""
     try:
         return importlib.import_module("numba")
     except ImportError:
@@ -63,9 +61,9 @@ def compiler() -> Any:
 
 
 def compiled(function: F) -> F:
-    """Compile a function at its first call, with all that it calls, for later processes too.
+    """Compile a function at its first call, with all functions that it calls, and cache the code.
 
-    Division by zero gives inf or nan where it is compiled.
+    In compiled code, a division by zero gives inf or nan.
     """
     if compiler() is None:
         return function
@@ -74,31 +72,32 @@ def compiled(function: F) -> F:
     return cast(F, dispatcher)
 
 
+# Factor on the counted work; infinity means: compile at the first call.
 _HASTE = 1.0
 
 
 def compile_at_once() -> None:
-    """Compile all code at its first use from now on, as what is timed should be."""
+    """Compile all code at its first use from now on, for benchmarks."""
     global _HASTE
     _HASTE = math.inf
 
 
 class Code:
-    """Functions that run as they are at first, and compiled from when that is worth its time."""
+    """Generated functions that run as Python at first, and compiled after enough work."""
 
     def __init__(
         self,
-        # Of a module: its functions call each other, and nothing else to be compiled
+        # Source of a module, whose functions call no others.
         source: str,
-        enough: int,  # units of work, as `count` has them, that take as long as compiling
+        enough: int,  # work, in the units of `count`, that takes as long as compiling
     ) -> None:
         self._source, self._left = source, float(enough)
-        # A module of the functions as they run now, and `taken`, which makes an array what they
-        # take: a list of numbers, or the array itself where they are compiled.
+        # The module with the current functions. Its `taken` converts an array to their argument: a
+        # list of numbers for Python (faster there), the array itself for compiled code.
         self.now = _as_it_is(source)
 
     def count(self, work: int = 1) -> ModuleType:
-        """Return the functions for some more work."""
+        """Count work, and return the module with the current functions."""
         if self._left >= 0:
             self._left -= _HASTE * work
             if self._left < 0 and compiler() is not None:
@@ -109,7 +108,8 @@ class Code:
 def _module(source: str, kind: str) -> ModuleType:
     name = f"{kind}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     module = ModuleType(name)
-    sys.modules[name] = module  # where numba looks for the globals of code that was kept
+    # numba looks up the globals of cached code here.
+    sys.modules[name] = module
     exec(compile(source, f"<{name}>", "exec"), module.__dict__)
     return module
 
@@ -155,7 +155,7 @@ class _Cache:
 
 
 def stored(name: str, made_of: Iterable[str], make: Callable[[], bytes]) -> bytes:
-    """Return code that was kept under a name and what else it is made of, or make and keep it."""
+    """Return cached code, or make and cache it; the key is a name and `made_of`."""
     file = _file_name(name, made_of)
     kept = _read(file)
     if kept is None:
@@ -171,14 +171,14 @@ def _file_name(name: str, made_of: Iterable[str]) -> str:
 
 @cache
 def sources() -> tuple[str, ...]:
-    """Return the sources of all modules that compiled code is made of."""
+    """Return the sources of all modules that compiled code depends on."""
     files = (file for pattern in SOURCES for file in sorted(PACKAGE.glob(pattern)))
     return tuple(file.read_text(encoding="utf-8") for file in files)
 
 
 @cache
 def machine() -> tuple[str, ...]:
-    """Return the versions of Python and the compilers, and the processor that they compile for."""
+    """Return the versions of Python and the compilers, and the processor."""
     from llvmlite import __version__, binding
 
     features = binding.get_host_cpu_features().flatten()
@@ -189,7 +189,7 @@ def machine() -> tuple[str, ...]:
 
 
 def folders() -> Iterator[Path]:
-    """Yield where compiled code may be kept, the best place first."""
+    """Yield the folders for compiled code, the best one first."""
     if chosen := os.environ.get("NUMBA_CACHE_DIR"):
         yield Path(chosen)
         return
@@ -207,6 +207,7 @@ def _read(name: str) -> bytes | None:
             whole = (folder / name).read_bytes()
         except OSError:
             continue
+        # The file begins with its checksum: a damaged one counts as missing.
         checksum, content = whole[:32], whole[32:]
         if hashlib.sha256(content).digest() == checksum:
             return content
@@ -215,7 +216,7 @@ def _read(name: str) -> bytes | None:
 
 
 def _write(name: str, content: bytes) -> None:
-    """Write a file at the first place that takes it, whole or not at all; maybe nowhere."""
+    """Write a file atomically into the first writable folder, if there is one."""
     for folder in folders():
         draft = folder / f"{name}.{os.getpid()}.{threading.get_ident()}"
         try:

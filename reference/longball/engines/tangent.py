@@ -1,12 +1,12 @@
-"""Derivatives of results by numbers of a scene: the chain followed in jets, by any path engine.
+"""Derivatives of results by numbers of a scene, by jets through the chain, for any path engine.
 
 A `Jet` is a number and its derivative by one number x of the scene, which `seeded` marks. The chain
-is written over number systems, so that it hands on jets as it does doubles; what an engine adds:
+works for every number system, and so for jets. Two things are added:
 
-- A flight is flown together with its derivative, ``ξ = ∂(state)/∂x`` at a fixed time, which obeys
-  the variational equation ``ξ' = (∂f/∂state) ξ + ∂f/∂x`` of the law ``state' = f`` (Hairer, Nørsett
-  and Wanner, *Solving Ordinary Differential Equations I*, Sec. I.14). Both are one traced law, so
-  that the inner engine flies it as exactly as any other, or proves it.
+- A flight is integrated with its derivative ``ξ = ∂(state)/∂x`` at a fixed time, which obeys the
+  variational equation ``ξ' = (∂f/∂state) ξ + ∂f/∂x`` of the law ``state' = f`` (Hairer, Nørsett
+  and Wanner, *Solving Ordinary Differential Equations I*, Sec. I.14). Both together are one traced
+  law, which the inner engine integrates, or proves, like any other.
 - An event, a zero at t of ``g(state(t), x)``, moves by ``dt/dx = -(∂g/∂x)/ġ``, with ξ in ∂g/∂x.
 """
 
@@ -38,16 +38,18 @@ B = TypeVar("B", bound=BaseModel)
 
 
 class Seed(float):
-    """A number of a scene that derivatives are taken by, with the rate that it stands for."""
+    """A number of a scene with its derivative by the variable x, a float for all other purposes."""
 
     rate: float
 
     def __new__(cls, value: float, rate: float) -> Seed:
-        """Return the number, marked."""
+        """Return the number with its rate."""
         seed = super().__new__(cls, value)
         seed.rate = rate
         return seed
 
+    # The chain adds two numbers of a scene as doubles only in ẑ = z'_b + σ_b, and in sums of
+    # positions.
     def __add__(self, other: float) -> Seed:
         return Seed(float(self) + float(other), self.rate + getattr(other, "rate", 0.0))
 
@@ -55,7 +57,7 @@ class Seed(float):
 
 
 def seeded(block: B, rates: Mapping[str, float]) -> B:
-    """Return a scene, or a block of one, whose numbers change at these rates."""
+    """Return a scene, or a block, with seeds in place of the named numbers."""
     for name, rate in rates.items():
         block = _marked(block, steps_of(name), rate)
     return block
@@ -71,10 +73,10 @@ def _marked(block: Any, steps: Sequence[str], rate: float) -> Any:
 
 
 class Jet(Arithmetic):
-    """A number and its derivative; of the inner engine's numbers, or of polynomials of these.
+    """A number and its derivative, both of the inner engine, or both polynomials of such numbers.
 
-    It compares as its number does, but equals another only if the derivatives do as well: what the
-    chain leaves out where it is zero must stay zero nearby. A `Dual` has jets as its parts.
+    Inequalities compare the numbers alone. Equality also needs equal derivatives, because a term
+    that the chain omits at zero must stay zero nearby. The parts of a `Dual` may be jets.
     """
 
     __slots__ = ("rate", "value")
@@ -92,7 +94,7 @@ class Jet(Arithmetic):
     def __neg__(self) -> Jet:
         return type(self)(-self.value, -self.rate)
 
-    # Without a sum's change of signs, which takes as long as the sum where numbers are columns.
+    # Faster than the sum with -other, which for columns takes twice as long.
 
     def __sub__(self, other: Any) -> Jet:
         if isinstance(other, Dual):
@@ -121,6 +123,8 @@ class Jet(Arithmetic):
     def __rtruediv__(self, other: Any) -> Jet:
         return type(self)(other) / self
 
+    # |x| has no derivative at 0; the chain takes it only of differences that are compared with
+    # errors.
     def __abs__(self) -> Jet:
         return -self if self.value < 0 else self
 
@@ -146,12 +150,12 @@ class Jet(Arithmetic):
 
 
 def plain_of(x: Any) -> Any:
-    """Return the number of a jet, and any other number as it is."""
+    """Return the number of a jet; other numbers are unchanged."""
     return x.value if isinstance(x, Jet) else x
 
 
 def rate_of(x: Any) -> Any:
-    """Return the derivative of a jet; 0 of any other number."""
+    """Return the derivative of a jet; 0 for other numbers."""
     return x.rate if isinstance(x, Jet) else 0
 
 
@@ -195,12 +199,12 @@ class Jets:
         return {"sqrt": self.sqrt, "exp": exp, "log": log, "unit": unit}
 
     def exact(self, value: float) -> Jet:
-        """Return a double, whose derivative is 0 unless it is a `Seed`."""
+        """Return a double as a jet; its derivative is 0, unless it is a `Seed`."""
         rate = self.inner.exact(value.rate) if isinstance(value, Seed) else 0
         return Jet(self.inner.exact(float(value)), rate)
 
     def absent(self, value: Any) -> bool:
-        """True if a number of a scene is zero, and stays so."""
+        """True if a number of a scene is zero, and does not depend on x."""
         return bool(value == 0 and getattr(value, "rate", 0) == 0)
 
     def where(self, condition: Any, x: Any, y: Any) -> Any:
@@ -208,7 +212,7 @@ class Jets:
         return x if condition else y
 
     def sqrt(self, x: Any) -> Jet:
-        """Return the square root; raise `Kink` where it has a corner."""
+        """Return the square root; raise `Kink` at zero, where it has a corner."""
         root = self.inner.sqrt(plain_of(x))
         if rate_of(x) == 0:
             return Jet(root)
@@ -223,12 +227,13 @@ class Jets:
 
     def angle(self, y: Any, x: Any) -> Jet:
         """Return the angle from the x axis to a vector, rad."""
+        # d atan2(v, u) = (u dv - v du)/(u² + v²)
         (u, v), (du, dv) = (plain_of(x), plain_of(y)), (rate_of(x), rate_of(y))
         turn = 0 if rate_of(x) == rate_of(y) == 0 else (u * dv - v * du) / (u * u + v * v)
         return Jet(self.inner.angle(v, u), turn)
 
     def positive(self, x: Any, error: Any, question: str) -> bool:
-        """See `Numbers`; raise `Kink` for an input that stands on the border of two answers."""
+        """See `Numbers`; raise `Kink` if x is on the boundary of two answers."""
         if plain_of(x) == 0 and not rate_of(x) == 0:
             raise Kink(f"{question} changes with this number, however little it changes")
         return bool(self.inner.positive(plain_of(x), plain_of(error), question))
@@ -239,11 +244,11 @@ class Jets:
 
 
 class Kink(CannotSolve):
-    """A result has no derivative."""
+    """Raised if a result has no derivative."""
 
 
 class Shallow(CannotSolve):
-    """A surface is met at so small an angle that a derivative needs more digits than there are."""
+    """Raised if the ball meets a surface at so small an angle that doubles have too few digits."""
 
 
 # --- flights --------------------------------------------------------------------------------------
@@ -256,7 +261,7 @@ class Tangent(PathEngine):
     Attributes
     ----------
     inner
-        The engine that flies a law with its variational equation.
+        Engine that integrates a law with its variational equation.
     """
 
     inner: PathEngine
@@ -273,7 +278,7 @@ class Tangent(PathEngine):
 
     @property
     def flight_error(self) -> float:
-        """That of the inner engine."""
+        """Flight error of the inner engine."""
         return self.inner.flight_error
 
     def steps(
@@ -281,8 +286,10 @@ class Tangent(PathEngine):
     ) -> Iterator[JetPiece]:
         """Yield the pieces of a flight; see `PathEngine.steps`.
 
-        Their times are fixed: what a moving beginning does to the state is in the state.
+        The times of the pieces do not depend on x. If the beginning does, the change is in the
+        state.
         """
+        # one law for state and derivative: the variational equation of the program
         values = {name: plain_of(x) for name, x in law.strengths.items()}
         numbers = self.inner.numbers
         nothing = numbers.exact(0.0)
@@ -290,6 +297,7 @@ class Tangent(PathEngine):
         code = variational(law.program)
         flown = Law(code, {name: (values | changes)[name] for name in code.parameters}, law.shape)
         rates = flown.rates(numbers)
+        # A beginning that moves by dt/dx changes the state at a fixed time by -f dt/dx.
         now = [plain_of(x) for x in start]
         moved = [nothing + rate_of(x) for x in start]
         try:
@@ -314,7 +322,7 @@ class Tangent(PathEngine):
         """Fly until the first of several events; see `Engine.fly`."""
         flight = super().fly(law, start, events, limit)
         if plain_of(flight.time) == 0 and flight.stop != "time":
-            raise Kink("the flight ends where it starts, and by the least change goes on")
+            raise Kink("the flight ends where it starts; the smallest change may prolong it")
         return flight
 
     def touch(
@@ -325,10 +333,10 @@ class Tangent(PathEngine):
         events: Events,
         limit: Jet,
     ) -> Touch:
-        """Find how a pitch meets the bat; see `Engine.touch`.
+        """Find the contact of a pitch; see `Engine.touch`.
 
-        A distance has a corner at zero: a pitch that passes the bat's axis itself, to more digits
-        than a derivative needs, has a margin without one.
+        The distance from the bat's axis has a corner at zero: a pitch through the axis has no
+        derivative of the margin.
         """
         met = super().touch(pitch, law, bat, events, limit)
         if abs(bat.reach - met.margin) > ON_THE_AXIS * bat.reach:
@@ -336,12 +344,13 @@ class Tangent(PathEngine):
         return replace(met, margin=Jet(plain_of(met.margin), rate_of(met.margin) * math.nan))
 
 
-# Of the reach: the direction in which a pitch passes the axis is then known to six digits.
+# Distance from the axis, relative to the reach, that counts as zero. Beyond it, the direction from
+# the axis to the ball is known to six digits.
 ON_THE_AXIS = 1e-9
 
 
 def jets_of(inner: Sequence[Any], state: Callable[..., Any]) -> Any:
-    """Return a state of the law and its derivative as a state of jets."""
+    """Return a state and its derivative, one list of numbers, as a state of jets."""
     half = len(inner) // 2
     return state(*map(Jet, inner[:half], inner[half:]))
 
@@ -357,7 +366,7 @@ class JetPiece:
 
     @property
     def begin(self) -> Jet:
-        """When it begins, s since the launch."""
+        """Time of its beginning, s since the launch."""
         return Jet(self.piece.begin)
 
     @property
@@ -366,7 +375,8 @@ class JetPiece:
         return Jet(self.piece.length)
 
     def at(self, t: Jet) -> Any:
-        """Return the state at a time on the piece, s since it begins."""
+        """Return the state at a time, s since the beginning of the piece."""
+        # At a time that depends on x: ξ + (d state/dt) dt/dx.
         inner = self.piece.at(plain_of(t))
         state = jets_of(inner, self.state)
         if rate_of(t) == 0:
@@ -402,10 +412,10 @@ class JetCurve:
         return self.inner.positive(plain_of(a), plain_of(b))
 
     def turns(self, a: Jet, b: Jet) -> Sequence[Jet]:
-        """See `Curve`; to first order, a value does not change with the time at which it turns.
+        """See `Curve`. Turning points are refined to zeros of ġ.
 
-        Its derivative does: in doubles a turn is known to half of their digits, and so is taken
-        where ġ is zero, of which g itself tells less.
+        To first order a value does not depend on the time of its turning point, but its derivative
+        does. The inner engine finds turning points of g with half of the digits of doubles.
         """
         turns = self.inner.turns(plain_of(a), plain_of(b))
         if not self.piece.rounding:
@@ -447,10 +457,11 @@ class JetCurve:
             self.value(type(here)(*(Jet(x.value, rate * (i == n)) for i, x in enumerate(here))))
             for rate in (1, 0)
         )
-        return rate_of(up) - rate_of(level)  # the constants of an event change, too
+        # The second value removes the dependence of the event's own constants on x.
+        return rate_of(up) - rate_of(level)
 
     def _require_steep(self, here: Any, falls: Any, speeds: Sequence[Any]) -> None:
-        """Require ġ to be known to as many digits as a derivative is to have."""
+        """Raise `Shallow` unless ġ has enough digits for a derivative."""
         if not self.piece.rounding:
             return
         places = [n for n, name in enumerate(here._fields) if name in ("s", "y", "z")]
@@ -458,23 +469,22 @@ class JetCurve:
         across = math.hypot(*(self._slope(here, n) for n in places)) * speed
         if not is_steep(falls, across, self.piece.rounding):
             raise Shallow(
-                "a surface is met at so small an angle that doubles know too few digits of a "
-                "derivative; take the engine enclosure"
+                "the ball meets a surface at so small an angle that doubles have too few digits; use "
+                "the engine enclosure for the derivative"
             )
 
 
 def is_steep(falls: Any, across: Any, rounding: float) -> Any:
-    """True if ġ, which is at most `across`, is known to as many digits as a derivative is to have.
-
-    An error ε of places makes one of ``ε/s²`` of ġ, relative, where a surface is met at the angle
-    s: as deep below as the ball gets, ``s² V²/(2 a)``, it may get ε less or more.
-    """
+    """True if ġ, which is at most `across`, has enough digits for a derivative."""
+    # At the angle s between path and surface, an error ε of the position causes a relative error
+    # ε/s² of ġ: a ball with the acceleration a gets s² V²/(2 a) below the surface, with an error of
+    # ε.
     return rounding * _ROUNDINGS * across**2 <= _GOOD * falls**2
 
 
-# Of a piece: what ġ is compared over for its own rate, three digits of which are enough.
+# Step for the derivative of ġ, relative to a piece; three digits of it are enough.
 _APART = 2.0**-10
-# Of a derivative, relative; and half ulps that a place is off, as after a flight of some steps.
+# Relative accuracy of derivatives; error of a position after a few steps, in half ulps.
 _GOOD, _ROUNDINGS = 1e-12, 8
 
 
@@ -482,13 +492,14 @@ _GOOD, _ROUNDINGS = 1e-12, 8
 
 
 def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
-    """Return a scene that changes with an input, and how fast the input does.
+    """Return a scene with a seed for an input, and the rate of the input.
 
-    As fast as it is large: derivatives are then of the size of the result.
+    The rate is the size of the input, so that derivatives have the size of the result.
     """
     speed = abs(value_of(scene, name)) or 1.0
     rates = {name: 1.0}
-    if name in TRACKED:  # it changes all components of a vector
+    # A tracked quantity changes all components of its vector: take their rates from its formulas.
+    if name in TRACKED:
         parts = {known: Jet(x, float(known == name)) for known, x in tracked(scene).items()}
         vectors = launched(parts, Jets(DOUBLES))
         rates = {f"{v}[{i}]": float(x.rate) for v, of in vectors.items() for i, x in enumerate(of)}
@@ -496,9 +507,9 @@ def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
 
 
 def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any]:
-    """Return the derivatives of all numbers of a result by an input, by their names.
+    """Return the derivatives of all numbers of a result by one input, by name.
 
-    They are numbers of the engine.
+    The derivatives are numbers of the engine.
 
     Raises
     ------
@@ -522,13 +533,13 @@ def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any
         }
 
 
-# A margin of 1e-15 m takes half of them.
+# Digits for shallow angles. A contact with a margin of 1e-15 m loses half of them.
 _DIGITS = 30
 
 
 @contextmanager
 def not_beyond_a_kink() -> Iterator[None]:
-    """Raise `Kink` for an operation that no number has a result of."""
+    """Raise `Kink` for an operation without a result, such as a division by zero."""
     try:
         yield
     except (CannotSolve, Undecided, InvalidScene):
@@ -544,9 +555,9 @@ class Derivatives(Mapping[str, Mapping[str, Any]]):
     Attributes
     ----------
     table
-        By result number and scene number. NaN where there is no derivative.
+        Derivatives by number of the result and number of the scene; NaN if there is none.
     refused
-        Why there are no derivatives by some scene numbers.
+        Reasons why there are no derivatives by some numbers of the scene.
 
     Examples
     --------
@@ -593,7 +604,7 @@ def derivatives_of(
 
 
 def _named(quantity: str, value: Any) -> Iterator[tuple[str, Jet]]:
-    """Yield the numbers of a quantity, by name; no outcomes, and no counts."""
+    """Yield the numbers of a quantity, by name, without outcomes and counts."""
     if isinstance(value, Jet):
         yield quantity, value
     elif isinstance(value, tuple):

@@ -103,7 +103,7 @@ class Case(Strict):
     scene: Scene = Field(discriminator="kind")
     expected: Result = Field(
         description="the result by the contract, in decimal strings with proven radii; with "
-        "`error` instead of an outcome if there is none to be had"
+        "`error` in place of an outcome if there is none"
     )
     quantities: dict[str, Quantity] = Field(
         description="every number of the result by its path, such as landing.position[0]"
@@ -159,15 +159,15 @@ class Header(Strict):
     title: str
     format: str = Field(description="version of the form of the files; see README.md")
     licence: str
-    numbers: dict[str, str] = Field(description="the number contract: what each form means")
+    numbers: dict[str, str] = Field(description="the number contract: meaning of each form")
     levels: dict[str, str]
-    flags: dict[str, str] = Field(description="every flag in use, and what it says")
+    flags: dict[str, str] = Field(description="every flag in use, and its meaning")
     families: dict[str, Family]
     quick: tuple[str, ...] = Field(
         default=(),
-        description="ids of a few cases that notice nearly all mistakes that a case notices",
+        description="ids of a few cases that detect nearly all edits that any case detects",
     )
-    histories: dict[str, str] = Field(description="tables of flights, and what is in them")
+    histories: dict[str, str] = Field(description="tables of flights, and their contents")
     made_by: dict[str, str] = Field(description="engines, and versions of the libraries")
 
 
@@ -185,7 +185,7 @@ class ProbabilityRow(Strict):
     p: float = Field(description="the probability of a home run")
     error: float = Field(ge=0.0, description="estimated, not proven: |truth - p| <= error")
     slope: float = Field(description="dP/de")
-    slope_error: float = Field(ge=0.0, description="the same of the slope")
+    slope_error: float = Field(ge=0.0, description="estimated error of the slope")
     confirmation: Second
 
 
@@ -195,11 +195,11 @@ class ProbabilityCase(Strict):
     id: str = Field(min_length=1, description="never reused")
     comment: str = Field(description="what the case tests")
     scene: AtBatScene = Field(
-        description="everything that is not random; its restitution, speed, horizontal aim, "
+        description="the at-bat without its random numbers: restitution, speed, horizontal aim, "
         "height offset and tilt are not used"
     )
     sampling: SamplingReading = Field(
-        description="how the at-bats are drawn, and of which of them P is a share"
+        description="distributions of the at-bats, and the sample space of P"
     )
     rows: tuple[ProbabilityRow, ...]
 
@@ -208,7 +208,7 @@ class Probabilities(Strict):
     """The file of probabilities."""
 
     title: str
-    numbers: dict[str, str] = Field(description="what the numbers mean")
+    numbers: dict[str, str] = Field(description="meaning of the numbers")
     made_by: dict[str, str] = Field(description="methods, and versions of the libraries")
     cases: tuple[ProbabilityCase, ...]
 

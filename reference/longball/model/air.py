@@ -1,10 +1,10 @@
-"""The air as a scene names it: coefficients and their laws, weather, wind.
+"""Air: coefficients of drag and lift with their laws, weather, wind.
 
-A coefficient's law stands here whole: its keys with their limits, and its formula. The formula is
-over any object with the same keys: in the law of motion (`longball.model.law`) those are nodes, and
-those that C is linear in have the factor ``k = ρ A / (2 m)``. Sources: paper, Sec. III.B; A. M.
-Nathan, Am. J. Phys. 76 (2008) 119, and "Analysis of baseball trajectories" (2016), for the laws and
-their constants.
+A law of a coefficient is one class: its keys with their limits, and its formula. The formula takes
+any object with the same keys. In the law of motion (`longball.model.law`) the keys are nodes of a
+trace, and keys in which C is linear have the factor ``k = ρ A / (2 m)``. Sources of the laws and
+their constants: paper, Sec. III.B; A. M. Nathan, Am. J. Phys. 76 (2008) 119, and "Analysis of
+baseball trajectories" (2016).
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from longball.model.trace import ZERO
 
 
 class Flow(NamedTuple):
-    """Motion of a ball through the air, as coefficients need it.
+    """Motion of a ball through the air: the arguments of the coefficients.
 
-    ω is the spin at launch, ω_T its part across the velocity u through the air, and ``U = |u|``.
-    The spin parameter ``S = R ω_T/U`` is that of the spin that is left; it comes as a fraction, so
-    that nothing is divided by the speed of a ball at rest.
+    ω is the spin at launch, ω_T its component across the velocity u through the air, and ``U =
+    |u|``. The spin parameter ``S = R ω_T/U`` is that of the decayed spin. It is a fraction, so that
+    nothing is divided by the speed of a ball at rest.
 
     Attributes
     ----------
@@ -39,13 +39,13 @@ class Flow(NamedTuple):
     across
         ``ω × u``, m/s².
     drag_spin
-        ``ω_T U`` of the spin that is left, m/s², by the reading `drag_spin`.
+        ``ω_T U`` of the decayed spin, m/s², by the reading `drag_spin`.
     spin
-        ω_T, rad/s, by the reading `spin_parameter`, as all that follows.
+        ω_T, rad/s; this and the following fields are by the reading `spin_parameter`.
     top, bottom
         ``ω_T/U = top/bottom``.
     lever
-        R times the share of the spin that is left, m: ``S = lever top/bottom``.
+        R times the remaining fraction of the spin, m: ``S = lever top/bottom``.
     """
 
     velocity: Vector
@@ -59,19 +59,19 @@ class Flow(NamedTuple):
 
     @property
     def per_spin(self) -> Any:
-        """``U/ω_T``, m; 0 without a spin across the velocity, which lifts nothing."""
-        # ZERO is the symbol of what is 0 in every state, as the spin of a ball without one.
+        """``U/ω_T``, m; 0 without a spin across the velocity, when there is no lift."""
+        # ZERO stands for a value that is 0 in every state, such as the spin of a ball without one.
         return ZERO if self.top is ZERO else self.bottom / self.top
 
 
 class Coefficient(Block):
     """The law of a coefficient.
 
-    A drag has the method `drag`, which returns ``C_D U``, and a lift `lift`, which returns
-    ``C_L U/ω_T = R C_L/S``: both are finite where U or ω_T is 0.
+    A law of drag has the method `drag`, which returns ``C_D U``; a law of lift has `lift`, which
+    returns ``C_L U/ω_T = R C_L/S``. Both are finite if U or ω_T is 0.
     """
 
-    # Keys that C is not linear in.
+    # Keys in which C is not linear; they do not get the factor k.
     nonlinear: ClassVar[tuple[str, ...]] = ()
 
 
@@ -145,15 +145,15 @@ class RationalLift(Coefficient):
 
     @model_validator(mode="after")
     def _has_a_denominator(self) -> Self:
-        # C_L would be numerator S/0 at any spin.
+        # The denominator c_0 + c_1 S would be 0 at every spin.
         if self.constant == self.slope == 0.0:
             refuse("constant and slope cannot both be 0: C_L = numerator S / (constant + slope S)")
         return self
 
     def lift(self, flow: Flow) -> Any:
         """Return ``R C_L/S``."""
-        # With S = lever top/bottom, c_2 S/(c_0 + c_1 S) times R/S is c_2 lever bottom/(c_0 bottom +
-        # c_1 lever top): nothing is divided by S, which is 0 without a spin.
+        # With S = lever top/bottom, R/S times c_2 S/(c_0 + c_1 S) is c_2 lever bottom/(c_0 bottom +
+        # c_1 lever top). This form does not divide by S, which is 0 without a spin.
         denominator = self.constant * flow.bottom + self.slope * (flow.lever * flow.top)
         return self.numerator * (flow.lever * (flow.bottom / denominator))
 
@@ -190,7 +190,8 @@ class BySpeed:
 
     @staticmethod
     def passed(flow: Flow) -> tuple[Any, Any]:
-        """Return U², as top and bottom of a fraction."""
+        """Return U², as numerator and denominator."""
+        # Nodes are compared as squares, which need no square root.
         return flow.speed * flow.speed, 1.0
 
 
@@ -204,7 +205,7 @@ class BySpin:
 
     def drag(self, flow: Flow) -> Any:
         """Return ``C_D U``."""
-        # S U = R ω_T of the spin that is left.
+        # S U = R ω_T of the decayed spin.
         return self.at_0 * flow.speed + self.slope * (flow.lever * flow.spin)
 
     def lift(self, flow: Flow) -> Any:
@@ -213,19 +214,22 @@ class BySpin:
 
     @staticmethod
     def passed(flow: Flow) -> tuple[Any, Any]:
-        """Return S², as top and bottom of a fraction."""
+        """Return S², as numerator and denominator."""
         return flow.lever * flow.lever * (flow.top * flow.top), flow.bottom * flow.bottom
 
 
 class Lines(NamedTuple):
-    """A coefficient that is linear between nodes: at 0 and the slope of each line, one more."""
+    """A coefficient that is linear between nodes.
+
+    There is one more line than nodes; each is given by its value at 0 and its slope.
+    """
 
     nodes: tuple[Any, ...]
     lines: tuple[tuple[Any, Any], ...]
 
 
-# Coefficients, densities and winds come in several forms; a form's name, in <>, is no part of where
-# a fault is.
+# Coefficients, densities and winds have several forms. The tag of a form, in <>, is not a key, and
+# is left out of messages.
 
 
 class BilinearLift(Block):
@@ -265,20 +269,21 @@ class Table(Block):
         """Return the lines between the nodes, and those outside."""
         at, values = [*map(exact, self.at)], [*map(exact, self.values)]
         nothing = exact(0.0)
-        # Constant below the first node.
+        # The coefficient is constant below the first node, and above the last one.
         lines = [(values[0], nothing)]
         for (x, y), (right, above) in pairwise(zip(at, values, strict=True)):
             slope = (above - y) / (right - x)
-            # The value that the line through (x, y) has at 0.
+            # The value of the line through (x, y), extended to 0.
             lines.append((y - slope * x, slope))
         lines.append((values[-1], nothing))
-        first = 1 if self.at[0] == 0.0 else 0  # nothing is below 0
+        # Arguments are not negative, so a node at 0 has no line below it.
+        first = 1 if self.at[0] == 0.0 else 0
         return Lines(tuple(at[first:]), tuple(lines[first:]))
 
 
 def law_name(coefficient: Any) -> str:
     """Return the name of a coefficient's law; a number, or a column of them, is a constant."""
-    # A float takes long to tell that it has no such attribute.
+    # Fast path: a failing getattr is slow, and most coefficients are floats.
     return "constant" if isinstance(coefficient, float) else getattr(coefficient, "law", "constant")
 
 
@@ -308,7 +313,7 @@ LiftCoefficient = Annotated[
 ]
 
 
-# The classes of laws by name, for scenes whose numbers are columns.
+# Laws by name. Scenes whose numbers are columns have the name of a law, not its class.
 DRAG_LAWS, LIFT_LAWS = (
     {get_args(law.model_fields["law"].annotation)[0]: law for law in laws}
     for laws in (
@@ -325,7 +330,8 @@ class Weather(Block):
     """Weather, which sets the density of the air; see `longball.model.atmosphere.density`."""
 
     temperature: float = Field(default=288.15, ge=150.0, le=350.0, description="K")
-    # The sea-level pressure has never been measured below 870 hPa; at 10 kPa nobody could play.
+    # The lowest sea-level pressure ever measured is 870 hPa. The limit of 10 kPa catches hPa and
+    # inHg.
     pressure: float = Field(
         default=101325.0, ge=1e4, le=1e30, description="Pa, reduced to sea level"
     )
@@ -419,7 +425,7 @@ class Air(Block):
         default=0.2, description="C_L, negative for topspin; or its law"
     )
     side_coefficient: Side | None = Field(
-        default=None, description="C_S and the direction of a side force; left out: none acts"
+        default=None, description="C_S and the direction of a side force; by default none"
     )
     wind: Wind | None = Field(
         default=None, description="m/s, where it blows to; or with a height, or a profile"

@@ -1,4 +1,4 @@
-"""Annotations of the models' fields, as they are written for people and for type checkers."""
+"""Annotations of the models' fields, as text for documentation and type checkers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
     """
     origin, parts = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        # What JSON may hold in place of the type is converted to it.
+        # A validator converts other JSON values to the type: list what it accepts.
         schemas = [part.json_schema for part in parts if isinstance(part, WithJsonSchema)]
         if schemas and schemas[0]:
             options = schemas[0].get("anyOf", schemas)
@@ -28,6 +28,7 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
         return spelled(parts[0], block)
     if origin in (Union, types.UnionType):
         return " | ".join(dict.fromkeys(spelled(part, block) for part in parts))
+    # Vectors can be given as lists and arrays.
     if origin is tuple:
         (part, *_) = names = {spelled(x, block) for x in parts if x is not ...}
         return "Vector" if names == {"float"} else f"Sequence[{part}]"
@@ -41,10 +42,10 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
 
 
 def within(annotation: Any) -> list[Any]:
-    """Return an annotation and all that it is made of."""
+    """Return an annotation and all its parts."""
     return [annotation, *(x for part in get_args(annotation) for x in within(part))]
 
 
 def is_model(annotation: Any) -> bool:
-    """Check that an annotation is a model, and not made of one."""
+    """True if an annotation is a model itself."""
     return isinstance(annotation, type) and issubclass(annotation, BaseModel)

@@ -21,12 +21,13 @@ from pydantic import (
 
 from longball.model.annotations import spelled
 
-if TYPE_CHECKING:  # to type checkers, whose rules for models hang on pydantic's own class
+# Type checkers have special rules for pydantic's own metaclass, which a subclass would lose.
+if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass as _Public
 else:
 
     class _Public(type(BaseModel)):
-        """The type of a class that shows its fields and methods of its own, and not pydantic's."""
+        """Metaclass whose `dir` lists fields and longball's methods, without pydantic's."""
 
         def __dir__(self) -> list[str]:
             fields, names = getattr(self, "__pydantic_fields__", ()), self.shown
@@ -42,7 +43,7 @@ class Strict(BaseModel, metaclass=_Public):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
-    # Names that help and completion show beside the fields; None: all public ones.
+    # Names that help and completion show in addition to the fields; None means all public ones.
     shown: ClassVar[tuple[str, ...] | None] = None
 
     def __dir__(self) -> list[str]:
@@ -55,7 +56,7 @@ class Strict(BaseModel, metaclass=_Public):
             title = "Parameters" if issubclass(cls, Block) else "Attributes"
             rows = [inspect.cleandoc(cls.__doc__), "", title, "----------"]
             for name, field in cls.model_fields.items():
-                if name == "kind":  # of which the class is
+                if name == "kind":  # the class itself decides it
                     continue
                 rows.append(f"{name} : {spelled(field.annotation, lambda model: model.__name__)}")
                 rows += [f"    {line}" for line in wrap(field.description or "", 90)]
@@ -67,7 +68,7 @@ if TYPE_CHECKING:
 else:
 
     class _Called(_Public):
-        """The type of what callers write: lists and arrays are vectors, faults are sentences."""
+        """Metaclass of models that users create: it converts arrays, and words its errors."""
 
         def __call__(self, *values: object, **keys: object) -> Any:
             if values:
@@ -75,6 +76,8 @@ else:
                     f"{self.__name__} takes keywords: {', '.join(self.model_fields)}; a mapping "
                     "is given as **mapping"
                 )
+            # The fast path, for valid Python values. Otherwise the values are converted to JSON,
+            # which takes lists and arrays as vectors, and validated again for the messages.
             with suppress(ValidationError):
                 return super().__call__(**keys)
             from longball.model.explain import explain
@@ -90,7 +93,7 @@ else:
 
 
 class Given(Strict, metaclass=_Called):
-    """A model that callers write; an `InvalidScene` names the key at fault."""
+    """A model that users create; an `InvalidScene` names the key at fault."""
 
 
 class Block(Given):
@@ -110,11 +113,11 @@ class Block(Given):
         cls.__signature__ = Signature(keys)
 
     def __repr_args__(self) -> Iterator[tuple[str, Any]]:
-        # What a caller need not write is not shown: a scene has some sixty numbers and switches.
+        # Defaults are omitted: a scene has about sixty numbers and switches.
         yield from self.model_dump(exclude_defaults=True).items()
 
     def named(self) -> Iterator[str]:
-        """Yield the keys that it is written with: all but those left out that have no default."""
+        """Yield the keys of the written block: those with a value or a default."""
         for key, field in type(self).model_fields.items():
             if getattr(self, key) is not None or field.get_default() is not None:
                 yield key
@@ -125,7 +128,8 @@ class Block(Given):
         return {key: written[key] for key in self.named() if key in written}
 
 
-# Sizes within which no product of the model's formulas overflows or underflows a double.
+# Limits of numbers: within them no product in the model's formulas overflows or underflows a
+# double.
 LARGEST, SMALLEST = 1e30, 1e-30
 
 Quantity = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
@@ -135,5 +139,5 @@ Point = tuple[Quantity, Quantity, Quantity]
 
 
 def refuse(sentence: str) -> NoReturn:
-    """Refuse a value by a ValueError with this sentence."""
+    """Raise a ValueError with this sentence."""
     raise ValueError(sentence)

@@ -29,15 +29,16 @@ from longball.model.scene import KINDS, AtBatScene, InvalidScene, PitchScene
 from longball.model.units import in_si, read_in_si, unit_of
 
 _ELEMENT = re.compile(r"(.*)\[(\d+)\]")
-# Of kinds that need no block, to complete vectors from.
+# Default scenes, from which a vector is completed if only a component is set. A flight has no
+# default.
 USUAL_SCENES: dict[Any, Any] = {scene.kind: scene for scene in (PitchScene(), AtBatScene())}
 
 
 @dataclass(frozen=True)
 class Changes:
-    """Values to be put into scenes, under names of keys, of components of vectors, or of `TRACKED`.
+    """New values for scenes, by names of keys, of components of vectors, or of `TRACKED`.
 
-    A tracked quantity of a launch, such as its speed, changes with the others of these held fixed.
+    A tracked quantity of a launch, such as its speed, changes with the other tracked ones fixed.
     """
 
     values: tuple[tuple[str, Any], ...] = ()
@@ -46,12 +47,12 @@ class Changes:
         """Return a scene, as plain data, with the changes; `InvalidScene` if they do not fit it."""
         changed = dict(data)
         for name, value in self.values:
-            # A flight without a launch needs the velocity before it can have another speed.
+            # A flight without a launch is an error here: a speed needs a velocity to change.
             launch = changed.get("launch", {} if data.get("kind") == "flight" else None)
             if name in TRACKED and isinstance(launch, Mapping):
                 changed["launch"] = _launch_with(launch, name, value)
                 continue
-            # A component: the rest of the vector stays, or is the default of the kind.
+            # A component: the others keep their values, or get the defaults of the kind.
             if element := _ELEMENT.fullmatch(name):
                 name, place = element[1], int(element[2])
                 vector = at(changed, name) or at(USUAL_SCENES.get(data.get("kind")), name)
@@ -65,7 +66,7 @@ class Changes:
 
 
 def _launch_with(launch: Any, name: str, value: Any) -> dict[str, Any]:
-    """Return a launch with another speed, angle, … of those that trackers give."""
+    """Return a launch with another speed, angle, … (a name of `TRACKED`)."""
     velocity, spin = (at(launch, key) for key in ("velocity", "spin"))
     if not (_is_vector(velocity) and (spin is None or _is_vector(spin))):
         raise InvalidScene(f"{name}: the scene must give launch.velocity, which it changes")
@@ -76,7 +77,7 @@ def _launch_with(launch: Any, name: str, value: Any) -> dict[str, Any]:
     if name == OF_VELOCITY[1] and (fault := angle_fault(value)):
         raise InvalidScene(f"{name}: {fault}")
     tracks = tracks_of(velocity, spin, DOUBLES, math.hypot, math.atan2)
-    # A ball without spin gets the one that is set, and no other.
+    # A ball without spin gets the one component that is set; the others are zero.
     without = dict.fromkeys(OF_SPIN, 0.0) if name in OF_SPIN else {}
     vectors = launched({**without, **tracks, name: value}, DOUBLES)
     return {**launch, **{key.removeprefix("launch."): [*v] for key, v in vectors.items()}}
@@ -98,17 +99,17 @@ def _with(block: Mapping[str, Any], keys: list[str], value: Any, name: str) -> d
 
 
 def value_of(name: str, text: str, models: Iterable[type[BaseModel]] = KINDS.values()) -> Any:
-    """Return the value that a text gives a key: JSON, a number with or without a unit, or a word.
+    """Return the value of a text for a key: JSON, a number with or without a unit, or a word.
 
-    The unit's quantity is that of the key in the `models`, kinds of scenes by default.
+    The key's description in the `models`, by default the kinds of scenes, gives the SI unit.
 
     >>> value_of("pitch.speed", "90 km/h")
     25.0
 
-    A ValueError says that there is no such key, or that the unit is none of its quantity.
+    A ValueError is raised for an unknown key, or for a unit of another quantity.
     """
     described = UNITS_OF_TRACKED.get(name) or _described(name, [*models])
-    # JSON first: null, lists and blocks. Then .5 and 1_000, which JSON does not allow.
+    # First as JSON (null, lists, blocks), then as a number that JSON does not allow, such as .5.
     for read in (json.loads, float):
         with suppress(ValueError):
             return read(text)
@@ -131,7 +132,7 @@ def _described(name: str, models: Sequence[type[BaseModel]]) -> str:
             outer, before = keys[: depth - 1], "".join(f"{key}." for key in keys[: depth - 1])
             known = [f"{before}{key}" for model in models for key in keys_of(model, outer)]
             known += TRACKED if outer == ["launch"] else ()
-            # A key without its block: density for air.density.
+            # Similar names include keys without their block, such as density for air.density.
             blocks = ((model, [*outer, key]) for model in models for key in keys_of(model, outer))
             known += [
                 ".".join([*block, keys[depth - 1]])
@@ -145,5 +146,5 @@ def _described(name: str, models: Sequence[type[BaseModel]]) -> str:
 
 
 def changes_of(texts: Iterable[tuple[str, str]], blocks: Mapping[str, Any]) -> Changes:
-    """Return the changes that names with texts make, after those of whole blocks and keys."""
+    """Return changes of whole blocks, and then of single numbers by name and text."""
     return Changes((*blocks.items(), *((name, value_of(name, text)) for name, text in texts)))

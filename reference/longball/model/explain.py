@@ -1,4 +1,7 @@
-"""Faults that pydantic finds in data of a model, in our words: where, and what would be right."""
+"""Messages for invalid data: the key's path, the fault, and the correct form.
+
+Pydantic finds the faults; its own words name Python types, which mean nothing to users.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
     match fault["type"]:
         case "extra_forbidden":
             key, keys = str(location[-1]), [*block.model_fields]
-            # A column's name as a key of JSON: "launch.velocity[0]".
+            # The name of a column as a key of JSON, such as "launch.velocity[0]".
             outer = re.split(r"[.\[]", key)[0]
             if outer != key and outer in keys:  # also of a table that gives the block whole
                 return f"{where}: unknown key; put it inside {outer}, not beside it"
@@ -38,9 +41,9 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             if where in TRACKED:
                 made = f"{', '.join(keys)}; lb.launch(…) or --set {where}=… computes them"
                 return f"{where}: unknown key; the keys here are {made}"
-            # A key of another block: density outside of air.
+            # A key of another block, such as density outside of air,
             homes = [name for name in model.model_fields if key in keys_of(model, [name])]
-            # Also of one inside this block: temperature, of air.density.
+            # or of a block inside this one, such as temperature, of air.density.
             path = [str(step) for step in steps[:-1]]
             inner = [k for k in keys if path and key in keys_of(model, [*path, k])]
             homes += [".".join([*path, k]) for k in inner]
@@ -49,7 +52,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
                 return f"{where}: unknown key; {here}; {key} is a key of {' and of '.join(homes)}"
             return f"{where}: unknown key{one_of('the keys here are', key, keys)}"
         case "missing" if isinstance(location[-1], int):
-            # One sentence for all numbers that a vector lacks.
+            # Pydantic reports each missing component; one sentence is enough.
             vector, count = where.rpartition("[")[0], len(fault["input"])
             form = _listed(annotation, about)
             return f"{vector}[{count}]: is missing; {vector} must be {form}"
@@ -60,7 +63,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"{where}: is missing, or null"  # in a vector, of which other numbers are given
         case "too_long" | "too_short" as wrong:
             bound, key = ("most", "max_length") if wrong == "too_long" else ("least", "min_length")
-            # Pydantic has its own words for lengths; ours name the form, such as [x, y, z] in m.
+            # Give the form, such as [x, y, z] in m, not only the length.
             limit, given = fault["ctx"][key], fault["ctx"]["actual_length"]
             form = _listed(annotation, about)
             if form != "a list":
@@ -100,7 +103,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             ((_, limit),) = fault["ctx"].items()
             bound = "at least" if side == "greater_than_equal" else "at most"
             sentence = f"must be {bound} {limit:g}{_UNITS.get(str(location[-1]), '')}"
-            # The limit 1e-30 means positive; nobody understands the number.
+            # The limit 1e-30 is a detail of the arithmetic: users understand "positive".
             if side == "greater_than_equal" and limit in (SMALLEST, 0.0):
                 sentence = "must be positive" if limit else "must not be negative"
             return f"{where}: {sentence} (got {short(fault['input'])})"
@@ -108,7 +111,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
 
 
 def _listed(annotation: Any, about: str) -> str:
-    """Return the form of a list by its annotation and the description of its field."""
+    """Return the form of a list, from its annotation and the unit in its description."""
     numbers = next((x for x in map(get_args, within(annotation)) if is_vector(x)), ())
     unit = unit_of(about)
     places = ", ".join("xyz"[3 - len(numbers) :])  # a place on the plate's plane is [y, z]
@@ -124,12 +127,12 @@ def _form_of(annotation: Any, about: str) -> str:
 
 
 def is_vector(parts: tuple[Any, ...]) -> bool:
-    """Check that the parts of an annotation are those of a vector."""
+    """True if the parts of an annotation are those of a vector."""
     return len(parts) in (2, 3) and all(part == Quantity for part in parts)
 
 
 def in_our_words(message: str) -> str:
-    """Reword pydantic's message on a value as the end of a sentence about it."""
+    """Return pydantic's message on a value in our words, as the end of a sentence."""
     message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
     message = message.replace("a valid integer", "a whole number")
     message = re.sub("(greater|less) than or equal to", lambda side: _BOUNDS[side[1]], message)
@@ -139,7 +142,7 @@ def in_our_words(message: str) -> str:
 _BOUNDS = {"greater": "at least", "less": "at most"}
 
 
-# Of numbers that are likely to be in another unit if they are beyond their limits.
+# Hints for numbers that are probably in another unit if they exceed their limits.
 _UNITS = {
     "temperature": " K; 20 °C is 293.15 K",
     "pressure": " Pa; 1013 hPa are 101300 Pa",
@@ -150,12 +153,12 @@ _UNITS = {
 def _resolved(
     model: type[BaseModel], location: tuple[str | int, ...]
 ) -> tuple[list[str | int], type[BaseModel], Any, str]:
-    """Return a location as it is written, the innermost block, and its field's type and words.
+    """Return the keys of a location, its innermost block, and the type and description there.
 
-    Pydantic puts the tag of a union's form among the keys. The annotations tell the two apart, so
-    that a key may have any name.
+    Pydantic inserts the tags of unions among the keys. The annotations distinguish them, so that
+    keys may have any name.
     """
-    # Walk down the annotations along the keys of the location.
+    # Follow the annotations along the keys of the location.
     annotation: Any = model
     steps: list[str | int] = []
     about = ""
@@ -173,7 +176,7 @@ def _resolved(
 
 
 def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
-    """Return the fields under keys inside a model, one for each form that a block may have."""
+    """Return the fields at a path of keys, one for each form of the blocks on it."""
     annotations: list[Any] = [model]
     fields: list[FieldInfo] = []
     for key in keys:
@@ -184,7 +187,7 @@ def parts_of(model: type[BaseModel], keys: Sequence[str]) -> list[FieldInfo]:
 
 
 def keys_of(model: type[BaseModel], keys: Sequence[str]) -> list[str]:
-    """Return the keys of the blocks under keys inside a model."""
+    """Return the keys of the blocks at a path of keys."""
     annotations = [field.annotation for field in parts_of(model, keys)] if keys else [model]
     models = [x for annotation in annotations for x in filter(is_model, within(annotation))]
     return [key for each in models for key in each.model_fields]
@@ -197,7 +200,7 @@ def _forms(annotation: Any) -> dict[str | int, Any]:
 
 
 def short(value: Any) -> str:
-    """Return a value as a message shows it."""
-    # As JSON has them: null, true.
+    """Return a value as text for a message, of at most 40 characters."""
+    # JSON's words, null and true, not Python's.
     text = json.dumps(value) if value is None or isinstance(value, bool) else repr(value)
     return text if len(text) <= 40 else text[:37] + "..."

@@ -1,8 +1,8 @@
-"""The inputs of a scene: the numbers that its result depends on, and what trackers give instead.
+"""The inputs of a scene: the numbers that its result depends on.
 
-Of a launch a tracker gives speed, angle and direction of the velocity, and the components of the
-spin along axes that go with it (A. M. Nathan's convention): they are inputs, too, under the names
-`TRACKED`. Each changes with the others of these held fixed.
+Trackers describe a launch by speed, angle and direction, and by the components of the spin along
+axes that turn with the velocity (A. M. Nathan's convention). These are inputs, too, under the names
+`TRACKED`. Each changes with the others held fixed.
 """
 
 from __future__ import annotations
@@ -19,36 +19,37 @@ from longball.model.quantities import number, numbers, replaced
 from longball.model.scene import FlightScene, Scene
 from longball.model.vectors import dot
 
-# A zero here is a force that the scene does not name, and not a small one.
+# A value of zero means that the force is absent from the equations, so it is not an input.
 _ABSENT_AT_ZERO = (
     "air.density", "air.drag_coefficient", "air.lift_coefficient", "air.side_coefficient.value",
     "gravity",
 )  # fmt: skip
 
-# Of an input of zero, in its unit, and of others relative to them.
+# Step for derivatives, relative to an input; for an input of zero, in its unit.
 STEP = 2.0**-50
 
-# m/s, rad, rad; rad/s: what is tracked of a velocity, and of a spin.
+# Tracked quantities of a velocity (m/s, rad, rad), and of a spin (rad/s).
 OF_VELOCITY = ("launch.speed", "launch.angle", "launch.direction")
 OF_SPIN = ("launch.backspin", "launch.side_spin", "launch.gyrospin")
 TRACKED = (*OF_VELOCITY, *OF_SPIN)
 UNITS_OF_TRACKED = dict(zip(TRACKED, ("m/s", "rad", "rad", *["rad/s"] * 3), strict=True))
 
 
-# m: bat and ball meet some 2 ft before the plate's tip and 3 ft above the ground: Nathan's
-# Trajectory Calculator begins there.
+# Usual position of the contact, m: 2 ft in front of the plate's tip and 3 ft above the ground,
+# where Nathan's Trajectory Calculator begins.
 CONTACT = (0.6096, 0.0, 0.9144)
 
 
 def inputs(scene: Scene) -> dict[str, float]:
-    """Return the inputs of a scene by their paths, such as ``pitch.release[0]``."""
-    # By the names of quantities, each component of a vector for itself.
+    """Return the inputs of a scene by name, such as ``pitch.release[0]``."""
     known = dict(numbers(scene))
-    known.pop("time_limit", None)  # where the flight is cut off, and no input of a formula
+    # The time limit ends a calculation, but is in no formula.
+    known.pop("time_limit", None)
     if isinstance(scene, FlightScene) and not any(scene.launch.velocity[:2]):
-        # A vertical launch takes the heading +x; any other heading is a jump away from it.
+        # A vertical launch has the heading +x by definition; the smallest horizontal velocity can
+        # change the heading to any other, so there is no derivative.
         del known["launch.velocity[0]"], known["launch.velocity[1]"]
-    # An input of zero is one if it can be another number in either direction.
+    # A number that is zero is an input if another value, on either side, gives a valid scene.
     return {
         path: x
         for path, x in known.items()
@@ -69,10 +70,11 @@ def with_input(scene: Scene, path: str, value: float) -> Scene | None:
 
 
 def axes_of(angle: N, direction: N, numbers: Numbers) -> tuple[Vector, ...]:
-    """Return unit vectors along the velocity, and of the axes of backspin and of side spin.
+    """Return unit vectors along the velocity, the axis of backspin and the axis of side spin.
 
-    Backspin is about the horizontal axis across the velocity, and lifts the ball; side spin about
-    the axis across both, and turns the ball to the left; gyrospin about the velocity itself.
+    Backspin turns about the horizontal axis perpendicular to the velocity, and lifts the ball. Side
+    spin turns about the axis perpendicular to both, and curves the ball to the left. Gyrospin turns
+    about the velocity itself.
     """
     level, rise = numbers.cos_sin(angle)
     ahead, aside = numbers.cos_sin(direction)
@@ -85,9 +87,10 @@ def axes_of(angle: N, direction: N, numbers: Numbers) -> tuple[Vector, ...]:
 
 
 def tracked(scene: Scene) -> dict[str, float]:
-    """Return a launch in trackers' quantities, by their names in `TRACKED`.
+    """Return the tracked quantities of a launch, by their names in `TRACKED`.
 
-    Nothing of other scenes than flights, of a launch at rest, and of its spin if it has none.
+    The result is empty for other scenes than flights, and for a launch at rest. It has no spin
+    components if the launch has no spin.
     """
     if not isinstance(scene, FlightScene) or not any(scene.launch.velocity):
         return {}
@@ -101,7 +104,7 @@ def tracks_of(
     size: Callable[..., N],  # of a vector, from its components
     turn: Callable[[N, N], N],  # from the x axis to a vector, rad, from y and x
 ) -> dict[str, N]:
-    """Return a velocity and a spin in trackers' quantities; see `tracked`."""
+    """Return the tracked quantities of a velocity and a spin; see `tracked`."""
     x, y, z = velocity
     angle, direction = turn(z, size(x, y)), turn(y, x)
     tracks = dict(zip(OF_VELOCITY, (size(x, y, z), angle, direction), strict=True))
@@ -113,12 +116,12 @@ def tracks_of(
 
 
 def launched(values: Mapping[str, N], numbers: Numbers) -> dict[str, Vector]:
-    """Return the velocity, and if there is one the spin, of a launch from what is tracked of it."""
+    """Return velocity and spin (if any) of a launch from its tracked quantities."""
     speed, angle, direction = (values[name] for name in OF_VELOCITY)
     along, back, side = axes_of(angle, direction, numbers)
     made = {"launch.velocity": _combined((speed,), (along,))}
     if OF_SPIN[0] in values:
-        # All three, as backspin alone would not fix the axis.
+        # All three components are needed: backspin alone does not determine the axis.
         parts = tuple(values[name] for name in OF_SPIN)
         made["launch.spin"] = _combined(parts, (back, side, along))
     return made
@@ -136,7 +139,7 @@ def _combined(parts: tuple[N, ...], axes: tuple[Vector, ...]) -> Vector:
 def angle_fault(angle: float) -> str | None:
     """Return a sentence if a launch angle cannot be in radians, and None otherwise.
 
-    Degrees would give a ball that flies somewhere, without a word.
+    Degrees would otherwise give a wrong flight without an error.
     """
     if abs(angle) <= math.pi / 2:
         return None
@@ -145,15 +148,15 @@ def angle_fault(angle: float) -> str | None:
 
 
 def value_of(scene: Scene, name: str) -> float:
-    """Return an input of a scene by its name, one of `TRACKED` or its path.
+    """Return an input of a scene by its name, also one of `TRACKED`.
 
-    Raises `ValueError`, with the name that is meant, if the scene has no such number.
+    Raises a `ValueError`, with similar names, if the scene has no such number.
     """
     of_launch = tracked(scene)
     if name in of_launch:
         return of_launch[name]
     if name in TRACKED:
-        # A tracked quantity of a scene that has no such vector: the message names the vector.
+        # The scene lacks the vector of this tracked quantity; the message names the vector.
         lacks = "launch"
         if isinstance(scene, FlightScene):
             lacks = "launch.spin" if name in OF_SPIN else "launch.velocity other than 0"
@@ -168,16 +171,16 @@ def value_of(scene: Scene, name: str) -> float:
 
 
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """Return the scene with other values of inputs, by their paths or by names of `TRACKED`.
+    """Return the scene with other values of inputs, by name; also names of `TRACKED`.
 
-    Raises `pydantic.ValidationError` if there is no such scene.
+    Raises `pydantic.ValidationError` if the new scene is invalid.
     """
     of_scene = {name: x for name, x in values.items() if name not in TRACKED}
     changed: Scene = replaced(scene, of_scene) if of_scene else scene
     of_launch = {name: x for name, x in values.items() if name in TRACKED}
     if not of_launch:
         return changed
-    # The others of these stay fixed: a new angle leaves speed, direction and backspin.
+    # The other tracked quantities stay the same: a new angle keeps speed, direction and backspin.
     made = launched({**tracked(changed), **of_launch}, DOUBLES)
     return replaced(
         changed,
@@ -186,7 +189,7 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 
 def listed(names: Iterable[Any]) -> list[Any]:
-    """Return names as a list; a text is none, though its letters could be."""
+    """Return names as a list; a single string is an error, not a list of letters."""
     if isinstance(names, str):
         raise TypeError(f"{names!r}: a list of names is needed, such as [{names!r}]")
     return [*names]

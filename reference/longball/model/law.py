@@ -78,7 +78,7 @@ def state_of_variables(variables: tuple[str, ...]) -> Callable[..., Any]:
 
 
 def in_plane(state: Any) -> bool:
-    """True if a state is one in the vertical plane of a flight."""
+    """True if a state is in the vertical plane of its flight."""
     return not hasattr(state, "y")
 
 
@@ -91,15 +91,15 @@ class Motion(NamedTuple):
     Attributes
     ----------
     position
-        m.
+        Position, m.
     velocity
-        Over the ground, m/s.
+        Velocity over the ground, m/s.
     air
-        What drag depends on.
+        Arguments of drag.
     lift
-        What lift depends on: the same, unless the reading keeps the wind from the lift.
+        Arguments of lift: the same, unless under the reading the wind does not act on lift.
     density
-        Of the air, relative to that at height 0.
+        Density of the air, relative to that at height 0.
     spin_left
         Size of the spin, relative to that at launch.
     """
@@ -113,21 +113,21 @@ class Motion(NamedTuple):
 
     @property
     def speed(self) -> Any:
-        """The airspeed, m/s."""
+        """Airspeed, m/s."""
         return self.air.speed
 
 
 def acceleration(p: Strengths, motion: Motion) -> Vector:
     """Return ``ρ/ρ_0 (-k C_D U u + k R (C_L/S) ω × u + k C_S U² ê) - g e_z - 2 Ω × v``, and more.
 
-    u is the velocity through the air, ω the spin at launch, S the spin parameter of what is left of
-    it, ê the direction of the side force; ``k = ρ_0 A / (2 m)``. The rest is what `forces` add.
+    u is the velocity through the air, ω the spin at launch, S the spin parameter of the decayed
+    spin, ê the direction of the side force; ``k = ρ_0 A / (2 m)``. Added `forces` are included.
     """
     air, lift = motion.air, motion.lift
     drag = p.shape.drag.drag(_Keys(p, "drag"), air)  # k C_D U
     magnus = p.shape.lift.lift(_Keys(p, "lift"), lift)  # k R C_L/S
     earth = p.earth_s, p.earth_y, p.earth_z
-    # The order of the sum is part of the law: another one changes last bits in every engine.
+    # The order of the sum is fixed: another order would change the last bits in every engine.
     total = scaled(-(motion.density * drag), air.velocity)
     total = plus(total, scaled(motion.density * magnus, lift.across))
     total = plus(total, scaled(motion.density, side_force(p, lift)))
@@ -140,9 +140,9 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
 
 
 def side_force(p: Strengths, flow: Flow) -> Vector:
-    """Return ``k C_S U² ê``, with ê along the part of a fixed unit vector d that is across u.
+    """Return ``k C_S U² ê``, with ê along the component of a fixed unit vector d across u.
 
-    That part is ``d - (d·u) u/U²``, of the size ``|d × u|/U``.
+    This component is ``d - (d·u) u/U²``; its size is ``|d × u|/U``.
     """
     sine = norm(_aside(p, flow))
     if p.side is ZERO or sine is ZERO:
@@ -154,37 +154,38 @@ def side_force(p: Strengths, flow: Flow) -> Vector:
 
 
 def _aside(p: Strengths, flow: Flow) -> Vector:
-    """Return ``d × u`` of the direction d of the side force, which is 0 where that has none."""
+    """Return ``d × u`` of the vector d of the side force; it is 0 if the force has no direction."""
     return cross((p.side_s, p.side_y, p.side_z), flow.velocity)
 
 
 def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Motion:
-    """Return the motion through the air, with the spin that is left after a `path`."""
+    """Return the motion through the air, with the spin after a `path`."""
     through = minus(velocity, wind(p, position[2]))
-    # The decay goes by the air that passes the ball, under any reading of the wind.
+    # Spin decays with the airspeed, under every reading of the wind.
     left = _spin_left(p, path, _size(p, through))
     spin, size = (p.spin_s, p.spin_y, p.spin_z), p.spin
     air = _flow(p, through, left, spin, size)
     if not p.shape.spins:
-        # The paper's lift: about an axis fixed at launch, as backspin has it. It is level and
-        # points to the right, so that ê × u turns a level velocity upwards.
+        # The paper's lift has an axis ê that is fixed at launch, horizontal and to the right. It is
+        # the axis of backspin: ê × u turns a horizontal velocity upwards.
         spin, size = (ZERO, trace.constant(-1.0), ZERO), trace.constant(1.0)
     lift = _flow(p, velocity if p.shape.wind_acts_on == "drag" else through, left, spin, size)
-    # e^(-z/H), which is not constant along a flight; the strength is 1/H
+    # e^(-z/H); the strength `thinning` is 1/H
     thin = 1.0 if p.thinning is ZERO else trace.exp(-p.thinning * position[2])
     return Motion(position, velocity, air, lift, thin, left)
 
 
 def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) -> Flow:
-    """Return the motion through the air, from the spin at launch and the fraction that is left."""
+    """Return the motion through the air, from the spin at launch and its remaining fraction."""
     speed, across = _size(p, velocity), cross(spin, velocity)
     # |ω × u|: the root is shared by drag and lift.
     turning = norm(across)  # ω_T U
-    # ω_T, ω_T U, and top and bottom of ω_T/U: of all the spin, and of its part across the velocity.
+    # ω_T, ω_T U, and numerator and denominator of ω_T/U: for the whole spin, and for the transverse
+    # one.
     whole = size, size * speed, size, speed
     part = turning / speed, turning, turning, speed * speed
-    # All of it is across a flight in its plane, if it is perpendicular to that; and so is an axis
-    # that the scene does not name.
+    # In a flight in its plane, a spin perpendicular to the plane is transverse as a whole, and so
+    # is the axis of the paper's lift. The size is then a constant, without a square root.
     level = (spin[0] is ZERO and spin[2] is ZERO and velocity[1] is ZERO) or not p.shape.spins
     _, of_drag, _, _ = whole if level or p.shape.drag_spin == "total" else part
     rate, _, top, bottom = whole if level or p.shape.spin_parameter == "total" else part
@@ -192,8 +193,8 @@ def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) ->
 
 
 def _size(p: Strengths, velocity: Vector) -> Any:
-    """Return the size of a velocity: straight up or down, without a root."""
-    # √(w²) has no derivative at w = 0, ±w has: vertical flights turn there.
+    """Return the size of a velocity; for a vertical one, without a root."""
+    # Vertical flights turn round at w = 0, where √(w²) has no derivative, but ±w has.
     moving = [component for component in velocity if component is not ZERO]
     return p.sense * moving[0] if len(moving) == 1 else norm(velocity)
 
@@ -201,9 +202,10 @@ def _size(p: Strengths, velocity: Vector) -> Any:
 def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
     """Return the size of the spin, relative to that at launch.
 
-    ``ω' = -(U/L_ω) ω`` has e^(-path/L_ω) of the path through the air; e^(-t/τ) is the same of a
-    path at a fixed speed. With e^(-t U/L_ω) of the present U, ω solves no equation of its own, but
-    the law of motion with it is one in (r, v, t), and solved as such: the path is t times 1 m/s.
+    ``ω' = -(U/L_ω) ω`` has the solution e^(-path/L_ω), with the path through the air. e^(-t/τ) is
+    the same with a path at a fixed speed. Under `nathan`, e^(-t U/L_ω) contains the present U: ω
+    has no equation of its own, but the law of motion in (r, v, t) contains it, and t is a path at 1
+    m/s.
     """
     if p.decay is ZERO:
         return 1.0
@@ -213,19 +215,20 @@ def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
     return p.auxiliary_for(trace.exp(exponent))
 
 
-# --- what a law is traced with --------------------------------------------------------------------
+# --- tracing --------------------------------------------------------------------------------------
 
 
 class Force(NamedTuple):
-    """A force besides those of the model.
+    """A force in addition to those of the model.
 
     Attributes
     ----------
     strengths
-        From a scene, the `longball.model.frame.Frame` of a flight and a number system to the values
-        of its parameters, by name; None if the scene does not name the force.
+        Function of a scene, the `longball.model.frame.Frame` of a flight and a number system. It
+        returns the values of the parameters, by name, or None if the scene has no such force.
     acceleration
-        From the `Motion` and an object with the parameters as attributes to the acceleration, m/s².
+        Function of the `Motion` and an object with the parameters as attributes. It returns the
+        acceleration, m/s².
     """
 
     strengths: Callable[[Any, Any, Numbers], Mapping[str, Any] | None]
@@ -235,11 +238,11 @@ class Force(NamedTuple):
 class Shape(NamedTuple):
     """Choices of a scene that decide its law's operations; its numbers are strengths."""
 
-    # The laws of the coefficients
+    # Laws of the coefficients.
     drag: Any = ConstantDrag
     lift: Any = ConstantLift
-    spins: bool = False  # whether the scene says how the ball spins
-    # Readings
+    spins: bool = False  # True if the scene gives the ball's spin
+    # Readings.
     spin_parameter: str = "transverse"
     drag_spin: str = "transverse"
     spin_decay: str = "path"
@@ -248,7 +251,7 @@ class Shape(NamedTuple):
 
 
 class Strengths:
-    """The strengths of a law as nodes, by name; one that has no value is zero."""
+    """The strengths of a law as nodes, by name; a missing one is zero."""
 
     sense: Node  # of a vertical flight; see `Law.straight`
 
@@ -259,12 +262,13 @@ class Strengths:
         self.auxiliary: dict[str, Node] = {}
 
     def __getattr__(self, name: str) -> Any:
+        # Terms with a factor ZERO disappear from the trace: absent forces cost nothing.
         return getattr(self.given, name, ZERO)
 
     def auxiliary_for(self, value: Node) -> Node:
-        """Return an exponential or a logarithm, or the variable that stands for it."""
-        # The Taylor engines and the proofs handle sums, products, quotients and roots. An
-        # exponential becomes a variable with an equation of its own.
+        """Return an exponential or a logarithm, or the auxiliary variable in its place."""
+        # Events of the proofs must be polynomials of the variables. An exponential therefore
+        # becomes a variable with its own equation.
         if not self.polynomial or value.static:
             return value
         name = next(
@@ -276,7 +280,7 @@ class Strengths:
 
 
 class _Keys:
-    """The strengths of a coefficient, under the keys of its law."""
+    """Strengths of a coefficient, as attributes with the keys of its law."""
 
     def __init__(self, p: Strengths, coefficient: str) -> None:
         self._strengths, self._coefficient = p, coefficient
@@ -296,34 +300,35 @@ class _Traced:
 
     rates: Mapping[str, Node]  # of the variables, by name
     spin_left: Node  # the size of the spin, relative to that at launch
-    # Top and bottom of what passes the thresholds, by `Switch.of`
+    # Numerator and denominator of the quantity that passes the thresholds, by `Switch.of`.
     passed: Mapping[str, tuple[Node, Node]]
-    # The auxiliary variables, which stand for exponentials and logarithms, by name: each in terms
-    # of the variables before it.
+    # Exponentials and logarithms that have auxiliary variables, by name, each in terms of the
+    # variables before it.
     auxiliary: Mapping[str, Node]
     aside: Vector  # see `_aside`
 
 
 @cache
 def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool) -> _Traced:
-    """Trace the law where the ball moves in space, in a vertical plane, or vertically.
+    """Trace the law of a ball that moves in space, in a vertical plane, or vertically.
 
-    Vertically in the air, that is, with which it drifts. See `Law.polynomial`.
+    A vertical flight is vertical relative to the air, with which it drifts. See `Law.polynomial`.
     """
     p = Strengths(shape, names, polynomial)
     s, y, z, u, v, w = map(trace.variable, "syzuvw")
-    # In the plane of the launch nothing moves the ball aside.
+    # In the plane of the launch, the sideways position and velocity are zero.
     if moving != "space":
         y = v = ZERO
     if moving == "vertical":
         p.sense = trace.parameter(_SENSE)
-        # A vertical flight in a wind drifts with it, so that no air comes from the side. No flight
-        # drifts with a profile, whose wind changes with the height.
+        # A vertical flight drifts with a constant wind, so that no air comes from the side. It
+        # cannot drift with a profile, whose wind changes with the height.
         u, v = (p.wind_s, p.wind_y) if p.roughness is ZERO else (ZERO, ZERO)
     motion = motion_of(p, (s, y, z), (u, v, w), trace.variable("path"))
     rates = dict(zip("syzuvw", (u, v, w, *acceleration(p, motion)), strict=True))
     if p.decay is not ZERO:
-        # Time readings have a path of fixed speed: 44.704 m/s (100 mph), or 1 m/s under `nathan`.
+        # Readings by time have a path with a fixed speed: 44.704 m/s (100 mph), or 1 m/s
+        # (`nathan`).
         fixed = shape.spin_decay != "path"
         rates["path"] = trace.as_node(p.decay_speed if fixed else motion.speed)
     passed = {"wind": (z, trace.constant(1.0))}
@@ -336,8 +341,8 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
         # The sine of the angle between d and u, squared: the force has no direction at 0.
         size, speed = norm(aside), motion.lift.speed
         passed["side"] = size * size, speed * speed
-    # Where y is exp x, y' is y x'; where it is log x, y' is e^-y x', which is 1/x x' without a
-    # singularity that small errors of x come near to.
+    # Equations of the auxiliary variables: y' = y x' for y = exp x, and y' = e^-y x' for y = log x.
+    # The form x'/x of the latter has a singularity, which errors of x could reach.
     for name, value in p.auxiliary.items():
         (x,), y = value.args, trace.variable(name)
         grows = trace.total(
@@ -353,7 +358,7 @@ def _is_polynomial(node: Node) -> bool:
     return all(n.static or n.kind in ("variable", "sum", "product") for n in nodes)
 
 
-# What must not change.
+# Components that must be constant for a law in the plane, and for a vertical one.
 _STILL = {"space": "", "plane": "yv", "vertical": "uv"}
 
 
@@ -365,17 +370,17 @@ def _program(
     polynomial: bool,
     variables: tuple[str, ...] = (),
 ) -> Program | None:
-    """Return the program of a law; None if a force drives the ball out of where it holds."""
+    """Return the program of a law; None if a force drives the ball out of the plane or line."""
     rates = _traced(shape, names, moving, polynomial).rates
-    # A law that drives the ball aside does not hold in the plane.
+    # The law in the plane is valid only if no force points out of it.
     if any(rates[name] is not ZERO for name in _STILL[moving]):
         return None
-    # Further variables stand behind the six: the path of the decay, exponentials, logarithms.
+    # Behind the six components: the path of the decay, exponentials, logarithms.
     variables = variables or (*("syzuvw" if moving == "space" else "szuw"), *[*rates][6:])
     if rates["y"] is not ZERO and "y" not in variables:
         return None
     program = Program(variables, names, tuple(rates[name] for name in variables))
-    # Only a vertical flight with a speed in its law needs to know its sense.
+    # The sense is a parameter only if the law contains the speed of a vertical flight.
     if trace.parameter(_SENSE) in program.nodes:
         program = replace(program, parameters=(*names, _SENSE))
     return program
@@ -384,7 +389,7 @@ def _program(
 def _code(
     shape: Shape, names: tuple[str, ...], in_space: bool = False, polynomial: bool = False
 ) -> Program:
-    """Return the program of a law in the plane, if it holds there and is not to be in space."""
+    """Return the program of a law: in the plane if it is valid there, unless `in_space`."""
     program = None if in_space else _program(shape, names, "plane", polynomial)
     program = program or _program(shape, names, "space", polynomial)
     assert program is not None
@@ -393,7 +398,7 @@ def _code(
 
 @lru_cache(maxsize=1024)
 def _switching_function(program: Program, top: Node, bottom: Node) -> Program:
-    # top/bottom passes the threshold where this is zero; nothing is divided.
+    # Zero where top/bottom passes the threshold, without a division.
     value = top - trace.parameter("threshold") * bottom
     return replace(program, outputs=(value,), parameters=(*program.parameters, "threshold"))
 
@@ -415,13 +420,13 @@ _SENSE = "sense"
 
 
 class Switch(NamedTuple):
-    """A part of a law, whose strengths change where a function of the state passes a threshold."""
+    """A part of a law whose strengths change where a function of the state passes a threshold."""
 
-    of: str  # the wind, the coefficient of drag or lift, or the side force
-    # below the first threshold, between two, beyond the last
+    of: str  # "wind", "drag", "lift" or "side"
+    # Of each branch: below the first threshold, between two, beyond the last.
     strengths: tuple[Mapping[str, N], ...] = ({},)
-    thresholds: tuple[N, ...] = ()  # in rising order; without any it is no switch
-    question: str = ""  # whether a threshold is passed, as a clause
+    thresholds: tuple[N, ...] = ()  # increasing; without thresholds there is one branch
+    question: str = ""  # the passing of a threshold as a clause, for messages
 
     @property
     def names(self) -> KeysView[str]:
@@ -430,12 +435,12 @@ class Switch(NamedTuple):
 
     @property
     def ends_law(self) -> bool:
-        """True if the law ends at its threshold, below which the side force has no direction."""
+        """True if the law ends at the threshold: the side force has no direction below it."""
         return self.of == "side"
 
     @property
     def is_wind(self) -> bool:
-        """True if it is the wind: where that changes, airspeeds jump."""
+        """True for the wind, at whose threshold the airspeed jumps."""
         return self.of == "wind"
 
 
@@ -443,25 +448,25 @@ class Switch(NamedTuple):
 class Law:
     """The law of motion of a scene.
 
-    Where parts of it have several forms, no number is computed by the law itself, but by
-    `on(branches)`, with the branches that are valid in the state at hand.
+    If it has switches, numbers are computed by `on(branches)`, with the branches that are valid in
+    the present state, not by the law itself.
 
     Attributes
     ----------
     code
-        The rates of change of a state, component by component; of a law without a form, those of
-        all forms at once, which only tell the variables.
+        Program for the rates of change of a state. Before a branch is chosen, it contains the
+        strengths of all branches, and only its variables are used.
     strengths
-        Values of the program's parameters, by name; without a form, not those of `switches`.
+        Values of the program's parameters, by name; without branches, not those of `switches`.
     shape
-        What the program was traced from.
+        Choices with which the program was traced.
     switches
-        The parts that have several forms.
+        Parts with several branches.
     form
-        Which branch each of them has; None: the law has no form, or needs none.
+        Chosen branch of each switch; None if none is chosen, or there are no switches.
     polynomial
-        Whether each exponential and logarithm that a switch may depend on is a variable of its own,
-        so that where the form changes is the zero of a polynomial in the variables.
+        True if every exponential and logarithm that a switch may depend on is an auxiliary
+        variable. A switching event is then the zero of a polynomial in the variables.
     """
 
     code: Program
@@ -473,37 +478,37 @@ class Law:
 
     @property
     def program(self) -> Program:
-        """The rates of change of a state, component by component.
+        """Program for the rates of change of a state.
 
-        Raises `TypeError` if parts have several forms and none is chosen.
+        Raises `TypeError` if the law has switches and no branches are chosen.
         """
         if self.switches and self.form is None:
-            raise TypeError("parts of this law have several forms: ask law.on(branches)")
+            raise TypeError("this law has switches: choose branches by law.on(branches)")
         return self.code
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """The components of a state, the same in all forms."""
+        """Names of the components of a state, the same on all branches."""
         return self.code.variables
 
     @property
     def state(self) -> Callable[..., Any]:
-        """The class of the states: `PlaneState`, `SpaceState`, or one with more components."""
+        """Class of the states: `PlaneState`, `SpaceState`, or one with more components."""
         return state_of_variables(self.variables)
 
     @property
     def gravity(self) -> N | None:
-        """g, m/s²; None where there is none."""
+        """g, m/s²; None without gravity."""
         return self.strengths.get("gravity")
 
     @property
     def is_paper(self) -> bool:
-        """True if nothing acts but the paper's drag, lift and gravity."""
+        """True if the paper's drag, lift and gravity are the only forces."""
         return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.switches
 
     @property
     def switches_of_spin(self) -> frozenset[int]:
-        """The numbers of the switches on whose branches the size of the spin depends."""
+        """Indices of the switches whose branches change the size of the spin."""
         nodes = Program((), (), (self._traced.spin_left,)).nodes
         used = {node.args[0] for node in nodes if node.kind == "parameter"}
         return frozenset(which for which, switch in enumerate(self.switches) if switch.names & used)
@@ -513,11 +518,11 @@ class Law:
         moving = "space" if "y" in self.variables else "plane"
         return _traced(self.shape, self.code.parameters, moving, self.polynomial)
 
-    # Other laws.
+    # --- other laws
 
     def on(self, branches: Sequence[int]) -> Law:
-        """Return the law with these forms of the parts that have several."""
-        # Strengths of other branches go first: a branch may lack a strength that another has.
+        """Return the law with one branch of each switch."""
+        # Remove the strengths of other branches first, because a branch may lack some of them.
         changed = {name for switch in self.switches for name in switch.names}
         strengths = {name: x for name, x in self.strengths.items() if name not in changed}
         for switch, branch in zip(self.switches, branches, strict=True):
@@ -533,11 +538,11 @@ class Law:
         return replace(self, code=code, strengths=strengths)
 
     def straight(self, sense: N) -> Law | None:
-        """Return the law of a vertical flight; `sense` is 1 on the way up and -1 on the way down.
+        """Return the law of a vertical flight; `sense` is 1 upwards and -1 downwards.
 
-        The ball drifts with the wind, as it starts; up and down are through the air. The speed is
-        ``sense w`` there, without a square root: this law is smooth where the ball comes to rest,
-        and holds on one side of it. None if a force drives the ball aside.
+        The ball drifts with the wind and moves vertically relative to the air. Its speed is ``sense
+        w``, without a square root, so that the law is smooth where the ball comes to rest; it is
+        valid on one side of that point. The result is None if a force points sideways.
         """
         names, variables = self.program.parameters, self.variables
         code = _program(self.shape, names, "vertical", self.polynomial, variables)
@@ -546,8 +551,8 @@ class Law:
         return replace(self, code=code, strengths={**self.strengths, _SENSE: sense})
 
     def in_polynomials(self) -> Law:
-        """Return the law with variables for what switches depend on; see `completed`."""
-        # In all forms the arguments of the switches have the same functions.
+        """Return the law with variables for exponentials in its switches; see `completed`."""
+        # The arguments of the switches contain the same functions on all branches.
         first = self.on([0] * len(self.switches))
         passed = first._traced.passed
         if all(_is_polynomial(node) for switch in self.switches for node in passed[switch.of]):
@@ -555,7 +560,7 @@ class Law:
         law = replace(self, polynomial=True)
         return replace(law, code=law.on(first.form or ()).code)
 
-    # Numbers.
+    # --- numbers
 
     def rates(self, numbers: Numbers) -> Callable[..., tuple[N, ...]]:
         """Return the function from the components of a state to their rates."""
@@ -571,9 +576,9 @@ class Law:
         return self.state(*(getattr(start, name, nothing) for name in self.variables))
 
     def completed(self, state: State, numbers: Numbers) -> State:
-        """Return a state whose exponentials and logarithms are those of this form.
+        """Return a state with the auxiliary variables of these branches.
 
-        They depend on the wind: where it sets in, they jump with the airspeed.
+        The variables depend on the wind, and jump with the airspeed at its threshold.
         """
         state = self.state_of(state)
         for name, node in self._traced.auxiliary.items():
@@ -585,10 +590,7 @@ class Law:
         return self._value(self._traced.spin_left, state, numbers)
 
     def aside(self, state: State, numbers: Numbers) -> Vector:
-        """Return ``d × u`` of the direction d of a side force, m/s.
-
-        It is zero where the force has no direction.
-        """
+        """Return ``d × u`` of the vector d of a side force, m/s; 0 if it has no direction."""
         a, b, c = (self._value(node, state, numbers) for node in self._traced.aside)
         return a, b, c
 
@@ -597,13 +599,13 @@ class Law:
         return bound(*(getattr(state, name) for name in self.variables))[0]
 
     def drift(self, nothing: N) -> Vector:
-        """Return the wind, m/s, where it is the same in all of a form: `nothing`, if none blows."""
+        """Return the constant wind of these branches, m/s; `nothing` for a profile or no wind."""
         known = {} if ROUGHNESS in self.strengths else self.strengths
         s, y, z = (known.get(name, nothing) for name in ("wind_s", "wind_y", "wind_z"))
         return s, y, z
 
     def switching_function(self, switch: Switch) -> Program:
-        """Return a program that is positive where what a switch depends on is beyond a threshold.
+        """Return a program that is positive where the argument of a switch exceeds a threshold.
 
         It has the law's variables and parameters, and the parameter `threshold`.
         """
@@ -616,9 +618,9 @@ class Law:
         return lambda state: bound(*state)[0]
 
     def branches(self, state: Any, numbers: Numbers) -> list[Any]:
-        """Return which forms the parts have in a state, or in many: by the thresholds passed.
+        """Return the branch of each switch in a state, or in many: the number of thresholds passed.
 
-        The numbers carry no radius.
+        The numbers must not have radii.
         """
 
         def passed(form: Law) -> list[Any]:
@@ -632,7 +634,7 @@ class Law:
         below = passed(self.on([0] * len(winds)))
         if not any(winds):
             return below
-        # Above the height where the wind sets in, the others depend on another airspeed.
+        # Above the threshold of the wind, the other switches have another airspeed: evaluate both.
         above, more = below[winds.index(True)], passed(self.on([*map(int, winds)]))
         return [
             above if is_wind else less * (1 - above) + above * beyond
@@ -640,7 +642,7 @@ class Law:
         ]
 
     def at(self, state: Any, numbers: Numbers) -> Law:
-        """Return the law in the form valid in a state, whose numbers carry no radius."""
+        """Return the law with the branches valid in a state, whose numbers have no radii."""
         return self.on([*map(int, self.branches(state, numbers))]) if self.switches else self
 
 
@@ -653,19 +655,19 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
     Parameters
     ----------
     scene
-        With ball, air, gravity and reading: a scene, or any object with these attributes, whose
-        numbers may be arrays of shape (n,), of n scenes.
+        A scene, or any object with ball, air, gravity and reading. Its numbers may be arrays of
+        shape (n,), for n scenes.
     frame : longball.model.frame.Frame
-        Of the flight, with its spin.
+        Frame of the flight, with its spin.
     numbers : longball.model.numbers.Numbers
-        That the law computes with.
+        Number system of the calculation.
     forces
-        What may act on the ball besides what the model has.
+        Forces in addition to those of the model.
 
     Returns
     -------
     Law
-        In the vertical plane of the launch, if its forces lie there; in space otherwise.
+        The law in the vertical plane of the launch if all forces are in it; otherwise in space.
 
     Examples
     --------
@@ -700,7 +702,7 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
             strengths |= its
     if acting:
         shape = shape._replace(forces=tuple(acting))
-    # The variables are the same on all branches: those of space, if one of them needs those.
+    # All branches have the same variables: those of space if any branch needs them.
     names = dict.fromkeys([*strengths, *(name for switch in switches for name in switch.names)])
     return Law(_code(shape, tuple(names)), strengths, shape, tuple(switches))
 
@@ -708,7 +710,7 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
 def law_with(
     strengths: Mapping[str, N], forces: Sequence[Callable[[Motion, Any], Vector]] = ()
 ) -> Law:
-    """Return the paper's law with some of its strengths, and what is zero left out, and forces."""
+    """Return the paper's law with given strengths and added forces; missing terms are zero."""
     shape = Shape(forces=tuple(forces))
     return Law(_code(shape, tuple(strengths)), strengths, shape)
 
@@ -719,13 +721,13 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switc
     spins = frame.spin is not None and not all(map(numbers.absent, frame.spin))
     # the coefficients
     drag_law, drag = _coefficient("drag", scene, spins, numbers)
-    # A ball that does not spin has no lift, but for the paper's, whose axis no scene names.
+    # Without spin there is no lift, except the paper's, which needs no spin in the scene.
     lift_law: Any = ConstantLift
     lift: Switch = Switch("lift")
     if spins or (frame.spin is None and not by_spin(air.lift_coefficient)):
         lift_law, lift = _coefficient("lift", scene, spins, numbers)
     parts, shape = [drag, lift], Shape(drag_law, lift_law)
-    # wind and side force: each may end the form of the law on the way
+    # wind and side force, each with a threshold
     strengths: dict[str, N] = {}
     if air.wind is not None:
         shape = shape._replace(wind_acts_on=reading.wind_acts_on)
@@ -737,7 +739,7 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switc
         if side:
             question = "the airspeed turns along air.side_coefficient.direction"
             parts.append(Switch("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
-    # the spin, as a vector in the frame and by its size, and what is left of it
+    # the spin vector in the frame, its size, and its decay
     if frame.spin is not None:
         shape = shape._replace(
             spins=True,
@@ -760,18 +762,18 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switc
     return shape, parts, strengths
 
 
-# m/s, of a path in which spin decays that is not the ball's. A decay in time is quoted as one along
-# a path that is flown at 100 mph.
+# Fixed speeds of the path of the decay, m/s, for readings by time. The decay time of the reading
+# `time` is L_ω divided by 100 mph.
 PATH_SPEEDS = {"time": 44.704, "nathan": 1.0}
 
 
-# The sine of the angle between the airspeed and the direction of a side force at which the force is
-# said to have no direction. A thousandth of it is lost to rounding in doubles.
+# Sine of the angle between the airspeed and the vector of a side force below which the force has no
+# direction. Doubles compute this sine to a relative error of a thousandth.
 ALONG = 2.0**-20
 
 
 def side_strengths(scene: Any, frame: Any, numbers: Numbers) -> dict[str, N]:
-    """Return ``k C_S`` of a side force, 1/m, and its direction as a unit vector."""
+    """Return ``k C_S`` of a side force, 1/m, and its vector d with unit length."""
     given = scene.air.side_coefficient
     strength = per_metre(scene, given.value, numbers)
     if strength is None:
@@ -794,7 +796,7 @@ def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:
 def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
     given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
-    # Of columns there is but the name.
+    # In columns of scenes, a coefficient is the name of its law.
     law: Any = type(given) if isinstance(given, Block) else laws[law_name(given)]
     if hasattr(law, "lines"):
         return _lines(of, given, scene, spins, numbers)
@@ -804,6 +806,7 @@ def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[An
         value = getattr(given, key, given)
         if key in law.nonlinear:
             others[_strength(of, key)] = numbers.exact(value)
+        # Keys of value zero are left out, and with them their terms.
         elif (strength := per_metre(scene, value, numbers)) is not None:
             linear[_strength(of, key)] = strength
     if not linear:
@@ -826,7 +829,7 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
     nodes: Sequence[N] = ()
     lines: Sequence[tuple[N, N]]
     if law is BySpin and not spins:
-        # The value at S = 0. The nodes do not matter; in columns, they are not those of a block.
+        # Without spin S = 0, and the first value holds everywhere: no nodes, no switch.
         lines = [(numbers.exact(given.values[0]), numbers.exact(0.0))]
     else:
         nodes, lines = given.lines(numbers.exact)

@@ -1,7 +1,7 @@
 """Numbers by their names: ``pitch.speed``, ``pitch.aim[0]``, ``landing.position[2]``.
 
-A name is the way to a number through the blocks of a scene or a result, or through the same as
-plain data. Columns, golden data, tables and messages all use this syntax.
+A name is the path to a number through the blocks of a scene or a result, or through the same plain
+data. Columns, golden data, tables and messages all use this syntax.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from pydantic import BaseModel
 from longball.model.block import Block
 from longball.model.result import Bounded, Certified, Result
 
-_MOST_PLACES = 100_000  # of a list that names describe: an odd name must not take all memory
+# Largest index of a list: a name such as x[999999999] must not fill the memory.
+_MOST_PLACES = 100_000
 
 B = TypeVar("B", bound=BaseModel)
 
@@ -29,46 +30,47 @@ _STEP = re.compile(r"(\w+)(\]?)", re.ASCII)
 def numbers(block: Any) -> Iterator[tuple[str, Any]]:
     """Yield the name and the value of every number in a block, in the order of its keys.
 
-    The block is a model, or plain data as JSON has it; texts and null are passed over.
+    The block is a model or plain data; texts and null are skipped.
     """
     return ((name, value) for name, value in flat(block) if _is_number(value))
 
 
 def numbers_of(result: Result) -> Iterator[tuple[str, Bounded]]:
-    """Yield every number of a result that is written with digits, with its name."""
+    """Yield the name and the value of every decimal number in a result."""
     return ((name, value) for name, value in numbers(result) if isinstance(value, Bounded))
 
 
 def vector_of(name: str) -> tuple[str, ...]:
-    """Return the names of the components of the vector that a number is of, or its own."""
+    """Return the names of all components of a number's vector, or the name of a scalar."""
     vector, bracket, _ = name.partition("[")
     return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (name,)
 
 
 def steps_of(name: str) -> list[str]:
-    """Return the keys and places on the way to a number: pitch, aim, 0."""
+    """Return the keys and indices of a name: pitch, aim, 0."""
     return [step for step, _ in _STEP.findall(name)]
 
 
+# A table looks up the same few names in every row.
 @lru_cache(maxsize=1024)
-def _way(name: str) -> tuple[tuple[str, str], ...]:
-    """Return the steps on the way to a number, with a bracket behind a place in a list."""
+def _path(name: str) -> tuple[tuple[str, str], ...]:
+    """Return the steps to a number: keys with "", indices of lists with "]"."""
     if not _NAME.fullmatch(name):
         raise ValueError(f"{name!r} is not the name of a number, such as pitch.aim[0]")
     return tuple(_STEP.findall(name))
 
 
 def doubles(block: Any) -> dict[str, float]:
-    """Return the numbers of a block as doubles, by their names."""
+    """Return the numbers of a block as doubles, by name."""
     return {name: float(getattr(x, "value", x)) for name, x in numbers(block)}
 
 
 def at(block: Any, name: str) -> Any:
     """Return the value under a name, number or not; None if it is absent.
 
-    A ValueError says that the way there leads through something that has no parts, or not so many.
+    A ValueError is raised if a step of the path does not exist.
     """
-    for key, bracket in _way(name):
+    for key, bracket in _path(name):
         match block:
             case None:
                 return None
@@ -85,7 +87,7 @@ def at(block: Any, name: str) -> Any:
 
 
 def number(block: Any, name: str) -> Any:
-    """Return a number of a block, as it is held; a ValueError names the nearest if it has none."""
+    """Return a number of a block; a ValueError for an unknown name gives similar ones."""
     try:
         value = at(block, name)
     except ValueError:
@@ -103,10 +105,10 @@ def unknown(name: str, names: Iterable[str]) -> ValueError:
 
 
 def replaced(block: B, values: Mapping[str, object]) -> B:
-    """Return a scene, a result or a block of one with other numbers, as if it had been written so.
+    """Return a scene, a result or a block with other numbers, validated again.
 
-    They are put in together. A ValueError says that the block has no number of a name, or that the
-    numbers make no valid block (`pydantic.ValidationError`).
+    All numbers change at once, because a scene between the changes may be invalid. A ValueError is
+    raised for an unknown name, or for an invalid block (`pydantic.ValidationError`).
     """
     for name in values:
         number(block, name)
@@ -114,15 +116,15 @@ def replaced(block: B, values: Mapping[str, object]) -> B:
 
 
 def rewritten(block: B, values: Mapping[str, object]) -> B:
-    """Return a block with other numbers, or whole vectors, under names that it has."""
+    """Return a block with other numbers or vectors under existing names."""
     data: Any = block.model_dump()
     for name, value in values.items():
-        data = _put(data, [*_way(name)], value)
+        data = _put(data, [*_path(name)], value)
     return type(block).model_validate(data)
 
 
 def flat(data: Any) -> list[tuple[str, Any]]:
-    """Return the name and the value of everything in data that has no parts, or is a number."""
+    """Return the name and the value of every leaf of data; a number with a radius is a leaf."""
     pairs: list[tuple[str, Any]] = []
 
     def walk(inner: Any, name: str) -> None:
@@ -137,14 +139,14 @@ def flat(data: Any) -> list[tuple[str, Any]]:
 
 
 def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
-    """Return plain data that hold values under their names.
+    """Return plain data with values under their names.
 
-    The rest of a vector of which some components are named is taken from the block `default`. A
-    ValueError says that something is no name, or that names contradict each other.
+    Components that are not named come from the block `default`. A ValueError is raised for an
+    invalid name, and for names that contradict each other.
     """
     data: dict[str, Any] = {}
     for name, value in values.items():
-        *steps, (last, _) = _way(name)
+        *steps, (last, _) = _path(name)
         block = data
         for step, _ in steps:
             block = block.setdefault(step, {})
@@ -155,7 +157,7 @@ def nested(values: Mapping[str, object], default: Any = None) -> dict[str, Any]:
 
 
 def _with_lists(data: Any, default: Any, name: str) -> Any:
-    """Return data with lists for mappings from places."""
+    """Return data in which mappings from indices are lists."""
     if not isinstance(data, dict):
         return data
     if not data or not all(key.isdigit() for key in data):
@@ -178,7 +180,7 @@ def _put(data: Any, steps: list[tuple[str, str]], value: object) -> Any:
         return value
     (key, bracket), *rest = steps
     if not bracket:
-        # A reading is dumped without its defaults.
+        # The key may be missing, because a reading is dumped without its defaults.
         return data | {key: _put(data.get(key), rest, value)}
     return tuple(_put(x, rest, value) if i == int(key) else x for i, x in enumerate(data))
 

@@ -1,10 +1,9 @@
-"""The ledger of readings: every place where the paper is silent, ambiguous or wrong.
+"""The ledger of readings: every passage in which the paper is silent, ambiguous or wrong.
 
-Each entry is a named switch, with its reason in ``ledger.toml``. It belongs to what it changes: to
-a scene's physics (`Reading`, a scene's ``reading`` block), to the sampling of at-bats
-(`SamplingReading`), to the paper's scheme (an option of the engine ``verlet``) or to the figure
-that P(e) is compared with. The default is the first option. Nothing in the code decides one of
-these silently.
+Each entry is a named switch, with its reason in ``ledger.toml``. It changes a scene's physics
+(`Reading`, a scene's ``reading`` block), the sampling of at-bats (`SamplingReading`), the paper's
+scheme (an option of the engine ``verlet``) or the figure that P(e) is compared with. The default is
+the first option. No code decides such a passage without a switch.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ ContactForce = Literal["whole", "carried", "late", "early"]
 
 Belongs = Literal["scene", "sampling", "scheme", "figure"]
 
-# The switches of the scheme, and the options of the engine verlet that they are.
+# Switches of the scheme, and the corresponding options of the engine verlet.
 SCHEME_OPTIONS = {
     "verlet_forces": "forces",
     "verlet_landing": "landing",
@@ -49,7 +48,7 @@ FIGURE_SWITCH = "fig7_parameters"
 
 class _Switches(Given):
     @model_serializer(mode="wrap")
-    def _only_what_differs(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _without_defaults(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         default = type(self).model_fields
         return {
             name: value for name, value in handler(self).items() if value != default[name].default
@@ -57,7 +56,7 @@ class _Switches(Given):
 
 
 class Reading(_Switches):
-    """One reading of the physics: an option for every switch that changes what a scene does."""
+    """A reading of the physics: an option for every switch that changes the result of a scene."""
 
     effective_mass: EffectiveMass = "inertia_over_r_squared"
     bat_ball_restitution: Literal["as_printed", "nathan", "plain"] = "as_printed"
@@ -78,15 +77,15 @@ class Reading(_Switches):
     def _no_contradiction(self) -> Self:
         if self.bat_ball_restitution == "plain" and self.reduced_mass == "effective_mass":
             raise ValueError(
-                "bat_ball_restitution = plain takes the bat's whole mass, "
-                "reduced_mass = effective_mass does not; the two together are what "
-                "bat_ball_restitution = nathan says"
+                "bat_ball_restitution = plain needs the bat's whole mass, which "
+                "reduced_mass = effective_mass replaces; for both together, set "
+                "bat_ball_restitution = nathan"
             )
         return self
 
 
 class SamplingReading(_Switches):
-    """One reading of how at-bats are drawn, and of which of them P(e) is a share."""
+    """A reading of the sampling: how at-bats are drawn, and which of them P(e) refers to."""
 
     speed_table: Literal["columns_swapped", "as_printed"] = "columns_swapped"
     speed_spread: Literal["standard_deviation", "as_printed"] = "standard_deviation"
@@ -96,7 +95,7 @@ class SamplingReading(_Switches):
 
 
 def readings_of(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]:
-    """Return the readings of scene and sampling that switches make, or raise a ValueError."""
+    """Return the readings of scene and sampling with given switches, or raise a ValueError."""
     sampling = {name: x for name, x in switches.items() if name in SamplingReading.model_fields}
     physics = {name: x for name, x in switches.items() if name not in sampling}
     return Reading.model_validate(physics), SamplingReading.model_validate(sampling)
@@ -106,14 +105,14 @@ def readings_of(switches: Mapping[str, object]) -> tuple[Reading, SamplingReadin
 class Entry:
     """A line of the ledger."""
 
-    switch: str  # its name
-    options: tuple[str, ...]  # what it can be set to; the default comes first
-    place: str  # where in the paper the question arises
-    why: str  # one sentence on what is silent, ambiguous or wrong
+    switch: str  # name
+    options: tuple[str, ...]  # the default is first
+    place: str  # passage of the paper
+    why: str  # one sentence on the gap, ambiguity or error
 
     @property
     def is_switch(self) -> bool:
-        """True if it is chosen by name; the masses are numbers of a scene."""
+        """True for a switch; the masses are in the ledger, but are numbers of a scene."""
         return self.belongs != "scene" or self.switch in Reading.model_fields
 
     @property

@@ -1,6 +1,6 @@
-"""The result of a scene, as it is written on one line of JSON.
+"""The result of a scene, one line of JSON.
 
-The keys are fixed: other implementations write them, and the judge reads them.
+The keys are fixed, because other implementations write them and the judge reads them.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ Outcome = Literal[
 ErrorCode = Literal["invalid", "undecided", "too_long", "out_of_range", "unsupported"]
 
 
+# Radii are decimal strings: a double could not hold one below 1e-308.
 _RADIUS = r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$"
 
 
@@ -44,7 +45,7 @@ class Bounded(Strict):
     radius: str | None = Field(
         default=None,
         pattern=_RADIUS,
-        description="proven bound on the error; null where none is proven",
+        description="proven bound on the error; null if none is proven",
     )
 
     def __float__(self) -> float:
@@ -68,8 +69,8 @@ class Certified(Strict):
 
 
 if TYPE_CHECKING:
-    # A float, but of engines with digits a Bounded, and with a certificate a Certified: the options
-    # decide that, which a type checker cannot follow.
+    # A float; a Bounded from engines with digits; a Certified with a certificate. Options decide,
+    # which a type checker cannot follow.
     Number = Any
 else:
     Number = Annotated[float, Field(description="a double")] | Bounded | Certified
@@ -126,18 +127,17 @@ class Impact(Strict):
     )
     spin: Triple | None = Field(default=None, description="rad/s, of the ball, after")
     mode: Literal["grip", "slide", "frictionless"] | None = Field(
-        default=None, description="what the ball does on the bat; absent without friction and spin"
+        default=None, description="motion of the ball on the bat; absent without friction and spin"
     )
     friction_margin: Number | None = Field(
         default=None,
-        description="1 - |P_t|/(μ_f P_n) of the impulse that would make the ball grip; negative: "
-        "it slides",
+        description="1 - |P_t|/(μ_f P_n) of the gripping impulse; negative if the ball slides",
     )
     recontact: Literal["certain", "possible"] | None = Field(
         default=None,
         description="certain: the ball leaves the contact more slowly along the normal than the "
-        "bat came, so that a bat that swings on would strike it again, which the model does not; "
-        "possible: the two speeds are the same to a millionth of the speeds; absent: it parts",
+        "bat came, so that a bat that continues its swing would strike it again (not modelled); "
+        "possible: the two speeds agree to a millionth; absent: no second contact",
     )
 
 
@@ -159,13 +159,13 @@ class Landing(Strict):
     angle: Number | None = Field(
         default=None, description="rad, of the velocity below the horizontal"
     )
-    spin: Triple | None = Field(default=None, description="rad/s, if the scene names a spin")
+    spin: Triple | None = Field(default=None, description="rad/s, if the scene has a spin")
     path: Number | None = Field(
         default=None, description="m, through the air since contact or launch, if spin decays"
     )
     fair: bool | None = Field(
         default=None,
-        description="whether |y| <= x where the ball leaves the field or lands; with a fence only",
+        description="true if |y| <= x where the ball leaves the field or lands; only with a fence",
     )
 
 
@@ -202,31 +202,30 @@ class Result(Strict):
         Field(
             default=None,
             description="[t, x, y, z, vx, vy, vz] at times from the start of the scene to its end, "
-            "s, m and m/s, if it is asked for; velocities may be left out",
+            "s, m and m/s, if requested; velocities may be omitted",
         )
     )
-    engine: str | None = Field(default=None, description="who computed it, and how")
-    error: str | None = Field(
-        default=None, description="what could not be solved, where, and how to mend it"
-    )
+    engine: str | None = Field(default=None, description="engine and version of the result")
+    error: str | None = Field(default=None, description="the fault, its location, and a remedy")
     code: ErrorCode | None = Field(
         default=None,
-        description="the sort of error. invalid: not a scene, or one that contradicts itself; "
-        "undecided: the errors of the numbers leave open what happens, and more digits may tell; "
-        "too_long: the flight takes too many steps, and a lower time_limit may help; "
-        "out_of_range: numbers or forces are beyond what the engine can represent or resolve; "
+        description="kind of error. invalid: the scene is invalid, or contradicts itself; "
+        "undecided: the errors of the numbers do not settle the outcome; more digits may help; "
+        "too_long: the flight takes too many steps; a lower time_limit may help; "
+        "out_of_range: numbers or forces exceed the range or resolution of the engine; "
         "unsupported: the model or the engine has no answer to such a scene",
     )
 
     certificate: str | None = Field(
         default=None,
-        description="with --certify: why outcome and numbers are not proven; absent if they are",
+        description="with --certify: reason why the numbers are not proven; absent if they are",
     )
 
     def data(self) -> dict[str, Any]:
-        """Return the result as plain data, without the quantities it does not have."""
+        """Return the result as plain data, without absent quantities."""
+        # `id` is the only key that may be null.
         return {"id": self.id} | self.model_dump(exclude_none=True)
 
     def line(self) -> str:
-        """Return the result as one line of JSON, without the quantities it does not have."""
+        """Return the result as one line of JSON, without absent quantities."""
         return json_line(self.data())

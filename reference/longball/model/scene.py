@@ -1,8 +1,8 @@
 """Scenes: everything that a result depends on.
 
 A scene is one JSON object in SI units and radians. Each kind of scene takes only the blocks it
-needs; an unknown key is an error that names it; a value that is left out is the paper's. A number
-of a scene means the double nearest to what is written, exactly.
+needs; an unknown key is an error that names it; omitted values default to the paper's. Numbers are
+read as the nearest double.
 """
 
 from __future__ import annotations
@@ -48,12 +48,15 @@ class InvalidScene(ValueError):
 
 
 def refused(error: InvalidScene) -> Result:
-    """Return the result of what is no scene."""
+    """Return the result for an invalid scene."""
     return Result(id=error.scene_id, error=str(error), code=error.code)
 
 
 class Ball(_Block):
-    """The baseball. NPB allows 141.7 to 148.8 g and 22.9 to 23.5 cm around."""
+    """The baseball."""
+
+    # The rules of NPB allow 141.7 to 148.8 g, and a circumference of 22.9 to 23.5 cm. The default
+    # mass is the middle of that range.
 
     mass: Positive = Field(default=0.145, description="kg; not printed in the paper")
     radius: Positive = Field(default=0.0366, description="m; paper, Sec. III.A")
@@ -64,16 +67,16 @@ class Ball(_Block):
         default=None,
         ge=SMALLEST,
         le=1.0,
-        description="I/(m R²), which friction needs; 0.4 if left out, as of a solid sphere",
+        description="I/(m R²), needed by friction; by default 0.4, that of a solid sphere",
     )
 
 
 def _gives(key: str, form: str) -> dict[str, Any]:
-    """Return the JSON Schema of a block that gives a key in a form: null is left out."""
+    """Return the JSON Schema of a block that has a key in a form; null does not count."""
     return {"required": [key], "properties": {key: {"type": form}}}
 
 
-Spin = Annotated[Point | None, Field(description="rad/s, ω; left out: none is computed")]
+Spin = Annotated[Point | None, Field(description="rad/s, ω; by default no spin")]
 
 
 class Launch(_Block):
@@ -85,7 +88,7 @@ class Launch(_Block):
 
     @property
     def place(self) -> Point:
-        """The place that it starts from, m."""
+        """Position of the launch, m."""
         return self.position
 
     @property
@@ -95,7 +98,7 @@ class Launch(_Block):
 
     @property
     def pace(self) -> float:
-        """The velocity as a multiple of `along`."""
+        """Velocity as a multiple of `along`."""
         return 1.0
 
 
@@ -120,13 +123,13 @@ class Pitch(_Block):
     spin: Spin = None
 
     def named(self) -> Iterator[str]:
-        """Yield the keys that it is written with: speed and aim, or the velocity."""
+        """Yield the keys of the written block: speed and aim, or the velocity."""
         instead = () if self.velocity is None else ("speed", "aim")
         yield from (key for key in super().named() if key not in instead)
 
     @property
     def place(self) -> Point:
-        """The place that it starts from, m."""
+        """Position of the release, m."""
         return self.release
 
     @property
@@ -137,18 +140,18 @@ class Pitch(_Block):
 
     @property
     def pace(self) -> float:
-        """The velocity as a multiple of `along`, in double precision."""
+        """Velocity as a multiple of `along`, in double precision."""
         return self.speed / math.hypot(*self.along) if self.velocity is None else 1.0
 
     @property
     def thrown(self) -> Point:
-        """The velocity at the release, m/s, in double precision."""
+        """Velocity at the release, m/s, in double precision."""
         x, y, z = self.along
         return x * self.pace, y * self.pace, z * self.pace
 
     @model_validator(mode="after")
     def _thrown_one_way(self) -> Self:
-        # Also where they are written with their defaults: nobody knows which is meant.
+        # Even if speed and aim are written with their defaults: the scene would be ambiguous.
         both = sorted(self.model_fields_set & {"speed", "aim"})
         if self.velocity is not None and both:
             _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
@@ -169,17 +172,17 @@ class Bat(_Block):
     radius: Positive = Field(default=0.033, description="m")
     support: Literal["pivot", "free"] | None = Field(
         default=None,
-        description="what holds the bat in the impact: it turns about its end B (pivot, also if "
-        "left out), or nothing does (free)",
+        description="support of the bat in the impact: it turns about its end B (pivot, the "
+        "default), or moves freely (free)",
     )
     friction: Positive | None = Field(
-        default=None, description="μ_f, between ball and bat; none if left out"
+        default=None, description="μ_f, between ball and bat; by default no friction"
     )
     tangential_restitution: float | None = Field(
         default=None,
         ge=-1.0,
         le=1.0,
-        description="e_T of a ball that grips the bat; needs friction; 0.3 if left out",
+        description="e_T of a ball that grips the bat; needs friction; by default 0.3",
     )
 
     @model_validator(mode="after")
@@ -200,14 +203,15 @@ class Rotation(_Block):
 
 
 class Swing(Rotation):
-    """The swing of an at-bat: a rotation, at a height chosen from where the pitch would cross."""
+    """The swing of an at-bat: a rotation, at a height relative to the pitch at the plate."""
 
     height_offset: Quantity = Field(
         default=0.0, description="m, σ_b: height of the bat's axis above the pitch at x = 0"
     )
 
 
-# m: a position written with ten digits at the height of a bat is off by less than this.
+# Tolerance of the distance from the bat's axis, m. Positions at the height of a bat, written with
+# ten digits, have smaller errors.
 TOUCHING = 1e-9
 
 
@@ -227,7 +231,7 @@ class Ground(_Block):
 
 
 class Earth(_Block):
-    """Where the park is on the rotating Earth."""
+    """Position of the park on the rotating Earth."""
 
     latitude: float = Field(
         ge=-math.pi / 2, le=math.pi / 2, description="rad, positive in the north"
@@ -265,20 +269,20 @@ class Fence(_Block):
 
 
 def _require_polyline(vertices: list[tuple[float, float]]) -> None:
-    """Require a line from left to right that does not meet itself."""
-    # Where the height steps, a vertex is given twice.
+    """Require a line from left to right that does not cross itself."""
+    # A step in height is a repeated vertex.
     corners = [v for i, v in enumerate(vertices) if i == 0 or v != vertices[i - 1]]
     if len(corners) < 2:
         _refuse("polyline needs at least two vertices [x, y, height] at different places")
     chords = list(pairwise(corners))
     for i, (a, b) in enumerate(chords):
-        # Neighbours share a vertex, and meet elsewhere only if one goes back on the other.
+        # Neighbours share a vertex; they overlap only if the second folds back on the first.
         for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
             back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
-            folds = _turn(a, b, d) == 0 and back > 0  # the way on to d goes back from b to a
+            folds = _turn(a, b, d) == 0 and back > 0
             if folds if j == i + 1 else _meet(a, b, c, d):
                 _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
-    # The angle swept around the plate: negative from the left pole to the right one.
+    # Sum of the angles of the chords as seen from the plate: negative from left to right.
     if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
         _refuse(
             "polyline goes the wrong way round the plate: it runs from the left pole (y > 0) to "
@@ -287,7 +291,7 @@ def _require_polyline(vertices: list[tuple[float, float]]) -> None:
 
 
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    """Return (b - a) × (c - a): positive if c is to the left of the way from a to b."""
+    """Return (b - a) × (c - a): positive if c is to the left of the line from a to b."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -295,13 +299,13 @@ def _meet(
     a: tuple[float, float], b: tuple[float, float], c: tuple[float, float], d: tuple[float, float]
 ) -> bool:
     """True if two chords have a point in common."""
-    # The boxes around the chords are apart; also decides for chords on one line, whose turns are
+    # Disjoint bounding boxes. This also decides for chords on one line, whose cross products are
     # all 0.
     if max(min(a[0], b[0]), min(c[0], d[0])) > min(max(a[0], b[0]), max(c[0], d[0])):
         return False
     if max(min(a[1], b[1]), min(c[1], d[1])) > min(max(a[1], b[1]), max(c[1], d[1])):
         return False
-    # Each chord's ends are on different sides of the other, or on it.
+    # Otherwise each chord must have its ends on different sides of the other, or on it.
     return _turn(a, b, c) * _turn(a, b, d) <= 0 and _turn(c, d, a) * _turn(c, d, b) <= 0
 
 
@@ -345,24 +349,25 @@ class _Scene(_Block):
         from longball.model.changes import Changes  # which knows scenes
         from longball.model.plain import plain
 
-        # Defaults stay unwritten, so that a change may take a block's other form, such as velocity
-        # in place of speed and aim.
+        # Without the defaults, a change can use a block's other form, such as velocity in place of
+        # speed and aim.
         written = self.model_dump(mode="json", exclude_defaults=True)
         written["kind"] = type(self).model_fields["kind"].default
         changed = Changes(tuple((name, plain(value, name)) for name, value in values.items()))
         return type(self)(**changed(written))
 
     def line(self) -> str:
-        """Return the scene as one line of JSON with every default but the reading's written out."""
+        """Return the scene as one line of JSON, with all defaults except those of readings."""
         return _line_of(self.model_dump(mode="json"))
 
     def as_written(self) -> str:
-        """Return the scene as one line of JSON, with the keys that were written and no others."""
+        """Return the scene as one line of JSON, with the keys that were given."""
         kind = {"kind": type(self).model_fields["kind"].default}
         return _line_of(kind | self.model_dump(mode="json", exclude_unset=True))
 
 
 def _line_of(blocks: dict[str, Any]) -> str:
+    # A reader looks for id and kind first.
     head = {key: value for key in ("id", "kind") if (value := blocks.pop(key, None))}
     return json_line(head | blocks)
 
@@ -371,13 +376,13 @@ class _FlyingScene(_Scene):
     air: Air | None = Field(default=Air(), description="null: no air at all")
     gravity: NotNegative = Field(default=9.8, description="m/s², downwards; paper, Sec. III.B")
     time_limit: Positive = Field(
-        default=60.0, description="s of flight, after which the ball is reported airborne"
+        default=60.0, description="s, longest flight; the outcome is then airborne"
     )
-    earth: Earth | None = Field(default=None, description="left out: it does not rotate")
+    earth: Earth | None = Field(default=None, description="by default it does not rotate")
 
     @property
     def _start(self) -> tuple[str, Launch | Pitch]:
-        """The block that sets the ball free, with its name."""
+        """The block with the initial state of the ball, and its name."""
         block = "launch" if isinstance(self, FlightScene) else "pitch"
         return block, getattr(self, block)
 
@@ -390,7 +395,7 @@ class _FlyingScene(_Scene):
         if spin is None and (key := self.air.needs_spin):
             _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
         table = getattr(self.air.lift_coefficient, "of", None)
-        # The reading is about the paper's lift: up, whatever the axis.
+        # This reading changes the direction of the paper's lift, which has no spin axis.
         beyond = (spin, self.air.wind, table, self.air.side_coefficient)
         if self.reading.lift_direction == "always_up" and any(x is not None for x in beyond):
             _refuse(
@@ -404,7 +409,7 @@ class _FlyingScene(_Scene):
         wind = None if self.air is None else self.air.wind
         if isinstance(wind, WindProfile):
             floor = landing_height(self)
-            # ln((z + z_0)/z_0) has no value there.
+            # ln((z + z_0)/z_0) is not defined at z <= -z_0.
             if floor <= -wind.roughness:
                 _refuse(
                     f"the ball lands at {floor}, which must be above -air.wind.roughness = "
@@ -421,7 +426,7 @@ class _FlyingScene(_Scene):
             under = f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}"
             if not isinstance(self, FlightScene):
                 _refuse(under)
-            # Sinking, it would never come to the ground.
+            # A sinking ball would never rise through the landing height, and so never land.
             if not self.launch.velocity[2] > 0.0:
                 _refuse(f"{under}, and launch.velocity[2] must be positive for it to rise there")
             if self.fence is not None:
@@ -445,10 +450,11 @@ class _FlyingScene(_Scene):
     def _lift_has_a_direction(self) -> Self:
         block, start = self._start
         spin, air, reading = start.spin, self.air, self.reading
-        # Laws that fall to zero with S have no jump where the spin is parallel to the velocity.
+        # A law that vanishes with S has no jump where the spin is parallel to the velocity.
         if spin is None or not any(spin) or air is None or not air.lift_is_constant:
             return self
-        if reading.spin_parameter == "total":  # the force is smooth where ω × u vanishes
+        # With the total spin the force is k R (C_L/S) ω × u, which is smooth where ω × u vanishes.
+        if reading.spin_parameter == "total":
             return self
         if not any(_across(spin, start, air, reading)):
             _refuse(
@@ -460,11 +466,11 @@ class _FlyingScene(_Scene):
 
 
 def _across(direction: Point, start: Launch | Pitch, air: Air, reading: Reading) -> Point:
-    """Return the product of a vector and the velocity that lift depends on, at the start."""
+    """Return the cross product of a direction and the velocity behind lift, at the start."""
     wind = (0.0, 0.0, 0.0)
     if reading.wind_acts_on == "both":
         wind = air.wind_at(start.place[2], start.along[2])
-    # With the product by the way first: as long as that is, where it is 0 it stays 0.
+    # The pace multiplies the product, not the velocity: a product of exactly 0 stays 0.
     across = scaled(start.pace, cross(direction, start.along))
     return plus(across, scaled(-1.0, cross(direction, wind)))
 
@@ -486,7 +492,7 @@ class FlightScene(_FlyingScene):
 
     @model_validator(mode="after")
     def _inside_the_fence(self) -> Self:
-        # A polyline may be open behind the plate: nothing says what is inside of it.
+        # Only for circles: a polyline may be open behind the plate, and then has no inside.
         x, y, _ = self.launch.position
         _require_inside(self.fence, "launch.position", math.hypot(x, y))
         return self
@@ -500,12 +506,12 @@ class PitchScene(_FlyingScene):
 
     @property
     def ground(self) -> Ground:
-        """The paper's field: a pitch scene does not name another."""
+        """Ground of the paper's field; pitch scenes have no other."""
         return Ground()
 
 
 class ImpactScene(_Scene):
-    """Ball and bat at the moment of touching."""
+    """Ball and bat at their contact."""
 
     kind: Literal["impact"] = "impact"
     bat: Bat = Bat()
@@ -540,7 +546,7 @@ class AtBatScene(_FlyingScene):
     @model_validator(mode="after")
     def _has_support_inside_the_fence(self) -> Self:
         _require_support(self)
-        # The ball at a contact: R + r_b from the axis, at most half a bat from its middle.
+        # Farthest contact from the plate: R + r_b from the axis, and half a bat from its middle.
         farthest = math.hypot(self.ball.radius + self.bat.radius, self.bat.length / 2)
         _require_inside(self.fence, "the bat's reach", farthest)
         return self
@@ -564,12 +570,13 @@ KINDS: dict[str, type[Scene]] = {x.model_fields["kind"].default: x for x in get_
 
 
 def may_be_mixed(scene: Scene) -> bool:
-    """Check that scenes are valid whose numbers lie between those of valid ones, like this one.
+    """True if scenes between two valid ones of this form are valid, too.
 
-    A condition on a scene mostly holds in a convex set of its numbers. Not so where the ball must
-    touch a bat, where a spin or a side force must not be parallel to the velocity, and where a
-    fence must not cross itself.
+    Most conditions on a scene describe a convex set of its numbers. The exceptions are: the ball
+    must touch the bat, a spin or a side force must not be parallel to the velocity, and a fence
+    must not cross itself.
     """
+    # Columns of such scenes are validated by their smallest and largest values alone.
     if isinstance(scene, ImpactScene):
         return False
     _, start = scene._start
@@ -581,19 +588,19 @@ def may_be_mixed(scene: Scene) -> bool:
 
 
 def ids_of(scenes: Sequence[Scene]) -> list[str]:
-    """Return the ids that results of scenes bear: the scene's, or else the number of the line."""
+    """Return the ids of the results of scenes: the scene's, or the number of the line."""
     return [scene.id or str(number) for number, scene in enumerate(scenes, 1)]
 
 
 def written_out(scene: Scene) -> Scene:
-    """Return a scene as if all defaults but those of its reading had been written."""
+    """Return a scene with all defaults given, except those of its reading."""
     return parse_scene(scene.line())
 
 
 def parse_scene(
     line: str | bytes, change: Callable[[dict[str, Any]], dict[str, Any]] | None = None
 ) -> Scene:
-    """Return the scene written on a line of JSON, with a change to its data if there is one.
+    """Return the scene of a line of JSON, after an optional change of its data.
 
     `InvalidScene` names the key at fault.
     """
@@ -607,13 +614,13 @@ def parse_scene(
 
 
 def scene_of(data: dict[str, Any]) -> Scene:
-    """Return the scene of a block as JSON has it; see `parse_scene`."""
+    """Return the scene of plain data; see `parse_scene`."""
     return _validated(data, _text(json.dumps(data)))
 
 
 def _validated(data: dict[str, Any], text: str) -> Scene:
     scene_id = _text_of_whole(data.get("id"))
-    # Known before the scene is valid, so that the error bears it.
+    # Read before validation, so that an error has the id.
     scene_id = scene_id if _is_text(scene_id) else None
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
@@ -622,14 +629,15 @@ def _validated(data: dict[str, Any], text: str) -> Scene:
         given = f"{short(kind)} is not a kind of scene" if "kind" in data else given
         raise InvalidScene(f"kind: {given}{one_of('the kinds are', kind, KINDS)}", scene_id)
     try:
-        # Pydantic reads JSON itself, strictly, which forbids "1" for 1 and 1 for true.
+        # Pydantic's own strict JSON mode: it rejects "1" for 1, and 1 for true, but takes lists as
+        # tuples.
         return KINDS[kind].model_validate_json(text)
     except ValidationError as error:
         raise InvalidScene(explain(error, KINDS[kind]), scene_id) from None
 
 
 def _text(line: str | bytes) -> str:
-    # Before anything is parsed: a line without an end would fill the memory.
+    # Checked before parsing: an endless line would fill the memory.
     if len(line) > LONGEST_LINE:
         raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
@@ -652,7 +660,7 @@ def _json(text: str) -> Any:
         raise InvalidScene("not a scene: its brackets are nested too deeply") from None
 
 
-# Python's words for what often stands in files of scenes, and ours.
+# Frequent messages of Python's parser, and ours.
 _JSON_FAULTS = {
     "Extra data": "text after its end, from character {at} on; write one scene per line",
     "Expecting value": 'at character {at} a value is needed, such as {"kind": "at-bat"} or 9.8',
@@ -675,14 +683,15 @@ def _is_text(value: Any) -> bool:
 def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     block = dict(pairs)
     if len(block) < len(pairs):
-        # Python takes the last of two; a reader of the file would see the first.
+        # Python would silently take the last of the two values.
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
         raise InvalidScene(f"{twice}: the key is given twice in one block")
     return block
 
 
-# Python refuses to convert whole numbers of thousands of digits, as a protection.
+# Python raises an error for whole numbers of thousands of digits; a float is out of range, and gets
+# a message with its key.
 _DECODER = json.JSONDecoder(
     object_pairs_hook=_each_key_once,
     parse_int=lambda digits: int(digits) if len(digits) <= _MOST_DIGITS else float(digits),
@@ -690,7 +699,7 @@ _DECODER = json.JSONDecoder(
 
 
 def vector_length(name: str) -> int | None:
-    """Return the length of the vector under a name, 2 or 3; None if it is no vector."""
+    """Return the length of the vector with a name, 2 or 3; None for other values."""
     fields = [field for kind in KINDS.values() for field in parts_of(kind, name.split("."))]
     parts = [get_args(x) for field in fields for x in within(field.annotation)]
     return next((len(part) for part in parts if is_vector(part)), None)

@@ -1,14 +1,14 @@
-"""A table of pitches, read: what every row says, in the paper's terms.
+"""Pitches of a table in the paper's terms.
 
-The paper knows four things of a pitch (Sec. II): its speed, whether it is straight or breaking,
-and in which cell of a 5 × 5 grid it crosses the plate. A table says the same in units and from a
-point of view of its own, which are declared here and never guessed.
+The paper describes a pitch (Sec. II) by its speed, its class (straight or breaking), and its cell
+of a 5 × 5 grid at the plate. Tables have other units and frames, which are declared here and never
+guessed.
 
-The grid. The middle 3 × 3 cells are the strike zone. Across, a cell is a third of home plate, the
-ledger's ``cell_width`` (0.144 m), the cells are numbered from left to right as the pitcher sees
-them, and the middle of the plate is the middle of cell 3. In height, the three cells between the
-batter's own ``bottom`` and ``top`` are equal, and cell 1 is the lowest. Cells 1 and 5 are the ring:
-open to the outside, so that every pitch is in some cell, as in a chart that shows every pitch.
+The middle 3 × 3 cells of the grid are the strike zone. Across, a cell is a third of home plate, the
+ledger's ``cell_width`` (0.144 m); cells are numbered from left to right as the pitcher sees them,
+and the middle of the plate is the middle of cell 3. In height, the three cells between the batter's
+``bottom`` and ``top`` are equal, and cell 1 is the lowest. Cells 1 and 5 are open to the outside,
+so that every pitch is in a cell.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from longball.pitches.table import (
 if TYPE_CHECKING:
     import pandas as pd
 
-# m/s: no pitch was ever measured faster than 47.4 (105.8 mph); far above it a unit is wrong.
+# m/s. The fastest measured pitch had 47.4 (105.8 mph); far above it, the unit is wrong.
 IMPOSSIBLE_SPEED = 60.0
 
 
@@ -74,8 +74,8 @@ class Columns(Strict):
 class PitchTypes(Strict):
     """Types of pitches that are straight, and that break. The defaults are Statcast's codes.
 
-    The paper counts curves and two-seam fastballs among the breaking balls, so that straight is
-    the four-seam fastball alone, and with it the fastball that Statcast does not specify (FA).
+    The paper counts curves and two-seam fastballs among the breaking balls. Only the four-seam
+    fastball is straight, and the fastball that Statcast does not specify (FA).
     """
 
     straight: tuple[str, ...] = ("FF", "FA")
@@ -104,25 +104,24 @@ class PitchTypes(Strict):
 
 @dataclass(frozen=True)
 class Pitches:
-    """The pitches of a table that say everything the analysis asks."""
+    """The complete pitches of a table; arrays have the shape (n,)."""
 
-    source: str  # where they come from
-    rows_read: int  # how many rows the table has
-    # Which of them are not here. A row is listed under the first thing it lacks.
+    source: str  # name of the table
+    rows_read: int  # number of rows of the table
+    # Omitted rows, each under its first fault.
     left_out: tuple[Omission, ...]
-    types: tuple[str, ...]  # type of each pitch, shape (n,)
-    straight: Flags  # whether it is a straight ball, shape (n,)
-    speed: Array  # m/s, shape (n,)
-    # Where it crosses the plate, in cells: 3 is the middle, to the right of the pitcher is more.
-    # Shape (n,).
+    types: tuple[str, ...]
+    straight: Flags  # True for a straight ball
+    speed: Array  # m/s
+    # Position at the plate, in cells: 3 is the middle, larger values are to the pitcher's right.
     across: Array
-    # In cells: 1.5 is the bottom of the strike zone, 4.5 its top. Shape (n,), or None.
+    # Height at the plate, in cells: 1.5 is the bottom of the strike zone, 4.5 its top; or None.
     height: Array | None
-    columns: Columns  # how the table was read
+    columns: Columns  # as the table was read
 
 
 def cell(place: Array) -> Integers:
-    """Return the cell from 1 to 5 of a place measured in cells; the outer cells are open."""
+    """Return the cell, 1 to 5, of a position in cells; the outer cells are open."""
     return np.clip(np.floor(place + 0.5), 1, 5).astype(np.int64)
 
 
@@ -133,8 +132,8 @@ def read_pitches(
 ) -> Pitches:
     """Read the pitches of a table: a CSV file by its path, an open one, or a pandas DataFrame.
 
-    Columns and types of pitch are by default Statcast's. Rows that lack something are listed with
-    what they lack. A `TableError` says why a table cannot be used.
+    The default columns and types are Statcast's. Incomplete rows are listed with the reason. A
+    `TableError` says why a table cannot be used.
     """
     columns, types = columns or Columns(), types or PitchTypes()
     in_cells = columns.place_unit == "cell"
@@ -147,7 +146,7 @@ def read_pitches(
     kind = texts(frame[columns.pitch_type])
     values, odd = read_columns(frame, read)
 
-    # In the paper's terms. Pitcher and catcher face each other: one's right is the other's left.
+    # Into the paper's terms. Pitcher and catcher face each other, which exchanges left and right.
     speed = values[columns.speed] * SPEED_UNITS[columns.speed_unit]
     side = 1.0 if columns.view == "pitcher" else -1.0
     placed = {name: values[column] for name, column in places.items()}
@@ -163,11 +162,12 @@ def read_pitches(
         across = 3.0 + side * across * LENGTH_UNITS[columns.place_unit] / columns.cell_width
     if height is not None and not in_cells:
         top, bottom = placed["sz_top"], placed["sz_bot"]
-        with np.errstate(divide="ignore", invalid="ignore"):  # of rows that are left out
+        # The strike zone fills cells 2 to 4, from 1.5 to 4.5. Rows without one are omitted below.
+        with np.errstate(divide="ignore", invalid="ignore"):
             height = 1.5 + 3.0 * (height - bottom) / (top - bottom)
         lacks_place = [(f"{columns.top} is not above {columns.bottom}", top <= bottom)]
 
-    # what rows lack, and what columns look like without those
+    # omit faulty rows, then test whether the units of the others are plausible
     too_fast = f"{columns.speed} is faster in {columns.speed_unit} than any pitch: the right unit?"
     lacks = [
         (f"{columns.pitch_type} is missing", kind.isna().to_numpy(dtype=bool)),

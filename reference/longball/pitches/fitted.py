@@ -1,9 +1,9 @@
-"""The result of a fit of pitches: distributions, their uncertainty, and how well they fit.
+"""Result of a fit of pitches: distributions, their errors, and tests of the fit.
 
-Everything is in SI units; places across the plate are in cells, numbered from left to right as the
-pitcher sees them and continuous: a cell of the chart reaches half a unit to either side of its
-number. A spread is always a standard deviation. Eq. 2 lacks the 2 of its exponent, so that the σ it
-speaks of as printed is √2 times that; where a σ in the paper's sense is meant, it is called σ.
+All numbers are in SI units, except positions across the plate: these are in cells, numbered from
+left to right as the pitcher sees them, and continuous (a cell of the chart extends half a unit to
+either side of its number). A spread is always a standard deviation. The exponent of Eq. 2 lacks a
+factor of 2, so that its σ is √2 times the standard deviation; σ always means the paper's.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from longball.pitches.table import Omission, TableError
 
 Status = Literal["fitted", "at_bound"]
 T = TypeVar("T")
-Five = tuple[T, T, T, T, T]  # a value for each cell
+# A value for each cell of the chart.
+Five = tuple[T, T, T, T, T]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -59,7 +60,7 @@ Weight = Annotated[Estimate, AfterValidator(_share)]
 
 
 class SpeedFit(Strict):
-    """Eqs. 2 and 3, fitted: Fig. 2 and Table II."""
+    """Fit of Eqs. 2 and 3, for Fig. 2 and Table II."""
 
     straight_mean: Positive = Field(description="m/s, μ₁")
     straight_spread: Positive = Field(description="m/s, standard deviation")
@@ -77,7 +78,7 @@ class SpeedFit(Strict):
 
 
 class AimFit(Strict):
-    """Eq. 4, fitted: Fig. 3."""
+    """Fit of Eq. 4, for Fig. 3."""
 
     left_mean: Estimate = Field(description="cells")
     right_mean: Estimate = Field(description="cells")
@@ -96,7 +97,7 @@ class AimFit(Strict):
 
 
 class Heights(Strict):
-    """Fig. 4."""
+    """Heights at the plate, for Fig. 4."""
 
     cells: Five[int] = Field(description="pitches in cells 1 to 5")
     shares: Five[Estimate]
@@ -107,7 +108,10 @@ class Heights(Strict):
 
 
 class FittedPitches(Strict):
-    """The paper's Sec. II on a table of pitches: `longball homerun --pitches` reads it."""
+    """The analysis of the paper's Sec. II for a table of pitches.
+
+    `longball homerun --pitches` reads it.
+    """
 
     source: str
     columns: Columns
@@ -137,7 +141,7 @@ class FittedPitches(Strict):
 
 
 def load_fitted(path: str | PathLike[str]) -> FittedPitches:
-    """Read what `longball fit --json` wrote; a `TableError` names the key at fault."""
+    """Read a result of `longball fit --json`; a `TableError` names the key at fault."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
@@ -148,16 +152,17 @@ def load_fitted(path: str | PathLike[str]) -> FittedPitches:
         return FittedPitches.model_validate_json(text)
     except ValidationError as error:
         faults = explain(error, FittedPitches)
-        if error.error_count() > 3:  # something else, which lacks all keys: the first says enough
+        # Another kind of file lacks all keys; the first one is enough.
+        if error.error_count() > 3:
             faults = faults.partition(";")[0]
         raise TableError(f"{path}: not the result of longball fit --json: {faults}") from None
 
 
-# --- for people -----------------------------------------------------------------------------------
+# --- text -----------------------------------------------------------------------------------------
 
 
 def as_text(fitted: FittedPitches) -> str:
-    """Return the fit as a table for people, in the paper's units."""
+    """Return the fit as text, in the paper's units."""
     return "\n".join(_lines(fitted)) + "\n"
 
 
@@ -193,8 +198,8 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         test = f"χ² = {height.chi_squared_of_lower_four:.1f} (3 degrees of freedom)"
         yield f"{'cells 1 to 4 equal':28}{test}, p = {height.p_value_of_lower_four:.2g}"
     yield ""
-    yield "By maximum likelihood; ± is one standard error, ? where there is none to give. At bound:"
-    yield "the range of the search ends there, and the likelihood has no maximum."
+    yield "By maximum likelihood; ± is one standard error, ? means that it is unknown. At bound: an"
+    yield "end of the range of the search; the likelihood has no maximum within it."
     yield (
         f"A cell across is {fitted.columns.cell_width:g} m wide, numbered from the pitcher's left."
     )

@@ -1,8 +1,8 @@
-"""The paper's Sec. II: normal curves for the speeds, a mixture across the plate, shares in height.
+"""The analysis of the paper's Sec. II: speeds, positions across the plate, and heights.
 
-The distributions are those under which the pitches are most probable (maximum likelihood). Their
-errors come from a bootstrap: as many pitches are drawn from the table, each again and again, and
-fitted again. What the paper printed instead, curves laid through histograms, is in
+Speeds are normal distributions, positions across the plate a mixture of two, heights are shares.
+The fit is by maximum likelihood. Errors come from a bootstrap: pitches are drawn from the table
+with replacement, and fitted again. The paper's own method, curves through histograms, is in
 analysis/paper/histograms.py.
 """
 
@@ -24,17 +24,17 @@ from longball.pitches.table import SPEED_UNITS, TableError
 if TYPE_CHECKING:
     import pandas as pd
 
-# Relative error of a standard error from so many replicates: 1/√(2 · 200) = 5 %.
+# Replicates of the bootstrap; n give a relative error of the standard errors of 1/√(2 n), here 5 %.
 REPLICATES = 200
 
-# Fewer of a class than this have a standard deviation that a bootstrap underrates.
+# Fewest pitches in a class. A bootstrap of fewer underestimates the standard deviation.
 FEWEST_PITCHES = 20
 
-# The grid of Fig. 1 across the plate: boundaries of the five cells, the outer ones open.
+# Boundaries of the five cells across the plate (Fig. 1), the outer ones open.
 CELL_EDGES = np.array([-np.inf, 1.5, 2.5, 3.5, 4.5, np.inf])
 
-# Where a table gives places and not cells, they are counted in tenths of a cell, 14 mm: a fit does
-# not see so fine a step, and its cost does not grow with the table.
+# Positions are counted in tenths of a cell (14 mm) if the table gives more than cells. This step is
+# too fine to affect a fit, and the cost of the fit does not grow with the table.
 FINE_EDGES = np.concatenate([[-np.inf], np.linspace(-3.0, 9.0, 121), [np.inf]])
 
 
@@ -53,7 +53,7 @@ def fit_pitches(
     table, columns, types
         As `longball.pitches.read_pitches` takes them.
     replicates, seed
-        Of the bootstrap behind the errors.
+        Number and seed of the replicates of the bootstrap.
 
     Raises
     ------
@@ -73,7 +73,8 @@ def fit_pitches(
 
     def speeds_of(chosen: Integers | slice) -> list[float]:
         speed, straight = pitches.speed[chosen], pitches.straight[chosen]
-        # Mean and variance are the likeliest of a normal curve; rounding has widened it (Sheppard).
+        # Maximum likelihood of a normal distribution: its mean and variance, minus the variance
+        # that rounding of the speeds adds (Sheppard's correction).
         moments: list[float] = []
         for each in (speed[straight], speed[~straight]):
             moments += [each.mean(), np.sqrt(max(each.var() - rounding, 0.0))]
@@ -85,8 +86,8 @@ def fit_pitches(
 
     speeds, aim = speeds_of(slice(None)), aim_of(slice(None), STARTS)
 
-    # the same of pitches that are drawn from these; the search begins at the fit, and so needs one
-    # start where the fit itself needs three
+    # Bootstrap: the same for pitches drawn with replacement. The search starts from the fit, so
+    # that one start is enough; the fit itself needs three.
     random = np.random.default_rng(seed)
     replicated = []
     for _ in range(replicates):
@@ -127,7 +128,7 @@ def fit_pitches(
 def estimated(
     values: Sequence[float], errors: Sequence[float], inside: Sequence[bool]
 ) -> list[Estimate]:
-    """Return fitted numbers with their errors; those at the end of their range have none."""
+    """Return fitted numbers with their errors; a number at the end of its range has none."""
     return [
         Estimate(
             value=value,
@@ -149,12 +150,12 @@ def _enough(pitches: Pitches) -> None:
         if np.ptp(speeds) == 0.0 or speeds.var() <= variance_of_rounding(pitches.columns):
             raise TableError(
                 f"{pitches.columns.speed}: the {len(speeds)} {name} balls differ no more than by "
-                "the step in which their speeds are written, which no normal curve describes"
+                "rounding; a normal distribution cannot be fitted to them"
             )
 
 
 def variance_of_rounding(columns: Columns) -> float:
-    """Return the variance that rounded speeds gain, m²/s² (Sheppard)."""
+    """Return the variance that rounding adds to speeds, m²/s² (Sheppard: step²/12)."""
     return (columns.speed_resolution * SPEED_UNITS[columns.speed_unit]) ** 2 / 12.0
 
 
@@ -196,15 +197,18 @@ class Aim(NamedTuple):
 
     def peaks(self) -> int:
         """Count the maxima of the density, which lie between the means."""
+        # The grid is finer than a thousandth of the distance of two peaks that can be
+        # distinguished.
         y = np.linspace(self.left - self.spread, self.right + self.spread, 2001)
         rises = np.diff(self.density(y)) > 0.0
         return int(np.sum(rises[:-1] & ~rises[1:]))
 
 
-# Where the search for Eq. 4 may go. The means lie in the grid: what is aimed at is on the chart.
-# The spread, in cells: narrower or wider, five cells see no difference.
+# Range of the search for Eq. 4, in cells. The means are within the grid, because pitchers aim at
+# points of the chart. Outside these spreads, the shares of five cells do not change.
 RANGE = Aim(0.0, 0.5, 0.5, 0.05), Aim(1.0, 5.5, 5.5, 5.0)
-# Where it begins: two peaks at the edges of the strike zone; two broad ones; one beside the other.
+# Starts of the search: two peaks at the edges of the strike zone, two broad ones, and two on the
+# same side. The likelihood can have several maxima; the best of the three searches wins.
 STARTS = (Aim(0.5, 2.0, 4.0, 0.8), Aim(0.5, 1.5, 4.5, 1.3), Aim(0.8, 3.0, 4.5, 1.2))
 
 EVERYTHING = (True, True, True, True)
@@ -215,16 +219,17 @@ def likeliest_aim(
 ) -> tuple[Aim, float]:
     """Fit Eq. 4 to counts in cells with these boundaries.
 
-    Also return its deviance per pitch, halved: -ln L/n, up to a constant of the counts.
+    Also return half the deviance per pitch, which is -ln L/n up to a constant of the counts.
     """
     shares = counts / counts.sum()
 
     def deviance_residuals(*aim: float) -> Array:
-        # Far from every pitch a share underflows; there its logarithm only has to be very low.
+        # Far from every pitch the share underflows. Its logarithm must stay finite, and very low.
         expected = np.maximum(Aim(*aim).shares(edges), 1e-300)
         log_ratio = np.log(np.where(counts > 0, shares, 1.0) / expected) * (counts > 0)
         deviance = 2.0 * (shares * log_ratio - shares + expected)
-        # Rounding can leave less than zero where a cell is met exactly.
+        # Signed roots of the deviance, so that least squares maximise the likelihood. Rounding can
+        # make a deviance of zero slightly negative.
         residuals: Array = np.sign(shares - expected) * np.sqrt(np.maximum(deviance, 0.0))
         return residuals
 
@@ -234,9 +239,9 @@ def likeliest_aim(
 def nearest_aim(
     residuals: Callable[..., Array], starts: Sequence[Aim], free: Sequence[bool] = EVERYTHING
 ) -> tuple[Aim, float]:
-    """Return the parameters of Eq. 4 with the least sum of squares, and half that sum.
+    """Return the parameters of Eq. 4 with the smallest sum of squares, and half that sum.
 
-    Only the `free` ones move from where they start, within `RANGE`.
+    Only the `free` parameters change, within `RANGE`.
     """
     from scipy.optimize import least_squares
 
@@ -252,10 +257,10 @@ def nearest_aim(
 
         fit = least_squares(
             residuals_of_part,
-            # It wants to start inside; a thousandth is far from any end that it may seek.
+            # SciPy requires a start strictly inside the bounds.
             np.clip(theta[moving], low + 1e-3, high - 1e-3),
             bounds=(low, high),
-            # A step or a gain this small is far below every error bar.
+            # Steps and gains below these are far smaller than every standard error.
             xtol=1e-10,
             ftol=1e-12,
             gtol=1e-12,
@@ -268,9 +273,9 @@ def nearest_aim(
 
 
 def within(aim: Aim) -> list[bool]:
-    """Tell which parameters ended inside the range of the search, not at its end."""
+    """Return a flag for each parameter: True if it is inside the range of the search."""
     theta, low, high = np.array([aim, *RANGE])
-    # The search stays inside; that near to an end it would have gone on.
+    # The search stays strictly inside its bounds, so "at the end" means close to it.
     near = 1e-4 * (high - low)
     inside: list[bool] = ((theta > low + near) & (theta < high - near)).tolist()
     return inside
@@ -280,16 +285,16 @@ def within(aim: Aim) -> list[bool]:
 
 
 def count_cells(place: Array) -> Integers:
-    """Count places, in cells, by the five cells."""
+    """Count positions by the five cells."""
     return np.bincount(cell(place), minlength=6)[1:]
 
 
 def _heights(counts: Integers) -> Heights:
-    """Return the shares of the five cells, and whether the lower four of them are equal."""
+    """Return the shares of the five cells, and a test of equal shares in the lower four."""
     from scipy.stats import chisquare
 
     total = counts.sum()
-    # An empty cell has no error of this kind: √0 would say that it is empty for certain.
+    # An empty cell has no standard error: the formula gives 0, which would mean certainty.
     shares = [
         Estimate(value=share, standard_error=float(np.sqrt(share * (1.0 - share) / total)) or None)
         for share in (counts / total).tolist()

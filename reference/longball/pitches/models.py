@@ -1,4 +1,4 @@
-"""Models of flight by name: values of a scene that a source gives together."""
+"""Models of flight by name: drag, lift, ball and air from one source each."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ STANDARD_GRAVITY = 9.80665  # m/s²
 class FlightModel:
     """The forces on a measured ball."""
 
-    source: str  # whose it is, and what it was fitted to
-    # As ``drag_coefficient`` and ``lift_coefficient`` of a scene; None for both: no air.
+    source: str  # author, and the data of the fit
+    # ``drag_coefficient`` and ``lift_coefficient`` of a scene; without air, both are None.
     drag: Coefficient | None
     lift: Coefficient | None
-    density: float | None = None  # kg/m³; None: of the weather of the game
-    spin: bool = True  # whether the ball has its spin; without it lift is upwards, as in the paper
-    # Mass and radius, where they are not the paper's.
+    density: float | None = None  # kg/m³; by default that of the game's weather
+    spin: bool = True  # True if lift depends on the spin; otherwise it is upwards, as in the paper
+    # Mass and radius that differ from the paper's.
     ball: Mapping[str, float] = field(default_factory=dict)
     gravity: float = STANDARD_GRAVITY  # m/s²
-    side: Mapping[str, Any] | None = None  # as ``side_coefficient`` of a scene
+    side: Mapping[str, Any] | None = None  # ``side_coefficient`` of a scene
 
     def blocks(self, temperature: float, elevation: float) -> dict[str, Any]:
         """Return the blocks of a scene in the weather of a game, K and m."""
@@ -53,14 +53,15 @@ class FlightModel:
 
 
 def _of_unit_length(per_metre: float, density: float) -> float:
-    """Return the coefficient C whose ρ A C / (2 m) is a number of 1/m, for the paper's ball."""
+    """Return the coefficient C for which ρ A C / (2 m) has a given value, 1/m; paper's ball."""
     ball = Ball()
     return 2.0 * ball.mass * per_metre / (density * math.pi * ball.radius**2)
 
 
-_SEA_LEVEL_DENSITY = 1.2  # kg/m³; only the products that Giordano gives count
+# kg/m³. Giordano gives the products ρ A C / (2 m), which do not change with this choice.
+_SEA_LEVEL_DENSITY = 1.2
 _NATHAN_LIFT = {"law": "rational", "numerator": 1.12, "constant": 0.583, "slope": 2.333}
-# 5.125 oz, and 9.125 inches around: the middle of what the rules allow.
+# 5.125 oz, and a circumference of 9.125 in: the middle of the range in the rules of baseball.
 _RULE_BALL = {"mass": 5.125 * 0.028349523125, "radius": 9.125 * 0.0254 / (2.0 * math.pi)}
 
 Model = Literal["vacuum", "paper", "constants", "giordano", "nathan", "crisis"]
@@ -107,28 +108,29 @@ MODELS: dict[Model, FlightModel] = {
 
 
 def model_of(name: str) -> FlightModel:
-    """Return a model of flight by its name; a ValueError names the nearest."""
+    """Return a model of flight by its name; a ValueError gives similar names."""
     if name not in MODELS:
         raise ValueError(f"model {name}: there is none{one_of('the models are', name, MODELS)}")
     return MODELS[name]
 
 
 def regression_spin(flies: MeasuredFlies, side_spin: bool = True) -> Array:
-    """Return the spin of batted balls that a published regression expects, rad/s, shape (n, 3).
+    """Return the spin of batted balls by a published regression, rad/s, shape (n, 3).
 
     In rpm and degrees, with s = 1 for a right-handed batter and -1 for a left-handed one, and the
     direction φ of the launch positive to right field, backspin is -763 + 120 θ + 21 φ s, and side
-    spin -849 s - 94 φ. It was made for directions of launch, which a table does not have.
+    spin -849 s - 94 φ. The bearing of the landing replaces φ, because tables lack it.
     """
+    # Coefficients as in the source of the model "nathan".
     theta, phi = np.degrees(flies.angle), np.degrees(flies.bearing)
     backspin = -763.0 + 120.0 * theta + 21.0 * phi * flies.side
     side = -849.0 * flies.side - 94.0 * phi if side_spin else np.zeros_like(phi)
     return flies.spin(backspin * RPM, side * RPM)
 
 
-# The share of a pitch's spin that is across its velocity at release, by Statcast's type: fitted
-# with the model "nathan" to all games of the day that longball ships (`python -m analysis
-# reality`, which also fits it to some of the games and predicts the others).
+# Fraction of a pitch's spin that is perpendicular to its velocity at the release, by Statcast's
+# type. Fitted with the model "nathan" to all games of the shipped day (`python -m analysis
+# reality`, which also fits them to half of the games and predicts the others).
 ACTIVE_SHARE = {
     "CH": 0.745, "CU": 0.491, "FA": 0.752, "FC": 0.176, "FF": 0.763, "FO": 0.488, "FS": 0.686,
     "KC": 0.451, "SI": 0.751, "SL": 0.134, "ST": 0.391,
@@ -138,8 +140,8 @@ ACTIVE_SHARE = {
 def expected_spin(measured: MeasuredPitches | MeasuredFlies) -> Array:
     """Return the spin of measured balls, rad/s, shape (n, 3).
 
-    That of batted balls is `regression_spin`. Of a pitch's, rate and axis are measured, and the
-    share that is active is that of its type in `ACTIVE_SHARE`, or the mean of all types.
+    Batted balls have `regression_spin`. Pitches have their measured rate and axis, and the active
+    share of their type in `ACTIVE_SHARE`, or the mean of all types.
     """
     if isinstance(measured, MeasuredFlies):
         return regression_spin(measured)

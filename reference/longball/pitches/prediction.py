@@ -1,4 +1,4 @@
-"""Measured balls predicted: where an engine says they go, against where they went."""
+"""Predictions of measured balls, compared with the measurements."""
 
 from __future__ import annotations
 
@@ -36,24 +36,23 @@ if TYPE_CHECKING:
 
 Measured = MeasuredPitches | MeasuredFlies
 
-# Bounds of the groups that flies are told by: degrees and mph.
+# Bounds of the groups of flies in the summary, degrees and mph.
 ANGLES = (10, 20, 25, 30, 35, 40, 60)
 SPEEDS = (60, 80, 90, 95, 100, 105, 125)
 
-
-_ROWS_SHOWN = 20  # of predictions that are compared with nothing
+_ROWS_SHOWN = 20  # predictions that are printed if no distance was measured
 
 
 @dataclass(frozen=True)
 class Prediction:
     """Predictions of a model for measured balls."""
 
-    measured: Measured  # the balls
-    # As ``measured.measured``, m: y and z at the plate, shape (n, 2), or the distance, (n, 1). NaN
-    # where the ball does not get there.
+    measured: Measured
+    # Like ``measured.measured``, m: y and z at the plate, shape (n, 2), or the distance, (n, 1).
+    # NaN if the ball does not reach the plate or the ground.
     predicted: Array
-    without: Mapping[str, int]  # why other rows have no prediction, and how many each
-    failed: int  # how many of those the engine could not solve; the others do not get there
+    without: Mapping[str, int]  # reasons for rows without a prediction, with their numbers
+    failed: int  # number of those rows that the engine could not solve
 
     @property
     def error(self) -> Array:
@@ -75,7 +74,6 @@ class Prediction:
 class Summary:
     """Errors of a group of balls."""
 
-    # What it is called, and how many.
     group: str
     count: int
     bias: tuple[float, ...]  # mean error of each component, m
@@ -88,11 +86,11 @@ def scenes(
     spin: Array | None = None,
     change: Changes | None = None,
 ) -> Iterator[Scene | InvalidScene]:
-    """Yield the scene of each measured ball, under one model, or under one for each.
+    """Yield the scene of each measured ball, with one model for all, or one for each.
 
-    With a model that has spin it has `expected_spin`, unless another is given, rad/s, shape (n, 3).
-    `change` changes the scenes. Of a row that is no scene, such as a ball that is released below
-    the ground, the error is yielded, which names the row.
+    `spin`, rad/s, shape (n, 3), is by default `expected_spin`; models without spin ignore it.
+    `change` is applied to every scene. For an invalid row, such as a release below the ground, an
+    `InvalidScene` that names the row is yielded.
     """
     spin = expected_spin(measured) if spin is None else spin
     models = repeat(model) if isinstance(model, FlightModel) else model
@@ -115,7 +113,8 @@ def solve(
     engine: Engine | None = None,
     change: Changes | None = None,
 ) -> list[Result]:
-    """Return the result of each measured ball, by default of the batch engine; see `scenes`."""
+    """Return the result of each measured ball, by default with the batch engine; see `scenes`."""
+    # Invalid rows keep their places among the results: these are matched to the rows by position.
     every = list(scenes(measured, model, spin, change))
     valid = [scene for scene in every if not isinstance(scene, InvalidScene)]
     results = iter(chain.solve_each(valid, engine or engines.create("batch")))
@@ -129,7 +128,7 @@ def predict(
     engine: Engine | None = None,
     change: Changes | None = None,
 ) -> Prediction:
-    """Predict measured balls; arguments as of `solve`."""
+    """Predict measured balls; see `solve` for the arguments."""
     results = solve(measured, model, spin, engine, change)
     predicted = np.full(measured.measured.shape, np.nan)
     without: Counter[str] = Counter()
@@ -160,31 +159,30 @@ def measured(
     kind
         ``"pitch"``: from the release to the front of the plate; ``"batted"``: to the landing.
     model
-        Of flight: ``"nathan"``, ``"constants"``, ``"paper"``, …, as ``longball measured --model``.
+        Model of flight: ``"nathan"``, ``"paper"``, … (``longball measured --help``).
     games
         ``game_pk``, ``temperature`` (°F), and ``elevation`` (ft) or ``park`` of each game; by
         default those of the example. Other games are played at 20 °C at sea level.
     names
-        What the table calls a column of Statcast's, as ``{"vx0": "VX0"}``.
+        The table's own names of Statcast's columns, such as ``{"vx0": "VX0"}``.
     engine
-        As of `longball.solve`.
+        As `longball.solve` takes it.
 
     Returns
     -------
     pandas.DataFrame
-        A row for each usable ball, with its number in the table as ``row``: measured and predicted
-        values, in SI units and the frame of scenes; NaN where the ball does not arrive.
+        A row for each usable ball, with its row number in the table as ``row``: measured and
+        predicted values, in SI units and the frame of scenes; NaN if the ball does not arrive.
 
     Raises
     ------
     ValueError
-        If the table has no such columns or they are in another unit, none of its rows is usable,
-        or there is no such model.
+        If a column is missing or in another unit, no row is usable, or the model does not exist.
 
     Warns
     -----
     UserWarning
-        If numbers look like another unit.
+        If numbers seem to be in another unit.
 
     Examples
     --------
@@ -205,10 +203,11 @@ def measured(
 
 
 def questions(prediction: Prediction) -> Iterator[str]:
-    """Yield a question for each thing that looks like another unit."""
+    """Yield a question for each column that seems to be in another unit."""
     yield from prediction.measured.doubts
     if isinstance(prediction.measured, MeasuredFlies) and prediction.compared.any():
-        # The wind of a game is not known: single distances are off by a tenth, their median is not.
+        # Without the wind of the game, single distances are wrong by a tenth; their median is
+        # right.
         share = float(np.nanmedian(prediction.measured.measured / prediction.predicted))
         if unit := unit_that_explains(share, "ft"):
             yield (
@@ -220,14 +219,14 @@ def _place(result: Result) -> tuple[float, ...] | None:
     """Return y and z at the plate of a pitch, and the distance of a batted ball."""
     if result.outcome == "crossed" and result.plate is not None:
         return float(result.plate.position[1]), float(result.plate.position[2])
-    # A ball that a fence stops has no distance, and one that flies over it has.
+    # A ball stopped by a fence has no distance; a home run has one.
     if result.outcome in ("landed", "home_run") and result.landing is not None:
         return (float(result.landing.distance),)
     return None
 
 
 def summaries(prediction: Prediction) -> list[Summary]:
-    """Return the errors of groups: pitches by type, flies by angle and speed; of all at the end."""
+    """Return the errors of groups: pitches by type, flies by angle and by speed; all are last."""
     rows = []
     for name, which in (*_groups(prediction.measured), ("all", prediction.compared)):
         error = prediction.error[which & prediction.compared]
@@ -250,11 +249,9 @@ def _groups(measured: Measured) -> Iterator[tuple[str, Flags]]:
 
 
 def bands(values: Array, bounds: Sequence[int]) -> Iterator[tuple[int, int, Flags]]:
-    """Yield the bounds of each band and which values are in it; the last one has its upper bound.
-
-    Values come from whole numbers or tenths by a change of unit and back, which must not move one
-    over a bound: they are rounded.
-    """
+    """Yield the bounds of each band, and flags of its values; the last band includes its end."""
+    # Values were whole numbers or tenths before a change of unit and back. Rounding them again
+    # keeps a value on its side of a bound.
     rounded = np.round(values, 6)
     for low, high in pairwise(bounds):
         below = rounded <= high if high == bounds[-1] else rounded < high
@@ -294,7 +291,7 @@ def as_data(prediction: Prediction) -> dict[str, Any]:
 
 
 def as_text(prediction: Prediction, name: str, model: FlightModel) -> str:
-    """Return the prediction as a table for people, in the units of the measurements."""
+    """Return the prediction as text, in the units of the measurements."""
     return "\n".join(_lines(prediction, name, model)) + "\n"
 
 
@@ -302,6 +299,7 @@ def _lines(prediction: Prediction, name: str, model: FlightModel) -> Iterator[st
     measured = prediction.measured
     yield f"{measured.source}: {len(measured)} {measured.what} used of {measured.rows_read} rows"
     yield from (f"  {each}" for each in measured.left_out)
+    # Rows that the engine could not solve, and balls that stop before the plate or at a fence.
     yield from (f"  no prediction: {n}, {why}" for why, n in prediction.without.items())
     if measured.weather_unknown:
         yield f"  weather not known: {measured.weather_unknown}; taken as 20 °C at sea level"

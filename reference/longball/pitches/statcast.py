@@ -1,20 +1,20 @@
 """Rows of Statcast's tables as scenes: units, frames, spins, and the weather of a game.
 
-Statcast measures in feet, miles per hour, degrees and turns per minute, in a frame with x to the
+Statcast uses feet, miles per hour, degrees and revolutions per minute, in a frame with x to the
 catcher's right, y from the tip of home plate to the pitcher, and z up. Scenes have x to the pitcher
-and y to the left of a catcher looking out, so that
+and y to the catcher's left, so that
 
     (x, y, z) of a scene = (y, -x, z) of Statcast.
 
-A pitch is recorded as a fit of constant acceleration: `vx0`, …, `az` hold at y = 50 ft, and
-`plate_x` and `plate_z` where that fit crosses the front of the plate, 17 inches before its tip. The
-scene of a pitch begins at the release, with the velocity that the fit has there, and its plane
-x = 0 is the front of the plate. `spin_axis` is the axis projected on the plane of x and z: at 180°
-the ball has backspin, at 90° it breaks to the catcher's right.
+A pitch is a fit of constant acceleration: `vx0`, …, `az` are its values at y = 50 ft, and `plate_x`
+and `plate_z` its position at the front of the plate, 17 inches before the tip. The scene of a pitch
+begins at the release, with the velocity of the fit there; its plane x = 0 is the front of the
+plate. `spin_axis` is the axis projected on the plane of x and z: backspin is 180°, and at 90° the
+ball breaks to the catcher's right.
 
-A batted ball is recorded with its speed and its angle of launch. Its direction is not: `hc_x` and
-`hc_y` say on a drawing of the field where a fielder took it, and the bearing of that place stands
-for the direction of the launch (Petti's transformation, baseballwithr.wordpress.com, 2018).
+A batted ball has a speed and a launch angle, but no direction. `hc_x` and `hc_y` give the point
+where a fielder took it, on a drawing of the field; the bearing of this point replaces the direction
+of the launch (Petti's transformation, baseballwithr.wordpress.com, 2018).
 """
 
 from __future__ import annotations
@@ -63,55 +63,56 @@ FAHRENHEIT = 1.0 / 1.8  # K of a degree
 GAMES = DATA / "games_2023-06-11.csv"
 PARKS = DATA / "parks.csv"
 
-# m: where the fit of a pitch holds, and the front of the plate, from its tip.
+# y of the plane of the fit, and of the front of the plate, from its tip, m.
 FIT_PLANE = 50.0 * FOOT
 PLATE_FRONT = 17.0 / 12.0 * FOOT
 
-# The plate on the drawing that hc_x and hc_y are taken from.
+# Position of the plate on the drawing of hc_x and hc_y (Petti).
 DRAWN_PLATE = (125.42, 198.27)
 
-# K and m, where nothing is known of a game: a mild day by the sea.
+# Weather of a game that is not in the table of games, K and m.
 USUAL_TEMPERATURE, SEA_LEVEL = 293.15, 0.0
 
-# Of the flies that are predicted: rad and m/s. A flatter ball is not measured where it lands but
-# where it bounces or is stopped, and a slower one hardly flies.
+# Launch angles, rad, and least speed, m/s, of the flies that are predicted. The recorded distance
+# of a flatter ball is where it was stopped, not where it landed; a slower one hardly flies.
 LOWEST, HIGHEST, SLOWEST = np.radians(10.0), np.radians(60.0), 60.0 * MPH
 
-# rad: the foul lines, 45°, and by what a place on a drawing may differ from the direction of the
-# launch. The spin's regression is one of fair balls.
+# Largest bearing, rad: the foul lines at 45°, and 15° for the difference between the point on the
+# drawing and the direction of the launch. The regression of the spin is for fair balls.
 WIDEST = np.radians(60.0)
 
-RUBBER = 60.5  # ft, from the plate's tip to the pitcher's rubber, where an extension begins
+# Distance of the pitcher's rubber from the plate's tip, ft. `release_extension` counts from there.
+RUBBER = 60.5
 
 
 @dataclass(frozen=True)
 class Rows(Arrays):
-    """Rows of a table that say all that is asked; arrays have a row for each, in SI units."""
+    """The complete rows of a table; arrays have an element for each, in SI units."""
 
-    what: ClassVar[str]  # they are, in a message
-    components: ClassVar[tuple[str, ...]]  # of what is measured
-    unit: ClassVar[tuple[float, str]]  # m of what it is measured in, and that unit's name
-    seen: ClassVar[tuple[tuple[str, float], ...]]  # components as people have them, and their signs
+    what: ClassVar[str]  # plural noun for messages
+    components: ClassVar[tuple[str, ...]]  # names of the measured components
+    unit: ClassVar[tuple[float, str]]  # unit of the measurement: size in m, and name
+    seen: ClassVar[tuple[tuple[str, float], ...]]  # printed components, with their signs
 
-    # Where they come from, of how many, and which of those are not here.
+    # Name of the table, its number of rows, and the omitted rows.
     source: str
     rows_read: int
     left_out: tuple[Omission, ...]
-    rows: Integers  # their numbers, from 1 below the header
-    games: Integers  # number of the game of each; 0 if the table does not say
-    # Of the air and the park, K and m.
+    rows: Integers  # row numbers, from 1 below the header
+    games: Integers  # game_pk, or 0 if the table has none
+    # Weather and park, K and m.
     temperature: Array
     elevation: Array
-    weather_unknown: int  # for how many the usual values stand there
-    assumed: tuple[str, ...]  # sentences: what stands for columns that are not in the table
-    doubts: tuple[str, ...]  # questions: what looks like another unit
+    weather_unknown: int  # number of rows with the usual weather
+    assumed: tuple[str, ...]  # sentences on the values that replace missing columns
+    doubts: tuple[str, ...]  # questions on columns that seem to be in another unit
 
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.rows)
 
     def part(self, which: Any) -> Self:
-        """Return some of the rows, by a mask, a slice or their places."""
+        """Return some of the rows, by a mask, a slice or indices."""
         columns = {name: x[which] for name, x in vars(self).items() if isinstance(x, np.ndarray)}
         return replace(self, **columns)
 
@@ -121,23 +122,23 @@ class MeasuredPitches(Rows):
     """Pitches in the frame of scenes."""
 
     what, components, unit = "pitches", ("y", "z"), (INCH, "in")
-    seen = ("right", -1.0), ("up", 1.0)  # by the catcher
+    seen = ("right", -1.0), ("up", 1.0)  # as the catcher sees them
 
     labels: Any  # Statcast's types
-    # Shape (n, 3), at the release.
+    # At the release, m and m/s, shape (n, 3).
     release: Array
     velocity: Array
-    acceleration: Array  # shape (n, 3): of the fit that is recorded
+    acceleration: Array  # of the recorded fit, m/s², shape (n, 3)
     spin_rate: Array  # rad/s
-    axis: Array  # unit vectors, shape (n, 3): of the part of the spin across the velocity
+    axis: Array  # unit vectors along the transverse component of the spin, shape (n, 3)
     hand: Array  # 1 for a right-handed pitcher, -1 for a left-handed one
-    measured: Array  # where the pitch crosses the front of the plate: y and z, shape (n, 2)
+    measured: Array  # y and z at the front of the plate, m, shape (n, 2)
 
     def spin(self, active: Array) -> Array:
-        """Return the spin, rad/s, of which a share `active` is across the velocity at release.
+        """Return the spin, rad/s; the share `active` is perpendicular to the release velocity.
 
-        The rest is along it. Its sign is that of a bullet's spin, which the fingers of a
-        right-handed pitcher give: clockwise as he sees it; a left-handed pitcher's is opposite.
+        The rest is along the velocity, as the spin of a bullet: clockwise as a right-handed pitcher
+        sees it, counter-clockwise for a left-handed one.
         """
         along = self.velocity / np.linalg.norm(self.velocity, axis=1, keepdims=True)
         gyro = (self.hand * np.sqrt(1.0 - active**2))[:, None] * along
@@ -160,19 +161,20 @@ class MeasuredFlies(Rows):
     speed: Array  # m/s, off the bat
     angle: Array  # rad, of the launch above the horizontal
     bearing: Array  # rad, positive to right field
-    side: Array  # 1 for a right-handed batter, -1 for a left-handed one, 0 if nothing is known
-    measured: Array  # `hit_distance_sc`, m, shape (n, 1); NaN if the table does not have it
+    side: Array  # 1 for a right-handed batter, -1 for a left-handed one, 0 if unknown
+    measured: Array  # `hit_distance_sc`, m, shape (n, 1); NaN if the table lacks it
 
     @property
     def velocity(self) -> Array:
-        """At the launch, m/s, shape (n, 3)."""
+        """Velocity at the launch, m/s, shape (n, 3)."""
         return self.speed[:, None] * directions(self.angle, self.bearing)
 
     def spin(self, backspin: Array, side_spin: Array) -> Array:
-        """Return the spin, rad/s, shape (n, 3), from its two parts across the velocity.
+        """Return the spin, rad/s, shape (n, 3), from its two components across the velocity.
 
-        Backspin turns about a horizontal axis and lifts; side spin about the axis across it, in
-        the vertical plane of the launch, and turns the ball to the left where it is positive.
+        Backspin turns about a horizontal axis and lifts the ball. Side spin turns about the axis
+        perpendicular to it in the vertical plane of the launch; positive side spin curves the ball
+        to the left.
         """
         ahead = self.bearing
         lifts = np.stack([-np.sin(ahead), -np.cos(ahead), np.zeros_like(ahead)], axis=1)
@@ -203,11 +205,10 @@ def read_measured(
 ) -> MeasuredPitches | MeasuredFlies:
     """Read the pitches of a table in Statcast's columns, or the flies among its batted balls.
 
-    A table is a .csv or .parquet by its path, an open one, or a pandas DataFrame; `names` has its
-    own names of Statcast's columns. Without `spin` nothing is asked of a pitch's spin. `games` has
-    ``game_pk``, ``temperature`` (°F), and ``elevation`` (ft) or ``park``; the rows of other games
-    get the usual temperature, at sea level. A `TableError` says which column or row cannot be used,
-    and why.
+    A table is the path of a .csv or .parquet file, an open file, or a pandas DataFrame; `names`
+    gives its own names of Statcast's columns. Without `spin`, pitches need no spin columns. `games`
+    has ``game_pk``, ``temperature`` (°F), and ``elevation`` (ft) or ``park``; other games get the
+    usual temperature at sea level. A `TableError` says which column or row cannot be used, and why.
     """
     if kind not in (kinds := get_args(Kind)):
         raise ValueError(f"kind {kind!r}: there is none{one_of('the kinds are', kind, kinds)}")
@@ -272,7 +273,7 @@ def _pitches(
     def vector(*names: str) -> Array:
         return np.stack([kept[name] for name in names], axis=1) * FOOT
 
-    # The fit holds at y = 50 ft; the scene begins at the release, some feet before it.
+    # The fit is given at y = 50 ft; the scene begins at the release, a few feet earlier.
     velocity, acceleration = vector("vx0", "vy0", "vz0"), vector("ax", "ay", "az")
     release = vector("release_pos_x", "release_pos_y", "release_pos_z")
     since = time_of_plane(velocity[:, 1], acceleration[:, 1], release[:, 1] - FIT_PLANE)
@@ -302,18 +303,17 @@ def _in_our_frame(vectors: Array) -> Array:
 
 
 def time_of_plane(speed: Any, acceleration: Any, distance: Any) -> Any:
-    """Return when a ball of constant acceleration is at a distance along its way.
+    """Return the time at which a ball of constant acceleration has moved by a distance.
 
-    The root nearest to 0 of speed · t + acceleration · t²/2 = distance, for a speed below 0.
+    It is the root nearest to 0 of speed · t + acceleration · t²/2 = distance, for a negative speed.
     """
-    # The form without cancellation: the other root of the quadratic divides by the acceleration,
-    # which may be zero.
+    # This form of the root has no cancellation, and no division by an acceleration of zero.
     root = np.sqrt(np.maximum(speed**2 + 2.0 * acceleration * distance, 0.0))
     return 2.0 * distance / (speed - root)
 
 
 def _across(axis: Array, velocity: Array) -> Array:
-    """Return the unit vectors of what is across the velocity."""
+    """Return the unit vectors along the components of `axis` across the velocity."""
     along = velocity / np.linalg.norm(velocity, axis=1, keepdims=True)
     across = axis - np.sum(axis * along, axis=1, keepdims=True) * along
     unit: Array = across / np.linalg.norm(across, axis=1, keepdims=True)
@@ -338,7 +338,7 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     if "stand" in frame:
         side, odd_side = _side(frame["stand"])
     speed, angle = values["launch_speed"] * MPH, np.radians(values["launch_angle"])
-    # Before slow ones are left out: in m/s, few flies are above 60.
+    # Test the unit before slow balls are omitted: in m/s, few flies are above 60.
     up = (angle >= LOWEST) & (angle <= HIGHEST)
     doubt = unusual(values["launch_speed"][up & ~np.isnan(speed)], "launch_speed")
     if doubt and not (speed[up] > SLOWEST).any():
@@ -384,9 +384,9 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
 
 
 def _side(column: pd.Series) -> tuple[Array, Flags]:
-    """Return 1 for R, -1 for L, NaN for anything else, and mark what is something else.
+    """Return 1 for R or Right, -1 for L or Left, NaN for other values, and flags of the latter.
 
-    Right and Left are words for the same. A `TableError` says that it has nothing but other things.
+    A column with other values alone raises a `TableError`.
     """
     text = texts(column).replace({"Right": "R", "Left": "L"})
     odd = (text.notna() & ~text.isin(["R", "L"])).to_numpy(dtype=bool)
@@ -405,10 +405,11 @@ def _require_usual(values: Mapping[str, Array]) -> None:
 
 
 def _require_agreement(velocity: Array, speed: Array) -> None:
-    """Require that velocities in ft/s and speeds at the release in mph belong together.
+    """Require that velocities in ft/s agree with release speeds in mph.
 
-    From the release to y0 = 50 ft a pitch loses 1 %, or 2.
+    From the release to y0 = 50 ft a pitch loses 1 % or 2 %.
     """
+    # Any confusion of ft/s, mph, m/s and km/h changes the ratio by at least 9 % (km/h and ft/s).
     known = speed > 0.0
     ratio = float(np.median(velocity[known] / speed[known])) if known.any() else MPH / FOOT
     if not 0.95 <= ratio / (MPH / FOOT) <= 1.05:
@@ -421,7 +422,7 @@ def _require_agreement(velocity: Array, speed: Array) -> None:
 def _require_same_places(
     places: Array, release: Array, velocity: Array, acceleration: Array
 ) -> None:
-    """Require that places at the plate are in the unit of the fit that crosses it there."""
+    """Require that positions at the plate are in the same unit as the fit."""
     time = time_of_plane(velocity[:, 0], acceleration[:, 0], PLATE_FRONT - release[:, 0])[:, None]
     crossed = (release + velocity * time + acceleration * time**2 / 2.0)[:, 1:]
     ratios = np.linalg.norm(places, axis=1) / np.linalg.norm(crossed, axis=1)
@@ -446,7 +447,7 @@ def _common(
     temperature, elevation = (
         np.array([known.get(pk, np.nan) for pk in game.tolist()]) for known in _weather(games)
     )
-    # A game that is not in the table is no error: one table of games rarely has all of them.
+    # Games may be missing: a table of games rarely has all of them.
     unknown = np.isnan(temperature)
     return {
         "source": source,
@@ -464,12 +465,13 @@ def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
     """Return the temperature of each game, K, and the elevation of its park, m."""
     try:
         source, frame = read_table(games, ["game_pk", "temperature"], ["park", "elevation"])
-    except NoSuchColumn as error:  # no option gives the columns of games other names
+    # As another error, because `--column` names columns of the pitches, not of the games.
+    except NoSuchColumn as error:
         raise TableError(f"the table of games: {error}") from None
     game, fahrenheit = numbers(frame["game_pk"]), numbers(frame["temperature"])
     if np.isnan(game).any() or np.isnan(fahrenheit).any():
         raise TableError(f"{source}: a game has no game_pk or no temperature")
-    # The last of two rows would win silently, and with it a temperature of another game.
+    # Of two rows for a game the last would win silently, perhaps with another game's temperature.
     again = np.flatnonzero(frame.assign(game_pk=game).duplicated("game_pk"))
     if again.size:
         raise TableError(
@@ -486,7 +488,7 @@ def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
 
 
 def _elevations(source: str, games: pd.DataFrame) -> Array:
-    """Return the elevation of each game, m: as the table has it, or that of its park."""
+    """Return the elevation of each game, m, from the table or from its park."""
     if not {"park", "elevation"} & {*games}:
         raise TableError(f"{source}: a table of games has a column park, or elevation, in ft")
     _, parks = read_table(PARKS, ["park", "elevation"])

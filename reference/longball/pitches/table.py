@@ -1,7 +1,7 @@
-"""Tables as they are written: columns found, numbers read, rows left out with their reasons.
+"""Tables of measurements: columns, numbers, omitted rows, and tests of units.
 
-A row that cannot be used is left out, and listed with the reason. A column that cannot be used, as
-one in another unit, refuses the table.
+A row that cannot be used is omitted and listed with the reason. A column that cannot be used, such
+as one in another unit, rejects the table.
 """
 
 from __future__ import annotations
@@ -30,20 +30,21 @@ if TYPE_CHECKING:
 DATA = Path(__file__).parents[1] / "data"
 EXAMPLE = DATA / "statcast_2023-06-11.csv"
 
-# m/s of one unit, m of one unit.
+# Sizes of units, in m/s and m.
 SPEED_UNITS, LENGTH_UNITS = UNITS["m/s"], UNITS["m"]
 
 
 class Usual(NamedTuple):
     """Range of a column's values in baseball; of absolute values if both signs occur."""
 
-    unit: str  # that Statcast has
-    single: tuple[float, float]  # of one number
-    # Of the median of many, where that is narrower: a height of 0.7 at the plate may be in ft or m.
+    unit: str  # Statcast's
+    single: tuple[float, float]  # range of one number
+    # Narrower range of the median of many: a single height of 0.7 may be in ft or in m.
     many: tuple[float, float] | None = None
 
 
-# Medians of forty places at the plate scatter by 0.1 ft across it, and by 0.2 ft in height.
+# Fewest values for a test of the median. Medians of forty positions at the plate scatter by 0.1 ft
+# across it, and by 0.2 ft in height.
 MANY = 40
 USUAL = {
     "release_speed": Usual("mph", (25.0, 120.0), (45.0, 110.0)),
@@ -59,16 +60,16 @@ USUAL = {
     "temperature": Usual("°F", (25.0, 130.0)),
 }
 
-# How many of the rows that are left out for one reason are named by their number.
+# Number of rows listed for one reason.
 ROWS_NAMED = 10
 
 
 class TableError(ValueError):
-    """A table that cannot be used; the message says in a sentence which column or row, and why."""
+    """Raised for a table that cannot be used; the message gives column or row, and reason."""
 
 
 class NoSuchColumn(TableError):
-    """A table that lacks columns."""
+    """Raised if a table lacks columns."""
 
     def __init__(self, message: str, missing: Sequence[str]) -> None:
         super().__init__(message)
@@ -85,10 +86,10 @@ class Omission(Strict):
     )
 
     def __str__(self) -> str:
-        """Describe the omitted rows: number, reason and places."""
+        """Describe the omitted rows: count, reason and row numbers."""
         rows = ", ".join(map(str, self.first_rows))
         more = ", …" if self.count > len(self.first_rows) else ""
-        return f"left out: {self.count}, {self.reason} (row {rows}{more})"
+        return f"omitted: {self.count}, {self.reason} (row {rows}{more})"
 
 
 def read_table(
@@ -97,12 +98,11 @@ def read_table(
     optional: Iterable[str] = (),
     names: Mapping[str, str] | None = None,
 ) -> tuple[str, pd.DataFrame]:
-    """Return the name of a table and some of its columns, as they are written.
+    """Return the name of a table and some of its columns, without conversion.
 
-    The table is a .csv or .parquet by its path, an open one, or a pandas DataFrame. `names` has the
-    table's own names of columns that are called otherwise. `optional` columns are returned if the
-    table has them. A `TableError` says that the table cannot be read, is empty, or lacks a column
-    or has one twice.
+    The table is the path of a .csv or .parquet file, an open file, or a pandas DataFrame. `names`
+    gives the table's own names of columns. `optional` columns are returned if the table has them. A
+    `TableError` is raised if the table cannot be read, is empty, lacks a column or has one twice.
     """
     its = dict(names or {})
     needed = {name: its.get(name, name) for name in columns}
@@ -113,7 +113,7 @@ def read_table(
     for name in wanted.values():
         if head.count(name) > 1:
             raise TableError(f"{source}: the column {name} is there twice")
-    # A name that is given is meant, also of a column that is optional.
+    # A column that the user names must exist, even if it is optional.
     if missing := [x for name, x in wanted.items() if x not in head and name in needed | its]:
         shown = ", ".join(head[:20]) + (", …" if len(head) > 20 else "")
         others = [name for name in head if name not in wanted.values()]
@@ -136,7 +136,7 @@ def read_table(
 def _frame(
     table: str | Path | TextIO | pd.DataFrame, wanted: Iterable[str]
 ) -> tuple[str, list[str], pd.DataFrame]:
-    """Return the name of a table, the names of its columns, and those that are wanted at least."""
+    """Return the name of a table, the names of all columns, and at least the wanted columns."""
     import pandas as pd
 
     if isinstance(table, pd.DataFrame):
@@ -147,7 +147,7 @@ def _frame(
             f"not an object of type {type(table).__name__}"
         )
     path = table if isinstance(table, str | Path) else getattr(table, "name", "table")
-    # As other messages call it.
+    # The same name as in other messages.
     path = "standard input" if path == "<stdin>" else path
     source = Path(path).name
     try:
@@ -162,7 +162,7 @@ def _frame(
             return source, [str(name) for name in frame.columns], frame
         names = {*wanted}
         head, rows = read_rows(data, names.__contains__)
-        # Of a table with ninety columns the cells of twenty are kept.
+        # Statcast's tables have ninety columns; only about twenty are kept in memory.
         kept = [i for i, name in enumerate(head) if name in names]
         cells = [
             [None if i >= len(row) or row[i].strip() in _MISSING else row[i] for i in kept]
@@ -174,7 +174,7 @@ def _frame(
 
 
 def _content(table: str | Path | TextIO) -> bytes:
-    """Return the bytes of a file, unpacked; of an open text file those below its encoding."""
+    """Return the bytes of a file, decompressed; an open text file gives its undecoded bytes."""
     if isinstance(table, str | Path):
         data = Path(table).read_bytes()
     else:
@@ -183,19 +183,19 @@ def _content(table: str | Path | TextIO) -> bytes:
     return gzip.decompress(data) if data.startswith(b"\x1f\x8b") else data
 
 
-# What programs and devices write for what was not measured.
+# Texts that programs and devices write for a missing value.
 _MISSING = {
     "", "-", "--", "—", "NA", "N/A", "n/a", "#N/A", "NaN", "nan", "<NA>", "NULL", "null", "None",
 }  # fmt: skip
 
 
 def texts(column: pd.Series) -> pd.Series:
-    """Return the texts of a column, missing where there is none."""
+    """Return a column as texts; empty ones are missing."""
     return column.astype("string").str.strip().replace("", None)
 
 
 def numbers(column: pd.Series) -> Array:
-    """Return the numbers of a column, NaN where there is none; a `TableError` for anything else."""
+    """Return a column as numbers, with NaN for missing ones; raise a `TableError` for others."""
     values, odd = readable(column)
     if odd.any():
         raise _not_numbers(column, odd)
@@ -203,13 +203,13 @@ def numbers(column: pd.Series) -> Array:
 
 
 def readable(column: pd.Series) -> tuple[Array, Flags]:
-    """Return the numbers of a column, NaN where there is none, and mark what is something else.
+    """Return a column as numbers, with NaN for missing ones, and flags of all other cells.
 
-    A `TableError` says that it has nothing but those: then the column is in another form.
+    If no cell is a number, the column has another form, and a `TableError` is raised.
     """
     import pandas as pd
 
-    # A text that is no number becomes NaN, as a missing one is: the two are told apart by `text`.
+    # Invalid texts become NaN like missing cells; `text` distinguishes the two.
     values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
     text = column.notna().to_numpy(dtype=bool)
     if not pd.api.types.is_numeric_dtype(column):
@@ -223,7 +223,7 @@ def readable(column: pd.Series) -> tuple[Array, Flags]:
 def read_columns(
     frame: pd.DataFrame, names: Iterable[str]
 ) -> tuple[dict[str, Array], list[tuple[str, Flags]]]:
-    """Return the numbers of columns, and the rows in which a cell is something else."""
+    """Return columns as numbers, and for each column the rows whose cell is not a number."""
     read = {name: readable(frame[name]) for name in names}
     odd = [(f"{name} is not a finite number", odd) for name, (_, odd) in read.items()]
     return {name: values for name, (values, _) in read.items()}, odd
@@ -245,9 +245,9 @@ _INFINITE = ("inf", "infinity")
 def select_rows(
     lacks: Sequence[tuple[str, Flags]], count: int
 ) -> tuple[tuple[Omission, ...], Flags]:
-    """List the rows that lack something, each under the first thing; and mark the others.
+    """List the faulty rows, each under its first fault, and return flags of the others.
 
-    A `TableError` says that no row is left.
+    If no row remains, a `TableError` is raised.
     """
     keep = np.ones(count, dtype=bool)
     left_out = []
@@ -264,9 +264,9 @@ def select_rows(
 
 
 def require_usual(values: Array, name: str, column: str = "", unit: str = "") -> None:
-    """Raise a `TableError` if the median of a column is out of range, as in another unit.
+    """Raise a `TableError` if the median of a column is out of range, as it is in another unit.
 
-    `name` is its name in `USUAL`; the table may have another, and another unit.
+    `name` is the column's name in `USUAL`; the table may use another name and another unit.
     """
     if doubt := unusual(values, name, column, unit):
         raise TableError(f"{doubt} The table must be in {unit or USUAL[name].unit} here")
@@ -276,6 +276,7 @@ def unusual(values: Array, name: str, column: str = "", unit: str = "") -> str:
     """Return a question if the median of a column is out of range; see `require_usual`."""
     usual = USUAL[name]
     unit = unit or usual.unit
+    # The median ignores single wrong values; with many rows its range is narrower.
     bounds = usual.many if usual.many and values.size >= MANY else usual.single
     lowest, highest = bounds
     sized = lowest >= 0.0 and bool((values < 0.0).any())
@@ -314,20 +315,20 @@ def _converted(number: float, unit: str, other: str) -> float:
 
 
 def _fitting(number: float, unit: str, bounds: tuple[float, float]) -> str:
-    """Return the units in which a number would lie within bounds that are in one of them."""
+    """Return the units in which a number would be within bounds, which are in `unit`."""
     sizes = {other: _converted(number, other, unit) for other in UNITS[si_of(unit)]}
-    # Of two names for one unit the later is the usual one.
+    # Two names of one unit have the same size; the later one, the usual one, remains.
     fitting = {size: other for other, size in sizes.items() if bounds[0] <= size <= bounds[1]}
     return " or ".join(fitting.values()) or "another unit"
 
 
 def require_degrees(angles: Array, name: str, largest: float) -> None:
-    """Raise a `TableError` if angles look like radians, of which none is above `largest`.
+    """Raise a `TableError` if angles look like radians: none is above `largest`.
 
     Whole numbers are degrees, however small they are.
     """
     known = angles[~np.isnan(angles)]
-    # A whole number of degrees as small as this is possible, a whole number of radians is not.
+    # A table may have small whole numbers of degrees; whole numbers of radians never occur.
     if known.size and np.abs(known).max() <= largest and (known % 1.0).any():
         raise TableError(
             f"{name}: none is above {largest:.3g}; is it in rad? The table must be in degrees here"
@@ -337,7 +338,7 @@ def require_degrees(angles: Array, name: str, largest: float) -> None:
 def unit_that_explains(ratio: float, unit: str) -> str | None:
     """Return the unit that explains a ratio of given to expected numbers; None if none does.
 
-    A fifth more or less is allowed to what they are compared with; units differ by larger factors.
+    Ratios may differ from the factor between units by a fifth; other units differ by more.
 
     >>> unit_that_explains(0.31, "ft")
     'm'

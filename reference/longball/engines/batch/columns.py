@@ -38,10 +38,11 @@ UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
 
 
 def _one_by_one(function: Callable[[float], float]) -> Callable[[Any], Any]:
-    """Return a function over arrays that has the bits of a function of one number.
+    """Return a function over arrays with the same bits as a function of one number.
 
-    It is NaN where that has no value that a double can hold: such a row is left without an answer.
+    It is NaN if the function raises an error; such a row has no answer.
     """
+    # NumPy's own exp, log, cos and sin differ from those of `math` in last bits on some processors.
 
     def checked(x: float) -> float:
         try:
@@ -83,7 +84,8 @@ class Elementwise:
 
     def where(self, condition: Any, x: Any, y: Any) -> Any:
         """Return x where a condition holds, else y."""
-        return np.where(condition, x, y)[()]  # a number of numbers
+        # [()] turns an array without dimensions into a number.
+        return np.where(condition, x, y)[()]
 
     def cos_sin(self, angle: Array) -> tuple[Array, Array]:
         """Return cosines and sines."""
@@ -94,11 +96,11 @@ class Elementwise:
         return np.arctan2(y, x)
 
     def positive(self, x: Array, error: Any, question: str) -> Any:
-        """Elementwise ``x > 0``, of numbers without error."""
+        """Elementwise ``x > 0``, for numbers without errors."""
         return x > 0.0
 
     def missing(self, x: Array) -> Any:
-        """Elementwise test for no number."""
+        """Elementwise test for NaN."""
         return np.isnan(x)
 
 
@@ -108,7 +110,8 @@ NUMBERS: Any = Elementwise()
 # --- tables of results ----------------------------------------------------------------------------
 
 
-# What an answer ends with: if it is no number, something before has overflowed.
+# Last quantity of each outcome. Errors propagate as NaN: if this one is NaN, an earlier one
+# overflowed.
 _LAST = {
     "landed": "landing.distance",
     "batted": "landing.distance",
@@ -120,15 +123,15 @@ _LAST = {
 
 
 class Table:
-    """Results, a row a scene: columns with the names of quantities, NaN where there is none.
+    """Results, one row for each scene: columns with the names of quantities; NaN if absent.
 
-    `part` gives a table of some of the rows, which writes into this one.
+    `part` returns a view of some rows, which writes into this table.
     """
 
     def __init__(self, rows: int) -> None:
         self.rows = slice(0, rows)
         self.whole = np.full(rows, UNSOLVED, np.int64)
-        self.alone = np.zeros(rows, bool)  # rows of `whole` that are left to be solved alone
+        self.alone = np.zeros(rows, bool)  # rows that the scalar chain must solve
         self.columns: dict[str, Array] = {}
 
     def __len__(self) -> int:
@@ -136,7 +139,7 @@ class Table:
 
     @property
     def outcome(self) -> Integers:
-        """The outcomes, as places in OUTCOMES."""
+        """Outcomes, as indices of OUTCOMES."""
         return self.whole[self.rows]
 
     def part(self, rows: slice) -> Self:
@@ -146,14 +149,15 @@ class Table:
         return part
 
     def copy_from(self, other: Table) -> None:
-        """Write what is in another table of as many rows."""
+        """Copy another table with the same number of rows."""
         self.outcome[:] = other.outcome
         self.alone[self.rows] = other.alone[other.rows]
         for name, column in other.columns.items():
             self.column(name, column)[self.rows] = column[other.rows]
 
     def column(self, name: str, values: Any) -> Array:
-        """Return the column of a quantity, made for such values if there is none."""
+        """Return the column of a quantity; create it for values of this type."""
+        # `setdefault` is atomic: several threads may create the same column.
         if name not in self.columns:
             text = np.asarray(values).dtype.kind == "U"
             empty = np.full(len(self.whole), *(("", "U16") if text else (np.nan, float)))
@@ -161,7 +165,7 @@ class Table:
         return self.columns[name]
 
     def put(self, name: str, rows: Flags, values: Any) -> None:
-        """Write a quantity into rows: an array of numbers or texts, or a vector of three."""
+        """Write a quantity into rows: an array of numbers or texts, or a vector of three arrays."""
         if isinstance(values, tuple):
             for i, value in enumerate(values):
                 self.put(f"{name}[{i}]", rows, value)
@@ -180,7 +184,7 @@ class Table:
                 self.column(name, value)[place] = value
 
     def withdraw_what_is_not_finite(self) -> None:
-        """Leave rows without an answer if a quantity of theirs has overflowed."""
+        """Remove the answer of every row with an overflow."""
         overflown = np.zeros(len(self), bool)
         for column in self.columns.values():
             if column.dtype == float:
@@ -192,7 +196,7 @@ class Table:
         self.outcome[overflown] = UNSOLVED
 
     def in_order(self, places: Integers) -> Self:
-        """Return the table with its rows at other places."""
+        """Return the table with its rows at other indices."""
 
         def placed(column: NDArray[Any]) -> NDArray[Any]:
             moved = np.empty_like(column)
@@ -225,9 +229,9 @@ class BatchFlyer(Protocol):
 
 @dataclass(frozen=True)
 class Flights(Flight):
-    """Flights at their ends, `stop` being codes of `records`, with launches and marks.
+    """Ends, launches and marks of flights; `stop` holds codes of `records`.
 
-    See `longball.engines.batch.engine.OneFlight`.
+    See `longball.engines.batch.engine.OneFlight` for the marks.
     """
 
     launch: Start
@@ -235,7 +239,9 @@ class Flights(Flight):
     numbers: Any = field(default=NUMBERS, kw_only=True)
 
     def highest(self, numbers: Any) -> Start:
-        """See `Flight.highest`; NaN where there is none."""
+        """See `Flight.highest`; NaN if there is none."""
+        # The mark is the highest point within the flight; a ball that only falls is highest at
+        # launch.
         lower = numbers.missing(self.mark.time) | (self.launch.state.z > self.mark.state.z)
         return _where(numbers, lower & ~(self.launch.state.w > 0.0), self.launch, self.mark)
 
@@ -244,7 +250,7 @@ class Flights(Flight):
         return self.stop == records.STOPS[name]  # type: ignore[comparison-overlap]
 
     def then(self, second: Flight) -> Flights:
-        """Return these flights, those of `second` that were flown going on where these ended."""
+        """Return these flights, continued by those of `second` that were flown."""
         flown = second.stop != NOT_FLOWN  # type: ignore[comparison-overlap]
         stop: Any = np.where(flown, second.stop, self.stop)[()]
         numbers = self.numbers
@@ -259,7 +265,7 @@ class Flights(Flight):
 
 
 def _where(numbers: Any, flags: Any, yes: Start, no: Start) -> Start:
-    """Return times and states: those of `yes` where a flag is set, else those of `no`."""
+    """Return times and states: from `yes` where a flag is set, else from `no`."""
     state = (numbers.where(flags, a, b) for a, b in zip(yes.state, no.state, strict=True))
     return Start(numbers.where(flags, yes.time, no.time), type(no.state)(*state))
 
@@ -284,6 +290,7 @@ class Columns(Run):
 
     def decide(self, x: Array, error: Array, question: str, rows: Flags) -> tuple[Flags, Flags]:
         """See `Run`."""
+        # An exact zero with no error is decided: it is not positive.
         positive = np.greater(x, 0.0)
         decided = rows & (np.greater(abs(x), error) | ((x == 0.0) & (error == 0.0)))
         return decided & positive, decided & ~positive
@@ -294,7 +301,7 @@ class Columns(Run):
         return rows & (code == 1), rows & (code == 0)
 
     def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> Flights:
-        """See `Run`. What the compiled code does not fly is left to be solved alone."""
+        """See `Run`. Flights without support in the compiled code are left to the scalar chain."""
         launch = Start(0.0, law.state_of(start))
         if records.flies_in_lanes(law):
             alone = without_size(events, rows)
@@ -316,7 +323,8 @@ class Columns(Run):
         rows: Flags,
         bat: Bat | None = None,
     ) -> Records:
-        """Fly the rows of a mask; return arrivals of all rows, or one if there is none but that."""
+        """Fly the rows of a mask; return arrivals of all rows, or a single one for all."""
+        # If no number of the flight differs between rows, it is flown once.
         if rows.any():
             _, flown = records.flown(self.engine, law, start, events, limit, bat, rows)
             if flown.ndim == 0 or rows.all():
@@ -341,7 +349,7 @@ class Columns(Run):
         return _where(self.numbers, clear, pitch.mark, pitch.launch)
 
     def _how_they_meet(self, ends: Records, over: Events, rows: Flags) -> tuple[Any, Any]:
-        """Return 1 where ball and bat touch, 0 where they miss, else -1; and the margin, m."""
+        """Return 1 for a contact, 0 for a miss, -1 if undecided, and the margin, m."""
         stops = records.stops(ends, over)
         self.table.alone[self.table.rows] |= rows & (stops == Stop.FALLBACK)
         touched = stops == Stop.TOUCH
@@ -351,9 +359,10 @@ class Columns(Run):
         return code, margin
 
     def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
-        """See `Run`. What others than the compiled code fly is left to be solved alone."""
+        """See `Run`. Rows that need another engine are left to the scalar chain."""
         for i in np.flatnonzero(rows).tolist():
             one = Run(self.row(i), self.engine, self.model)
+            # An overflow has no answer here; the scalar chain gives its reason.
             with suppress(ArithmeticError):
                 land(one, _row_of(launch, i), outcome, True)
             if "outcome" in one.answer and {*one.engines} == {self.engine.description}:
@@ -378,16 +387,16 @@ class Columns(Run):
 
 
 def without_size(events: Events, rows: Flags) -> Flags:
-    """Flags of the rows of a mask in which an event has no size.
+    """Return flags of the rows of a mask in which the size of an event is infinite or NaN.
 
-    Such is the plate for a pitch along its plane, which the scalar engine refuses.
+    An example is the plate for a pitch along its plane, which the scalar engine rejects.
     """
     flags: Flags = rows & ~np.isfinite(sum(event.size for event in events))
     return flags
 
 
 def not_flown(law: Law, start: Start, rows: int) -> Records:
-    """Return arrivals of flights that stay where they start."""
+    """Return arrivals equal to the starts, for rows that are not flown."""
     program = records.general(law).program
     ends = np.zeros(rows, flights.arrival_dtype(program))
     ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan

@@ -26,7 +26,8 @@ from longball.model.numbers import DOUBLES, Numbers
 from longball.model.scene import Scene
 from longball.model.trace import Program
 
-LOOSEST, TIGHTEST = 1e-4, 1e-14  # m
+# Range of the tolerance, m. Looser ones save no time; tighter ones are below rounding.
+LOOSEST, TIGHTEST = 1e-4, 1e-14
 
 # The fallback for laws and flights that the compiled code does not support.
 SCALAR = Ivp()
@@ -34,9 +35,9 @@ SCALAR = Ivp()
 
 @dataclass(frozen=True)
 class OneFlight(Flight):
-    """A flight with its launch, and what was noted on the way.
+    """A flight with its launch and a mark.
 
-    Of a pitch that is where it came near the plate, of another ball its highest point.
+    The mark of a pitch is a point shortly before the plate, that of another ball its highest point.
     """
 
     launch: Start
@@ -45,7 +46,7 @@ class OneFlight(Flight):
     def highest(self, numbers: Numbers) -> tuple[float, State] | None:
         """See `Flight.highest`."""
         falls = not self.launch.state.w > 0.0
-        known = self.mark.time == self.mark.time
+        known = self.mark.time == self.mark.time  # not NaN
         if known and not (falls and self.launch.state.z > self.mark.state.z):
             return self.mark
         return self.launch if falls else None
@@ -63,15 +64,15 @@ class OneFlight(Flight):
 
 @dataclass(frozen=True)
 class Batch(ManyAtOnce):
-    """Flights by Taylor series, compiled; many scenes go sixteen at a time.
+    """Flights by compiled Taylor series, sixteen scenes at once.
 
-    `longball.engines.chain.solve` takes one scene; `solve_all` takes many, and gives the same bits.
+    `longball.engines.chain.solve` takes one scene, and `solve_all` many; both give the same bits.
 
     Attributes
     ----------
     tolerance
-        m, from 1e-4 to 1e-14: the error that truncated series may cause in the place of a landing,
-        up to 200 m away. The rounding of doubles adds some 1e-13 m there, whatever is asked for.
+        Error of a landing up to 200 m away that truncation may cause, m, from 1e-4 to 1e-14.
+        Rounding adds about 1e-13 m there.
     """
 
     tolerance: float = 1e-13
@@ -86,20 +87,16 @@ class Batch(ManyAtOnce):
 
     @property
     def truncation(self) -> float:
-        """Size of the last terms of the velocity in a step, relative to the speed.
-
-        Landings of 400 launches at 3° to 88° were then off by a fourth of the tolerance at most,
-        and by 4e-14 m where rounding rules.
-        """
+        """Size of the last terms of the velocity in a step, relative to the speed."""
+        # With this factor, the landings of 400 launches at 3° to 88° were wrong by at most a fourth
+        # of the tolerance, or by 4e-14 m where rounding dominates.
         return 0.01 * self.tolerance
 
     @property
     def order(self) -> int:
-        """Order of the series.
-
-        An order N costs N² a step, and steps grow as truncation^(1/N): the cheapest is
-        -ln(truncation)/2, and somewhat more, as a step has costs besides.
-        """
+        """Order of the series."""
+        # A step of order N costs N², and its length is proportional to truncation^(1/N): the
+        # optimum is -ln(truncation)/2. The fixed cost of a step raises it a little.
         return round(-0.5 * math.log(self.truncation)) + 5
 
     @property
@@ -109,12 +106,10 @@ class Batch(ManyAtOnce):
 
     @property
     def flight_error(self) -> float:
-        """Relative error of a state at the end of a flight.
-
-        A position is off by up to 11 truncations, in metres or as a part of it, a velocity by a
-        fourth of one, and where rounding rules by 3 half ulps: over 400 launches, measured in 34
-        digits.
-        """
+        """Relative error of a state at the end of a flight."""
+        # Measured in 34 digits on 400 launches: positions are wrong by up to 11 truncations (in
+        # metres, or relative), velocities by a fourth of one, and both by 3 half ulps where
+        # rounding dominates.
         return 20 * max(self.truncation, DOUBLES.rounding)
 
     def fly(self, law: Law, start: State, events: Events, limit: float) -> Flight:
@@ -142,7 +137,8 @@ class Batch(ManyAtOnce):
         events: Events,
         limit: float,
     ) -> Touch:
-        """Find how a pitch meets the bat; see `longball.engines.engine.Engine.touch`."""
+        """Find the contact of a pitch; see `longball.engines.engine.Engine.touch`."""
+        # Start the search at the mark before the plate if the ball cannot touch the bat earlier.
         if isinstance(pitch, OneFlight):
             clear = records.approach_is_clear(bat, pitch.state.z)
             start = pitch.mark if clear else pitch.launch
@@ -170,25 +166,26 @@ class Batch(ManyAtOnce):
     def fly_all_with_tangents(
         self, starts: Records, program: Program, changes: Array | None
     ) -> tuple[Records, Array]:
-        """Fly records with derivatives; see `flights.fly_all`.
-
-        Flights past a bat take a hundredth of a second, which steps of a lower order span.
-        """
+        """Fly records with derivatives; see `flights.fly_all`."""
+        # Flights past a bat take a hundredth of a second: a lower order is enough for one step.
         near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
         order = max(8, 2 * self.order // 5) if near_bat else self.order
         return flights.fly_all(kernel(program), starts, order, self.truncation, changes)
 
     def _pieces(self, flight: Records, law: Law) -> Iterator[Piece]:
-        """Yield the steps of a flight, expanded anew."""
+        """Yield the steps of a flight as polynomials."""
+        # The compiled code returns only the states between steps; the series are expanded again
+        # here.
         code = kernel(records.in_lanes(law).program)
         arrival, states = flights.fly_and_record(code, flight, self.order, self.truncation)
         expand = Expander(records.general(law), self.order)
         ends = [*states[1:, 0].tolist(), arrival["time"].item()]
-        if ends[-1] == states[0, 0]:  # it ends where it begins
+        # A flight that ends at its launch has no step.
+        if ends[-1] == states[0, 0]:
             begin, *state = states[0].tolist()
             yield Rest(begin, 0.0, law.state(*state))
         for (begin, *state), end in zip(states.tolist(), ends, strict=True):
-            if begin < end:  # not too short a step to be seen in the time
+            if begin < end:  # a step may be too short to change the time
                 yield PolynomialPiece(begin, end - begin, law.state, expand(np.array(state))[0])
 
 

@@ -57,20 +57,20 @@ def solve_columns(
     Parameters
     ----------
     scene
-        Says what is the same in all.
+        The scene with the numbers that are the same in all rows.
     columns
-        Arrays of shape (n,) under the names of what differs: ``pitch.speed``, ``pitch.aim[0]``,
+        Numbers that differ, as arrays of shape (n,) by name: ``pitch.speed``, ``pitch.aim[0]``,
         ``swing.height_offset``, ``ball.restitution``, ``launch.velocity[2]``, …
     threads
-        Of this process. Neither their number nor the order of the scenes changes a bit.
+        Number of threads. Neither this number nor the order of the scenes changes a bit.
 
     Returns
     -------
     dict of str to array
-        Columns of shape (n,): ``outcome``, a string, empty where the scene has no answer
-        (`longball.engines.chain.solve` says why); the quantities of the result, ``plate.time``,
-        ``contact.normal[0]``, ``landing.distance``, …, NaN where there is none; and ``engine``, the
-        description of what flew the ball.
+        Columns of shape (n,): ``outcome``, a string, empty if the scene has no answer
+        (`longball.engines.chain.solve` gives the reason); the quantities of the result,
+        ``plate.time``, ``contact.normal[0]``, ``landing.distance``, …, NaN if absent; and
+        ``engine``, the description of the engine that flew the ball.
 
     Raises
     ------
@@ -79,8 +79,7 @@ def solve_columns(
 
     Notes
     -----
-    The numbers of the columns are taken as they are. A scene that `longball.model.scene` would
-    refuse is not looked for; it has an answer, or none.
+    Columns are not validated as scenes: an invalid row may have an answer, or none.
     """
     flyer, known = engine or _batch(), _checked(scene, columns)
     table = _solve(scene, known, flyer, threads, model)
@@ -90,10 +89,10 @@ def solve_columns(
 def solve_decided_columns(
     scene: Scene, columns: Mapping[str, ArrayLike], engine: BatchFlyer | None = None
 ) -> dict[str, NDArray[Any]]:
-    """Solve columns as `solve_columns` does, but for rows that the engine's error does not decide.
+    """Solve columns as `solve_columns` does, without an outcome for undecided rows.
 
-    These have no outcome. The scalar engine, which takes a thousand times as long, decides some of
-    them; a search for the place where a ball begins to graze something ends among them.
+    `solve_columns` leaves them to the scalar engine, which decides some and takes a thousand times
+    as long. A root search for a graze ends among such rows, and does not need them.
     """
     if not _flies_in_lanes(scene, MODEL):
         return solve_columns(scene, columns, engine)
@@ -109,12 +108,11 @@ class Slopes:
     Attributes
     ----------
     columns
-        Of each quantity, shape (inputs, n): its derivatives by the inputs, in order; NaN where
-        there is none.
+        Derivatives of each quantity by the inputs, in order, shape (inputs, n); NaN if absent.
     alone
-        Rows whose derivatives were found one by one, by the engine ivp.
+        Rows whose derivatives are from the engine ivp.
     refused
-        Why there are no derivatives by some inputs, by row and input.
+        Reasons for missing derivatives, by row and input.
     """
 
     columns: dict[str, Array]
@@ -129,10 +127,10 @@ def solve_columns_with_slopes(
     engine: Any = None,
     threads: int = 1,
 ) -> tuple[dict[str, NDArray[Any]], Slopes]:
-    """Solve columns as `solve_columns` does, and their derivatives by inputs of the scene.
+    """Solve columns as `solve_columns` does, with their derivatives by inputs of the scene.
 
-    The inputs are named as by `longball.model.inputs`. Rows in which the compiled code does not
-    know a derivative, or there may be none, are left to `longball.engines.tangent`.
+    `longball.model.inputs` defines the names of the inputs. `longball.engines.tangent` computes the
+    rows in which the compiled code has no derivative, or a derivative may not exist.
     """
     from longball.engines.batch import slopes  # brings ball arithmetic
     from longball.engines.tangent import derivatives_of
@@ -156,7 +154,7 @@ def solve_columns_with_slopes(
     table.doubtful |= table.alone
     results = _named(table, scene, known, flyer)
 
-    # the rows whose derivatives the lanes leave open, one by one
+    # the rows whose derivatives the compiled code does not know, one by one
     solver: Any = create("ivp")
     alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
     refused = {}
@@ -182,9 +180,9 @@ def solve_columns_with_restitutions(
     engine: BatchFlyer | None = None,
     threads: int = 1,
 ) -> list[dict[str, NDArray[Any]]]:
-    """Solve at-bats with balls that differ in restitution: a table as of `solve_columns` for each.
+    """Solve at-bats for several restitutions; return a table of `solve_columns` for each.
 
-    The pitches and their touching of the bat, which do not depend on it, are solved once.
+    Pitches and contacts do not depend on the restitution, and are solved once.
     """
     flyer, known = engine or _batch(), _checked(scene, columns)
     balls = [quantities.replaced(scene, {"ball.restitution": e}) for e in restitutions]
@@ -203,12 +201,13 @@ def solve_columns_with_restitutions(
 
 
 def _batch() -> BatchFlyer:
-    flyer: Any = create("batch")  # which flies for these functions, and knows them
+    # By name, because its module imports this one.
+    flyer: Any = create("batch")
     return cast(BatchFlyer, flyer)
 
 
 def _checked(scene: Scene, columns: Mapping[str, ArrayLike]) -> dict[str, Array]:
-    """Return columns as arrays, if they are of numbers that the scene has, and equally long."""
+    """Return columns as arrays; check their names and lengths."""
     names = [name for name, _ in quantities.numbers(scene)]
     n = max((np.size(column) for column in columns.values()), default=1)
     for name, column in columns.items():
@@ -232,6 +231,7 @@ def _run(
 
 def _view(scene: Scene, columns: Mapping[str, Any]) -> SimpleNamespace:
     """Return a scene with columns, or numbers, in place of its numbers."""
+    # Models would validate their numbers, so the chain gets namespaces with the same attributes.
     view: SimpleNamespace = _with_columns(scene, columns, "")
     if hasattr(scene, "ground"):
         view.ground = _with_columns(scene.ground, columns, "ground")  # of a pitch: the model's
@@ -240,14 +240,15 @@ def _view(scene: Scene, columns: Mapping[str, Any]) -> SimpleNamespace:
 
 def _with_columns(value: Any, columns: Mapping[str, Any], name: str) -> Any:
     """Return a part of a scene with columns for those of its numbers that have them."""
-    if isinstance(value, float):  # first: a float takes long to tell that it is no model
+    # Floats first: isinstance of a pydantic model is slow.
+    if isinstance(value, float):
         return columns.get(name, value)
     if isinstance(value, tuple):
         return tuple(_with_columns(x, columns, f"{name}[{i}]") for i, x in enumerate(value))
     if isinstance(value, BaseModel) and not isinstance(value, Reading):
         prefix = f"{name}." if name else ""
         if name and not any(column.startswith(prefix) for column in columns):
-            return value  # none of its numbers differs
+            return value  # without columns
         parts = {
             key: _with_columns(getattr(value, key), columns, prefix + key)
             for key in type(value).model_fields
@@ -263,14 +264,14 @@ def _named(
     flyer: BatchFlyer,
     model: Model = MODEL,
 ) -> dict[str, NDArray[Any]]:
-    """Return a table as columns by name, the rows that are left to be solved alone being solved."""
+    """Return a table as columns by name; solve the rows left to the scalar chain."""
     engines = np.full(len(table), flyer.description, object)
     for i in np.flatnonzero(table.alone).tolist():
         try:
             cells = {name: column.item(i) for name, column in columns.items()}
             result = chain.solve(quantities.replaced(scene, cells), cast(Any, flyer), model)
         except ValidationError:
-            continue  # no scene
+            continue  # an invalid row has no answer
         engines[i] = result.engine
         # Those of blocks; id, outcome and error have no dot in their names.
         numbers = {name: x for name, x in quantities.flat(result.data()) if "." in name}
@@ -296,7 +297,7 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[di
             continue
         solved = solve_columns_as_data(same[0], _columns_of(same), solver, threads)
         for i, data in zip(places, solved, strict=True):
-            # Solved alone for the reason.
+            # A row without an answer is solved again by the scalar chain, which gives the reason.
             results[i] = data or chain.solve(scenes[i], solver).data()
             results[i]["id"] = scenes[i].id
     return [results[i] for i in range(len(scenes))]
@@ -305,7 +306,7 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[di
 def solve_columns_as_data(
     scene: Scene, columns: Mapping[str, Array], solver: Any, threads: int = 1
 ) -> list[dict[str, Any] | None]:
-    """Return the results of columns as plain data without ids; None where a scene has no answer."""
+    """Return the results of columns as plain data without ids; None for a row without an answer."""
     return [
         None
         if outcome is None
@@ -315,10 +316,8 @@ def solve_columns_as_data(
 
 
 def _structure(scene: Scene) -> tuple[Any, ...]:
-    """Return the structure that scenes share when only their numbers differ.
-
-    Blocks and keys that every scene of a kind has are not looked at: that would take as long again.
-    """
+    """Return a hashable structure, equal for scenes that differ only in their numbers."""
+    # Only optional blocks and keys are checked, because checking all would double the time.
     block = scene.__dict__.get
     bat: Any = block("bat")
     thrown: Any = block("launch") or block("pitch") or block("incoming")
@@ -342,7 +341,7 @@ def _columns_of(scenes: list[Scene]) -> dict[str, Array]:
     names = (name.partition("[")[0] for name, _ in quantities.numbers(scenes[0]))
     for quantity in dict.fromkeys(names):
         if quantity.startswith("fence."):
-            continue  # the same in all
+            continue  # part of the structure
         values = np.array([*map(attrgetter(quantity), scenes)], np.float64)
         if values.ndim == 1:
             columns[quantity] = values
@@ -358,7 +357,7 @@ def _solve(
     threads: int,
     model: Model = MODEL,
 ) -> Table:
-    """Solve columns, but for the rows that are left to be solved alone."""
+    """Solve columns, except the rows left to the scalar chain."""
 
     def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Table]) -> None:
         part = tables[0].part(rows)
@@ -370,17 +369,17 @@ def _solve(
 
 
 def _flies_in_lanes(scene: Any, model: Model) -> bool:
-    """Return True if the compiled code flies the balls of a scene, by their law."""
+    """True if the compiled code supports the laws of motion of a scene."""
     if isinstance(scene, ImpactScene):
         return True
-    # Friction gives a batted ball some spin.
+    # With friction, the batted ball has a spin in any direction.
     rubbed = isinstance(scene, AtBatScene) and scene.bat.friction is not None
     thrown = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     frame = Frame(0.0, 0.0, 1.0, 0.0, (1.0, 1.0, 1.0) if rubbed else thrown.spin)
     return records.flies_in_lanes(law_of(scene, frame, DOUBLES, model.forces))
 
 
-# The numbers of a scene that the law of motion is made of, in the frame of the ball's heading.
+# Numbers of a scene that become strengths of the law of motion, in the frame of the ball's heading.
 _OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
 
 
@@ -395,9 +394,10 @@ def _in_blocks(
     threads: int,
     model: Model = MODEL,
 ) -> list[T]:
-    """Fill tables by a function of rows, their columns and the tables, from several threads.
+    """Fill tables block by block, by several threads.
 
-    What is zero is not computed: rows in a block have the same zeros in what their law is made of.
+    Terms with strength zero are not in a law. All rows of a block therefore have zeros in the same
+    strengths.
     """
     n = max(map(len, columns.values()), default=1)
     tables = empty(n)
@@ -425,7 +425,8 @@ def _in_blocks(
     ]
 
     def quietly(rows: slice) -> None:
-        with np.errstate(all="ignore"):  # what overflows is withdrawn
+        # Overflows are removed from the table afterwards.
+        with np.errstate(all="ignore"):
             solve_block(rows, {name: column[rows] for name, column in columns.items()}, tables)
 
     if threads == 1 or len(blocks) == 1:
@@ -459,7 +460,7 @@ def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:
 
 
 def _part(name: str, columns_of: dict[str, list[Array]]) -> list[dict[str, Any]]:
-    """Return a part of each row's result: what it has of its quantities."""
+    """Return a part of each row's result, with the quantities that are not NaN."""
     known: list[list[bool]] = []
     values: list[list[Any]] = []
     for key, columns in columns_of.items():
