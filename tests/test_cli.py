@@ -219,7 +219,7 @@ class TestSolve:
         for read, written in ((source, source), (source, link), (link, source)):
             run = called("solve", str(read), "-o", str(written))
             assert run.returncode == 2
-            assert "is the file that the scenes are read from" in run.stderr
+            assert "is also the input" in run.stderr
             assert source.read_bytes() == FLIGHT
 
 

@@ -89,7 +89,7 @@ def test_the_source_is_not_overwritten(tmp_path: Path, line: str):
     source.write_bytes(FLIGHT)
     run = shell(line, tmp_path)
     assert run.returncode == 2
-    assert b"is the file that the scenes are read from" in run.stderr
+    assert b"is also the input" in run.stderr
     assert source.read_bytes() == FLIGHT
 
 
@@ -196,7 +196,7 @@ def test_a_line_of_just_that_length_is_read():
 def test_ids_given_twice_are_told(called):
     run = called("solve", stdin=FLIGHT * 3 + FLIGHT.replace(b'"f"', b'"g"'))
     assert run.returncode == 0
-    assert run.stderr == "longball: 1 ids stand on more than one line, such as 'f'\n"
+    assert run.stderr == "longball: 1 id is on more than one line, such as 'f'\n"
     assert len(run.stdout.splitlines()) == 4
 
 

@@ -111,7 +111,7 @@ BAD = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0,
 WRONG = r"""
 --nonsense -> no such option --nonsense; see
 aim -> --target
-aim --target 1,x -> --target x: a number is needed, alone or with a unit: m
+aim --target 1,x -> --target x: must be a number, alone or with a unit: m
 aim - --target -20 -> a distance must be positive
 aim - --target far -> --target far: a number is needed
 aim - --target 90 --unknown gravity -> longball: unknowns: gravity cannot be aimed
@@ -138,7 +138,7 @@ golden chekc -> no such command 'chekc', did you mean check?
 golden write x --family ptch -> --family ptch: there is none, did you mean
 golden write --part half nowhere -> half
 golden write -> DIR
-homerun --fence {here} -> neither a radius in m nor a file with the block
+homerun --fence {here} -> must be a radius, such as 120 or 400ft, or a JSON file
 homerun --reading inertia=rod -> inertia
 homerun --reading inertia -> NAME=VALUE
 homerun --reading nonsense=1 -> nonsense
@@ -199,7 +199,7 @@ judge --expected 2 -- true -> {dt}
 judge --steps 0.1:0.01:5 -- true -> {dt}
 judge --steps 0.1:0.01:5 --knob n=1,2,3 -- true '{n}' -> not both
 judge --seed 2 -- true -> --random
-judge --golden pitch --kind flight -- true -> no golden case is of these
+judge --golden pitch --kind flight -- true -> there is no golden case of these
 judge --readings --random 3 -- true -> --readings is for golden cases
 judge --random 3 --kind fly -- true -> flight, pitch
 judge --steps 0.01:0.1:5 -- true '{dt}' -> from coarse to fine
@@ -223,7 +223,7 @@ solve --engine bach -> enclosure, multiprecision, verlet, did you mean b
 solve --engine verne -> --engine verne: must be one of
 solve --egine ivp -> no such option --egine, did you mean --engine?
 solve a.jsonl b.jsonl -> b.jsonl: one too many; the command takes [SCENES|-
-solve --fence Fenway -> --fence Fenway: neither a radius in m nor a file
+solve --fence Fenway -> --fence Fenway: must be a radius, such as 120 or 400ft
 solve --points 1 -> --points 1: must be at least 2
 solve --points 1000000001 -> --points 1000000001: must be at most
 solve --integrator Euler -> Euler
@@ -237,7 +237,7 @@ solve --set bat.mess=1 -> bat.mess: no scene has this key, did you mean
 solve --set pitch.speed=95mhp -> did you mean mph?
 solve --set density=1 -> no scene has this key, did you mean air.density?
 solve --reading inertial=thin_rod -> did you mean inertia?
-solve --reading sample_space=fair -> it changes no scene, but longball homer
+solve --reading sample_space=fair -> it is for longball homer
 solve --reading verlet_forces=implicit -> --engine verlet --forces
 solve --fence '120 feet' -> --fence 120 feet: the unit 'feet' does not fit
 solve -o x.xyz -> x.xyz: the endings of results are
@@ -250,8 +250,8 @@ solve --certify=yes -> --certify: it takes no value
 sovle -> no such command 'sovle', did you mean solve? The commands are solve,
 spin --example --model paper -> a constant does not depend on the spin
 spin --example --model natan -> did you mean nathan
-spin --up 16in -> --up: it goes with --speed
-spin t.csv --speed 40 -> --speed is for a single pitch: leave out the table
+spin --up 16in -> --up: it needs --speed
+spin t.csv --speed 40 -> --speed is for a single pitch: omit the table
 spin --example --speed 40 -> --example: of a table
 spin --speed 40 --games g.csv -> --games: of a table
 spin --speed 40 --release 3,4 -> pitch.release[2]: is missing

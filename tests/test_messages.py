@@ -81,7 +81,7 @@ def test_a_column_stands_for_one_component_of_a_vector_for_all():
         ("flight --speed 103mph --angle 28 --elevation 5,200ft", "a number has no comma"),
         ("flight --speed 103mph --angle 80", "the spin is from a regression for 10° to 60°"),
         ("spin --speed 95 --up 16in", "95 m/s is more than in any game; is it in km/h, mph"),
-        ("spin t.csv --speed 95mph", "--speed is for a single pitch: leave out the table"),
+        ("spin t.csv --speed 95mph", "--speed is for a single pitch: omit the table"),
         ("movement t.csv", "--column NAME=COLUMN gives the table's name of a column"),
         ("homerun --pitches s.jsonl", "not the result of longball fit --json: source: is missing"),
         ("homerun --e 0.4:0.5", "must be FIRST:LAST:STEP"),

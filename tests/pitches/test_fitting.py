@@ -224,7 +224,7 @@ def test_the_text_says_what_was_used_and_what_was_not():
     table.loc[[6, 9], "plate_x"] = np.nan
     text = as_text(fit_pitches(table, replicates=2))
     assert "4416 pitches used of 4418 rows" in text
-    assert "left out: 2, plate_x is missing (row 7, 10)" in text
+    assert "omitted: 2, plate_x is missing (row 7, 10)" in text
     assert "straight: 1448 (FF 1443, FA 5)" in text or "straight: 14" in text
     assert "straight: 1448 (FF 1443, FA 5)" in text
     assert "5.500 (at bound)" in text

@@ -130,7 +130,7 @@ def test_the_command_prints_what_it_used_and_the_errors():
     assert run.exit_code == 0
     lines = run.stdout.splitlines()
     assert lines[0].endswith("2 batted balls used of 3 rows")
-    assert lines[1] == "  left out: 1, hc_x is missing (row 3)"
+    assert lines[1] == "  omitted: 1, hc_x is missing (row 3)"
     assert lines[2] == "  weather not known: 2; taken as 20 °C at sea level"
     assert lines[-1].split() == ["all", "2", "+0.00", "0.00"]
 

@@ -16,7 +16,8 @@ from longball import __version__
 from longball.cli.usage import in_one_voice
 from longball.model.names import one_of
 
-# The commands, each with an example. Each is a function in a module of its own, imported on demand.
+# The commands, with an example of each. A command is a function in a module of the same name, which
+# is imported on demand: completion and --help must not load SciPy.
 COMMANDS = {
     "solve": "longball solve at-bats.jsonl -o results.jsonl",
     "judge": "longball judge -- longball solve --engine verlet --dt 1e-3",
@@ -41,26 +42,21 @@ EXIT_STATUS = (
 )
 
 
-def module_of(command: str) -> Any:
-    """Import the module of a command."""
-    return import_module(f"longball.cli.{command}")
-
-
 def summary_of(command: str, group: str = "") -> str:
     """Return the first line of a command's docstring, without importing its module."""
     # Help lists all commands; importing them takes five times as long as parsing them.
     tree: Any = ast.parse(Path(__file__).with_name(f"{group or command}.py").read_bytes())
     if command not in GROUPS:
-        # The function has the command's name, with _ if Python has a word like it.
+        # The function has the command's name, with _ if it would hide a word of Python.
         functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
         tree = next(node for node in functions if node.name.rstrip("_") == command)
     return (ast.get_docstring(tree) or "").partition("\n")[0]
 
 
 class Commands(TyperGroup):
-    """Commands that are imported when they are asked for, and refuse values in plain words."""
+    """A group of commands, imported on demand, with usage errors in longball's words."""
 
-    group = ""  # that the commands belong to; empty for longball itself
+    group = ""  # name of the group; empty for longball itself
     examples: Mapping[str, str] = COMMANDS
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -75,12 +71,12 @@ class Commands(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command, None if there is none of that name."""
         if cmd_name not in self.examples:
-            # Completion of a shell asks for words that are not finished.
+            # A shell asks for the completion of unfinished words.
             if not (ctx.resilient_parsing or cmd_name.startswith("-")):
                 known = one_of("the commands are", cmd_name, self.examples)
                 ctx.fail(f"no such command {cmd_name!r}{known}")
             return None
-        module = module_of(self.group or cmd_name)
+        module = import_module(f"longball.cli.{self.group or cmd_name}")
         epilog = f"Example: {self.examples[cmd_name]}\n\n{EXIT_STATUS}"
         if cmd_name in GROUPS:
             group = Commands(
@@ -94,16 +90,17 @@ class Commands(TyperGroup):
             return group
         from longball.cli.options import command_of
 
-        # The rows of the table: "golden check.seed".
+        # The key of options such as "golden check.seed".
         name = f"{self.group} {cmd_name}".strip()
         function = getattr(module, cmd_name, None) or getattr(module, f"{cmd_name}_")
         return command_of(name, function, epilog)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command that is asked for, and give it what a file of settings has for it."""
+        """Return the requested command, with the defaults from a configuration file."""
         resolved: Any = super().resolve_command(ctx, args)
         name, command, rest = resolved
-        # Help must work with a wrong file of settings. What follows -- belongs to the COMMAND.
+        # --help must work even if the configuration file is wrong. Words behind -- are the
+        # COMMAND's.
         asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
         has_settings = not self.group and name not in GROUPS
         if has_settings and not (asks_help or ctx.resilient_parsing):
@@ -115,12 +112,12 @@ class Commands(TyperGroup):
         return name, command, rest
 
     def make_context(self, *args: Any, **kwargs: Any) -> Any:
-        """Read the words before the command."""
+        """Parse the words before the command."""
         with in_one_voice():
             return super().make_context(*args, **kwargs)
 
     def invoke(self, ctx: Any) -> Any:
-        """Call the command that is asked for."""
+        """Call the requested command."""
         with in_one_voice():
             return super().invoke(ctx)
 

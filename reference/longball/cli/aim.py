@@ -22,7 +22,7 @@ def aim(
     from longball.questions.aiming import aim as aimed
 
     if not target:
-        wrong_call("--target: what is to be hit is needed, such as --target 110")
+        wrong_call("--target is missing: give a distance or a position, such as --target 110")
     # One number is a distance, two are a point on the ground, three a point of the path.
     numbers = [in_si("--target", part, "m") for part in target.split(",")]
     scene = one_scene(source, chosen_changes(set_, None, reading))

@@ -23,13 +23,13 @@ def chosen_changes(
 ) -> Changes:
     """Collect the options that change scenes; a sampling or scheme reading is a usage error.
 
-    `blocks` come first, so that the options change them.
+    `blocks` are applied first, so that options can change them.
     """
-    # Only those of the scene can change scenes; the others belong to homerun and verlet.
+    # Only readings of the physics change scenes; the others are for homerun and the engine verlet.
     switches = chosen_switches(readings or [])
     for belongs, named in switches.items():
         if belongs != "scene" and named:
-            wrong_call(f"--reading {next(iter(named))}: it changes no scene, but longball homerun")
+            wrong_call(f"--reading {next(iter(named))}: it is for longball homerun, not for scenes")
     whole = {**(blocks or {})}
     whole |= {f"reading.{name}": option for name, option in switches["scene"].items()}
     if fence is not None:
@@ -39,7 +39,7 @@ def chosen_changes(
 
 
 def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
-    """Return the switches that options set, by what they belong to."""
+    """Return the switches of --reading options, grouped by the part that they change."""
     ledger = {entry.switch: entry for entry in LEDGER if entry.is_switch}
     switches: dict[Belongs, dict[str, Any]] = {"scene": {}, "sampling": {}, "figure": {}}
     for text in readings:
@@ -49,7 +49,7 @@ def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
             wrong_call(f"--reading {name}: not in the ledger{near}")
         if ledger[name].belongs == "scheme":
             wrong_call(
-                f"--reading {name}: of the paper's scheme, which is an option of its engine: "
+                f"--reading {name}: a reading of the paper's scheme is an option of its engine: "
                 f"longball solve --engine verlet --{SCHEME_OPTIONS[name].replace('_', '-')}"
             )
         switches[ledger[name].belongs][name] = json_or_number(option)
@@ -57,18 +57,18 @@ def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
 
 
 def in_si(option: str, text: str, si: str, usual: str = "") -> float:
-    """Return a number of an option, with or without a unit, in an SI unit."""
+    """Return the value of an option in an SI unit; its text may have another unit."""
     with refusing(f"{option} {text}: "):
         number = read_in_si(text, si, usual)
     if number is None:
         units = ", ".join(UNITS[si])
-        wrong_call(f"{option} {text}: a number is needed, alone or with a unit: {units}")
+        wrong_call(f"{option} {text}: must be a number, alone or with a unit: {units}")
     return number
 
 
 def fence_block(text: str) -> Any:
-    """Return the fence that an option names: a radius, or a file that holds the block."""
-    # A file may be called 120, and is meant then.
+    """Return the `fence` block of an option: a radius, or a file with the block."""
+    # An existing file has priority, even if it is called 120.
     if not Path(text).is_file():
         try:
             radius = value_of("fence.radius", text)
@@ -76,11 +76,11 @@ def fence_block(text: str) -> Any:
             wrong_call(f"--fence {text}: {str(error).removeprefix(f'fence.radius={text}: ')}")
         if not isinstance(radius, str):
             return {"radius": radius}
-    # The scene's own check says what is wrong with the block; here it must be JSON alone.
+    # Here the file must only be JSON; the validation of the scene checks the block.
     try:
         return json.loads(Path(text).read_text(encoding="utf-8"))
     except (FileNotFoundError, ValueError):
         wrong_call(
-            f"--fence {text}: neither a radius in m nor a file with the block of a fence in JSON, "
-            'such as {"radius": 120}; longball flight --park knows parks by name'
+            f"--fence {text}: must be a radius, such as 120 or 400ft, or a JSON file with a fence "
+            'block, such as {"radius": 120}; longball flight --park takes the name of a park'
         )

@@ -1,4 +1,4 @@
-"""Work on a Dask cluster, by joblib's backend, instead of this machine's cores."""
+"""Work on a Dask cluster in place of this machine's cores, by joblib's backend."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from typing import Any
 from longball import __version__
 from longball.cli.messages import fail, wrong_call
 
-CONNECTING = 5.0  # s, until a scheduler that does not answer is given up
-PROBING = 8.0  # s, until workers are
+# Timeouts, s, for the scheduler and for its workers. A wrong address must fail before a user gives
+# up.
+CONNECTING = 5.0
+PROBING = 8.0
 
 
 @contextmanager
 def on_cluster(address: str | None) -> Iterator[None]:
-    """Run what joblib runs in this context on a cluster; here, if there is no address.
+    """Run joblib's tasks within this context on a cluster; without an address, on this machine.
 
-    The tasks and their order stay the same, and so do the results, to the last bit. A task whose
-    worker is lost is done again by another one; if all are lost, the run waits for new ones.
+    Tasks, their order and the results are the same, to the last bit. If a worker is lost, another
+    one repeats its task; if all are lost, the run waits for new ones.
     """
     if address is None:
         yield
@@ -34,7 +36,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
 
     option = f"--scheduler {address}"
     try:
-        # A client that cannot make sense of its address takes long to say so, with a traceback.
+        # Parse the address first: a client rejects an invalid one late, with a traceback.
         distributed.comm.get_address_host_port(address, strict=True)
         certificates = distributed.Security().get_connection_args("client")["ssl_context"]
         if address.startswith("tls:") and certificates is None:
@@ -64,7 +66,7 @@ def _check_workers(client: Any, option: str) -> None:
         wrong_call(f"{option}: it has no workers, or none that answers within {PROBING:g} s")
     except (ImportError, AttributeError):
         wrong_call(f"{option}: its workers have no longball, or another version of it")
-    # Results are promised to the last bit, which other code or libraries may change.
+    # Other code or libraries could change the last bits of the results.
     ours = fingerprint()
     if others := [worker for worker, code in theirs.items() if code != ours]:
         wrong_call(

@@ -1,4 +1,4 @@
-"""A command of the command line: its help, and the options that a file of settings gives."""
+"""A command of the command line: its help, and the options from a configuration file."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from longball.cli.messages import note
 from longball.cli.settings import INSTEAD
 from longball.cli.usage import UsageError
 
-# What help calls the types of values; other forms stand as they are, as a|b.
+# Names of types in the help; other forms, such as a|b, are unchanged.
 TYPES = {"str": "TEXT", "int": "N", "float": "X", "path": "FILE"}
 _TYPE = re.compile(r"<(?:list\[)?(.*?)\]?(?: range)?>")
 
 
 class Command(TyperCommand):
-    """A command whose help has no types of Python, and says which options a file has given."""
+    """A command whose help has no Python types, and which reports options from a file."""
 
-    settings = ""  # the file
+    settings = ""  # name of the configuration file
 
     def named_options(self) -> Mapping[str, Any]:
         """Return parameters by their long names; the argument of a COMMAND is one of them."""
@@ -28,12 +28,12 @@ class Command(TyperCommand):
         return long | {p.name: p for p in self.params if p.name == "command"}
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
-        """Parse the arguments; what they give stands for what a file gives in its place."""
-        # Typer gives its parameters the values of the file and of the defaults here.
+        """Parse the arguments, which override alternatives in the configuration file."""
+        # Typer fills in the values of the file, and the defaults.
         try:
             rest = super().parse_args(ctx, args)
         except UsageError as error:
-            error.ctx = error.ctx or ctx  # of an option without its value it is not known
+            error.ctx = error.ctx or ctx  # typer omits it for an option without a value
             raise
         # A COMMAND on the command line takes the place of results in the file, and so on.
         for names in INSTEAD:
@@ -46,14 +46,14 @@ class Command(TyperCommand):
         names = (name for name, parameter in self.named_options().items()
                  if given_by(ctx, parameter.name) == "DEFAULT_MAP"
                  and ctx.params.get(parameter.name) is not None)  # fmt: skip
-        # Values that nobody sees would be searched for in vain when a verdict surprises.
+        # Name the options from the file: invisible values would be hard to find.
         if given := ", ".join(names):
             note(f"{self.settings} gives {given}")
         return super().invoke(ctx)
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the arguments of the usage line."""
-        # Typer writes [SCENES] for an argument that our metavar has as [SCENES|-].
+        # Typer's own text would be [SCENES] for our metavar [SCENES|-].
         arguments = (p for p in self.params if p.param_type_name == "argument")
         return ["[OPTIONS]", *(str(p.metavar) for p in arguments)]
 
@@ -62,7 +62,7 @@ class Command(TyperCommand):
         rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
         for parameter in self.get_params(ctx):
             if record := parameter.get_help_record(ctx):
-                # An option has the form of its value in place of the type, <int> or <list[str]>.
+                # Replace typer's types, <int> or <list[str]>, by the form of the value.
                 name = _TYPE.sub(lambda form: TYPES.get(form[1], form[1]), record[0])
                 if parameter.param_type_name == "argument":
                     name = str(parameter.metavar)

@@ -32,7 +32,7 @@ def converge(
     quiet: bool = False,
 ) -> None:
     """Measure the order of convergence of a simulator."""
-    # The judge brings compiled code with it, and --help does not need it.
+    # Imported here because --help must not load the engines.
     from longball.convergence.figure import save_convergence
     from longball.golden import load
     from longball.judge.candidate import Limits
@@ -49,21 +49,21 @@ def converge(
     kinds = chosen_kinds(kind)
     if scenes:
         given = read_scenes(scenes)
-    else:  # some cases of the family, or of those that show most
+    else:  # a sample of the family, or of those families with the clearest orders
         with refusing():
             cases = load(golden)
         given = [case.scene for case in sample(cases, [golden] if golden else FAMILIES)]
     asked = [scene for scene in given if not kinds or scene.kind in kinds]
-    # Files of scenes mix kinds, and a simulator may have one of them.
+    # A file may contain several kinds, and a simulator may support one of them.
     if not asked:
         wrong_call(f"--kind {', '.join(kinds)}: none of the scenes is of this kind")
-    # Without truth the steps are compared with each other, which hides errors that all share.
+    # Without the truth, steps are compared with each other, which hides their common errors.
     proofs = [case.expected for case in proven(asked)] if truth else None
     with progress_bar("runs", 1) as advance, refusing():
         sweep = sweep_of(command, steps, knob, expected, progress=advance)
         assert sweep
         report, issues = sweep.run(command, asked, proofs, Limits(timeout), as_csv)
-    # A program that misbehaves does so in every line: the first ones show how.
+    # A faulty program fails in every line; twenty messages are enough.
     for issue in issues[:20]:
         tell(str(issue))
     if csv_:

@@ -26,7 +26,8 @@ def fit(
     pairs = assignments("--column", column)
     values = {name: json_or_number(value) for name, value in pairs.items()}
     columns = parsed(Columns, values, "--column ")
-    # Without --breaking, all other types break: Statcast's names would not fit the table's.
+    # With --straight alone, all other types count as breaking: the default list has Statcast's
+    # names.
     classes: dict[str, Any] = {}
     if straight is not None:
         classes = {"straight": tuple(straight.split(",")), "breaking": None}
@@ -37,9 +38,9 @@ def fit(
         try:
             fitted = fit_pitches(table, columns, types, seed=seed)
         except NoSuchColumn as error:
-            # What only a height needs can be done without.
+            # Heights are optional: suggest to omit them if only their columns are missing.
             of_height = {columns.height, columns.top, columns.bottom} & {*error.missing}
-            without = ", or --column height=null leaves heights out" if of_height else ""
+            without = ", or --column height=null omits heights" if of_height else ""
             raise TableError(
                 f"{error}; --column NAME=VALUE names others, see --help{without}"
             ) from None

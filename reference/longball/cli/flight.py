@@ -28,10 +28,11 @@ from longball.pitches.statcast import (
 )
 from longball.questions.parks import park as park_of
 
-# Where a wind blows to: along x and y.
-WAYS = {"out": (1.0, 0.0), "in": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
+# Directions in which a wind blows, along x and y.
+WINDS = {"out": (1.0, 0.0), "in": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
 
-HIGHEST_PARK = 3000.0  # m; Mexico City has 2,240
+# An elevation above this, m, is probably in ft. Mexico City is at 2,240 m.
+HIGHEST_PARK = 3000.0
 
 
 def flight(
@@ -51,8 +52,8 @@ def flight(
 ) -> None:
     """Compute the flight of a batted ball.
 
-    Its spin comes from a published regression on angle and direction, as in `longball measured`;
-    --set launch.spin=… sets another. With --scene, other commands take it:
+    By default a published regression on angle and direction gives the spin, as in `longball
+    measured`; --set launch.spin=… sets another. --scene prints the scene for other commands:
     longball flight … --scene | longball parks -
     """
     blocks: dict[str, Any] = {}
@@ -61,7 +62,7 @@ def flight(
         with refusing("--"):
             where = park_of(park)
         height = where.elevation
-        # A fence of --set stands instead of the park's.
+        # A fence in --set replaces the park's.
         if not any(text.startswith("fence") for text in set_ or ()):
             blocks["fence"] = where.fence.model_dump(mode="json", exclude_none=True)
     if wind is not None:
@@ -70,17 +71,19 @@ def flight(
     ball = _ball(
         in_si("--speed", speed, "m/s"),
         in_si("--angle", angle, "rad", "deg"),
-        # Scenes count to the left, as y does; measured bearings to right field.
+        # --direction is positive to the left, like y; measured bearings are positive to right
+        # field.
         -in_si("--direction", direction, "rad", "deg"),
         {"R": 1.0, "L": -1.0, None: 0.0}[bats],
         in_si("--temperature", temperature, "K"),
         height if elevation is None else in_si("--elevation", elevation, "m"),
     )
-    # The same way as a row of a table goes, so that both have the same spin and weather.
+    # Through the code for rows of tables, so that spin and weather are those of `longball
+    # measured`.
     (asked,) = scenes(ball, model_of(model), change=change)
     if ball.elevation[0] > HIGHEST_PARK:
         note(f"--elevation: {ball.elevation[0]:g} m is above all parks; is it in ft?")
-    # Its backspin rises with the angle, beyond these to more than any that is measured.
+    # The regression is for flies: its backspin grows with the angle, beyond all measured values.
     chosen = any(text.startswith(("launch.spin", "launch.backspin")) for text in set_ or ())
     if model_of(model).spin and not chosen and not LOWEST <= ball.angle[0] <= HIGHEST:
         note("the spin is from a regression for 10° to 60°; --set launch.spin=[x,y,z] sets another")
@@ -88,7 +91,8 @@ def flight(
         wrong_call(str(asked).partition("is no scene: ")[2])
     for key, question in doubts(asked):
         note(f"{key}: {question}")
-    asked = asked.model_copy(update={"id": None})  # it is no row of a table
+    # Without the id of a row.
+    asked = asked.model_copy(update={"id": None})
     if scene:
         print(asked.line())
         return
@@ -103,22 +107,21 @@ def flight(
 
 
 def _wind(text: str) -> list[float]:
-    """Return the wind of a text such as 10 mph out, m/s."""
+    """Return the wind vector of a text such as 10 mph out, m/s."""
     amount, _, word = text.strip().rpartition(" ")
-    # "10 mph from left" has a word too many for a speed.
-    if word not in WAYS or not re.fullmatch(r"[-+.\deE]+\s*[^\s\d]*", amount):
-        ways = ", ".join(WAYS)
-        wrong_call(f"--wind {text}: must be a speed and one of {ways}, such as '10 mph out'")
-    # Level winds along the four directions of a field; --set air.wind takes any vector.
-    # The speed of 10 mph out is what stands before the last word.
+    # "10 mph from left" has too many words for a speed and a direction.
+    if word not in WINDS or not re.fullmatch(r"[-+.\deE]+\s*[^\s\d]*", amount):
+        words = ", ".join(WINDS)
+        wrong_call(f"--wind {text}: must be a speed and one of {words}, such as '10 mph out'")
+    # Horizontal winds in four directions; --set air.wind takes any vector.
     speed = in_si("--wind", amount, "m/s")
-    return [speed * component for component in WAYS[word]] + [0.0]
+    return [speed * component for component in WINDS[word]] + [0.0]
 
 
 def _ball(
     speed: float, angle: float, bearing: float, side: float, temperature: float, elevation: float
 ) -> MeasuredFlies:
-    """Return one ball as measured ones are; its bearing is positive to right field."""
+    """Return one ball in the form of measured ones; the bearing is positive to right field."""
     # `not >` also refuses NaN.
     if not speed > 0.0:
         wrong_call(f"--speed: must be positive (got {speed} m/s)")

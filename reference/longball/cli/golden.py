@@ -32,7 +32,7 @@ def list_(folder: Path | None = None, json_: bool = False, quiet: bool = False) 
     families = (
         (name, str(x.cases), x.about.partition("\n")[0]) for name, x in top.families.items()
     )
-    show(("family", "cases", "what"), families)
+    show(("family", "cases", "subject"), families)
     note(f"format {top.format}, {top.licence}")
 
 
@@ -44,9 +44,9 @@ def path() -> None:
 def export(output: Path | None = None, folder: Path | None = None, quiet: bool = False) -> None:
     """Write a set as one archive, the same bytes every time."""
     target = output or Path(f"{files.ARCHIVE}.zip")
-    # The name of a family or of a folder would become a file of that name.
+    # A family or a folder given by mistake would become the name of the archive.
     if target.suffix.lower() != ".zip":
-        wrong_call(f"{target}: the name of an archive ends in .zip; --folder DIR names the set")
+        wrong_call(f"{target}: the archive's name must end in .zip; --folder DIR gives the set")
     with refusing():
         count = files.export(target, folder or reader.DATA)
     note(f"{count} files in {target}")
@@ -64,9 +64,9 @@ def write(
     An interrupted run resumes where it stopped. The cases take about ten minutes on two cores, the
     probabilities P(e) a little longer.
     """
-    from longball.golden import home_runs, writer  # with them come the engines
+    from longball.golden import home_runs, writer  # they load the engines
 
-    # Names are checked first: the writer works for minutes before it comes to them.
+    # Check names first: the writer works for minutes before it needs them.
     families = reader.header().families
     if unknown := set(family or []) - families.keys():
         name = min(unknown)
@@ -95,14 +95,15 @@ def coverage(
     from longball.judge.diagnosis.findings import many
     from longball.judge.fresh import proven
 
-    # An edit is detected by proven answers, which golden cases have and own scenes need.
+    # Only proven answers detect an edit; the user's scenes have none yet.
     with refusing():
         own = proven(list(read_scenes(scenes)), "own")
     with progress_bar("edits", EDITS // every) as advance:
         detected = covered([*reader.load("all"), *own], every, advance)
     mine = [i for i, case in enumerate(detected.cases) if case.family == "own"]
     shown = detected.noticed[:, mine].sum(axis=1) > 0
-    # The edits of fewest bits are the mistakes that authors make most often.
+    # Edits with few bits are the most common mistakes: list these first.
+    # `bits` is the cost of an edit in the judge's search; see docs/truth.md.
     likeliest = sorted(range(len(shown)), key=detected.bits.__getitem__)
     missed = [detected.told(i) for i in likeliest if not shown[i]]
     by_stage = detected.by_stage(shown)
@@ -119,7 +120,7 @@ def coverage(
     note(f"{many(len(mine), 'scene')}: {int(shown.sum()):,} of {many(len(shown), 'edit')} detected")
 
 
-EDITS = 50_000  # about as many as there are, for the bar
+EDITS = 50_000  # approximate number, for the progress bar
 
 
 def check(
@@ -131,7 +132,7 @@ def check(
     quiet: bool = False,
 ) -> None:
     """Verify a set: checksums, schema, and the results by solving again."""
-    from longball.golden import checker  # with them come the engines that prove
+    from longball.golden import checker  # it loads the engines
 
     target = folder or reader.DATA
     if not target.is_dir():
@@ -151,7 +152,7 @@ def check(
         tell(report.left_out)
     if report.confirmed:
         note(report.confirmed)
-    # The oracle knows the shipped set alone.
+    # The oracle reads the shipped set only.
     if target.resolve() == reader.DATA:
         note("python -m tests.oracle_check solves them by a program that shares no line with these")
     verdict = f"{len(report.failures)} failures" if report.failures else "nothing is wrong"

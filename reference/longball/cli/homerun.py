@@ -31,7 +31,8 @@ from longball.model.scene import AtBatScene, Fence, parse_scene
 from longball.pitches import load_fitted
 
 Method = Literal["monte-carlo", "quadrature"]
-Engine = Literal["batch", "ivp"]  # those in double precision that report what they cannot decide
+# Fast engines that report undecided at-bats; verlet would decide them by its errors.
+Engine = Literal["batch", "ivp"]
 Rows = Sequence[Estimate] | Sequence[Integral]
 
 
@@ -59,7 +60,7 @@ def homerun(
     Quadrature integrates over the distributions of the samples, and also gives dP/de. It takes one
     to two seconds for each e, and minutes for readings under which P(e) has many kinks.
     """
-    # Options of samples that are silently ignored would look as if they had an effect.
+    # Options without effect are errors: a user would believe that they were applied.
     if method == "quadrature":
         refuse_if(
             (engine != "batch", f"--engine {engine}: quadrature takes the engine batch"),
@@ -72,7 +73,7 @@ def homerun(
     base = base_scene(switches["scene"], set_ or [], fence)
     if base.fence is not None and method == "quadrature":
         wrong_call("--fence: quadrature takes the distance of 150 m; take --method monte-carlo")
-    # Everything is checked before the first flight: a run may take hours.
+    # Check everything before the first flight, because a run may take hours.
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
     curve = str(switches["figure"].get(FIGURE_SWITCH, "caption"))
     if curve not in home_run.PAPER_CURVES:
@@ -108,18 +109,19 @@ def homerun(
             )
         fitted = home_run.fit(rows)
         failed = max(row.failed for row in rows)
-    # The paper's form and its curves are those of 150 m.
+    # The paper's form and curves are only valid for its own rule, 150 m.
     of_paper = base.fence in (None, Fence(radius=home_run.HOME_RUN_DISTANCE))
     curves = home_run.PAPER_CURVES if of_paper else {}
     fitted = fitted if of_paper else None
-    # The same seed, and so the same at-bats that the estimates are of.
+    # Draw the at-bats of the estimates again, from the same seed.
     if scenes:
         sampled = list(home_run.scenes(base, home_run.draw(at_bats, samples, seed)))
         pitched = [scene for scene in sampled if scene is not None]
         lines = (
             home_run.with_restitution(x, each).line() for x in pitched for each in restitutions
         )
-        with open(scenes, "w", encoding="utf-8") as file:  # they may be millions
+        # Line by line: there may be millions.
+        with open(scenes, "w", encoding="utf-8") as file:
             file.writelines(f"{line}\n" for line in lines)
         if omitted := len(sampled) - len(pitched):
             tell(f"{omitted} samples drew a speed that is not positive; not in {scenes}")
@@ -139,7 +141,7 @@ def homerun(
         print(json.dumps(data, ensure_ascii=False))
     else:
         print_probability(rows, fitted, curves, curve)
-    # After the table, which holds all the same: nobody should lose an hour's work to one at-bat.
+    # Fail only after the table is printed: one undecided at-bat must not cost the whole run.
     if failed:
         fail(f"{failed} at-bats could not be solved; they count as no home run")
 
@@ -147,9 +149,9 @@ def homerun(
 def base_scene(
     reading: Mapping[str, Any], values: Sequence[str], fence: str | None = None
 ) -> AtBatScene:
-    """Return the at-bat that options describe, with everything that is not drawn at random."""
+    """Return the at-bat of the options, without its random numbers."""
     change = chosen_changes(values, fence)
-    # Through a line of JSON, so that options are checked as scenes are.
+    # Through a line of JSON, so that options are validated like scenes.
     with refusing():
         line = json.dumps({"id": "base", "kind": "at-bat", "reading": reading})
         scene = parse_scene(line, change)
@@ -166,10 +168,10 @@ def parse_restitutions(text: str) -> list[float]:
             values = [float(part) for part in text.split(",")]
         else:
             first, last, step = (float(part) for part in text.split(":"))
-            # It would never come to the last value.
+            # The list would never reach the last value.
             if step <= 0:
                 raise ValueError
-            # Values that a reader would write: 0.41 + 3 × 0.01 is 0.44, not 0.43999999999999995.
+            # Round to decimal values: 0.41 + 3 × 0.01 is 0.44, not 0.43999999999999995.
             count = int((last - first) / step + 1.000001)
             values = [round(first + i * step, 12) for i in range(min(count, 10_001))]
     except (ValueError, OverflowError):
@@ -222,7 +224,7 @@ def print_probability(
     sampled = isinstance(rows[0], Estimate)
     head = ("P(e)", "95 %", "home runs") if sampled else ("P(e)", "error", "dP/de", "error")
     show(("e", *head, *beside), table)
-    # The paper's curves and form are of its own fence; another one has nothing beside it.
+    # The paper's curves do not apply to other fences.
     if not curves:
         return
     if fitted:

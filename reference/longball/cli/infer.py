@@ -40,7 +40,7 @@ def infer(
         ),
         (
             not unknown,
-            "--unknown: name a number to be found, such as --unknown launch.speed",
+            "--unknown is missing: name a number of the scene, such as --unknown launch.speed",
         ),
     )
     assert unknown
@@ -48,13 +48,13 @@ def infer(
     if points is not None:
         from longball.pitches.table import numbers, read_table
 
-        # A column that is missing is named; the order of the others is free.
+        # Columns may be in any order.
         with refusing():
             _, table = read_table(points, ("t", "x", "y", "z"))
             data = {name: numbers(table[name]) for name in table}
     else:
         pairs = assignments("--measured", measured)
-        # Units are those of the results' keys: 390ft for landing.distance.
+        # Values may have units, such as 390ft for landing.distance.
         with refusing("--measured "):
             data = {name: value_of(name, text, [Result]) for name, text in pairs.items()}
     scene = one_scene(source, chosen_changes(set_, None, reading))
@@ -79,7 +79,7 @@ def infer(
 
 @contextmanager
 def answering() -> Iterator[None]:
-    """Say why there is no answer, with status 1; a misuse is a wrong call."""
+    """Turn errors without an answer into status 1, and misuse into a usage error."""
     try:
         yield
     except (CannotSolve, Undecided) as error:

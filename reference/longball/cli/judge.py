@@ -18,7 +18,8 @@ from longball.cli.messages import (
     wrong_call,
 )
 
-STEP = 1e-3  # s, at which a method of order 4 is right to 1e-6
+# Default time step, s: a method of order 4 reaches the default tolerance, 1e-6, with it.
+STEP = 1e-3
 Form = Literal["text", "json", "junit", "github"]
 
 if TYPE_CHECKING:
@@ -73,10 +74,10 @@ def judge(
             "either --golden, --scenes or --random, not two of them",
         ),
     )
-    # A missing library is an error now, and not after the program has run for minutes.
+    # Report a missing library now, not after the program has run for minutes.
     if html:
-        import_module("matplotlib")  # it draws the page's pictures
-    # The judge brings compiled code with it, and --help does not need it.
+        import_module("matplotlib")
+    # Imported here because --help must not load the engines.
     from longball.judge import page
     from longball.judge.answers import Collector
     from longball.judge.candidate import Limits
@@ -95,7 +96,7 @@ def judge(
         sweep = sweep_of(command or [], steps, knob, expected)
         rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
         stepped = sweep if sweep and not knob else None
-        # The verdict is about the finest step, at which a right program has the best chance.
+        # The verdict uses the finest step, because a correct program has its smallest errors there.
         if stepped and dt is None:
             dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps or [STEP])
         cases, truth = (
@@ -103,10 +104,10 @@ def judge(
             if command or results
             else ([], "")
         )
-        # Some programs do not know the defaults. The others get the scenes as they are written.
+        # By default, scenes omit keys as they were written, which tests the program's defaults.
         if write_defaults:
             cases = [with_defaults(case) for case in cases]
-        # Options are checked by now: a program may run for an hour.
+        # All options are checked before this point, because a program may run for an hour.
         judge = Judge(cases, rule, truth, partial, dt=dt)
         if results:
             columns = assignments("--column", column)
@@ -114,7 +115,7 @@ def judge(
         elif command:
             if stepped:
                 note(f"first run: dt = {dt:g}; then runs with other steps (--steps FROM:TO:COUNT)")
-            # One bar for both: the scenes answered, then the runs with other steps.
+            # One progress bar for the answers and for the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
                 sweep = replace(sweep, progress=advance) if sweep else None
                 limits = Limits(timeout, total_timeout)
@@ -124,7 +125,7 @@ def judge(
             evaluation = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
     if html:
         html.write_text(page.page(evaluation), encoding="utf-8")
-    # GitHub's log shows the text, too, below the annotations.
+    # In GitHub's log, the text is below the annotations.
     text = render(evaluation.verdict, table=table).rstrip()
     if further := further_options(evaluation, rule, golden, scenes or random):
         text += f"\n\nfurther: {further}"
@@ -148,6 +149,7 @@ def further_options(
     from longball.judge.cases import Converged, Exact
     from longball.judge.verdict import compare
 
+    # What a first-time author may try next: the last digits, and the other families.
     sentences = []
     judged = [c for c in evaluation.comparisons if c.judged and c.answer and not c.refused]
     if judged and isinstance(rule, Converged):
@@ -155,7 +157,7 @@ def further_options(
         sentences.append(f"at --profile exact, {right} of {len(judged)} are right")
     if judged and not others:
         tried = {case.case.family for case in evaluation.comparisons}
-        # Wrong defaults are common, and no other family shows them.
+        # `defaults` comes first: wrong defaults are common, and no other family detects them.
         more = [name for name in reader.header().families if name not in tried]
         more.sort(key=lambda name: name != "defaults")
         sentences += [f"not tested: {', '.join(more)} (--golden all)"] if more else []
@@ -163,7 +165,7 @@ def further_options(
 
 
 def with_defaults(case: Case) -> Case:
-    """Return a case whose scene leaves out no default."""
+    """Return a case with all defaults in its scene."""
     from longball.judge.cases import Known
     from longball.model.scene import written_out
 
@@ -181,7 +183,7 @@ def cases_of(
     kinds: Sequence[str] | None,
     readings: bool,
 ) -> tuple[list[Case], str]:
-    """Return the cases to judge by, and where they are from."""
+    """Return the cases of the options, and a description of their source."""
     from longball.cli.scenes import chosen_kinds, read_scenes
     from longball.golden import load
     from longball.judge.cases import asked as asked_of
@@ -191,7 +193,7 @@ def cases_of(
     if scenes:
         given = [x for x in read_scenes(scenes) if not chosen or x.kind in chosen]
         return list(proven(given)), f"proven values of {scenes}"
-    # Random scenes have no stored answers: they are proven here, which takes most of the time.
+    # Random scenes are solved with proven bounds first, which takes most of the time.
     if random:
         seed = 1 if seed is None else seed
         asked = list(random_scenes(random, seed, chosen or DRAWN))
@@ -199,12 +201,12 @@ def cases_of(
             cases = proven(asked, progress=advance)
         drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
         return list(cases), f"proven values of {random} random {drawn}, seed {seed}"
-    # Without a family, a first-time author is asked for the paper's model in its default reading.
+    # Without a family: the paper's model in its default reading, for authors who begin.
     chosen_cases: list[Case] = [] if golden else [*load()]
     for name in dict.fromkeys(golden or ()):
         chosen_cases += proven(usual_constants(), USUAL) if name == USUAL else load(name)
     chosen_cases = [case for case in chosen_cases if not chosen or case.scene.kind in chosen]
     chosen_cases = asked_of(chosen_cases, readings, hard=bool(golden))
     if not chosen_cases:
-        wrong_call("no golden case is of these families and kinds")
+        wrong_call("there is no golden case of these families and kinds; see longball golden list")
     return chosen_cases, ", ".join(["golden data", *(golden or ()), *chosen])

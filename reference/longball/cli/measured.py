@@ -41,7 +41,7 @@ def measured(
     spin from a published regression, and its distance is compared.
     """
     source = chosen_table(table, example)
-    # All options are checked before a table of a million rows is read.
+    # Check all options before reading a table of a million rows.
     law = model_of(model)
     names = assignments("--column", column)
     change = chosen_changes(set_, fence, reading)
@@ -51,7 +51,7 @@ def measured(
     if scenes:
         asked = scenes_of(rows, law, change=change)
         lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]
-        # Rows that are no scenes are counted below, with their reasons.
+        # Invalid rows are counted below, with their reasons.
         scenes.write_text("".join(lines), encoding="utf-8")
     if csv_:
         write_frame(as_frame(prediction), csv_)
@@ -68,7 +68,7 @@ def measured(
         note(question)
     if prediction.failed:
         tell(f"{prediction.failed} of {len(rows)} scenes could not be solved")
-    # A table in other units gives no prediction at all, which must not pass for success.
+    # Without a single prediction, the table is probably in other units: a failure.
     if nothing := not prediction.solved.any():
         tell("no ball could be predicted: are all columns in Statcast's units, ft, mph and rpm?")
     elif figure and not prediction.compared.any():

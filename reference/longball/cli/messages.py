@@ -16,7 +16,7 @@ from longball.text_table import aligned
 
 M = TypeVar("M", bound=BaseModel)
 
-# For people: what goes wrong, and what --quiet hides, notes and progress.
+# Standard error: errors, and notes and progress, which --quiet hides.
 errors, say = (Console(stderr=True, highlight=False, soft_wrap=True, emoji=False) for _ in range(2))
 
 
@@ -43,7 +43,7 @@ def wrong_call(sentence: str) -> NoReturn:
 
 
 def refuse_if(*wrong: tuple[object, str]) -> None:
-    """Exit with status 2 and the sentence of the first condition that holds, if any does."""
+    """Exit with status 2 and the sentence of the first true condition, if there is one."""
     for holds, sentence in wrong:
         if holds:
             wrong_call(sentence)
@@ -64,7 +64,7 @@ def exit_unless(passed: object) -> None:
 @contextmanager
 def failing_unless(passed: bool) -> Iterator[None]:
     """Exit with status 1 after a failed verdict is printed, even if standard output is closed."""
-    # In `finally`: if the reader has left, printing raises, and the status must still tell.
+    # In `finally`, because printing raises if the reader has closed the pipe.
     try:
         yield
     finally:
@@ -72,7 +72,7 @@ def failing_unless(passed: bool) -> Iterator[None]:
 
 
 def parsed(model: type[M], values: Mapping[str, Any], option: str = "") -> M:
-    """Return options as a model; an invalid one is a wrong call."""
+    """Return options as a model; an invalid value is a usage error."""
     try:
         return model.model_validate(values)
     except ValidationError as error:
@@ -81,7 +81,7 @@ def parsed(model: type[M], values: Mapping[str, Any], option: str = "") -> M:
 
 @contextmanager
 def refusing(what: str = "") -> Iterator[None]:
-    """Make a ValueError a wrong call; `what` comes before its message."""
+    """Turn a ValueError into a usage error; `what` comes before its message."""
     try:
         yield
     except ValueError as error:
@@ -92,7 +92,7 @@ def split_assignment(option: str, text: str) -> tuple[str, str]:
     """Return the two sides of NAME=VALUE."""
     name, equals, value = text.partition("=")
     if not (name and equals and value):
-        wrong_call(f"{option} {text}: NAME=VALUE is needed")
+        wrong_call(f"{option} {text}: must be NAME=VALUE")
     return name, value
 
 
@@ -109,7 +109,7 @@ def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 @contextmanager
 def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
     """Show progress on a terminal; yield a function that takes the work done (and the total)."""
-    # In a file or a pipe a bar is noise.
+    # No bar in files and pipes.
     if say.quiet or not say.is_terminal:
         yield lambda done, of=total: None
         return
@@ -122,7 +122,7 @@ def progress_bar(what: str, total: int) -> Iterator[Callable[..., None]]:
 
         def advance(done: int, of: int = total) -> None:
             nonlocal shown
-            # Ten times a second: to draw a bar takes longer than to solve a flight.
+            # At most ten times a second: drawing the bar takes longer than solving a flight.
             if done >= of or time.monotonic() > shown + 0.1:
                 bar.update(task, completed=done, total=of)
                 shown = time.monotonic()

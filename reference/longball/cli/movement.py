@@ -33,7 +33,7 @@ def movement(
         clocks = [*map(clock, columns["across"].tolist(), columns["up"].tolist())]
         show_each(pitches, columns | {"clock": np.array(clocks)})
         return
-    # Pitches of left- and right-handers break to opposite sides, and would cancel in a median.
+    # Absolute values: left- and right-handers' pitches break to opposite sides, and would cancel.
     shown = {
         "across, in": abs(columns["across"]) / INCH,
         "up, in": columns["up"] / INCH,

@@ -1,14 +1,14 @@
 """The options of all commands: names, forms, checks and help, in one table.
 
-A command is a function. Its parameters are its arguments and options; `command_of` looks them up
-here by ``command.parameter``, or by the parameter's name alone.
+A command is a function, and its parameters are its arguments and options. `command_of` looks up
+each parameter in this table, as ``command.parameter`` or by its name alone.
 """
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import wraps
 from importlib import import_module
 from inspect import signature
@@ -21,7 +21,7 @@ from longball.cli.command import Command
 from longball.cli.messages import hushed
 from longball.extras import naming_extras
 
-# --- checks: a wrong value is refused before anything is computed ---------------------------------
+# --- checks: wrong values are rejected before anything is computed --------------------------------
 
 
 def _workers(workers: int) -> int:
@@ -31,7 +31,7 @@ def _workers(workers: int) -> int:
         checked(workers)
     except ValueError as error:
         raise typer.BadParameter(str(error).removeprefix("workers = ")) from None
-    # A missing library is an error now, and not after the scenes are read.
+    # Report a missing library now, not after the scenes are read.
     if workers > 1:
         import_module("joblib")
     return workers
@@ -56,7 +56,7 @@ def _writable(file: Path | None) -> Path | None:
 
 def _drawable(file: Path | None) -> Path | None:
     if _writable(file) and file:
-        # Matplotlib would add an ending of its own, and the file be another than was checked.
+        # Without a suffix, Matplotlib would add one, and write another file than the checked one.
         file = file if file.suffix else file.with_suffix(".png")
         with naming_extras():
             from matplotlib.backend_bases import FigureCanvasBase  # slow to import
@@ -67,7 +67,7 @@ def _drawable(file: Path | None) -> Path | None:
     return file
 
 
-# Formats of scenes and results, by the ending of a file's name.
+# Formats of scenes and results, by the suffix of the file.
 TABLES = (".csv", ".parquet")
 LINES = (".jsonl", ".ndjson", ".json", "")
 
@@ -78,7 +78,7 @@ def ending(file: str | Path) -> str:
 
 
 def _results(output: Path | None) -> Path | None:
-    # Another ending is a slip, such as .xlsx: JSON in it would be found out much later.
+    # Reject other suffixes, such as .xlsx: the file would contain JSON.
     if output is None or str(output) == "-":
         return None
     if ending(output) not in (*LINES, *TABLES):
@@ -104,13 +104,15 @@ def _written(about: str) -> dict[str, Any]:
     return _option(about, "FILE", _writable)
 
 
-def _columns() -> Iterable[str]:
+def _column_of_fit() -> dict[str, Any]:
     from longball.pitches import Columns
 
-    return Columns.model_fields
+    names = ", ".join(Columns.model_fields)
+    about = f"Set a column or unit of the table. NAME is one of {names}. By default, "
+    return _option(f"{about}Statcast's names and units. height=null omits heights", "NAME=VALUE")
 
 
-# Of arguments: how they are shown, and their help.
+# Arguments: their form in the help, and their help.
 ARGUMENTS = {
     "source": (
         "[SCENES|-]",
@@ -139,8 +141,9 @@ ARGUMENTS = {
     "golden coverage.scenes": ("SCENES", "A file of scenes, or - for standard input."),
 }
 
-# Of options: the help alone, or also the form of the value and a check. An option that takes many
-# values is repeatable, and its help says so. A row that needs an import is a function.
+# Options: their help alone, or with the form of the value and a check. An option with a list of
+# values is repeatable, which `_declared` adds to its help. A row that needs an import is a
+# function.
 OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     # scenes, and what changes them
     "reading": _option("Set a switch of the ledger (longball readings)", "NAME=OPTION"),
@@ -149,7 +152,7 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
         "BLOCK.KEY=VALUE",
     ),
     "fence": _option(
-        "The fence: a file with a scene's fence block, or a radius, e.g. 120 or 400ft.",
+        "Fence: a JSON file with a scene's fence block, or a radius, e.g. 120 or 400ft.",
         "FILE|RADIUS",
     ),
     # how commands run, and print
@@ -176,12 +179,12 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     ),
     "rtol": "ivp: relative tolerance of solve_ivp's methods, by default 5e-14.",
     "atol": "ivp: their absolute tolerance, m and m/s, by default 5e-14.",
-    "landing_error": "batch: the error allowed at landing, m, by default 1e-13.",
+    "landing_error": "batch: error allowed at the landing, m, by default 1e-13.",
     "digits": "enclosure, multiprecision: digits of numbers, by default 30, up to 500 and 290.",
-    "solve.dt": "verlet: the step, s, by default 0.05.",
+    "solve.dt": "verlet: time step, s, by default 0.05.",
     "forces": "verlet: velocity at which drag and lift are evaluated, by default old_carried.",
     "landing": "verlet: position of the landing, by default interpolated.",
-    "root": "verlet: root of Appendix B's quadratic, by default the first.",
+    "root": "verlet: root of Appendix B's quadratic equation, by default first.",
     "contact_force": "verlet: step in which half of the contact force acts, by default whole.",
     "path": "Add the path: [[t, x, y, z, vx, vy, vz], …].",
     "points": _option(
@@ -231,12 +234,12 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     ),
     "knob": _option(
         "Values that replace {NAME} in the COMMAND in turn, from coarse to fine: FROM:TO:COUNT, or "
-        "a list with commas. For tolerances, numbers of steps and the like.",
+        "a list with commas. For programs with a tolerance or a number of steps.",
         "NAME=VALUES",
     ),
-    "expected": _option("Order of convergence that the method should have.", check=_finite),
-    "timeout": _option("Timeout per result, s.", min=0.001),
-    "total_timeout": _option("Stop after this many seconds.", min=0.001),
+    "expected": _option("Theoretical order of convergence of the method.", check=_finite),
+    "timeout": _option("Timeout per answer, s.", min=0.001),
+    "total_timeout": _option("Timeout for all answers together, s.", min=0.001),
     "format": "Format of the verdict: text, JSON, JUnit XML, or GitHub Actions annotations.",
     "judge.table": "Print a table of the errors of each quantity.",
     "html": _written("Write the verdict to FILE as HTML with figures."),
@@ -262,13 +265,13 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "readings.samples": _option("Number of at-bats drawn; 0: the ledger only.", min=0),
     "readings.e": _option("Restitution of the ball.", min=0.0, max=1.0),
     # tables of measurements
-    "example": "Take the day of pitches that comes with longball.",
+    "example": "Use the day of pitches that comes with longball.",
     "measured.kind": "Predict pitches or batted balls.",
     "model": "Model of the flight.",
     "spin.speed": _option('Speed at release, e.g. "95 mph"; without a unit in m/s.', "SPEED"),
     "release": _option(
-        "Where it is released, from the front of the plate; x to the pitcher, y to the catcher's "
-        "left, z up.",
+        "Position of the release, from the front of the plate; x to the pitcher, y to the "
+        "catcher's left, z up.",
         "X,Y,Z",
     ),
     "up": _option("Movement upwards, e.g. 16in; without a unit in m.", "LENGTH"),
@@ -284,11 +287,7 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     "measured.scenes": _written("Write the scenes to FILE."),
     "measured.csv": _written("Write each prediction to FILE, in SI units."),
     "measured.figure": _picture("Draw the errors in FILE"),
-    "fit.column": lambda: _option(
-        f"Set a column or unit of the table. NAME is one of {', '.join(_columns())}. By default, "
-        "Statcast's names and units. height=null omits heights",
-        "NAME=VALUE",
-    ),
+    "fit.column": _column_of_fit,
     "straight": _option("Pitch types that count as straight, e.g. FF,SI.", "A,B"),
     "breaking": _option("Pitch types that count as breaking; by default all others.", "A,B"),
     # flight, parks
@@ -305,7 +304,7 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
     ),
     "scene": "Print the scene instead, for longball parks, plot, aim and infer.",
     "bats": _option("Batter's side; sets the sign of the side spin.", "R|L"),
-    "parks.park": _option("Only this park", "NAME"),
+    "parks.park": _option("Solve in this park only", "NAME"),
     # infer, aim
     "infer.points": _option("Points of the path: columns t, x, y, z, in s and m.", "POINTS.csv"),
     "measured": _option(
@@ -313,10 +312,10 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
         "NAME=VALUE",
     ),
     "unknown": _option(
-        "A number to be found, e.g. launch.speed, launch.angle, air.drag_coefficient", "NAME"
+        "A number to fit, e.g. launch.speed, launch.angle, air.drag_coefficient", "NAME"
     ),
     "aim.unknown": _option(
-        "The number to be found: launch.angle or launch.speed, and launch.direction", "NAME"
+        "A number to compute: launch.angle or launch.speed, and launch.direction", "NAME"
     ),
     "sigma": "Standard deviation of the measurements; by default estimated from their scatter.",
     "target": _option(
@@ -336,15 +335,15 @@ OPTIONS: dict[str, str | dict[str, Any] | Callable[[], dict[str, Any]]] = {
 
 
 def command_of(name: str, function: Callable[..., None], epilog: str) -> Any:
-    """Build a command from a function; the table has what its parameters are called and mean."""
-    # Names of types are resolved in the command's module, where they are imported.
+    """Build a command from a function, with names and help of its options from the table."""
+    # Annotations are strings; they are resolved in the command's module.
     hints = get_type_hints(function)
 
     @wraps(function)
     def run(**values: Any) -> None:
         function(**values)
 
-    # Typer reads the signature alone. A plain function stays callable from Python and from tests.
+    # Typer reads the signature of `run`. The function itself stays callable from tests.
     declared = signature(function)
     run.__signature__ = declared.replace(  # type: ignore[attr-defined]
         parameters=[
@@ -361,7 +360,8 @@ def _declared(command: str, parameter: str, hint: Any, default: object) -> Any:
     """Return the annotation of a parameter as typer reads it."""
     if hint is typer.Context:
         return hint
-    name = parameter.rstrip("_")  # of a word that Python or the module has, too
+    # A parameter such as `set_` has an underscore to avoid a word of Python.
+    name = parameter.rstrip("_")
     own = f"{command}.{name}"
     if own in ARGUMENTS or (name in ARGUMENTS and own not in OPTIONS):
         metavar, about = ARGUMENTS.get(own) or ARGUMENTS[name]
@@ -371,6 +371,6 @@ def _declared(command: str, parameter: str, hint: Any, default: object) -> Any:
     if any(get_origin(each) is list for each in (hint, *get_args(hint))):
         form["help"] += "; repeatable."
     flag = f"--{name.replace('_', '-')}"
-    # A switch that is on by default needs a name that turns it off; any other has one name.
+    # Only a switch that is on by default needs a second name, which turns it off.
     long = f"{flag}/--no-{flag[2:]}" if default is True else flag
     return Annotated[hint, typer.Option(*filter(None, (form.pop("short", ""), long)), **form)]

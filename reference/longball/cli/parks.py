@@ -48,7 +48,7 @@ def parks(
 
     def tasks() -> Iterator[tuple[int, Any, Sequence[Park], Any]]:
         for number, scene in each_scene(source, change):
-            # Scenes that are invalid go through as texts: answers keep the order of the lines.
+            # Invalid scenes pass through as texts, so that answers keep the order of the lines.
             if isinstance(scene, InvalidScene):
                 yield number, str(scene), where, solver
                 continue
@@ -64,7 +64,7 @@ def parks(
                 tell(f"{name}: {outcomes}")
                 continue
             _show(name, outcomes, json_)
-            # A ball that one park refuses, as outside of its fence, still has an answer.
+            # A launch may be outside the fence of one park; the others still have an answer.
             failed += all(each.result.error for each in outcomes)
     if not solved:
         wrong_call(f"no scenes in {named(source)}")
@@ -79,7 +79,7 @@ def parks(
 def _answer(
     number: int, scene: Any, where: Sequence[Park], engine: Any
 ) -> tuple[str, list[InPark] | str]:
-    """Return a scene's id and its outcome in each park, or its line and why it is invalid."""
+    """Return a scene's id and its outcome in each park, or its line and the fault."""
     if isinstance(scene, str):
         return f"line {number}", scene
     try:
@@ -112,7 +112,7 @@ def _show(name: str, outcomes: list[InPark], as_json: bool) -> None:
     out = sum(each.is_out for each in outcomes)
     print(f"{name}: a home run in {out} of {len(outcomes)} parks")
     rows = []
-    # By the height above the fence; parks whose fence the ball does not reach come last.
+    # In order of the height above the fence; parks whose fence the ball does not reach are last.
     for each in sorted(outcomes, key=lambda x: math.inf if x.clearance is None else -x.clearance):
         over = "" if each.clearance is None else f"{each.clearance:+.2f}"
         rows.append([each.park.name, str(each.result.outcome or each.result.error), over])

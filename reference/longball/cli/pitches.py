@@ -1,4 +1,4 @@
-"""Questions about each pitch of a table, shared by ``longball movement`` and ``longball spin``."""
+"""Common parts of ``longball movement`` and ``longball spin``: tables of pitches."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from longball.model.arrays import Array
 from longball.model.jsonl import json_line
 from longball.pitches.statcast import MeasuredPitches
 
-# Pitches that a worker takes at a time: seconds of work, beside which sending them costs nothing.
+# Pitches of one task: a second of work, compared with which the transfer is negligible.
 PART = 20_000
 
 
 def pitches_of(
     table: str, example: bool, games: Path | None, column: list[str] | None, spin: bool
 ) -> MeasuredPitches:
-    """Return the pitches of a table; say which of its rows are left out."""
+    """Return the pitches of a table, and print a note on omitted rows."""
     source, names = chosen_table(table, example), assignments("--column", column)
     pitches = read_rows(source, "pitch", games, names, spin=spin)
     assert isinstance(pitches, MeasuredPitches)
@@ -40,7 +40,7 @@ def answers(
     workers: int,
     scheduler: str | None,
 ) -> dict[str, Array]:
-    """Return the columns that a function computes of pitches, in parts on several workers."""
+    """Return the columns that a function computes for pitches, in parts on several workers."""
     begins = range(0, len(pitches), PART)
     calls = ((pitches.part(slice(i, i + PART)), *more) for i in begins)
     with on_cluster(scheduler):
@@ -49,14 +49,15 @@ def answers(
 
 
 def show_each(pitches: MeasuredPitches, columns: dict[str, Any]) -> None:
-    """Print a line of JSON for each pitch, without the numbers that are not known."""
+    """Print a line of JSON for each pitch, without missing numbers."""
+    # x == x is false for NaN.
     every = {"row": pitches.rows, "pitch_type": pitches.labels} | columns
     for values in zip(*(column.tolist() for column in every.values()), strict=True):
         print(json_line({name: x for name, x in zip(every, values, strict=True) if x == x}))
 
 
 def show_types(pitches: MeasuredPitches, columns: Mapping[str, Array]) -> None:
-    """Print the median of columns for each type of pitch, the commonest first; - for none."""
+    """Print the median of columns for each type of pitch, the most common first; - for none."""
     types, counts = np.unique(pitches.labels, return_counts=True)
     rows = []
     for i in np.argsort(-counts, kind="stable"):

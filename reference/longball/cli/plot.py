@@ -47,7 +47,7 @@ def plot(
             tell(f"line {number}: {result.error or 'nothing flies in an impact'}")
             failed += 1
     if pictured:
-        # Pitches that come down nowhere have no mark in a spray chart.
+        # A spray chart shows landings, which pitches do not have.
         many = len(pictured) > FEW and any(scene.end for scene in pictured)
         (save_spray_chart if many else save_paths)(output, pictured)
         note(f"the picture is in {output}")

@@ -25,7 +25,7 @@ def readings(
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
     effects: dict[Readings | None, Estimate] = {}
     if samples:
-        # The default of each switch is the same reading, and is solved once.
+        # The defaults of all switches are the same reading: solve it once.
         switched = dict.fromkeys(chosen for line in lines if (chosen := readings_with(*line)))
         with progress_bar("readings", len(switched)) as advance:
             for done, (reading, sampling) in enumerate(switched, 1):
@@ -61,7 +61,7 @@ def readings(
 
 
 def readings_with(entry: Entry, option: str) -> Readings | None:
-    """Return the default readings with one switch set; None for one that P(e) does not ask."""
+    """Return the default readings with one switch set; None if P(e) does not depend on it."""
     if not entry.is_switch or entry.belongs in ("scheme", "figure"):
         return None
     return readings_of({entry.switch: json_or_number(option)})

@@ -1,4 +1,4 @@
-"""Scenes that commands read: lines of JSON, or rows of a table."""
+"""Input of commands: scenes as lines of JSON, or as rows of a table."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
     """Open scenes as lines of JSON, whatever the file holds."""
     if ending(source) not in TABLES:
         with reading_from(source) as file:
-            # A terminal has no first bytes until somebody types.
+            # Do not wait for the first bytes of a terminal.
             if isinstance(file, BufferedReader) and not file.isatty():
                 _require_lines(file.peek(1), source)
             yield file
@@ -54,13 +54,13 @@ def scenes_from(source: str) -> Iterator[BinaryIO]:
 
 
 def _require_lines(beginning: bytes, source: str) -> None:
-    """Refuse what is not text, or JSON over several lines, before each line is an error."""
+    """Reject binary files, and JSON over several lines, with one message for all lines."""
     if kind := binary(beginning):
         wrong_call(f"{named(source)}: {kind}")
     text = beginning.removeprefix(BOM_UTF8).lstrip().decode("utf-8", "replace")
-    # The first 8 KiB at most: enough to tell lines of JSON from one JSON text.
+    # At most the first 8 KiB, enough to distinguish lines of JSON from a single JSON text.
     first, _, more = text.partition("\n")
-    # Of scenes; a line such as [1, 2] is an error of its own.
+    # An array of scenes; a line such as [1, 2] gets its own message.
     is_array = re.match(r"\[\s*(\{|$)", first.strip())
     end = 0
     if text.startswith("{"):
@@ -71,22 +71,22 @@ def _require_lines(beginning: bytes, source: str) -> None:
         each = "-c '.[]'" if is_array else "-c ."
         file = "" if source == "-" else f" {shlex.quote(source)}"
         wrong_call(
-            f"{named(source)} is JSON, but {what}; a scene stands in one line: jq {each}{file} "
-            "writes it so"
+            f"{named(source)} is JSON, but {what}; each scene must be on one line: jq {each}{file} "
+            "converts it"
         )
 
 
 def each_scene(
     source: str, change: Changes | None = None
 ) -> Iterator[tuple[int, Scene | InvalidScene]]:
-    """Yield the number of each line that is not blank, and its scene or why it is none.
+    """Yield the number of each line that is not blank, and its scene or the error.
 
-    A scene without an id bears the number of its line.
+    A scene without an id gets the number of its line.
     """
     with scenes_from(source) as lines:
         for number, line in enumerate(lines, 1):
             if line.strip():
-                # One bad line must not cost the others their answers.
+                # A faulty line must not stop the others.
                 try:
                     scene = parse_scene(line, change)
                 except InvalidScene as error:
@@ -96,25 +96,24 @@ def each_scene(
 
 
 def read_scenes(source: str) -> list[Scene]:
-    """Return the scenes of a file, as `each_scene` has them; an invalid line is a wrong call."""
+    """Return the scenes of a file, see `each_scene`; an invalid line is a usage error."""
     scenes = []
     for number, scene in each_scene(source):
         if isinstance(scene, InvalidScene):
             wrong_call(f"{named(source)}, line {number}: {scene}")
         scenes.append(scene)
-    # An empty file is a slip, and a verdict on no scenes would pass.
+    # An empty file is probably a mistake, and the verdict on it would be PASSED.
     if not scenes:
         wrong_call(f"no scenes in {named(source)}")
     return scenes
 
 
 def one_scene(source: str, change: Changes) -> Scene:
-    """Return the scene of a file with one; several, or none, are a wrong call."""
+    """Return the single scene of a file; several, or none, are a usage error."""
     with scenes_from(source) as lines:
         written = [line for line in lines if line.strip()]
-    # A search has one start.
     if len(written) != 1:
-        wrong_call(f"{named(source)} has {len(written)} scenes, and one is needed")
+        wrong_call(f"{named(source)} has {len(written)} scenes; this command needs exactly one")
     try:
         return parse_scene(written[0], change)
     except InvalidScene as error:
@@ -122,7 +121,7 @@ def one_scene(source: str, change: Changes) -> Scene:
 
 
 def chosen_kinds(names: Sequence[str] | None) -> list[str]:
-    """Return the kinds of scenes that --kind names, each once; an unknown one is a wrong call."""
+    """Return the kinds of --kind, without repetitions; an unknown kind is a usage error."""
     for name in names or ():
         if name not in KINDS:
             wrong_call(f"--kind {name}: there is none{one_of('the kinds are', name, KINDS)}")

@@ -1,6 +1,6 @@
-"""Options that are always the same: longball.toml, or [tool.longball] of pyproject.toml.
+"""Configuration files: longball.toml, or [tool.longball] of pyproject.toml.
 
-Both stand in the working directory, and have a table for each command.
+The file is in the working directory, and has a table for each command.
 """
 
 from __future__ import annotations
@@ -13,14 +13,15 @@ from typing import Any
 from longball.cli.messages import wrong_call
 from longball.model.names import one_of
 
-FILES = ("longball.toml", "pyproject.toml")  # the first one that has settings is taken
+# The first file with settings is used.
+FILES = ("longball.toml", "pyproject.toml")
 
-# Of each line one is given: what the command line gives stands for what the file gives.
+# Alternatives: an option on the command line also overrides the others of its group in the file.
 INSTEAD = (("command", "results"), ("golden", "scenes", "random"), ("steps", "knob"))
 
 
 def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, Any]]:
-    """Return the file that has settings, and those of a command; a wrong one is a wrong call."""
+    """Return the name of the file and the settings of a command; raise a usage error if wrong."""
     for file in map(Path, FILES):
         if not file.is_file():
             continue
@@ -28,10 +29,10 @@ def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, A
             tables = tomllib.loads(file.read_text(encoding="utf-8"))
         except ValueError as error:  # also of text that is not UTF-8
             wrong_call(f"{file}: not TOML: {error}")
-        # Other tools have their tables there; a longball.toml is ours alone.
+        # A pyproject.toml has tables of other tools, too.
         if file.name == "pyproject.toml":
             tables = tables.get("tool", {}).get("longball", {})
-        # All tables are checked, also those of other commands: a slip in a name is found early.
+        # Check the tables of all commands, so that a misspelt name is reported early.
         for name, table in tables.items():
             if name not in commands:
                 wrong_call(f"{file}: {name}: no such command{one_of('they are', name, commands)}")
@@ -46,14 +47,14 @@ def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, A
 def defaults_of(
     file: str, given: Mapping[str, Any], options: Mapping[str, Any], command: str
 ) -> dict[str, Any]:
-    """Return settings by the names of parameters; `options` has these by the names of options."""
+    """Return settings by parameter name; `options` maps names of options to parameters."""
     defaults = {}
     for name, value in given.items():
         where = f"{file}: {command}.{name}"
         if name not in options:
             wrong_call(f"{where}: no such option{one_of('they are', name, options)}")
         parameter = options[name]
-        # A COMMAND of several words, or an option that is repeatable.
+        # A COMMAND has several words; other lists are for repeatable options.
         many = parameter.nargs == -1 or getattr(parameter, "multiple", False)
         if isinstance(value, dict):
             wrong_call(f"{where}: must be a value, not a table")
@@ -63,7 +64,7 @@ def defaults_of(
             wrong_call(f"{where}: takes one value, not a list")
         if getattr(parameter, "is_flag", False) and not isinstance(value, bool):
             wrong_call(f"{where}: must be true or false")
-        # As texts: typer checks them as it checks those of the command line.
+        # As texts, so that typer checks them like values of the command line.
         values = value if isinstance(value, list) else [value]
         texts = [x if isinstance(x, bool) else str(x) for x in values]
         defaults[parameter.name] = texts if many else texts[0]

@@ -60,10 +60,10 @@ def solve(
     change = chosen_changes(set_, fence, reading)
     asked = (points or 201) if path or points else None
     if asked and output and ending(output) in TABLES:
-        wrong_call(f"--path: {output} is a table, which has no place for paths; .jsonl has")
+        wrong_call(f"--path: {output} is a table, which cannot hold paths; use .jsonl")
     if asked and certify:
-        wrong_call("--path: its points cannot be certified; take --engine enclosure")
-    # A library that is missing is named before hours of work.
+        wrong_call("--path: points cannot be certified; use --engine enclosure instead")
+    # Report a missing library before hours of work.
     if ".parquet" in {ending(name) for name in (source, output or "")}:
         import_module("pyarrow")
     if output and ending(output) in TABLES:
@@ -78,9 +78,9 @@ def solve(
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
         solver = Certifying(solver)
-    # What has been imported stays: looking at it again and again took a fourth of the time.
+    # Exclude the imported modules from garbage collection, which took a fourth of the time.
     gc.freeze()
-    # Results are written one by one and not kept: counts and ids are all that is needed.
+    # Results are written one by one; only counts and ids are kept.
     solved = failed = 0
     ids: set[str | None] = set()
     repeated: set[str] = set()
@@ -92,7 +92,7 @@ def solve(
     ):
         refuse_source(output, source, lines)
         results = solve_lines(lines, solver, -1 if scheduler else workers, asked, change)
-        # The output is opened with the first result: without any it stays as it was.
+        # Open the output with the first result, so that an error before it does not empty the file.
         if (first := next(results, None)) is None:
             wrong_call(f"no scenes in {named(source)}")
         with results_to(output) as write:
@@ -106,19 +106,20 @@ def solve(
                 ids.add(result.id)
                 for key, question in result.doubts:
                     doubtful.setdefault(key, []).append(f"scene {result.id}: {key}: {question}")
-    # A file in km/h has the same doubt in each line: one question is enough.
+    # A file in km/h has the same doubt in each line: print it once.
     for question, *others in doubtful.values():
         note(f"{question}{f' (and {len(others)} more)' if others else ''}")
     if failed:
         tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
-    # No failure: files of different scenes may share ids, but joins by id would go wrong.
+    # Repeated ids are allowed, but a later join by id would be wrong.
     if repeated:
-        tell(f"{len(repeated)} ids stand on more than one line, such as {min(repeated)!r}")
+        are = "id is" if len(repeated) == 1 else "ids are"
+        tell(f"{len(repeated)} {are} on more than one line, such as {min(repeated)!r}")
     exit_unless(not failed)
 
 
 def _with_options(sentence: str, options: Iterable[str]) -> str:
-    """Return an engine's message with the options' names on the command line."""
+    """Return an engine's message with the names of options on the command line."""
     names = {option: f"--{option.replace('_', '-')}" for option in options}
     names |= {"method": "--integrator", "tolerance": "--landing-error"}
     return re.sub(rf"\b({'|'.join(names)})\b", lambda name: names[name[0]], sentence)
@@ -126,10 +127,10 @@ def _with_options(sentence: str, options: Iterable[str]) -> str:
 
 @contextmanager
 def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int], None]]:
-    """Show how many lines of a file are done, unless the results go to the terminal."""
+    """Show a progress bar, unless the results go to the terminal."""
     if lines.isatty():
-        note("scenes are read from the terminal, one per line of JSON; Ctrl-D ends")
-    # A bar among results on the same terminal would tear their lines.
+        note("reading scenes from the terminal, one JSON object per line; Ctrl-D ends the input")
+    # A bar between results on the same terminal would break their lines.
     shown = output is not None or not sys.stdout.isatty()
     if not (say.is_terminal and shown and lines.seekable()):
         yield lambda done: None
@@ -141,19 +142,20 @@ def progress_of(lines: BinaryIO, output: Path | None) -> Iterator[Callable[[int]
 
 
 def refuse_source(output: Path | None, source: str, lines: BinaryIO) -> None:
-    """Refuse to write the results, None to standard output, over the scenes."""
-    with suppress(OSError):  # a stream that is no file, an output that is not there yet
+    """Reject an output (None: standard output) that is the file of the scenes."""
+    # Streams are not files, and the output may not exist yet.
+    with suppress(OSError):
         there = os.stat(output if output is not None else sys.stdout.fileno())
         read = os.stat(lines.fileno() if source == "-" else source)
         if stat.S_ISREG(there.st_mode) and os.path.samestat(there, read):
-            wrong_call(f"{output or 'standard output'} is the file that the scenes are read from")
+            wrong_call(f"{output or 'standard output'} is also the input; choose another output")
 
 
 @contextmanager
 def results_to(output: Path | None) -> Iterator[Callable[[bytes], object]]:
-    """Open the file that results go to; yield a function that takes a line of JSON."""
+    """Open the output; yield a function that writes a line of JSON."""
     if output is not None and ending(output) in TABLES:
-        # The columns of a table are known with its last row.
+        # The last row may add a column, so a table is written at the end.
         results: list[bytes] = []
         yield results.append
         from longball.table_files import write_table
@@ -161,9 +163,9 @@ def results_to(output: Path | None) -> Iterator[Callable[[bytes], object]]:
         write_table(output, results)
         return
     with nullcontext(sys.stdout.buffer) if output is None else open(output, "wb") as file:
-        # Somebody may wait for an answer at the end of a pipe, but not of a file.
+        # Flush each line into a pipe, where a reader may wait for it; not into a file.
         awaited = True
-        with suppress(OSError):  # a stream that is no file
+        with suppress(OSError):  # streams are not files
             awaited = not stat.S_ISREG(os.fstat(file.fileno()).st_mode)
 
         def write(line: bytes) -> None:

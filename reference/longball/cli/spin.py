@@ -22,7 +22,7 @@ from longball.pitches.statcast import RPM, SEA_LEVEL, USUAL_TEMPERATURE
 from longball.questions.movement import PFX, Movement, clock
 from longball.questions.spin import measured_spin, spin_for
 
-# Options of a single pitch, and of a table of pitches.
+# Options for a single pitch, and for a table of pitches.
 _OF_ONE = ("release", "up", "across", "pfx", "set_")
 _OF_TABLE = ("example", "games", "column", "workers", "scheduler")
 
@@ -51,14 +51,14 @@ def spin(
     of lift gives the spin. Text output has the medians of each pitch type, JSON output a line for
     each pitch, in SI units.
 
-    Without a table, --speed, --up and --across ask for the spin of a single pitch, at 20 °C at sea
-    level, that moves so far from a flight under gravity alone.
+    With --speed, --up and --across in place of a table, it computes the spin of a single pitch with
+    this movement, relative to a flight under gravity alone, at 20 °C at sea level.
     """
     law = model_of(model)
-    # An option that is silently ignored would look as if it had an effect.
-    idle, why = (_OF_ONE, "it goes with --speed") if speed is None else (_OF_TABLE, "of a table")
+    # Options without effect are errors: a user would believe that they were applied.
+    idle, why = (_OF_ONE, "it needs --speed") if speed is None else (_OF_TABLE, "it is for a table")
     refuse_if(
-        (speed is not None and table != "-", "--speed is for a single pitch: leave out the table"),
+        (speed is not None and table != "-", "--speed is for a single pitch: omit the table"),
         *((given_by(ctx, name) == "COMMANDLINE", f"--{name.rstrip('_')}: {why}") for name in idle),
     )
     if speed is not None:
@@ -90,13 +90,11 @@ def spin(
         }
         show_types(pitches, shown)
     above, beyond = (columns["active_share"] > 1.0).sum(), np.isnan(columns["transverse"]).sum()
-    # Both are findings on the table, and no failures: the rows have their numbers, or NaN.
+    # Neither is a failure: these rows have numbers, or NaN.
     if above:
         note(f"the active share of {above} pitches is above 1: they move more than their spin can")
     if beyond:
-        note(
-            f"the C_L of {beyond} pitches is beyond what the law of lift reaches: no spin is given"
-        )
+        note(f"the C_L of {beyond} pitches exceeds the limit of the law of lift: they have no spin")
 
 
 def _show(pitch: PitchScene, as_json: bool) -> None:

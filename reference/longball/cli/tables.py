@@ -1,4 +1,4 @@
-"""Tables of measurements that commands read."""
+"""Input of commands: tables of measurements."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ def chosen_table(table: str, example: bool) -> str | Path | TextIO:
         wrong_call(f"either --example or {table}, not both")
     from longball.pitches import EXAMPLE  # brings numpy
 
-    # Standard input as a text file, which is read as a path is.
+    # Standard input is an open text file; other tables are paths.
     return EXAMPLE if example else sys.stdin if table == "-" else table
 
 
 def read_rows(
     source: Any, kind: Kind, games: Path | None, names: Mapping[str, str], *, spin: bool
 ) -> MeasuredPitches | MeasuredFlies:
-    """Return the measured balls of a table; a table that cannot be used is a wrong call."""
+    """Return the measured balls of a table; an unusable table is a usage error."""
     from longball.pitches.models import MODELS
     from longball.pitches.statcast import GAMES, read_measured
     from longball.pitches.table import NoSuchColumn, TableError
@@ -38,7 +38,7 @@ def read_rows(
             hint = ""
             if {*error.missing} - (of_spin := {"spin_axis", "release_spin_rate"}):
                 hint = "; --column NAME=COLUMN gives the table's name of a column"
-            # The commonest lack of all, and there is a way round it.
+            # The most common case: tables before 2020. Models without spin still work.
             if of_spin & {*error.missing}:
                 without = ", ".join(name for name, law in MODELS.items() if not law.spin)
                 hint += (

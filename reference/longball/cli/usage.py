@@ -1,6 +1,6 @@
-"""Usage errors in one voice: where, the value that is given, and what would be right.
+"""Usage errors in one style: the option, the given value, and the correct form.
 
-Typer finds them, with its own words for each kind. Only the kind and the value are taken from it.
+Typer detects them, with different words for each kind; only kind and value are taken from it.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ import typer
 
 from longball.model.names import did_you_mean
 
-# The parent of typer's errors, which is click's in one version and its own in another.
+# Base class of typer's usage errors; it is click's in some versions, and typer's in others.
 UsageError: Any = typer.BadParameter.__mro__[1]
 
 
 @contextmanager
 def in_one_voice() -> Iterator[None]:
-    """Print a usage error as every other error, and exit with status 2."""
+    """Print a usage error like every other error, and exit with status 2."""
     try:
         yield
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # its message is the help
             raise
-        from longball.cli.messages import wrong_call  # brings the model, which help does without
+        from longball.cli.messages import wrong_call  # loads the model, which --help does not need
 
         wrong_call(_sentence(error))
 
@@ -57,12 +57,12 @@ def _of_value(error: Any, command: Any, parameter: Any) -> str:
 
     is_argument = parameter.param_type_name == "argument"
     where = str(parameter.metavar) if is_argument else max(parameter.opts, key=len)
-    # The file of settings may have given the value.
+    # The value may be from the configuration file.
     if parameter.name in (error.ctx.default_map or {}):
         where = f"{command.settings}: {command.name}.{where.lstrip('-')}"
     if hasattr(error, "param_type"):  # it is missing
         return f"{where} is missing: {parameter.help}".rstrip(".")
-    # Pydantic checks numbers and words, and keeps the value. Our own checks begin with it.
+    # Pydantic's errors have the value; our own messages begin with it.
     faults: list[Any] = getattr(error.__cause__, "errors", list)()
     given = f" {faults[0]['input']}:" if faults else ""
     message = in_our_words(error.message).rstrip(".")

@@ -469,8 +469,8 @@ class JetCurve:
         across = math.hypot(*(self._slope(here, n) for n in places)) * speed
         if not is_steep(falls, across, self.piece.rounding):
             raise Shallow(
-                "the ball meets a surface at so small an angle that doubles have too few digits; use "
-                "the engine enclosure for the derivative"
+                "the ball meets a surface at so small an angle that a derivative needs more digits "
+                "than doubles have; use the engine enclosure"
             )
 
 

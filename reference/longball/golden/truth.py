@@ -134,7 +134,8 @@ def make(family: str, draft: Draft) -> Case:
     if result.outcome is not None:
         sensitive = sensitivity(scene, result, Enclosure(DIGITS))
     table = quantities(result, attainable_errors(scene, result, sensitive))
-    # flags in the order of `FOUND`
+    # Flags in the order of `FOUND`. A refused scene has no outcome by design, so it is not
+    # undecided.
     solved_with = (
         result.outcome is None and "refused" not in draft.flags,
         result.engine != Enclosure(DIGITS).description,

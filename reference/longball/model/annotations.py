@@ -26,6 +26,7 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
             options = schemas[0].get("anyOf", schemas)
             return " | ".join(_OF_JSON[option["type"]] for option in options)
         return spelled(parts[0], block)
+    # Different limits of the same type are spelled alike, and listed once.
     if origin in (Union, types.UnionType):
         return " | ".join(dict.fromkeys(spelled(part, block) for part in parts))
     # Vectors can be given as lists and arrays.

@@ -1,4 +1,4 @@
-"""CSV: what all that read and write it have in common."""
+"""Reading and writing of CSV files."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from io import StringIO
 from itertools import chain, islice
 from typing import Any
 
-# Spreadsheets write what a country's decimal comma leaves them.
+# Separators of spreadsheets in countries with a decimal comma.
 _OTHERS = {";": "semicolons", "\t": "tabs"}
-# How files begin that are given where text is expected.
+# First bytes of binary files, with advice.
 _BINARY = {
     b"PAR1": "Parquet",
     b"PK\x03\x04": "a spreadsheet or a zip archive; save the sheet as CSV",
@@ -24,11 +24,10 @@ Row = tuple[int, list[str]]  # the number of its first line, and its cells
 
 
 def read_rows(data: bytes, knows: Callable[[str], bool]) -> tuple[list[str], Iterator[Row]]:
-    """Return the head of a table, and its rows that are not blank.
+    """Return the head of a table, and its rows without blank ones.
 
-    The head is the row, of the first ones, that has the most names that `knows` knows: measuring
-    devices write names and dates above it. A ValueError says why it is no table, or what is wrong
-    with a line.
+    The head is the one of the first rows with the most names known to `knows`, because measuring
+    devices write names and dates above it. A ValueError is raised for other files and faulty lines.
     """
     rows = _not_blank(decoded(data))
     first = [*islice(rows, _LINES_ABOVE)]
@@ -46,6 +45,7 @@ def read_rows(data: bytes, knows: Callable[[str], bool]) -> tuple[list[str], Ite
     return head, _fitting(head, chain(first[above + 1 :], rows))
 
 
+# Rows in which the head is searched; devices write up to about twenty lines above it.
 _LINES_ABOVE = 50
 
 
@@ -57,12 +57,13 @@ def _not_blank(text: str) -> Iterator[Row]:
             number, begin = begin, reader.line_num + 1
             if any(map(str.strip, cells)):
                 yield number, cells
-    # Of a quote that is not closed: the reader is at the end of the file, the fault at its begin.
+    # A quote without an end: the reader is at the end of the file, but the fault is where it began.
     except csv.Error as error:
         raise ValueError(f"line {begin}: {error}") from None
 
 
 def _fitting(head: Sequence[str], rows: Iterable[Row]) -> Iterator[Row]:
+    # Shorter rows are allowed, because programs drop empty cells at the end.
     for number, cells in rows:
         if len(cells) > len(head) and any(cells[len(head) :]):
             raise ValueError(f"line {number}: {len(cells)} cells, and the head has {len(head)}")
@@ -70,7 +71,7 @@ def _fitting(head: Sequence[str], rows: Iterable[Row]) -> Iterator[Row]:
 
 
 def other_separators(head: Sequence[str]) -> str:
-    """Return the end of a message about a head that other signs than commas seem to separate."""
+    """Return the end of a message about a head that is not separated by commas, or ""."""
     for sign, name in _OTHERS.items():
         if any(sign in cell for cell in head):
             return f"; its head has {name} where commas must separate the cells"
@@ -78,19 +79,19 @@ def other_separators(head: Sequence[str]) -> str:
 
 
 def decoded(data: bytes) -> str:
-    """Return the text of a file: UTF-8, or UTF-16 where its first bytes say so.
+    """Return the text of a file in UTF-8, or in UTF-16 with a byte-order mark.
 
-    A ValueError says where it is in another encoding, or that it is no table.
+    A ValueError is raised for other encodings, with the position, and for files of other kinds.
     """
     if kind := binary(data):
         raise ValueError(kind)
-    # Spreadsheets save "Unicode text" as UTF-16, and mark UTF-8 with EF BB BF.
+    # Spreadsheets save "Unicode text" as UTF-16, and begin UTF-8 with the mark EF BB BF.
     utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = data.decode("utf-16" if utf16 else "utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(not_utf8(error)) from None
-    # No name of a column begins so.
+    # JSON; names of columns do not begin with a bracket.
     if text.lstrip()[:1] in ("{", "["):
         raise ValueError(
             "JSON, where a table is needed: a head with the names of its columns, and rows below it"
@@ -99,11 +100,11 @@ def decoded(data: bytes) -> str:
 
 
 def not_utf8(error: UnicodeDecodeError) -> str:
-    """Say where a text is in another encoding, or what it is instead."""
+    """Return a sentence on a text that is not UTF-8: position, and advice."""
     if kind := binary(error.object):
         return kind
     byte = error.object[error.start]
-    # The encodings that people have besides: UTF-16 begins with FE FF or FF FE.
+    # The most common other encodings. UTF-16 begins with FE FF or FF FE.
     is_utf16 = error.start == 0 and byte >= 0xFE
     name, code = ("UTF-16", "utf-16") if is_utf16 else ("Latin-1", "latin1")
     hint = f"iconv -f {code} -t utf-8 converts {name}"
@@ -116,20 +117,20 @@ def binary(data: bytes) -> str:
     return f"not text but {kinds[0]}" if kinds else ""
 
 
-# Spreadsheets take a cell that begins so for a formula, which can start programs. Quotes do not
-# help; an apostrophe before it does, and they do not show it.
+# Spreadsheets run a cell that begins with one of these as a formula, which can start programs, even
+# in quotes. An apostrophe before it prevents this, and is not shown.
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 _NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?")
 
 
 def guarded(cell: Any) -> Any:
-    """Return a cell as it is written: a text that is a formula with an apostrophe before it."""
+    """Return a cell for a file: a text that looks like a formula gets an apostrophe."""
     formula = isinstance(cell, str) and _FORMULA.match(cell) and not _NUMBER.fullmatch(cell)
     return f"'{cell}" if formula else cell
 
 
 def unguarded(text: str) -> str:
-    """Return the text that `guarded` made a cell of."""
+    """Return the text of a cell: the inverse of `guarded`."""
     return text[1:] if text.startswith("'") and _FORMULA.match(text) else text
 
 
@@ -139,7 +140,7 @@ def write_frame(frame: Any, path: Any) -> None:
 
     texts = [name for name in frame if is_string_dtype(frame[name].dtype)]
     cells = {name: frame[name].map(guarded) for name in texts}
-    # Of its own accord `csv` quotes no carriage return that ends no lines.
+    # By default `csv` does not quote a carriage return, and readers would end the line there.
     odd = any("\r" in str(cell) for column in cells.values() for cell in column)
     quoting = csv.QUOTE_NONNUMERIC if odd else csv.QUOTE_MINIMAL
     frame.assign(**cells).to_csv(path, index=False, lineterminator="\n", quoting=quoting)

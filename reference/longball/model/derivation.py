@@ -1,17 +1,16 @@
 """The impulse between ball and bat, derived from momentum and restitution, and its consequences.
 
-The module reads from top to bottom like the paper's Appendix A, whose equations are cited as
-(A1) to (A10); equations of the main text are cited by their printed number. Rotation of the two
-bodies is left out, as it is there. After the derivation comes what it does to the energy, proved in
-the components of three-dimensional vectors with a general unit normal, then what the paper's
-coefficient of restitution (Eq. 10) means. The impact of bodies that turn and rub follows, with the
-paper's as its limit, and last the printer that writes what the functions of
-:mod:`longball.model.impact` return::
+The module follows the paper's Appendix A, whose equations are cited as (A1) to (A10); equations of
+the main text are cited by their printed number. As there, the bodies do not rotate at first. The
+derivation is followed by the change of energy, proved in the components of three-dimensional
+vectors with a general unit normal, and by the meaning of the paper's coefficient of restitution
+(Eq. 10). Then comes the impact of rotating bodies with friction, whose limit is the paper's, and
+last the printer that writes the return statements of :mod:`longball.model.impact`::
 
-    python -m longball.model.derivation            # write it
-    python -m longball.model.derivation --check    # fail if it is not what would be written
+    python -m longball.model.derivation            # write them
+    python -m longball.model.derivation --check    # fail if they would change
 
-The laws that the impulse obeys are proved in ``tests/model/impact_laws.py``.
+The laws of the impulse are proved in ``tests/model/impact_laws.py``.
 """
 
 from __future__ import annotations
@@ -43,22 +42,22 @@ BAT_MASS = sp.Symbol("M", positive=True)
 REDUCED_MASS = sp.Symbol("mu", positive=True)
 IMPULSE = sp.Symbol(r"\bar{F} \Delta t", real=True)
 BETA = sp.Symbol("beta", real=True)
-# Zero is allowed: the two roots of the restitution relation then coincide.
+# Zero is allowed; the two roots of the restitution relation then coincide.
 RESTITUTION = sp.Symbol(r"\tilde{e}", nonnegative=True)
-# The normal points from the bat to the ball, so a ball that is about to hit has a negative one.
+# The normal points from the bat to the ball, so the normal speed is negative before a collision.
 NORMAL_SPEED = sp.Symbol(r"(\tilde{\mathbf{V}} \cdot \mathbf{n})", negative=True)
 
 VELOCITY = sp.Matrix(sp.symbols("V_x V_y V_z", real=True))
 BAT_VELOCITY = sp.Matrix(sp.symbols("V_bx V_by V_bz", real=True))
 NORMAL = sp.Matrix(sp.symbols("n_x n_y n_z", real=True))
 
-# Section III.C: r = m / M_eff, and the e from which Eq. 10 makes the ẽ of the collision.
+# Section III.C: r = m / M_eff, and the e in Eq. 10 for ẽ.
 MASS_RATIO = sp.Symbol("r", positive=True)
 PRINTED_E = sp.Symbol("e", nonnegative=True)
 APPARENT_RESTITUTION = sp.Symbol("e_A", real=True)
 
-# Oblique impact: ball and bat turn, and rub. Components of three are along the normal, along the
-# bat's axis and across both, a right-handed basis; the normal is perpendicular to the axis.
+# Oblique impact: bodies rotate, with friction. The basis is right-handed: along the normal, along
+# the bat's axis, and perpendicular to both. The normal is perpendicular to the axis.
 RADIUS, BAT_RADIUS = sp.symbols("R r_b", positive=True)
 INERTIA_FACTOR = sp.Symbol("beta_I", positive=True)  # I = β m R²; 2/5 for a solid sphere
 INERTIA, AXIAL_INERTIA = sp.symbols("J J_a", positive=True)  # of the bat: across and along its axis
@@ -74,7 +73,7 @@ RESISTANCE = sp.Symbol("D", positive=True)
 SPIN = sp.Matrix(sp.symbols("omega_x omega_y omega_z", real=True))
 ROTATION = sp.Matrix(sp.symbols("Omega_x Omega_y Omega_z", real=True))
 
-# The same vectors as letters, for equations that are meant to be read.
+# The same vectors as single symbols, for printed equations.
 _V, _V_BAT, _V_RELATIVE = sp.symbols(r"\mathbf{V} \mathbf{V}_{b} \tilde{\mathbf{V}}")
 _V_AFTER, _V_BAT_AFTER, _V_RELATIVE_AFTER = sp.symbols(
     r"\mathbf{V}' \mathbf{V}_{b}' \tilde{\mathbf{V}}'"
@@ -98,11 +97,11 @@ Rule = Callable[[sp.Matrix, sp.Matrix, sp.Matrix], After]
 def on_unit_normal(expression: sp.Expr) -> sp.Expr:
     """Reduce an expression by |n| = 1 to a form that is zero exactly if it vanishes there.
 
-    It is rational in the components of the normal and any other symbols; what is returned is the
-    factored remainder of the numerator on division by n·n - 1, over the denominator. n·n - 1 has
-    leading coefficient one in n_z, so the remainder is unique; and the polynomial is irreducible,
-    so what vanishes on the whole unit sphere is a multiple of it.
+    The expression is rational in the components of the normal and any other symbols. The result is
+    the factored remainder of the numerator on division by n·n - 1, over the denominator.
     """
+    # n·n - 1 has the leading coefficient 1 in n_z, so the remainder is unique. It is irreducible,
+    # so a polynomial that vanishes on the whole unit sphere is a multiple of it.
     numerator, denominator = sp.fraction(sp.together(expression))
     remainder = sp.rem(sp.expand(numerator), NORMAL.dot(NORMAL) - 1, NORMAL[2])
     return sp.factor(remainder / denominator)
@@ -435,7 +434,7 @@ def equations() -> dict[str, sp.Basic]:
 # From expressions to impact.py
 # --------------------------------------------------------------------------------------------------
 
-# What is one number in impact.py, by its name there; components bear those of their symbols.
+# Names of scalars in impact.py; components have the names of their symbols.
 _NAMES = {
     BALL_MASS: "mass",
     BAT_MASS: "bat_mass",
@@ -457,7 +456,9 @@ _NAMES = {
 
 
 class _ProductsForPowers(ast.NodeTransformer):
-    """Write x**2 as x * x, which every number type has and rounds once; no higher power occurs."""
+    """Replaces x**2 by x * x, which every number type supports and rounds once."""
+
+    # No higher power occurs; `plain_arithmetic` would reject it.
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         self.generic_visit(node)
@@ -467,11 +468,10 @@ class _ProductsForPowers(ast.NodeTransformer):
 
 
 def plain_arithmetic(expression: sp.Expr, names: dict[sp.Symbol, str]) -> str:
-    """Print an expression as Python that works for every kind of number.
+    """Print an expression as Python for every kind of number: + - * / of whole numbers and names.
 
-    That is + - * / on whole numbers and the names of symbols. What needs more than that is refused;
-    so is a fraction on its own, like the half in x + 1/2: Python would round it to a double before
-    any other number type could see it.
+    Other expressions are rejected, and so is a fraction of two numbers, such as the half in x +
+    1/2: Python would round it to a double before another number type is involved.
     """
     renamed = expression.xreplace({symbol: sp.Symbol(name) for symbol, name in names.items()})
     tree = _ProductsForPowers().visit(ast.parse(str(renamed), mode="eval").body)
@@ -524,12 +524,13 @@ def _derived() -> dict[str, sp.Expr | sp.Matrix]:
 
 
 def generate() -> str:
-    """Return the text of impact.py, with what its functions return as derived."""
+    """Return the text of impact.py with the derived return statements."""
     text = _impact().read_text(encoding="utf-8")
     lines, derived = text.splitlines(keepends=True), _derived()
     functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     if (there := [function.name for function in functions]) != [*derived]:
         raise ValueError(f"impact.py has the functions {there}, and derived are {[*derived]}")
+    # From the end, so that line numbers before a replaced statement stay valid.
     for function in reversed(functions):
         last, result = function.body[-1], derived[function.name]
         inside = {argument.arg for argument in function.args.args}
@@ -559,8 +560,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         target.write_text(text, encoding="utf-8")
     elif target.read_text(encoding="utf-8") != text:
         print(
-            f"{target} is not what the derivation generates; "
-            "run `python -m longball.model.derivation` to write it anew.",
+            f"{target} differs from the derivation; "
+            "run `python -m longball.model.derivation` to write it again.",
             file=sys.stderr,
         )
         return 1

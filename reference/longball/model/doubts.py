@@ -1,4 +1,4 @@
-"""Doubts about a scene that is valid: numbers that look like another unit, a fence of other axes.
+"""Doubts about a valid scene: numbers in another unit, a fence in other axes.
 
 The model takes any ball and any field. A person who writes 145 for a mass means grams.
 """
@@ -13,8 +13,8 @@ from typing import Any
 
 from longball.model.scene import Scene
 
-# Beyond all that is measured in baseball: the largest size of a number or vector, its unit, and the
-# units in which people have such numbers.
+# Limits beyond all measured values in baseball: the size of a number or vector, its unit, and other
+# units in which the number would be plausible.
 _LIMITS = {
     "ball.mass": (1.0, "kg", "g or oz"),
     "ball.radius": (0.2, "m", "cm or inches"),
@@ -38,31 +38,33 @@ _LIMITS = {
 
 
 def doubts(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield the key and a question for each thing that is probably not meant."""
+    """Yield the key and a question for each implausible value."""
     for name, block, key, (limit, unit, others) in _limits_of(type(scene)):
         value: Any = getattr(scene, block)
         value = getattr(value, key) if key and value is not None else value
         if value is None:
             continue
-        # No error: the model holds for any ball, and a study may want one of 1 t.
+        # A question, not an error: the model is valid for any ball, and a study may need one of 1
+        # t.
         size = _size(value)
         if size > limit:
             yield name, f"{size:g} {unit} is more than in any game; is it in {others}?"
     fence = getattr(scene, "fence", None)
     line = pairwise([] if fence is None else fence.polyline or ())
     ahead = [a[1] > 0.0 >= b[1] or a[1] >= 0.0 > b[1] for a, b in line]
-    if ahead and not any(ahead):  # no chord crosses the axis from the plate to centre field
+    # The axis from the plate through centre field must cross a chord.
+    if ahead and not any(ahead):
         yield (
             "fence.polyline",
             (
-                "it does not go round centre field, so that balls pass beside it; x points to "
-                "centre field and y to the left"
+                "it does not enclose centre field, and balls fly past it; x must point to centre "
+                "field and y to the left"
             ),
         )
 
 
 def _size(value: Any) -> float:
-    """Return the size of a number or a vector; of a line, the way to its farthest vertex."""
+    """Return the size of a number or a vector; for a line, the distance of its farthest vertex."""
     if not isinstance(value, tuple):
         return abs(float(value))
     if isinstance(value[0], tuple):
@@ -72,6 +74,6 @@ def _size(value: Any) -> float:
 
 @cache
 def _limits_of(kind: type[Scene]) -> list[tuple[str, str, str, tuple[float, str, str]]]:
-    """Return the limits of the numbers that a kind of scene has, with their names taken apart."""
+    """Return the limits for a kind of scene, with block and key of each number."""
     parts = [(name, *name.partition(".")[::2], limit) for name, limit in _LIMITS.items()]
     return [part for part in parts if part[1] in kind.model_fields]

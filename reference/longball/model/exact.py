@@ -1,12 +1,12 @@
 """Exact results to test any engine with: closed forms, invariants, balance laws.
 
-All hold in the plane of a flight, for constant k_D, k_L and g (`longball.model.law`), and all
-run over the number system of their arguments: the functions of analysis are taken from `math` for
-doubles, from `mpmath.mp` for its numbers, from `METHODS` for numbers that carry their functions as
-methods, such as flint's `arb`. Nothing is decided here, so nothing has to be compared.
+All are valid in the plane of a flight, for constant k_D, k_L and g (`longball.model.law`), and for
+the number system of their arguments. `functions` are those of `math` for doubles, of `mpmath.mp`
+for its numbers, and `METHODS` for numbers with functions as methods, such as flint's `arb`. No
+numbers are compared, so that nothing is undecided.
 
-Each docstring states the equation and, in a line, why it holds. "Drag" and "lift" are k_D and k_L
-in 1/m, `gravity` is g in m/s²; speeds are in m/s, times in s, lengths in m. V = √(u² + w²).
+Each docstring gives the equation and its reason. `drag` and `lift` are k_D and k_L in 1/m,
+`gravity` is g in m/s²; speeds are in m/s, times in s, lengths in m. V = √(u² + w²).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from longball.model.numbers import N
 
 
 class Functions(Protocol):
-    """The functions of analysis, under the names that Python's `math` gives them."""
+    """The functions of analysis, under their names in Python's `math`."""
 
     def sqrt(self, x: N, /) -> N: ...  # noqa: D102
     def exp(self, x: N, /) -> N: ...  # noqa: D102
@@ -36,7 +36,7 @@ class Functions(Protocol):
     def asinh(self, x: N, /) -> N: ...  # noqa: D102
 
 
-# Functions of numbers that carry them as methods: ``sqrt(x)`` is ``x.sqrt()``.
+# Functions that call methods of their arguments: ``sqrt(x)`` is ``x.sqrt()``.
 METHODS: Any = SimpleNamespace(
     **{name: methodcaller(name) for name in vars(Functions) if not name.startswith("_")}
 )
@@ -53,7 +53,7 @@ class Moment(NamedTuple):
 
 
 def parabola(start: PlaneState, gravity: N, time: N) -> PlaneState:
-    """Return the state of a ball that only gravity acts on, `time` seconds after its launch.
+    """Return the state of a ball under gravity alone, `time` seconds after its launch.
 
     ``s = s₀ + u₀ t``, ``z = z₀ + w₀ t - g t²/2``, ``w = w₀ - g t``: u' = 0 and w' = -g, integrated
     twice.
@@ -65,7 +65,7 @@ def parabola(start: PlaneState, gravity: N, time: N) -> PlaneState:
 
 
 def parabola_to_floor(start: PlaneState, gravity: N, floor: N, functions: Functions) -> Moment:
-    """Return when and in what state a ball that only gravity acts on falls to the height `floor`.
+    """Return time and state at which a ball under gravity alone falls to the height `floor`.
 
     ``w = -√(w₀² + 2g (z₀ - floor))`` from the energy, ``t = (w₀ - w)/g``; g > 0.
     """
@@ -75,7 +75,7 @@ def parabola_to_floor(start: PlaneState, gravity: N, floor: N, functions: Functi
 
 
 def parabola_to_wall(start: PlaneState, gravity: N, wall: N) -> Moment:
-    """Return when and in what state a ball that only gravity acts on reaches ``s = wall``.
+    """Return time and state at which a ball under gravity alone reaches ``s = wall``.
 
     ``t = (wall - s₀)/u₀``, since u is constant. The plane x = 0 is such a wall for a pitch.
     """
@@ -84,7 +84,7 @@ def parabola_to_wall(start: PlaneState, gravity: N, wall: N) -> Moment:
 
 
 def rise(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) -> PlaneState:
-    """Return the state of a ball on its way straight up through the air; u₀ = 0 <= w.
+    """Return the state of a ball that rises vertically through the air; u₀ = 0 <= w.
 
     ``w = v tan(φ - τ)``, ``z = z₀ + log(cos(φ - τ)/cos φ)/k_D`` with the terminal speed
     v = √(g/k_D), τ = t √(g k_D) and tan φ = w₀/v, here without φ by the addition theorems:
@@ -92,6 +92,7 @@ def rise(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) 
     """
     terminal, tau = _terminal_speed(drag, gravity, functions), _tau(drag, gravity, time, functions)
     p, cos, sin = start.w / terminal, functions.cos(tau), functions.sin(tau)
+    # cos(φ - τ)/cos φ
     growth = cos + p * sin
     return PlaneState(
         start.s,
@@ -102,18 +103,19 @@ def rise(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) 
 
 
 def apex(start: PlaneState, drag: N, gravity: N, functions: Functions) -> Moment:
-    """Return when and where a ball thrown straight up through the air comes to rest.
+    """Return time and state at which a ball thrown straight up through the air comes to rest.
 
     ``t √(g k_D) = φ = arctan(w₀/v)``, ``z = z₀ + log(1 + w₀²/v²)/(2 k_D)``: `rise` at τ = φ.
     """
     p = start.w / _terminal_speed(drag, gravity, functions)
     time = functions.atan(p) / functions.sqrt(gravity * drag)
+    # log1p keeps the digits of a slow throw.
     height = functions.log1p(p * p) / (2 * drag)
     return Moment(time, PlaneState(start.s, start.z + height, start.u, 0 * start.w))
 
 
 def fall(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) -> PlaneState:
-    """Return the state of a ball on its way straight down through the air; u₀ = 0 >= w₀.
+    """Return the state of a ball that falls vertically through the air; u₀ = 0 >= w₀.
 
     ``w = -v tanh(ψ + τ)``, ``z = z₀ - log(cosh(ψ + τ)/cosh ψ)/k_D`` with tanh ψ = -w₀/v and the
     rest as in `rise`, here without ψ, so that a ball faster than v needs no coth:
@@ -121,6 +123,7 @@ def fall(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) 
     """
     terminal, tau = _terminal_speed(drag, gravity, functions), _tau(drag, gravity, time, functions)
     q, cosh, sinh = -start.w / terminal, functions.cosh(tau), functions.sinh(tau)
+    # cosh(ψ + τ)/cosh ψ
     growth = cosh + q * sinh
     return PlaneState(
         start.s,
@@ -131,12 +134,12 @@ def fall(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) 
 
 
 def fall_to_floor(start: PlaneState, drag: N, gravity: N, floor: N, functions: Functions) -> Moment:
-    """Return when and in what state a ball that falls straight down reaches the height `floor`.
+    """Return time and state at which a ball that falls vertically reaches the height `floor`.
 
     ``w² = v² + (w₀² - v²) exp(-2 k_D h)`` with h = z₀ - floor, since d(w²)/dz = 2 (k_D w² - g) is
-    linear in w²; ``exp τ = exp(k_D h) (v - w)/(v - w₀)`` inverts `fall`. Both are written with
-    differences that lose nothing in a short fall, nor overflow in a long one; h > 0 or w₀ < 0.
+    linear in w²; ``exp τ = exp(k_D h) (v - w)/(v - w₀)`` inverts `fall`. Either h > 0 or w₀ < 0.
     """
+    # In this form a short fall loses no digits, and a long one does not overflow.
     terminal = _terminal_speed(drag, gravity, functions)
     q, depth = -start.w / terminal, drag * (start.z - floor)
     spent = -functions.expm1(-2 * depth)
@@ -152,13 +155,14 @@ def weightless(
 ) -> PlaneState:
     """Return the state of a ball without weight, `time` seconds after its launch.
 
-    ``V = V₀/(1 + k_D V₀ t)`` after the way ``σ = log(1 + k_D V₀ t)/k_D``, since V' = -k_D V²; the
-    velocity has turned upwards by the angle ``k_L σ``, since lift turns it at the rate k_L V: the
-    path is a circle of radius 1/k_L, of which the ball has flown a chord ``2 sin(k_L σ/2)/k_L``.
-    Without drag or lift: the limits k_D -> 0, k_L -> 0.
+    V' = -k_D V² gives ``V = V₀/(1 + k_D V₀ t)`` after the path ``σ = log(1 + k_D V₀ t)/k_D``.
+    Lift turns the velocity upwards at the rate k_L V, by the angle ``k_L σ``: the path is a circle
+    of radius 1/k_L, and the ball is at the end of a chord of length ``2 sin(k_L σ/2)/k_L``. Without
+    drag or lift: the limits k_D -> 0, k_L -> 0.
     """
     u, w = start.u, start.w
     speed = functions.sqrt(u * u + w * w)
+    # V₀/V, as a number of the system even without drag
     slowing = 1 + 0 * speed
     arc = speed * time
     if drag is not None:
@@ -171,7 +175,8 @@ def weightless(
     half = lift * arc / 2
     cos, sin = functions.cos(half), functions.sin(half)
     chord = 2 * sin / lift / speed
-    # Turned by half the angle the launch velocity points along the chord, by all of it, onwards.
+    # The chord is along the launch velocity turned by half the angle; the final velocity is turned
+    # by the whole angle.
     along_u, along_w = u * cos - w * sin, u * sin + w * cos
     return PlaneState(
         start.s + chord * along_u,
@@ -181,7 +186,7 @@ def weightless(
     )
 
 
-# --- what is constant along a flight --------------------------------------------------------------
+# --- invariants -----------------------------------------------------------------------------------
 
 
 def drag_only_invariant(state: PlaneState, drag: N, gravity: N, functions: Functions) -> N:
@@ -212,7 +217,7 @@ def phugoid(state: PlaneState, lift: N, gravity: N, functions: Functions) -> N:
     return lift * squared * functions.sqrt(squared) / 3 - gravity * state.u
 
 
-# --- how fast drag changes what would be constant -------------------------------------------------
+# --- rates of the invariants under drag -----------------------------------------------------------
 
 
 def energy_rate(state: PlaneState, drag: N, functions: Functions) -> N:
@@ -237,8 +242,8 @@ def phugoid_rate(state: PlaneState, drag: N, lift: N, gravity: N, functions: Fun
 def scaled_state(state: PlaneState, length: N, functions: Functions) -> PlaneState:
     """Return the state with lengths times λ = `length` and times times √λ.
 
-    In `scaled_strengths` it flies the scaled path: every term of the equations of motion, k V² and
-    g, keeps its value, and so does length/time².
+    With `scaled_strengths` its path is the scaled path: every term of the equations of motion, k V²
+    and g, stays the same, and so does length/time².
     """
     root = functions.sqrt(length)
     return PlaneState(length * state.s, length * state.z, root * state.u, root * state.w)

@@ -21,6 +21,7 @@ from longball.model.units import unit_of
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
     """Return one sentence for each fault in data that do not fit a `model`."""
+    # A union reports the same fault once for each of its forms.
     sentences = (_explain_fault(dict(fault), model) for fault in error.errors())
     return "; ".join(dict.fromkeys(sentences))
 

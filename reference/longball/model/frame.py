@@ -1,4 +1,4 @@
-"""The frame of a flight: its launch seen along the horizontal direction that it heads for."""
+"""The frame of a flight: position of the launch, and the horizontal heading."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from longball.model.numbers import N, Numbers, Vector
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a flight starts, m, the horizontal unit vector that it heads for, and its spin.
+    """Position of a launch, m, horizontal unit vector of its heading, and its spin.
 
-    `spin` is that at the launch, rad/s, in space; None if the scene says nothing of it.
+    `spin` is the vector at the launch, rad/s, in space; None if the scene gives none.
     """
 
     x: N
@@ -24,13 +24,13 @@ class Frame:
     spin: Vector | None = None
 
     def turned(self, vector: Vector) -> Vector:
-        """Return a vector in space as the frame has it: along s, y and z."""
+        """Return the components of a vector in space along s, y and z of the frame."""
         x, y, z = vector
         # A rotation about z by minus the heading; its inverse is in `position` and `velocity`.
         return x * self.cos + y * self.sin, y * self.cos - x * self.sin, z
 
     def components(self, vector: Sequence[float], numbers: Numbers) -> Vector:
-        """Return a vector of the scene as the frame has it."""
+        """Return the components of a vector of the scene along s, y and z of the frame."""
         x, y, z = map(numbers.exact, vector)
         return self.turned((x, y, z))
 
@@ -60,8 +60,8 @@ class Frame:
         return x if in_plane(state) else x - self.sin * state.y
 
 
-# The square of a speed below TINY, in m/s, may vanish from a double. That of LARGER times any such
-# double does not, and a power of 2 changes no digit.
+# The square of a speed below TINY, m/s, may underflow. Such speeds are multiplied by LARGER first,
+# a power of 2, which is exact.
 TINY, LARGER = 2.0**-500, 2.0**600
 
 
@@ -70,13 +70,13 @@ def launch_frame(
 ) -> tuple[Frame, PlaneState]:
     """Return the frame of a flight, and its launch in that frame.
 
-    A launch straight up or down has no heading of its own and takes that of +x, towards the
-    pitcher: with it the landing distance from above the plate is continuous across the vertical.
+    A launch straight up or down has the heading +x, towards the pitcher. With it, the landing
+    distance of launches above the plate is continuous at the vertical.
     """
     x, y, z = position
     vx, vy, vz = velocity
     nothing = numbers.exact(0.0)
-    # Zero exactly where both are, without a root.
+    # Exactly zero only if both components are, and without a root.
     size = abs(vx) + abs(vy)
     question = "whether the launch is vertical"
     heads = numbers.positive(size, nothing, question)
@@ -84,9 +84,10 @@ def launch_frame(
     scale = numbers.where(tiny, numbers.exact(LARGER), numbers.exact(1.0))
     u, v = scale * vx, scale * vy
     length = numbers.sqrt(u * u + v * v)
-    # 1 in place of 0, whose quotient is not used, also in columns of balls.
+    # Columns evaluate both branches: divide by 1 where the length is 0 and the quotient is not
+    # used.
     divisor = numbers.where(heads, length, numbers.exact(1.0))
     cos = numbers.where(heads, u / divisor, numbers.exact(1.0))
     frame = Frame(x, y, cos, v / divisor, spin)
-    # The flight starts in its vertical plane: no velocity aside.
+    # By definition of the heading, the launch has no sideways velocity.
     return frame, PlaneState(nothing, z, length / scale, vz)

@@ -1,14 +1,14 @@
-"""The impulse between ball and bat, as executed.
+"""The impulse between ball and bat.
 
-What the functions return is written from the expressions of :mod:`longball.model.derivation`; do
-not edit it. To write it anew::
+The return statements are generated from the expressions of :mod:`longball.model.derivation`; do not
+edit them. To generate them again::
 
     python -m longball.model.derivation
 
-Only + - * / and whole numbers occur, so the functions serve every kind of number alike: float,
-Fraction, mpf, arb, and arrays, elementwise. Vectors have three components: of `slip` and `push`
-along the normal, along the bat, and across both; all others in space. An argument is the same
-everywhere:
+The formulas contain only + - * / and whole numbers, so the functions take every kind of number:
+float, Fraction, mpf, arb, and arrays, elementwise. Vectors have three components: those of `slip` and
+`push` are along the normal, along the bat, and across both; all others are in space. Arguments have
+the same meaning everywhere:
 
 mass, radius, inertia_factor
     Of the ball: m, in kg; R, in m; β = I/(m R²), dimensionless.
@@ -36,7 +36,8 @@ impulse, push
 
 from typing import Any
 
-Number = Any  # float, mpf, arb or array: whatever adds, multiplies and divides
+# float, mpf, arb, array: any type with addition, multiplication and division.
+Number = Any
 Vector = tuple[Number, Number, Number]
 
 
@@ -71,10 +72,11 @@ def velocity_after(velocity: Vector, normal: Vector, mass: Number, impulse: Numb
 
 
 def energy_change(reduced_mass: Number, restitution: Number, normal_speed: Number) -> Number:
-    """Change of the kinetic energy of ball and bat, factored so as not to cancel at ẽ = 1.
+    """Change of the kinetic energy of ball and bat.
 
     -½ μ (1 - ẽ²) (Ṽ·n)², in J; positive if ẽ > 1. Not in the paper.
     """
+    # The factors (ẽ - 1)(ẽ + 1) keep their digits near ẽ = 1; 1 - ẽ² would cancel.
     return normal_speed * normal_speed * reduced_mass * (restitution - 1) * (restitution + 1) / 2
 
 
@@ -96,6 +98,8 @@ def slip(
     V_bx, V_by, V_bz = bat_velocity
     Omega_x, Omega_y, Omega_z = rotation
     n_x, n_y, n_z = normal
+    # The contact is at -R n from the ball's centre, and at r_b n from the bat's axis. The normal has no
+    # component along the bat, so n_y does not occur.
     return (
         -V_bx * n_x - V_bz * n_z + V_x * n_x + V_z * n_z,
         -V_by + V_y - bat_radius * (-Omega_x * n_z + Omega_z * n_x) - radius * (n_x * omega_z - n_z * omega_x),
@@ -116,6 +120,8 @@ def inverse_mass(
 
     K_nn, K_ny, K_yy, K_tt, in 1/kg; n: normal, y: along the bat, t: across both.
     """
+    # K is symmetric. By the symmetry of ball and bat, K_nt = K_yt = 0: an impulse across the bat does
+    # not change the other components.
     return (
         arm * arm / inertia + inverse_bat_mass + 1 / mass,
         -arm * bat_radius / inertia,
@@ -136,6 +142,7 @@ def gripping_impulse(
     """
     K_nn, K_ny, K_yy, K_tt = inverse_mass
     g_n, g_y, g_t = slip
+    # The normal and the component along the bat are coupled: a system of two equations.
     return (
         (K_ny * g_y * tangential_restitution + K_ny * g_y - K_yy * g_n * restitution - K_yy * g_n) / (K_nn * K_yy - K_ny * K_ny),
         -(K_nn * g_y * tangential_restitution + K_nn * g_y - K_ny * g_n * restitution - K_ny * g_n) / (K_nn * K_yy - K_ny * K_ny),
@@ -146,12 +153,13 @@ def gripping_impulse(
 def sliding_resistance(
     inverse_mass: tuple[Number, ...], friction: Number, direction: tuple[Number, ...]
 ) -> Number:
-    """Resistance to the impulse of a sliding ball; if it is not positive, ball and bat jam.
+    """Resistance to the normal impulse of a sliding ball; if it is not positive, the bodies jam.
 
     D = n·K(n - μ_f t), in 1/kg.
     """
     K_nn, K_ny, K_yy, K_tt = inverse_mass
     t_y, t_t = direction
+    # Only the component along the bat is coupled to the normal, so t_t does not occur.
     return K_nn - K_ny * friction * t_y
 
 

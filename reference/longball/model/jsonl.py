@@ -9,10 +9,10 @@ from typing import Any
 
 from pydantic_core import to_json
 
-# Bytes; a scene has some hundred of them.
+# Bytes. A scene has a few hundred.
 LONGEST_LINE = 1 << 20
 
-# JSON leaves them as they are, but some readers of lines end one there: str.splitlines, JavaScript.
+# JSON allows these characters, but some readers end a line there: str.splitlines, JavaScript.
 _BREAKS = {c: f"\\u{ord(c):04x}" for c in "\x85\u2028\u2029"}
 _IN_TEXT = str.maketrans(_BREAKS)
 _IN_BYTES = [(point.encode(), escape.encode()) for point, escape in _BREAKS.items()]
@@ -25,7 +25,7 @@ def json_line(data: Mapping[str, Any], separators: tuple[str, str] | None = None
 
 
 def json_bytes(data: Mapping[str, Any]) -> bytes:
-    """Return the same as UTF-8 without spaces, in a tenth of the time."""
+    """Return the same as UTF-8 without spaces, ten times faster."""
     text = to_json(data)
     for point, escape in _IN_BYTES:
         text = text.replace(point, escape)
@@ -33,7 +33,7 @@ def json_bytes(data: Mapping[str, Any]) -> bytes:
 
 
 def json_or_number(text: str) -> Any:
-    """Parse a text: JSON (null for no air), a number such as .5, or else the text itself."""
+    """Return the value of a text: JSON (null for no air), a number such as .5, or the text."""
     for read in (json.loads, float):
         with suppress(ValueError, RecursionError):
             return read(text)

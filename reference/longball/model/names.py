@@ -1,4 +1,4 @@
-"""Names that are not known: the end of a message that lists the known ones."""
+"""Messages about unknown names: the known ones, and the one that was probably meant."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def one_of(these_are: str, given: object, known: Iterable[str]) -> str:
-    """Return the known names as the end of a sentence, after the one that is meant if it is clear.
+    """Return the end of a message: the likely name, if any, and the known names.
 
     >>> one_of("the keys are", "lanch", ["launch", "ball"])
     ', did you mean launch? The keys are launch, ball'
@@ -21,14 +21,15 @@ def one_of(these_are: str, given: object, known: Iterable[str]) -> str:
     return f"; {shown}"
 
 
-_MOST_NAMES = 20  # beside one that is meant: a line of more hides it
+# A longer list would hide the suggestion.
+_MOST_NAMES = 20
 
 
 def did_you_mean(given: object, known: Iterable[str]) -> str:
-    """Return the question whether a similar name is meant, or nothing.
+    """Return a suggestion of a similar name, or "".
 
-    A name is similar if its letters are, in any case and with any signs between them (At_Bat,
-    pitch-speed), or if one of its words is the given one.
+    Similarity ignores case and signs between letters (At_Bat, pitch-speed). A name is also similar
+    if one of its words begins with the given one.
 
     >>> did_you_mean("coors", ["Citi Field", "Coors Field"])
     ', did you mean Coors Field?'
@@ -37,7 +38,7 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
     """
     if not isinstance(given, str) or not (asked := letters(given)):
         return ""
-    # Reversed twice, so that the first of two names with the same letters counts.
+    # In reverse order, so that the first of two names with the same letters remains.
     by_letters = {letters(name): name for name in reversed([*known])}
     near = difflib.get_close_matches(asked, by_letters, n=1)
     with_word = [
@@ -45,16 +46,16 @@ def did_you_mean(given: object, known: Iterable[str]) -> str:
         for name in reversed(by_letters.values())
         if any(word.startswith(asked) for word in re.split(r"\W+", name.lower()))
     ]
-    # The surest first: the same letters, then a whole word, then likeness.
+    # From certain to vague: equal letters, a word in the name, a similar spelling.
     meant = [*filter(None, [by_letters.get(asked)]), *with_word, *(by_letters[x] for x in near)]
     return f", did you mean {meant[0]}?" if meant else ""
 
 
 def nearest_file(path: str | Path) -> str:
-    """Return ``, did you mean NAME?`` with a file beside a path that does not exist, or ``""``."""
+    """Return a suggestion of a file in the folder of a missing one, or ""."""
     folder = Path(path).parent
     stem = Path(path).stem
-    # A common ending alone is no likeness: missing.jsonl is not s.jsonl.
+    # Compare the stems: the common suffix would make missing.jsonl similar to s.jsonl.
     known = [
         file.name
         for file in (folder.iterdir() if folder.is_dir() else ())
@@ -63,7 +64,8 @@ def nearest_file(path: str | Path) -> str:
     return did_you_mean(Path(path).name, known)
 
 
-_LIKENESS = 0.4  # of stems: fly and flies have 0.5
+# Least similarity of two stems; that of fly and flies is 0.5.
+_LIKENESS = 0.4
 
 
 def letters(name: str) -> str:

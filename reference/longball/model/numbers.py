@@ -16,9 +16,9 @@ import numpy as np
 
 from longball.model.result import ErrorCode, Number
 
-# A number: float, mpf, ball, jet, a column of them, a node of a traced formula. Whatever adds,
-# subtracts, multiplies, divides and compares: of balls, only what is certain; of columns, element
-# by element.
+# A number: float, mpf, ball, jet, a column of these, a node of a traced formula. It can be added,
+# subtracted, multiplied, divided and compared. A comparison of balls is true only if it is certain;
+# columns compare element by element.
 N = Any
 
 Vector = tuple[N, N, N]
@@ -89,7 +89,7 @@ def ratio(part: Any, whole: Any) -> Any:
 
 
 def doubt(x: N, error: N, question: str, numbers: Numbers) -> str:
-    """Say that a question is open: whether ``x > 0``, of which `x` and its `error` tell nothing."""
+    """Return the sentence on an undecided question, whether ``x > 0``."""
     try:
         numbers.positive(x, error, question)
     except Undecided as undecided:
@@ -100,7 +100,7 @@ def doubt(x: N, error: N, question: str, numbers: Numbers) -> str:
 class Single:
     """Base of number systems that hold one number at a time."""
 
-    precision: str  # as messages have it
+    precision: str  # for messages, such as "in double precision"
 
     def arithmetic(self) -> AbstractContextManager[object]:
         """Return a context that does nothing: these numbers bring their own precision."""
@@ -116,10 +116,11 @@ class Single:
 
     def positive(self, x: N, error: N, question: str) -> bool:
         """True if ``x > 0``; see `Numbers.positive`."""
-        # Exact zero with no error is a clean "no"; everything inside the error is not decided.
+        # An exact zero without error is decided: not positive. Other values within the error are
+        # not.
         if abs(x) > error or x == error == 0:
             return bool(x > 0)
-        # Three digits of each are enough to see by how much the question is open.
+        # Three digits show how many more digits of precision would decide it.
         value, off = (float(number) for number in (x, error))
         raise Undecided(
             f"{question} cannot be decided {self.precision}: "

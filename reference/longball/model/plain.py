@@ -1,4 +1,4 @@
-"""Values of Python, NumPy and pandas as JSON has them: what counts as a number."""
+"""Values of Python, NumPy and pandas as plain JSON values."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-# Whole numbers up to here are doubles, and are written as they are.
+# Whole numbers up to this size are exact doubles, and stay whole numbers in JSON.
 _LARGEST_WHOLE = 2**53
 _DOUBLES = (np.float16, np.float32, np.float64)
 
 
 def is_number(value: object) -> bool:
-    """Check that a value is a real number: of Python, of NumPy, a `Decimal`, a `Fraction`."""
-    # To Python a bool is a number, and to NumPy a duration is.
+    """True for a real number of Python or NumPy, a `Decimal` or a `Fraction`."""
+    # Python counts bools as numbers, and NumPy counts durations.
     return isinstance(value, Real | Decimal) and not isinstance(value, bool | np.timedelta64)
 
 
 def double(number: Any) -> float:
-    """Return the double nearest to a real number; infinity if it is beyond all doubles."""
+    """Return the double nearest to a real number; infinity beyond the largest double."""
     try:
         return float(number)
     except OverflowError:  # of int, Fraction
@@ -35,26 +35,28 @@ def double(number: Any) -> float:
 
 
 def is_missing(value: object) -> bool:
-    """Check that a cell is empty: None, NaN, a masked value, NA and NaT of pandas."""
+    """True for an empty cell: None, NaN, a masked value, NA and NaT of pandas."""
     if value is None or value is np.ma.masked:
         return True
     if is_number(value):
         return math.isnan(double(value))
-    pandas = sys.modules.get("pandas")  # where it is not loaded nobody has a value of it
+    # pandas is an extra: if it is not loaded, the value cannot be one of its.
+    pandas = sys.modules.get("pandas")
     return pandas is not None and (value is pandas.NA or value is pandas.NaT)
 
 
 def plain(value: object, name: str = "") -> Any:
-    """Return a value, called `name` in messages, as JSON has it.
+    """Return a value as plain JSON data; `name` is its name in messages.
 
-    Numbers become the nearest doubles. A masked value and pandas' NA are null.
+    Numbers become the nearest doubles. A masked value and pandas' NA become null.
 
     Raises
     ------
     TypeError
-        If it holds something that JSON has no form for, such as a complex number or a time.
+        If JSON has no form for a value, such as a complex number or a time.
     """
-    # Most are floats; to ask for a number of any kind takes a hundred times as long.
+    # Fast path: most values are floats, and the general test for numbers takes a hundred times
+    # longer.
     if value is None or type(value) is float or isinstance(value, str | bool):
         return value
     if is_number(value):
@@ -75,19 +77,19 @@ def plain(value: object, name: str = "") -> Any:
         array = value if isinstance(value, np.ndarray) else np.asarray(value)
         if array.dtype in _DOUBLES and not np.ma.isMaskedArray(array):
             return array.tolist()
-        # `tolist` makes whole numbers of times, and leaves extended precision as it is.
+        # Not by `tolist`, which converts times to whole numbers and keeps extended precision.
         return plain([*array] if array.ndim else array[()], name)
     where = f"{name}: " if name else ""
     raise TypeError(f"{where}must be a number, text or block (got a {type(value).__name__})")
 
 
 def column_of(values: Any) -> NDArray[Any]:
-    """Return an array, of any shape, of numbers as doubles; of anything else its cells as objects.
+    """Return an array of any shape: of doubles if all cells are numbers, otherwise of objects.
 
-    Among numbers, a missing one is NaN.
+    Missing numbers become NaN.
     """
     if not hasattr(values, "__array__"):
-        # NumPy makes texts of numbers that stand beside one, and numbers of bools.
+        # NumPy would convert numbers next to a text to texts, and bools next to numbers to numbers.
         values = np.array(values, object)
     array = values if isinstance(values, np.ndarray) else np.asarray(values)
     if array.dtype.kind in "iuf":
@@ -100,5 +102,5 @@ def column_of(values: Any) -> NDArray[Any]:
         return np.array(numbers, float).reshape(array.shape)
     column = np.empty(len(cells), object)
     for i, cell in enumerate(cells):
-        column[i] = cell  # a list, too
+        column[i] = cell  # one by one, because NumPy would unpack lists
     return column.reshape(array.shape)

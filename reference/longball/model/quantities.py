@@ -197,6 +197,7 @@ def _parts(block: Any) -> Sequence[tuple[str, Any]]:
     return ()
 
 
+# A decimal number with its radius is one number, although it is a model with two fields.
 _NUMBERS = (float, int, Bounded, Certified)
 
 

@@ -125,6 +125,8 @@ class Entry:
         return "figure" if self.switch == FIGURE_SWITCH else "scene"
 
 
+# The texts are in a TOML file, because they are prose: `longball readings` and the report print
+# them.
 LEDGER: tuple[Entry, ...] = tuple(
     Entry(**written | {"options": tuple(written["options"])})
     for written in tomllib.loads(

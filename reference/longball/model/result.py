@@ -57,6 +57,7 @@ class Bounded(Strict):
         return {"value": self.value, "radius": self.radius}
 
 
+# Two classes, because a `Certified` keeps the engine's own double.
 class Certified(Strict):
     """A double, with the radius that the enclosure engine proves for it."""
 

@@ -1,6 +1,6 @@
-"""Scenes and results as JSON Schema, written out from the models that the code validates with.
+"""JSON Schemas of scenes and results, from the models that validate them.
 
-``python -m longball.model.schema`` writes the two files that are shipped with the package.
+``python -m longball.model.schema`` writes the two files of the package.
 """
 
 from __future__ import annotations
@@ -21,21 +21,20 @@ DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def published(name: str, schema: dict[str, Any]) -> dict[str, Any]:
-    """Return a schema as it is written: with its name, in JSON Schema's own words only."""
+    """Return a schema for publication: with its name, and JSON Schema's keywords alone."""
     plain: dict[str, Any] = _plain(schema)
     return {"$schema": DRAFT, "$id": f"urn:longball:schema:{name}"} | plain
 
 
 def _plain(schema: Any) -> Any:
-    """Return a part of a schema without OpenAPI's `discriminator`.
-
-    A block that is distinguished from others by its constant must have it.
-    """
+    """Return a part of a schema without OpenAPI's `discriminator`."""
+    # Instead, the constant that distinguishes a form is a required key.
     if isinstance(schema, list):
         return [_plain(part) for part in schema]
     if not isinstance(schema, dict):
         return schema
     plain = {key: _plain(part) for key, part in schema.items() if key != "discriminator"}
+    # The models add a list of their fields to their docstrings; the schema has its own.
     if isinstance(about := plain.get("description"), str):
         plain["description"] = re.split(r"\n\n(?:Parameters|Attributes)\n", about)[0]
     properties = schema.get("properties", {})
@@ -55,7 +54,7 @@ def schemas() -> dict[str, dict[str, Any]]:
 
 
 def text(schema: dict[str, Any]) -> str:
-    """Return a schema as its file holds it."""
+    """Return a schema as the text of its file."""
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 

@@ -258,9 +258,10 @@ def derivative(
 ) -> Node:
     """Return the partial derivative of a node by a variable, as a node.
 
-    `ratio` is the kind of the ratios of a vector's components to its size: ``quotient``, if the
-    derivative is to have derivatives itself.
+    `ratio` is the kind of node for the ratio of a component to the size of its vector: ``quotient``
+    if the derivative will be differentiated again.
     """
+    # `known` avoids exponential work: nodes are shared between terms.
     known = {} if known is None else known
     if node not in known:
         known[node] = _derivative(node, by, known, ratio)
@@ -284,9 +285,9 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node], ratio: str) -> No
             return (of(a) - node * of(b)) / b
         case "sqrt":
             (a,) = node.args
-            # √(x² + y²): the derivative x/√… stays bounded where the vector vanishes.
+            # √(x² + y²) has the derivative x/√…, which stays bounded at 0; a'/(2√a) is 0/0 there.
             if parts := squares(a):
-                # Each part is no larger than the root: the ratio is bounded even where both vanish.
+                # A `unit` node bounds the ratio by 1 even if numerator and denominator may be 0.
                 return total(_make(ratio, x, node) * of(x) for x in parts)
             return of(a) / (2 * node)
         case "exp":
@@ -306,18 +307,18 @@ def _derivative(node: Node, by: Node, known: dict[Node, Node], ratio: str) -> No
 class Program:
     """Straight-line code: from variables and parameters to outputs."""
 
-    # Names, in the order in which values are given.
+    # Names, in the order of the arguments.
     variables: tuple[str, ...]
     parameters: tuple[str, ...]
-    outputs: tuple[Node, ...]  # what is computed, as nodes
+    outputs: tuple[Node, ...]
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
-        """All nodes that the outputs depend on, each after those that it is computed from."""
+        """All nodes of the outputs, each after its arguments."""
         order: dict[Node, None] = {}
 
         def visit(node: Node) -> None:
-            # Depth first: what a node is computed from comes before it.
+            # Depth first, so that arguments come before the node.
             if node not in order:
                 for child in _children(node):
                     visit(child)
@@ -329,7 +330,7 @@ class Program:
 
     def jacobian(self) -> Program:
         """Return the program whose outputs are the partial derivatives, output by output."""
-        # Derivatives by one variable share what is known of common parts.
+        # The derivatives of all outputs by one variable share their common nodes.
         columns = [(variable(name), dict[Node, Node]()) for name in self.variables]
         return Program(
             self.variables,
@@ -339,11 +340,12 @@ class Program:
 
     @cached_property
     def source(self) -> str:
-        """The code of a Python function, `program`.
+        """Source of a Python function, `program`.
 
-        It takes the parameters, one by one, and returns a function that takes the variables. Both
-        call `sqrt`, `exp`, `log` and `unit` from their globals.
+        It takes the parameters and returns a function of the variables. Both call `sqrt`, `exp`,
+        `log` and `unit` from their globals.
         """
+        # Static nodes depend on parameters alone: they are computed once for a flight.
         names = Names()
         outer = [f"def program({', '.join(self.parameters)}):"]
         inner = [f"    def rates({', '.join(self.variables)}):"]
@@ -360,9 +362,9 @@ class Program:
     ) -> Callable[..., tuple[Any, ...]]:
         """Return the program as a function of its variables, with values of its parameters.
 
-        `functions` are what `sqrt`, `exp`, `log` and `unit` are for the numbers at hand.
+        `functions` gives `sqrt`, `exp`, `log` and `unit` for the number system.
         """
-        # Compiled once for all scenes of the same law: only the values differ.
+        # Python compiles the source once; scenes with the same law share it.
         make = run_source(self.source, "program", functions)
         bound: Callable[..., tuple[Any, ...]] = make(*(values[name] for name in self.parameters))
         return bound
@@ -380,7 +382,7 @@ class Names(dict[Node, str]):
         raise KeyError(node)
 
     def define(self, node: Node) -> str:
-        """Name a node, and return the line that computes it; nothing if it needs none."""
+        """Name a node, and return the line that computes it; "" for a constant or an argument."""
         if node.kind in ("constant", "parameter", "variable"):
             return ""
         text = self.expression(node)
@@ -388,7 +390,7 @@ class Names(dict[Node, str]):
         return f"{self[node]} = {text}"
 
     def expression(self, node: Node) -> str:
-        """Return the expression that computes a node from those before."""
+        """Return the expression of a node in terms of the names of its arguments."""
         match node.kind:
             case "sum":
                 return self.combination(node, self.__getitem__)
@@ -402,7 +404,7 @@ class Names(dict[Node, str]):
         return f"{node.kind}({', '.join(self[x] for x in node.args)})"
 
     def combination(self, node: Node, value: Callable[[Node], str], constant: bool = True) -> str:
-        """Return a sum, given what to write for the nodes in it; with its constant or without."""
+        """Return the expression of a sum; `value` gives that of each of its nodes."""
         rest, *terms = node.args
         text = ""
         for coefficient, x in terms:

@@ -1,4 +1,4 @@
-"""Units that people have numbers in: a factor of an SI unit, and the zero of a temperature."""
+"""Customary units: factors to SI units, and zeros of temperature scales."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from longball.model.names import one_of
 
 _DEGREE = math.pi / 180.0
 
-# By SI unit. All but the pressure of mercury are exact by definition.
+# Factors by SI unit. All are exact by definition, except that of the inch of mercury (at 0 °C).
 UNITS: dict[str, dict[str, float]] = {
     "m/s": {"m/s": 1.0, "km/h": 1 / 3.6, "mph": 0.44704, "ft/s": 0.3048},
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "in": 0.0254},
@@ -22,12 +22,12 @@ UNITS: dict[str, dict[str, float]] = {
     "kg/m³": {"kg/m³": 1.0, "kg/m3": 1.0},
     "s": {"s": 1.0, "ms": 0.001},
 }
-# Zeros of the scales that do not begin at 0 K.
+# Zeros of temperature scales, K.
 _ZEROS = {"C": 273.15, "°C": 273.15, "F": 459.67 / 1.8, "°F": 459.67 / 1.8}  # K
 
 
 def unit_of(description: str) -> str:
-    """Return the SI unit that the description of a field begins with; empty if it has none.
+    """Return the SI unit at the beginning of a field's description, or "".
 
     >>> unit_of("m/s; default: the mean of Eq. 3")
     'm/s'
@@ -37,13 +37,14 @@ def unit_of(description: str) -> str:
 
 
 def in_si(number: float, unit: str, si: str) -> float:
-    """Return a number in an SI unit; a ValueError says that its unit is none of that quantity."""
+    """Return a number in an SI unit; raise a ValueError for a unit of another quantity."""
+    # "5,200ft" is parsed as the number 5 with the unit ",200ft".
     if unit.startswith(","):
         raise ValueError("a number has no comma, as in 5200ft")
     if unit not in UNITS.get(si, {}):
         known = one_of("use", unit, UNITS[si]) if si else "; this number has none"
         raise ValueError(f"the unit {unit!r} does not fit{known}")
-    # 72 °F = 72/1.8 K + 459.67/1.8 K.
+    # Temperatures have an offset: 72 °F = 72/1.8 K + 459.67/1.8 K.
     return number * UNITS[si][unit] + _ZEROS.get(unit, 0.0)
 
 
@@ -51,10 +52,10 @@ _NUMBER = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s\[\]]\S*)?\s*"
 
 
 def read_in_si(text: str, si: str, usual: str = "") -> float | None:
-    """Return the number in a text in an SI unit; None if it holds something else.
+    """Return the number in a text, in an SI unit; None if the text is not a number.
 
-    A number without a unit is in the `usual` one, or else in the SI unit. A ValueError says that it
-    is no number, or has a unit of something else.
+    A number without a unit is in the `usual` unit, by default the SI unit. A ValueError is raised
+    for a unit of another quantity.
 
     >>> read_in_si("90 km/h", "m/s")
     25.0
@@ -64,12 +65,12 @@ def read_in_si(text: str, si: str, usual: str = "") -> float | None:
 
 
 def from_si(number: float, unit: str, si: str) -> float:
-    """Return a number in a unit of which `in_si` makes the given one."""
+    """Return a number in another unit: the inverse of `in_si`."""
     return (number - _ZEROS.get(unit, 0.0)) / UNITS[si][unit]
 
 
 def si_of(unit: str) -> str:
-    """Return the SI unit of the quantity that has a unit.
+    """Return the SI unit of the same quantity as a unit.
 
     >>> si_of("mph")
     'm/s'

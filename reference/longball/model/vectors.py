@@ -35,11 +35,13 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def part_across(a: Vector, b: Vector, square: Any) -> Vector:
-    """Return ``b² a - (a·b) b``, the part of a across b times the square of b, which is given."""
+    """Return ``b² a - (a·b) b``: the component of a across b, times the given b²."""
+    # Without the division by b², which may be 0.
     return minus(scaled(square, a), scaled(dot(a, b), b))
 
 
 def norm(a: Vector) -> Node:
-    """Return ``|a|`` of a vector of nodes, in the form that `trace.squares` knows."""
+    """Return ``|a|`` of a vector of nodes, in the form that `trace.squares` recognises."""
+    # A sum of squares under a root has bounded derivatives; see `trace.derivative`.
     squared = trace.total(trace.square(x) for x in a if x is not ZERO)
     return squared if squared is ZERO else trace.sqrt(squared)

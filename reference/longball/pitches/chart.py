@@ -96,6 +96,7 @@ class PitchTypes(Strict):
     @model_validator(mode="after")
     def _each_once(self) -> Self:
         every = [*self.straight, *(self.breaking or ()), *self.left_out]
+        # A type in two classes would be fitted in the first one silently.
         twice = sorted({name for name in every if every.count(name) > 1})
         if twice:
             raise ValueError(f"{', '.join(twice)}: a type of pitch can be in one class only")
@@ -211,6 +212,7 @@ def _straight(names: tuple[str, ...], rows: Integers, types: PitchTypes, column:
                 f"{column}: row {strange[0]} below the header has {name!r}, which is named neither "
                 f"as straight, nor as breaking, nor to be left out{and_more(len(strange))}"
             )
+    # Without a list of breaking types, every type that is not straight breaks.
     straight = np.isin(names, types.straight)
     for chosen, kind in ((straight, "straight"), (~straight, "breaking")):
         if not chosen.any():

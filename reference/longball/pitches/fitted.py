@@ -43,6 +43,7 @@ class Estimate(Strict):
     )
 
 
+# The file may be edited by hand, and `longball homerun` draws from it: check the ranges.
 def _positive(estimate: Estimate) -> Estimate:
     if estimate.value <= 0.0:
         raise ValueError("must be positive")
@@ -134,6 +135,7 @@ class FittedPitches(Strict):
         """Return the distributions of speed, m/s, and aim, m, to draw from."""
         return self.speed.mixture(), self.aim.mixture(self.columns.cell_width)
 
+    # `height` is not used: the paper's at-bats draw no height of the pitch (its Sec. III).
     def drawn_in(self, at_bats: AtBats) -> AtBats:
         """Return at-bats that draw their pitches from these distributions."""
         speed, aim = self.distributions()
@@ -174,6 +176,7 @@ def _lines(fitted: FittedPitches) -> Iterator[str]:
         counts = ", ".join(f"{kind} {count}" for kind, count in types.items())
         yield f"  {name}: {sum(types.values())} ({counts})"
 
+    # In the paper's units and with its σ, for comparison with Table II.
     speed, aim = fitted.speed, fitted.aim
     yield "\nSpeed (Table II, Fig. 2)"
     for kind in ("straight", "breaking"):

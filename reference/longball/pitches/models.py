@@ -39,6 +39,7 @@ class FlightModel:
         air: dict[str, Any] | None = None
         if self.drag is not None:
             density: Any = self.density
+            # Statcast has neither pressure nor humidity: standard pressure, and half of saturation.
             if density is None:
                 density = {
                     "temperature": temperature,

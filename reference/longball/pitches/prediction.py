@@ -231,6 +231,7 @@ def summaries(prediction: Prediction) -> list[Summary]:
     for name, which in (*_groups(prediction.measured), ("all", prediction.compared)):
         error = prediction.error[which & prediction.compared]
         if len(error):
+            # Of the length of the error, so that one number covers both components of a pitch.
             rms = float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
             rows.append(Summary(name, len(error), tuple(error.mean(axis=0).tolist()), rms))
     return rows
@@ -269,6 +270,7 @@ def as_frame(prediction: Prediction) -> pd.DataFrame:
         columns |= {"pitch_type": measured.labels, "spin_rate": measured.spin_rate}
     else:
         columns |= {"speed": measured.speed, "angle": measured.angle, "bearing": measured.bearing}
+    # The weather is part of the prediction, and other models need it for a comparison.
     columns |= {"temperature": measured.temperature, "elevation": measured.elevation}
     for what, values in (("measured", measured.measured), ("predicted", prediction.predicted)):
         columns |= {f"{what}_{name}": values[:, i] for i, name in enumerate(measured.components)}
@@ -307,6 +309,7 @@ def _lines(prediction: Prediction, name: str, model: FlightModel) -> Iterator[st
     yield f"model {name}: {model.source}"
     yield ""
     unit, label = measured.unit
+    # A table with speed and angle alone has nothing to compare: print the predictions themselves.
     if isinstance(measured, MeasuredFlies) and not prediction.compared.any():
         yield _row("", "mph", "launch, °", f"distance, {label}")
         for i in np.flatnonzero(prediction.solved)[:_ROWS_SHOWN]:

@@ -231,6 +231,7 @@ def _pitches(
     needed = ["pitch_type", *_PITCH_NUMBERS, *(("p_throws", *_SPIN) if spin else ())]
     optional = ["game_pk", "release_pos_y", "release_extension", "release_speed"]
     source, frame = read_table(table, needed, optional, names)
+    # Some tables have the extension from the rubber in place of the distance from the plate.
     if "release_pos_y" not in frame:
         if "release_extension" not in frame:
             raise NoSuchColumn(
@@ -245,6 +246,7 @@ def _pitches(
         hand, odd_hand = _side(frame["p_throws"])
     asked = (*(_SPIN if spin else ()), "release_pos_y", *_PITCH_NUMBERS)
     values, odd_cells = read_columns(frame, asked)
+    # A row is listed under its first fault, so the order is from missing to implausible.
     lacks = [
         *odd_cells,
         ("pitch_type is missing", kind.isna().to_numpy(dtype=bool)),
@@ -263,6 +265,7 @@ def _pitches(
     kept = {name: values.get(name, nothing)[keep] for name in (*_SPIN, *values)}
     rows = np.flatnonzero(keep) + 1
     _require_usual(kept if spin else {name: kept[name] for name in values})
+    # Small angles in degrees look like radians, so the test needs the whole column.
     axis = kept["spin_axis"]
     if spin:
         require_degrees(axis, "spin_axis", 2.0 * np.pi)
@@ -343,6 +346,7 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
     doubt = unusual(values["launch_speed"][up & ~np.isnan(speed)], "launch_speed")
     if doubt and not (speed[up] > SLOWEST).any():
         raise TableError(doubt)
+    # On the drawing, y points down, and x to the right.
     x, y = (values.get(name, nothing) for name in _PLACE)
     bearing = np.arctan2(x - DRAWN_PLATE[0], DRAWN_PLATE[1] - y) if "hc_x" in here else 0.0 * speed
     lacks = [
@@ -410,6 +414,7 @@ def _require_agreement(velocity: Array, speed: Array) -> None:
     From the release to y0 = 50 ft a pitch loses 1 % or 2 %.
     """
     # Any confusion of ft/s, mph, m/s and km/h changes the ratio by at least 9 % (km/h and ft/s).
+    # Without a single release speed there is nothing to compare.
     known = speed > 0.0
     ratio = float(np.median(velocity[known] / speed[known])) if known.any() else MPH / FOOT
     if not 0.95 <= ratio / (MPH / FOOT) <= 1.05:
@@ -443,6 +448,7 @@ def _common(
     games: Any,
 ) -> dict[str, Any]:
     nothing = np.full(len(frame), np.nan)
+    # A table without games has the usual weather in every row.
     game = (numbers(frame["game_pk"]) if "game_pk" in frame else nothing)[keep]
     temperature, elevation = (
         np.array([known.get(pk, np.nan) for pk in game.tolist()]) for known in _weather(games)

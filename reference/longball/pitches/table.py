@@ -139,6 +139,7 @@ def _frame(
     """Return the name of a table, the names of all columns, and at least the wanted columns."""
     import pandas as pd
 
+    # A DataFrame has no name; messages call it "table".
     if isinstance(table, pd.DataFrame):
         return "table", [str(name) for name in table.columns], table
     if not (isinstance(table, str | Path) or hasattr(table, "read")):
@@ -157,6 +158,7 @@ def _frame(
         near = nearest_file(path) if isinstance(error, FileNotFoundError) else ""
         raise TableError(f"{path}: cannot be read: {reason}{near}") from error
     try:
+        # By the first bytes, not by the suffix: an open file may have no name.
         if data.startswith(b"PAR1"):
             frame = pd.read_parquet(BytesIO(data))
             return source, [str(name) for name in frame.columns], frame
@@ -231,6 +233,7 @@ def read_columns(
 
 def _not_numbers(column: pd.Series, odd: Flags) -> TableError:
     first = int(np.argmax(odd))
+    # Show the first faulty cell: usually it reveals the form of the others.
     cell = column.iloc[first]
     what = "is not finite" if str(cell).lower().lstrip("+-") in _INFINITE else "is not a number"
     return TableError(

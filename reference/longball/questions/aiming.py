@@ -115,6 +115,7 @@ def aim(
 def _unknowns(given: Iterable[str] | None, numbers: int) -> list[str]:
     if given is None:
         return ["launch.angle", _DIRECTION][: 1 if numbers == 1 else 2]
+    # A distance has one unknown; a position has two, because the direction matters as well.
     names = listed(given)
     wanted = 1 if numbers == 1 else 2
     for name in names:
@@ -251,5 +252,6 @@ def _passing(path: Path, origin: Array, away: float) -> float:
     def beyond(time: float) -> float:
         return math.dist(path.at(time).position[:2], origin) - away
 
+    # A ball that lands short never reaches the distance: take the landing, which counts as short.
     begin, end = path.start, path.end
     return brentq(beyond, begin, end, xtol=_EXACT) if beyond(begin) < 0 < beyond(end) else end

@@ -314,6 +314,7 @@ def _measured(given: Any) -> _Measured:
         raise ValueError(
             "measured: every point needs a time since the start, and a number or NaN for x, y, z"
         )
+    # NaN means not measured: the residuals contain the measured components only.
     seen = ~np.isnan(points)
     names = [f"{axis} at {t:g} s" for t in times for axis in _POINT[1:]]
     place = np.flatnonzero(seen)

@@ -295,6 +295,7 @@ def movement(
         across, up = (crossed - free)[1:].tolist()
         return Movement(across, up)
     # The pitch without lift keeps its spin, because drag may depend on it.
+    # Where the paths separate, the comparison starts with the state of the real pitch.
     thrown = {"release": place, "velocity": velocity, "spin": asked.pitch.spin}
     across = {"air.lift_coefficient": 0.0, "air.side_coefficient": None} if asked.air else {}
     straight = asked.replace(pitch={k: x for k, x in thrown.items() if x is not None}, **across)

@@ -96,6 +96,7 @@ def parks() -> tuple[Park, ...]:
     >>> round(max(lb.park("Fenway Park").walls), 1)
     11.3
     """
+    # Elevations and cities are in the table of parks that the weather of games uses, too.
     places = {row["park"]: row for row in _rows(PARKS)}
     return tuple(
         Park(

@@ -166,6 +166,7 @@ def spin_from_movement(
     )
     if beyond.ndim == 0 and beyond:
         raise ValueError(message.format(float(lift)))
+    # ω_T = S U/R, along û × (direction of the force); a negative law reverses it.
     size = spin_parameter * speed / asked.ball.radius
     unit = moving / np.where(force > 0.0, force, 1.0)[..., None]
     transverse = sense * size[..., None] * np.cross(ahead, unit)

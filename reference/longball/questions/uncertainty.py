@@ -177,6 +177,7 @@ def _covariance(scene: Scene, spread: Any) -> tuple[list[str], Array]:
     names = require_inputs(scene, map(str, given))
     if not names:
         raise ValueError("spread: no number of the scene is uncertain; name one")
+    # Numbers are standard deviations, mappings are the rows of a covariance; a mixture is an error.
     rows = [*given.values()]
     if not any(isinstance(row, Mapping) for row in rows):
         for name, sigma in zip(names, rows, strict=True):
