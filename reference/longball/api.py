@@ -1,7 +1,7 @@
-"""Scenes, solutions and P(e) for Python: what `import longball as lb` offers.
+"""Scenes, solutions and P(e) for Python, as ``import longball as lb``.
 
-Scenes may be written as models, as mappings, or as lines of JSON. Results have the attributes that
-lines of results have as keys. `longball.tables` solves many scenes at once.
+Scenes can be models, mappings, or lines of JSON. The attributes of results are the keys of their
+JSON. `longball.tables` solves many scenes at once.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def launch(
     side_spin: float | None = None,
     position: Sequence[float] = CONTACT,
 ) -> models.Launch:
-    """Return the launch of a batted ball from what trackers measure.
+    """Return the launch of a batted ball from the quantities that trackers measure.
 
     Parameters
     ----------
@@ -256,14 +256,14 @@ def solve(
     Raises
     ------
     InvalidScene
-        If `scene` describes none; the message names the key at fault.
+        If `scene` is invalid; the message names the key at fault.
     Undecided
-        If the engine cannot tell what happens: its error is larger than what decides. With
-        `certify`, also if a bound cannot be proven.
+        If the errors of the engine's numbers do not settle the outcome. With `certify`, also if a
+        bound cannot be proven.
     CannotSolve
-        If it has no answer for another reason.
+        If there is no answer for another reason.
     ValueError
-        If there is no such engine, or it does not take an option.
+        If there is no such engine, or it does not have the option.
     TypeError
         If `scene`, `engine`, `certify` or an option is of another type.
 
@@ -277,7 +277,7 @@ def solve(
     >>> result.path.at(1.0).position.round(3)
     array([25.243,  0.   , 20.103])
     """
-    # The scene comes first: of two mistakes it is the likelier one.
+    # Check the scene first: a mistake in it is more likely than one in the engine.
     asked, solver = as_scene(scene), as_engine(engine, options)
     # Truthy texts such as "no" are mistakes.
     certify = engines.of_type(bool, "certify", certify)
@@ -300,7 +300,7 @@ def solve(
 def derivatives_in(
     scene: Scene, result: Result, engine: Engine, names: bool | Sequence[str]
 ) -> Derivatives:
-    """Return the derivatives of a result by some numbers of its scene, or by all."""
+    """Return the derivatives of a result by given numbers of its scene, or by all."""
     from longball.engines.tangent import derivatives_of
 
     chosen = chosen_inputs(scene, names)
@@ -310,15 +310,14 @@ def derivatives_in(
 
 
 def chosen_inputs(scene: Scene, names: bool | Sequence[str]) -> list[str]:
-    """Return the names of some inputs of a scene, checked, or of all."""
-    # True stands for all of them.
+    """Return the names of inputs of a scene, checked; True means all."""
     if isinstance(names, bool):
         return [*inputs(scene)]
     return require_inputs(scene, names)
 
 
 def differentiable(engine: Engine) -> PathEngine:
-    """Return an engine that derivatives can be had of; a ValueError says that it is none."""
+    """Return the engine if it supports derivatives; raise a ValueError if not."""
     from longball.engines.path_engine import PathEngine
 
     if not isinstance(engine, PathEngine):
@@ -368,18 +367,18 @@ def home_run_probability(
     method
         ``"quadrature"`` integrates over the distributions; ``"monte-carlo"`` counts samples.
     samples, seed
-        Of Monte Carlo: how many at-bats are drawn, 10,000 if left out, and the seed of the random
-        numbers, 1 if left out.
+        For Monte Carlo: number of at-bats, by default 10,000, and seed of the random numbers, by
+        default 1.
     reading
         Switches of the ledger (``longball readings``), of the scene and of the sampling.
     scene
-        An at-bat, as `solve` takes it, with all that is not drawn at random: speed and aim of the
-        pitch, height and tilt of the swing and the restitution are. The paper's if left out.
+        An at-bat, as `solve` takes it, by default the paper's. Its restitution, the speed and aim
+        of the pitch, and the height and tilt of the swing are random and cannot be set.
     pitches
-        What speed and aim are drawn from: the result of `longball.pitches.fit_pitches`, or the file
-        that ``longball fit --json`` wrote. The paper's distributions if left out.
+        Distributions of speed and aim: a result of `longball.pitches.fit_pitches`, or a file from
+        ``longball fit --json``; by default the paper's.
     workers
-        Threads; -1: one per core. The answer does not depend on it.
+        Number of threads; -1: one per core. The result does not depend on it.
 
     Returns
     -------
@@ -390,12 +389,11 @@ def home_run_probability(
     Raises
     ------
     ValueError
-        If an e is not between 0 and 1 or there is none, a reading or the method is unknown, or
-        `scene` is no at-bat, or sets what is drawn at random; if `pitches` cannot be read; if
-        `samples`, `seed` or `workers` is too small, or one of the first two is given for
-        quadrature, which draws none.
+        If there is no e, or one outside 0 to 1; if a reading or the method is unknown; if `scene`
+        is not an at-bat, or sets a random number; if `pitches` cannot be read; if `samples`, `seed`
+        or `workers` is too small, or one of the first two is given for quadrature.
     TypeError
-        If one of these three is not a whole number, an e no number, or `reading` no mapping.
+        If one of these three is not a whole number, an e not a number, or `reading` not a mapping.
 
     Examples
     --------
@@ -448,7 +446,7 @@ def home_run_probability(
 
 
 def _readings(switches: Mapping[str, object]) -> tuple[Reading, SamplingReading]:
-    """Return the readings of scene and sampling; what is wrong with them is one sentence."""
+    """Return the readings of scene and sampling; an error has one sentence for all faults."""
     if not isinstance(switches, Mapping):
         raise TypeError(f"reading: a mapping from switches is needed; not {_of_type(switches)}")
     known = (*Reading.model_fields, *SamplingReading.model_fields)

@@ -21,7 +21,7 @@ _BROUGHT_BY = {"llvmlite": "numba"}
 
 
 class MissingExtra(ImportError):
-    """A library is not installed; the message says how to install it."""
+    """Raised if a library is not installed; the message says how to install it."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Pictures, drawn the same way by the command line and by the report."""
+"""Pictures of the command line and of the report."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def draw_probability(
 ) -> None:
     """Draw estimates with their intervals, the fit, and the paper's two printed curves (Fig. 7).
 
-    Told apart by marker and dash, so that a print in black and white shows the same.
+    Markers and dashes distinguish them in black and white, too.
     """
     e = [row.e for row in estimates]
     low, high = min(e), max(e)
@@ -65,9 +65,9 @@ def draw_probability(
 
 
 def draw_errors(axes: Axes, prediction: Prediction) -> None:
-    """Draw the errors of predicted balls: pitches at the plate, flies by their angle of launch.
+    """Draw the errors of predicted balls: pitches at the plate, flies against launch angle.
 
-    Of each type of pitch the mean is marked, with bars of a standard deviation either way.
+    For each type of pitch, a mark shows the mean, and bars show one standard deviation.
     """
     measured, solved, error = prediction.measured, prediction.solved, prediction.error
     if isinstance(measured, MeasuredPitches):
@@ -101,9 +101,9 @@ def draw_errors(axes: Axes, prediction: Prediction) -> None:
 def saved(
     path: Path, size: tuple[float, float], rows: int = 1, **layout: Any
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and its axes, one above the other, and write what is drawn on them.
+    """Yield a figure and its axes, one above the other, and write the figure to a file.
 
-    The ending of the file names the format.
+    The suffix of the file decides the format.
     """
     with naming_extras():
         import matplotlib
@@ -123,9 +123,9 @@ def saved(
 
 @dataclass(frozen=True)
 class Drawn:
-    """A scene as it is drawn."""
+    """A scene for a picture."""
 
-    label: str  # says which, and what became of it
+    label: str  # id and outcome
     # Points of its flights, m; an array of shape (n, 3) for each, the pitch first.
     flights: tuple[Array, ...]
     # Its fence from above, m, an array of shape (n, 2); None without one.
@@ -159,9 +159,9 @@ def drawn(
     fence: Fence | None = None,
     result: Result | None = None,
 ) -> Drawn:
-    """Return the flights of a scene as points, and its fence; a pitch up to where the bat meets it.
+    """Return the flights of a scene as points, and its fence; a pitch ends at the contact.
 
-    The `result` says where it comes to the fence, and how it ends.
+    The `result` gives the point at the fence, and the outcome.
     """
     flights: list[Any] = []
     for i, leg in enumerate(trajectory.legs):
@@ -198,8 +198,8 @@ def _end(result: Result) -> str | None:
 def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
     """Draw paths from the side and from above, both to scale, in the format of the file's ending.
 
-    Dashed before the contact, solid after it; a mark where a path ends. Fences are grey, as far as
-    they are near the paths: from above, and from the side where a ball comes to them.
+    Paths are dashed before the contact and solid after it, with a mark at their end. Fences are
+    grey: from above near the paths, and from the side where a ball reaches them.
     """
     # Both panels have one scale, so that the same length is the same distance in both.
     every = np.vstack([points for scene in scenes for points in scene.flights])
@@ -228,9 +228,9 @@ def save_paths(path: Path, scenes: Sequence[Drawn]) -> None:
 
 
 def save_spray_chart(path: Path, scenes: Sequence[Drawn]) -> None:
-    """Draw where balls come down as a fan behind home plate sees it, in the file's format.
+    """Draw landings from above as a spray chart, in the format of the file's suffix.
 
-    Home plate is at the bottom, the foul lines run at 45°, and x goes up; arcs tell distances.
+    Home plate is at the bottom, the foul lines are at 45°, and x is upwards; arcs show distances.
     """
     landed = [scene for scene in scenes if scene.end is not None]
     places = np.array([scene.flights[-1][-1, :2] for scene in landed])
@@ -265,7 +265,7 @@ def save_spray_chart(path: Path, scenes: Sequence[Drawn]) -> None:
 
 
 def _draw_fences(axes: Axes, lines: Sequence[Array]) -> None:
-    """Draw lines that do not widen what is shown."""
+    """Draw lines that do not extend the limits of the axes."""
     from matplotlib.collections import LineCollection
 
     drawn = LineCollection([*lines], colors="0.6", linewidths=2.5, zorder=0)

@@ -143,12 +143,12 @@ class Path:
 
     @naming_extras()
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the path from the side, to scale: height over the way from the plate, m.
+        """Draw the path from the side, to scale: height against distance from the plate, m.
 
         Parameters
         ----------
         ax
-            Axes of Matplotlib to draw on; new ones if left out.
+            Axes of Matplotlib to draw on; by default new ones.
 
         Returns
         -------
@@ -223,10 +223,10 @@ class Solution:
         self._solver, self._trajectory = solver, trajectory
         self._derivatives = derivatives
 
-    # Models take longer to make than a ball to fly: of thousands of solutions, few are asked.
+    # Creating models takes longer than the flight, so they are created only for used solutions.
     @cached_property
     def scene(self) -> Scene | None:
-        """The scene that was solved."""
+        """The solved scene."""
         return self._scene() if callable(self._scene) else self._scene
 
     @property
@@ -249,7 +249,7 @@ class Solution:
     def __getattr__(self, name: str) -> Any:
         # Blocks and top-level keys; the declarations above are for type checkers.
         if name in BLOCKS and isinstance(self._result, dict):
-            # One block alone: most callers ask thousands of solutions for the same one.
+            # Create one block only: most callers need the same one from thousands of solutions.
             block = self._result.get(name)
             vars(self)[name] = block and BLOCKS[name].model_validate(block)
             return vars(self)[name]
@@ -259,12 +259,11 @@ class Solution:
         raise AttributeError(f"a solution has no attribute {name!r}{hint}")
 
     def __getitem__(self, name: str) -> Any:
-        """Return a quantity by its name, such as ``landing.position[0]``; None if it is left out.
+        """Return a quantity by its name, such as ``landing.position[0]``; None if absent.
 
-        A ValueError says that no result has it, and names the nearest.
+        A ValueError for a name that no result has gives similar names.
         """
-        # The keys alone tell whether a result can have the quantity: at() gives None for one that
-        # this outcome lacks.
+        # Check the name against the model: at() returns None for any missing quantity.
         keys = re.sub(r"\[\d+\]", "", name).split(".")
         if not parts_of(Result, keys):
             raise ValueError(f"{name}: no result has it{one_of('they have', name, _quantities())}")
@@ -284,9 +283,9 @@ class Solution:
 
     @property
     def derivatives(self) -> Derivatives:
-        """Derivatives of its numbers by numbers of the scene; a `ValueError` if not asked for."""
+        """Derivatives of its numbers by numbers of the scene; a `ValueError` if not requested."""
         if self._derivatives is None:
-            raise ValueError("derivatives are to be asked for: lb.solve(scene, derivatives=True)")
+            raise ValueError("derivatives must be requested: lb.solve(scene, derivatives=True)")
         return self._derivatives
 
     @cached_property
@@ -348,8 +347,8 @@ def _quantities() -> list[str]:
 
 
 if TYPE_CHECKING:
-    # Solutions of a kind: a type checker refuses what no scene of the kind has, and takes for
-    # granted what has a landing, a crossing or an impact if all goes as one expects.
+    # Solutions by kind of scene: a type checker rejects blocks that the kind never has, and treats
+    # the usual landing, plate or impact as present.
 
     class FlightSolution(Solution):
         """The result of a flight: neither pitch nor bat; without a landing it met a wall."""
@@ -402,7 +401,7 @@ def _shown(value: Any) -> str:
 
 
 def error_of(result: Result) -> Exception:
-    """Return the exception that says why a result has no outcome."""
+    """Return the exception for a result without an outcome."""
     assert result.error is not None
     assert result.code is not None
     return _ERRORS[result.code](result.error)

@@ -1,7 +1,7 @@
 """Scenes and results as tables: a row for each scene, a column for each number.
 
-Columns bear the names of the numbers (`longball.model.quantities`): ``pitch.aim[0]``,
-``landing.distance``. ``kind`` and ``id`` are columns as well. An empty cell is a value left out.
+Columns have the names of the numbers (`longball.model.quantities`): ``pitch.aim[0]``,
+``landing.distance``. ``kind`` and ``id`` are columns as well. An empty cell means the default.
 """
 
 from __future__ import annotations
@@ -89,45 +89,45 @@ def solve_many(
         Scenes as `solve` takes them; or columns: a mapping or a DataFrame from the names of
         numbers (``pitch.speed``, ``pitch.aim[0]``, ``swing.tilt``, …), and from ``kind``, to arrays
         of shape (n,) or to one value for all scenes. A vector (``launch.position``) may be one
-        column, of lists or of shape (n, 3), or one list for all scenes. An empty cell is a value
-        left out: it is the paper's. Empty are NaN, None, pandas' NA and the masked cells of a
-        masked array. ``air=None`` for all scenes takes the air away, as in a scene. Numbers may
-        have any type of Python and NumPy, and stand for the nearest double; bools, complex numbers
-        and times are none. A text is no number, but may be JSON, such as ``"null"`` for no air.
+        column, of lists or of shape (n, 3), or one list for all scenes. An empty cell means the
+        default: NaN, None, pandas' NA and masked cells. ``air=None`` for all scenes removes the
+        air, as in a scene. Numbers can have any numeric type of Python or NumPy, and become the
+        nearest doubles; bools, complex numbers and times are errors. A text is not a number, but
+        can be JSON, such as ``"null"`` for no air.
     engine, options
-        As in `solve`, but that the default is the engine batch.
+        As in `solve`; the default engine is batch.
     certify
-        Whether every number comes with a proven bound on its error; where there is none,
-        ``certificate`` says why.
+        True to add a proven bound on the error to every number; without one, ``certificate`` gives
+        the reason.
     derivatives
-        As in `solve`. Of columns, a column ``landing.distance by launch.speed`` for each number of
-        the result and each of these numbers of the scene, NaN where there is none. ``derivatives``
-        names the engine that they are from: the compiled code leaves some rows to the engine ivp,
-        which takes a thousand times as long. ``refused`` says by which there is none, and why.
+        As in `solve`. With columns, the table has a column ``landing.distance by launch.speed`` for
+        each number of the result and each chosen number of the scene, NaN without a derivative. The
+        column ``derivatives`` names their engine: the compiled code leaves some rows to the engine
+        ivp, which takes a thousand times as long. ``refused`` gives reasons for missing ones.
     paths
-        Points of the path of each ball, evenly spaced in time, from the start of its scene to the
-        end: of columns a column ``path`` of arrays of shape (paths, 7) with t (s), x, y, z (m), vx,
-        vy, vz (m/s), None where nothing flies. A solution has them as ``to_dict()["path"]``.
+        Number of points of each ball's path, evenly spaced in time, from the start of its scene to
+        the end. With columns, the table has a column ``path`` of arrays of shape (paths, 7) with t
+        (s), x, y, z (m), vx, vy, vz (m/s), or None for an impact. A solution has them as
+        ``to_dict()["path"]``.
     workers
-        Threads of the batch engine, processes of another; -1: one per core. The answers do not
-        depend on it.
+        Threads of the batch engine, processes of other engines; -1: one per core. The results do
+        not depend on it.
 
     Returns
     -------
     list of Solution or pandas.DataFrame
-        Solutions in the order of the scenes; one without an answer has an `error`. Of columns a
+        Solutions in the order of the scenes; one without an answer has an `error`. For columns, a
         table with a row for each scene: ``outcome``, ``plate.time``, ``landing.distance``,
-        ``landing.position[0]``, …, NaN where there is none; ``engine`` names the engine that flew
-        the ball, which for some laws is another than the one that is asked; ``error`` and ``code``
-        say why a row has no outcome. ``id`` is there if the columns have it. The index is that of
-        the DataFrame that is given. A quantity that no row has is no column: a table of no rows
-        has ``outcome``, ``error`` and ``code`` alone.
+        ``landing.position[0]``, …, NaN if absent; ``engine``, the engine that flew the ball, which
+        for some laws is not the requested one; ``error`` and ``code`` for rows without an outcome;
+        ``id`` if the columns have it. The index is that of the given DataFrame. Quantities that no
+        row has are omitted: a table without rows has ``outcome``, ``error`` and ``code`` alone.
 
     Raises
     ------
     InvalidScene
-        If no row of the columns is a scene, as when a column is missing. One that is none among
-        others has an `error`.
+        If every row of the columns is invalid, for example because a column is missing. Otherwise
+        invalid rows have an `error`.
     ValueError, TypeError
         As in `solve`; or if the columns differ in length, or `workers` is no number of them.
 
@@ -197,10 +197,8 @@ def solve_many(
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """Pause the search for cycles of objects, which walks all solutions again and again.
-
-    It takes half of the time for some thousand scenes, and none of their solutions is in a cycle.
-    """
+    """Pause the cyclic garbage collection."""
+    # It would take half of the time for a few thousand scenes, and solutions have no cycles.
     active = gc.isenabled()
     gc.disable()
     try:
@@ -250,7 +248,7 @@ def _solve_alike(written: Sequence[object], solver: Any, workers: int) -> dict[i
     while parts:
         group, begin, end = parts.pop()
         if end - begin < _FEWEST:
-            continue  # each is read by itself, and says what is wrong with it
+            continue  # each row is read alone, and gets its own message
         columns = group.columns(begin, end)
         base = _scene_or_none(group.written(begin))
         if base is None or not _all_valid(base, columns, (end - begin) // 4):
@@ -294,7 +292,7 @@ def _solve_table(
 ) -> pd.DataFrame:
     """Solve the scenes of columns; see `solve_many`."""
     for name in columns:
-        nested({str(name): None})  # refuses what is no name
+        nested({str(name): None})  # raises an error for an invalid name
     fixed, varied, count = _split(columns)
     # An id may be a number here, and is no part of the scene that it is a name of.
     ids = varied.pop("id", fixed.pop("id", None))
@@ -336,7 +334,7 @@ def _solve_as_columns(
     workers: int,
     derivatives: bool | Sequence[str],
 ) -> pd.DataFrame | None:
-    """Solve columns by the batch engine, without a scene for each; None if some row is no scene."""
+    """Solve columns by the batch engine without building scenes; None if a row is invalid."""
     from longball.engines.batch import solve_columns, solve_columns_with_slopes
 
     # To build a scene for each row would take far longer than its flight.
@@ -350,7 +348,7 @@ def _solve_as_columns(
         table, slopes = solve_columns_with_slopes(base, varied, names, solver, workers)
     else:
         table = solve_columns(base, varied, solver, workers)
-    # Rows that the compiled code leaves: the chain solves them, or says why it does not.
+    # Rows without an answer of the compiled code: the chain solves them, or gives the reason.
     unsolved = np.flatnonzero(table["outcome"] == "").tolist()
     rows = ({n: column.item(i) for n, column in varied.items()} for i in unsolved)
     scenes = (scene_of({**fixed, **row}, _json_alone) for row in rows)
@@ -381,7 +379,7 @@ def _alone(engine: Any) -> PathEngine:
 def _derivatives_alone(
     scene: Scene | InvalidScene, result: Result, engine: Any, names: bool | Sequence[str]
 ) -> Derivatives | None:
-    """Return the derivatives of a result, if any are asked for and it is one."""
+    """Return the derivatives of a result; None if none are requested, or it is an error."""
     if not names or isinstance(scene, InvalidScene) or result.error is not None:
         return None
     return derivatives_in(scene, result, _alone(engine), names)
@@ -393,7 +391,7 @@ Slopes = Mapping[tuple[str, str], Any]  # columns, by quantities of results and 
 def _slopes_alone(
     derived: Sequence[Derivatives | None], engine: Any
 ) -> tuple[Slopes, Any, dict[int, Mapping[str, str]]]:
-    """Return derivatives of rows as columns, the engine of each, and what is refused by row."""
+    """Return derivatives as columns, their engine by row, and refusals by row."""
     there = {i: one for i, one in enumerate(derived) if one is not None}
     # Rows have different quantities, as a miss has no landing: columns are the union.
     pairs = dict.fromkeys((q, n) for one in there.values() for q, by in one.items() for n in by)
@@ -437,7 +435,7 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
         elif length := vector_length(str(name)):
             _put_vector(str(name), value, length, fixed, varied)
         elif _is_single(value):
-            # For all scenes it means what it means in one; in a cell it is a value left out.
+            # A single None removes the air of all scenes; None in a cell means the default.
             fixed[name] = _NO_AIR if name == "air" and value is None else value
         else:
             varied[name] = _one_a_row(column_of(value)) if name != "id" else _labels(value)
@@ -470,8 +468,8 @@ def _put_vector(
         return
     rows = [*cells] if cells.ndim == 2 else [column_of(cell) for cell in cells]
     vectors = np.array(rows) if rows and all(row.shape == (length,) for row in rows) else None
-    # Cells of several lengths, or texts.
-    if vectors is None or vectors.dtype != float:  # each row says what is wrong with its cell
+    # Cells of several lengths, or texts: each row gets its own message.
+    if vectors is None or vectors.dtype != float:
         varied[name] = _one_a_row(cells)
         return
     varied |= {f"{name}[{i}]": vectors[:, i] for i in range(length)}
@@ -505,10 +503,10 @@ def _scene_or_none(written: Mapping[str, Any]) -> Scene | None:
 
 
 def _all_valid(scene: Scene, varied: Mapping[str, NDArray[Any]], most_corners: int) -> bool:
-    """True if it is certain that a scene is valid with each row of some columns.
+    """True if a scene is certainly valid with every row of columns.
 
-    Where conditions hold in convex sets of a scene's numbers (`may_be_mixed`), what holds at all
-    corners of the box that the columns span holds in the box.
+    If the valid numbers are a convex set (`may_be_mixed`), it is enough to check the corners of the
+    box that the columns span.
     """
     numeric = all(c.dtype == float and c.size and np.isfinite(c).all() for c in varied.values())
     if not varied or not numeric or not may_be_mixed(scene):
@@ -534,14 +532,14 @@ def _rows(
 
 
 def scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, Any]:
-    """Return the scene of a row as plain data, its texts read; without what is left out."""
+    """Return the scene of a row as plain data, with texts converted, without empty cells."""
     given = {
         str(name): read(x) if isinstance(x, str) and name not in ("id", "kind") else x
         for name, x in row.items()
         if not is_missing(x)
     }
-    # A part of what is given whole: no scene has such a key, and so the row's error names it.
-    # `air` as JSON and `air.density` in the same row.
+    # A block and a part of it in the same row, such as `air` as JSON and `air.density`: keep the
+    # part as an unknown key, so that the error of the row names it.
     parts = [n for n in given if any(n[: m.start()] in given for m in _PART.finditer(n))]
     odd = {n: given.pop(n) for n in parts}
     return nested(given, USUAL_SCENES.get(given.get("kind"))) | odd
@@ -559,7 +557,7 @@ def _json_alone(text: str) -> Any:
     return text
 
 
-_NO_AIR = "null"  # as JSON, since None is a value left out
+_NO_AIR = "null"  # as JSON, because None means the default
 
 
 @naming_extras()
@@ -577,7 +575,7 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
 
 
 def _with_engines_signed(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return a table of results whose engines bear longball's version, as in a `Solution`."""
+    """Return a table of results whose engines have longball's version, as in a `Solution`."""
     # A few names in a million rows: each is signed once.
     if "engine" in frame:
         names = frame["engine"].dropna().unique()
@@ -614,7 +612,7 @@ def _typed(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _place(name: str) -> tuple[int, int]:
-    """Return where a column of results stands; those of one vector are in their order already."""
+    """Return the sort key of a column of results; components of a vector are already in order."""
     block, key, _ = re.split(r"\W", f"{name}..", maxsplit=2)
     keys = [*BLOCKS[block].model_fields] if block in BLOCKS else [""]
     return [*Result.model_fields].index(block), keys.index(key)

@@ -34,7 +34,7 @@ _RADIUS = Context(prec=2, rounding=ROUND_CEILING)
 
 @dataclass(frozen=True)
 class Certifying(ManyAtOnce):
-    """An engine whose answers are certified."""
+    """An engine that certifies the answers of another one."""
 
     engine: Engine | ManyAtOnce
 
@@ -64,14 +64,14 @@ def certify(scene: Scene, result: Result) -> Result:
     if result.error is not None:
         return result
     reason = ""
-    certified: Result | None = None
+    proven: Result | None = None
     # More digits until smaller balls would hardly lower the errors. A proof that was found stays,
     # even if one with more digits fails.
     for digits in DIGITS:
         engine = Enclosure(digits)
         try:
             with engine.numbers.arithmetic():
-                certified, tight = _with_errors(result, quantities_of(scene, engine))
+                proven, tight = _with_errors(result, quantities_of(scene, engine))
         except _Refuted as refuted:
             reason = str(refuted)
             break
@@ -82,7 +82,7 @@ def certify(scene: Scene, result: Result) -> Result:
         else:
             if tight:
                 break
-    return certified or result.model_copy(update={"certificate": reason})
+    return proven or result.model_copy(update={"certificate": reason})
 
 
 class _Refuted(Exception):

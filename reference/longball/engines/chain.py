@@ -52,17 +52,17 @@ from longball.model.vectors import dot, minus
 
 # --- the run of a chain ---------------------------------------------------------------------------
 
-# A mask says for which scenes something holds: a bool for one scene, an array of flags for columns.
-# A stage of the chain runs on the rows of a mask, and only if there are some. Numbers in other rows
-# have no meaning, and are never recorded.
+# A mask selects scenes: a bool for one scene, an array of flags for columns. A stage of the chain
+# runs on the rows of its mask, if there are any. Numbers in other rows have no meaning, and are
+# never recorded.
 Mask = Any
 
 
 @dataclass
 class Run:
-    """A scene on its way through a chain; `longball.engines.batch.columns.Columns` has many.
+    """State of one scene in the chain; `longball.engines.batch.columns.Columns` is for many.
 
-    The methods that take `rows` are all that a chain needs to know about masks.
+    A chain uses masks only through the methods with the argument `rows`.
 
     Attributes
     ----------
@@ -195,10 +195,10 @@ def fly(
 ) -> Flight:
     """Fly to a surface or the time limit, s, through the vertical if necessary.
 
-    With lift that is always up, a ball that reaches the vertical cannot leave it: on either side
-    the horizontal part of the lift drives it back. It goes on without lift, straight up and down
-    (the sliding solution in Filippov's sense; on the way down it is the symmetric one of two). From
-    rest, or straight up or down, it is there already.
+    Under the reading `always_up`, a ball that reaches the vertical cannot leave it: the horizontal
+    component of the lift drives it back from either side. It continues without lift, straight up
+    and down (the sliding solution in Filippov's sense; downwards, the symmetric one of two). A ball
+    at rest or with a vertical velocity is already there.
 
     Parameters
     ----------
@@ -1010,30 +1010,31 @@ DISCRETE: dict[str, type[bool] | type[int]] = {
 
 
 def solve(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
-    """Return the result of a scene; what cannot be solved is a result with an error.
+    """Return the result of a scene; if it cannot be solved, a result with an error.
 
-    It has the digits that the engine promises; see `longball.engines.digits.to_digits`.
+    Numbers have the promised digits of the engine; see `longball.engines.digits.to_digits`.
     """
     result, _ = solve_with_path(scene, engine, model)
     return result
 
 
 def solve_once(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
-    """Return the result of a scene by this engine, whatever digits it has."""
+    """Return the result of a scene by this engine, without a check of its digits."""
     result: Result = _follow(Run(scene, engine, model), CHAINS[scene.kind])
     return result
 
 
-# Starting processes takes a second or two: as long as so many scenes by the slower engines.
+# Least number of scenes for processes. Starting these takes one or two seconds, as long as a
+# hundred scenes by the slower engines.
 _FEW = 100
 
 
 def solve_each(
     scenes: Sequence[Scene], engine: Engine | ManyAtOnce, workers: int = 1
 ) -> Iterable[Result]:
-    """Return the results of scenes, in order; of most engines each when it is asked for.
+    """Return the results of scenes, in order; most engines compute them lazily.
 
-    Workers are threads of an engine that solves many scenes at once, and processes of another.
+    Workers are threads if the engine solves many scenes at once, and processes otherwise.
     """
     if isinstance(engine, ManyAtOnce):
         return engine.solve_all(scenes, workers)
@@ -1045,7 +1046,7 @@ def solve_each(
 def solve_with_path(
     scene: Scene, engine: Engine, model: Model = MODEL
 ) -> tuple[Result, Trajectory]:
-    """Return the result of a scene, and the way of its ball from the start of the scene on."""
+    """Return the result of a scene, and the path of its ball from the start of the scene."""
 
     def flown(one: Engine) -> tuple[Result, Trajectory]:
         run = Run(scene, one, model)

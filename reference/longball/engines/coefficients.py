@@ -1,8 +1,8 @@
-"""Polynomials as sequences of their coefficients: functions that are compiled when it pays.
+"""Functions of polynomials, given by their coefficients; compiled after enough work.
 
-This source runs in a namespace of its own (`longball.engines.compiled.Code`): on lists of numbers
-as it is, and on arrays of doubles when it is compiled. Results are written into arrays that are
-passed in: compiled code takes as long to make an array as to sum a polynomial.
+This source runs in a separate namespace (`longball.engines.compiled.Code`): as Python on lists of
+numbers, and compiled on arrays of doubles. Results are written into given arrays, because in
+compiled code the allocation of an array takes as long as the sum of a polynomial.
 """
 
 from __future__ import annotations

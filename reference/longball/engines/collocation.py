@@ -211,7 +211,8 @@ class Collocation:
     # numbers, context: the arithmetic
     numbers: Numbers
     context: MPContext
-    # What a step may leave out of the velocity, relative to the fastest speed of the flight
+    # Allowed truncation error of the velocity in a step, relative to the largest speed of the
+    # flight
     tolerance: Mpf
 
     def segments(self, law: Law, begin: Mpf, start: State, end: Mpf) -> Iterator[Segment]:
@@ -249,14 +250,14 @@ class Collocation:
 
     @property
     def _enough(self) -> int:
-        """Return the number of coefficients to compute; the last show that no more matter."""
+        """Return the number of significant coefficients; the others must be negligible."""
         return len(self.rule.nodes) - _IDLE
 
     def _change_of_length(self, needed: float) -> float:
-        """Return by how much the next step should be longer than the last.
+        """Return the factor from the length of the last step to that of the next.
 
-        Coefficients that fall as ρ^-k reach the tolerance at k = `needed`, which tells ρ, and
-        should reach it at the last that may matter; and ρ is inverse to the length of a step.
+        Coefficients fall as ρ^-k and reach the tolerance at k = `needed`, which determines ρ. They
+        should reach it at the last significant one; ρ is inversely proportional to the step.
         """
         if needed == 0:
             return _MOST_LONGER
@@ -382,24 +383,24 @@ class Collocation:
         return None
 
 
-# Even and odd coefficients may differ in size, by symmetry: two tell that both have fallen, three
-# leave no doubt.
+# Number of negligible coefficients at the end. By symmetry, even and odd ones may differ in size:
+# two would cover both kinds, and three are safe.
 _IDLE = 3
 
-# A step that fails costs more than one that is a tenth too short. Beyond these limits ρ is not
-# inverse to the length: the coefficients have not begun to fall, or there are too few to tell.
+# A failed step costs more than one that is a tenth too short. Beyond the other two limits the
+# estimate of ρ is unreliable: the coefficients have not begun to fall, or there are too few.
 _SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.5, 4.0
 
-# Where the refinement stops, relative to what a step may leave out: what remains must not pass for
-# a tail of the coefficients, which no shorter step would take away.
+# End of the refinement, relative to the truncation error. A larger residual would look like a tail
+# of the coefficients, which a shorter step does not remove.
 _SOLVED = 1e-3
 
 # Newton's method squares the error. A dozen iterations end far from the solution only if the step
 # is far too long.
 _ROUGH_STEPS = 12
 
-# Where Newton's method in doubles may stop, relative to the velocity: near its rounding. The
-# refinement goes on from there.
+# End of Newton's method in doubles, relative to the velocity: near rounding. The refinement
+# continues from there.
 _ROUGHLY = 1e-11
 
 

@@ -71,7 +71,7 @@ def are_reached(scene: Scene, result: Result, digits: int) -> bool:
 
 
 def _missed(scene: Scene, result: Result, digits: int) -> str:
-    """Return a quantity whose radius is larger than promised, with the radius."""
+    """Return a quantity whose radius exceeds the promise, with the radius, or ""."""
     if result.error is not None:
         return ""
     size = sizes(scene, result)
@@ -86,7 +86,7 @@ def _missed(scene: Scene, result: Result, digits: int) -> str:
 
 
 def shortened(number: Bounded, digits: int) -> Bounded:
-    """Return a number with one digit more than promised; what is cut off joins the radius.
+    """Return a number with one digit more than promised; the radius includes the rounding.
 
     A number that cannot be distinguished from zero becomes zero.
     """
@@ -95,7 +95,7 @@ def shortened(number: Bounded, digits: int) -> Bounded:
         radius = Decimal(number.radius or "Infinity")
         with localcontext(prec=digits + 1):
             value = +whole
-        # "0 ± 3e-40" says all that "1.2e-41 ± 2.9e-40" does.
+        # "0 ± 3e-40" contains the same information as "1.2e-41 ± 2.9e-40".
         if abs(whole) <= radius:
             value = Decimal(0)
         radius += abs(value - whole)
@@ -104,12 +104,12 @@ def shortened(number: Bounded, digits: int) -> Bounded:
 
 
 def sizes(scene: Scene, result: Result) -> dict[str, Decimal]:
-    """Return the size of each quantity of a result, in its unit: what errors are relative to.
+    """Return the size of each quantity of a result, to which errors are relative, in its unit.
 
-    Of a component, that is the length of its vector; of other numbers, their absolute value; of
-    margins and of the clearance of a fence, which are differences, at least one of the two things
-    that they are differences of. No number is larger than its size, so that `shortened`, which
-    counts digits of the number, keeps what is promised.
+    The size of a component is the length of its vector, that of another number its absolute value.
+    Margins and the clearance of a fence are differences; their size is at least that of one of the
+    two terms. No number exceeds its size, so that `shortened`, which counts digits of the number,
+    keeps the promised digits.
     """
     value = {name: Decimal(number.value) for name, number in numbers_of(result)}
     with localcontext(prec=_PREC):

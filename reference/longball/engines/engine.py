@@ -29,7 +29,7 @@ class TooLong(CannotSolve):
 
 
 class OutOfRange(CannotSolve):
-    """Numbers or forces exceed what the engine can represent or resolve."""
+    """Raised if numbers or forces exceed the range or resolution of the engine."""
 
     code = "out_of_range"
 
@@ -39,14 +39,14 @@ class Touch:
     """Contact of a pitch with the bat, or the miss."""
 
     margin: N  # m; `reach` minus the closest distance of the undisturbed pitch
-    touched: bool | None  # None if the margin is too small for the engine to tell
-    # time, state: first touching: s since release, and the state there; None if there is none
+    touched: bool | None  # None if the margin is too small for a decision
+    # Time, s since release, and state of the first contact; None without one.
     time: N | None = None
     state: State | None = None
     doubt: str = ""  # the undecided question, and the reason, if `touched` is None
-    # Description of the engine that decided it, if not the one that was asked
+    # Description of the engine that decided it, if it is not the requested one.
     decided_by: str = field(default="", kw_only=True)
-    # `state` is where the ball would leave the bat, instead of where it enters
+    # True if `state` is the point where the ball would leave the bat, not where it enters.
     leaving: bool = field(default=False, kw_only=True)
 
     @property

@@ -35,8 +35,8 @@ class Event(NamedTuple):
     ('far', 0.666666667, 2.722222222)
     """
 
-    name: str  # under which a flight reports it
-    question: str  # what is reached, as a clause: "the ball touches the ground"
+    name: str  # the `stop` of a flight
+    question: str  # the event as a clause: "the ball touches the ground"
     # The function that falls through zero. It is built of + - * only, and so takes states of
     # numbers, of polynomials and of dual numbers alike
     value: Callable[[Any], Any]
@@ -76,8 +76,8 @@ def plate(frame: Frame, start: State, numbers: Numbers) -> Event:
     def place(state: State) -> State:
         return state._replace(s=-frame.x / frame.cos) if in_plane(state) else state
 
-    # x = x₀ + s cos φ. For a pitch all but parallel to the plane of the plate, cos φ ≪ 1: the path
-    # is far longer than x₀, and an error of s counts by as little.
+    # x = x₀ + s cos φ. For a pitch almost parallel to the plane of the plate, cos φ ≪ 1: its path s
+    # is far longer than x₀, and an error of s changes x little.
     slope = abs(frame.cos) if in_plane(start) else numbers.exact(1.0)
     size = slope * _size(numbers, frame.x / slope)
     return Event("plate", "the ball reaches the plate", frame.towards_x, place, size, slope)
@@ -89,8 +89,8 @@ def vertical(start: State, numbers: Numbers) -> Event:
     Its slope is 0: u does not depend on the position.
     """
     nothing, most = numbers.exact(0.0), numbers.exact(1.0)
-    # The scale is the speed at the start, at most 1 m/s: a ball that starts all but at rest would
-    # be undecided from the start if errors were relative to 1 m/s.
+    # The scale is the speed at the start, at most 1 m/s. With errors relative to 1 m/s, a ball that
+    # starts almost at rest would be undecided at once.
     speed = abs(start.u) + abs(start.w)
     return Event(
         "vertical",

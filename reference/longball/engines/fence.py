@@ -1,10 +1,10 @@
-"""The fence: where a batted ball first flies out over it, or meets it.
+"""The fence: the point at which a batted ball leaves the field or hits the fence.
 
 A fence is a line of straight chords on the ground, with a height that is linear along each, or a
-circle of height 0 around the plate. A ball whose flight stays in a vertical plane can only meet one
-place ahead and one behind, which are known before it flies (`stop_at`); a flight that curves in
-space is searched for crossings of every chord's line (`first_crossing`). A ball that passes over a
-vertex where the fence ends, or has two heights, within its error, is undecided.
+circle of height 0 around the plate. A flight in a vertical plane can reach one point of the fence
+ahead and one behind, which are computed before the flight (`stop_at`). For a flight that curves in
+space, crossings of every chord's line are searched (`first_crossing`). A ball that passes an end of
+the fence, or a step in its height, within its error is undecided.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Place:
 class Chord:
     """A chord from a to b, [x, y, height] each, m.
 
-    `open_a` and `open_b` tell whether the fence does not go on there at the same height.
+    `open_a` and `open_b` are True if the fence ends there, or continues at another height.
     """
 
     segment: int
@@ -50,7 +50,7 @@ class Chord:
         return numbers.sqrt(x * x + y * y)
 
     def place(self, fraction: N, to_end: N, to_break: N, numbers: Numbers) -> Place:
-        """Return the place at a fraction of the way from a to b; `to_end` is the other fraction."""
+        """Return the place at a fraction of the chord from a to b; `to_end` is the rest."""
         length, rise = self.length(numbers), self.b[2] - self.a[2]
         shorter = numbers.where(to_end < fraction, to_end, fraction)
         height = self.a[2] + fraction * rise
@@ -262,12 +262,12 @@ def first_crossing(
 
 
 def falls(curve: Curve, end: N, error: N, at_end: N | None) -> Iterator[tuple[N, bool]]:
-    """Yield all times at which a value falls through zero on a piece, or all but does.
+    """Yield all times at which a value falls, or may fall, through zero on a piece.
 
-    With each comes a flag: True for a turning point within the error of zero, which the value may
-    not reach. The end of a flight counts as a turning point, with the error `at_end`; None if the
-    flight goes on. Unlike `first_fall` this needs all of them, and decides nothing: a fall through
-    the line of a chord may lie beyond the chord's ends.
+    The flag of each time is True for a turning point within the error of zero, where it is open
+    whether the value reaches zero. The end of a flight counts as a turning point, with the error
+    `at_end`; None if the flight continues. Unlike `first_fall`, this yields all times and decides
+    nothing, because a fall through the line of a chord may be beyond the ends of the chord.
     """
     start = end * 0
     if at_end is None and curve.positive(start, end) and curve(start) > 2 * error:

@@ -3,14 +3,14 @@
     solve_ivp(right_hand_side(law), (0, limit), start, method=Taylor, law=law, dense_output=True,
               events=[ground, plate])
 
-flies a pitch to the plate. Its height there sets the height of the bat. A second call, with the
-events ground, contact and closest approach, flies the same pitch to the bat. A batted ball flies to
-the ground.
+integrates a pitch to the plate. Its height there decides the height of the bat. A second call, with
+the events ground, contact and closest approach, integrates the same pitch to the bat. A batted ball
+is integrated to the ground.
 
-solve_ivp looks for a change of an event's sign between its steps, so that it misses a ball that
-dips and comes back within a step, and finds the event on its interpolant, whose order may be lower
-than that of its steps. Here its events end the integration in time. `longball.engines.event` then
-searches the Taylor polynomial of each step for the first event, and misses none.
+solve_ivp only compares the signs of an event at its steps: it misses a ball that dips and returns
+within a step. It locates the event on its interpolant, whose order may be lower than that of the
+steps. Here its events only end the integration. `longball.engines.event` then searches the Taylor
+polynomial of each step for the first event, and misses none.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def _as_they_come(lines: Iterable[bytes]) -> Iterator[list[bytes]]:
 
 
 def _numbered(chunks: Iterable[list[bytes]]) -> Iterator[list[Line]]:
-    """Give lines their numbers, from 1, and leave out blank ones."""
+    """Yield lines with their numbers, from 1, without blank ones."""
     number = 0
     for chunk in chunks:
         numbered = enumerate(chunk, number + 1)
@@ -135,7 +135,7 @@ def _read(line: bytes, change: Changes | None) -> Scene | InvalidScene:
 
 
 def _answer(number: int, data: dict[str, Any]) -> Answer:
-    """Return a result as the answer to a line, whose number it bears if it has no id."""
+    """Return a result as the answer to a line; without an id it gets the number of the line."""
     if data["id"] is None:
         data["id"] = str(number)
     if "engine" in data:

@@ -17,17 +17,17 @@ T = TypeVar("T")
 def in_parallel(
     function: Callable[..., T],
     calls: Iterable[tuple[Any, ...]],
-    # How many calls run at once; -1 for one per core, and never more than there are cores or calls
+    # Number of simultaneous calls; -1: one per core. It never exceeds that of cores or calls.
     workers: int,
-    threads: bool = False,  # whether workers are threads, and not processes
+    threads: bool = False,  # True for threads, False for processes
 ) -> Iterator[T]:
     """Yield a function's value for each tuple of arguments, in order.
 
-    Raises `TypeError` or `ValueError` if the number of workers is none; `MissingExtra` if several
-    are asked for, and joblib (extra ``fast``) is not installed.
+    Raises `TypeError` or `ValueError` for an invalid number of workers, and `MissingExtra` for
+    several workers without joblib (extra ``fast``).
     """
     workers = checked(workers)
-    # one worker needs no joblib
+    # One worker does not need joblib.
     try:
         from joblib import Parallel, delayed, effective_n_jobs  # slow to import
     except ImportError:
@@ -37,7 +37,8 @@ def in_parallel(
             raise
     cores, calls = effective_n_jobs(-1), iter(calls)  # cores of the cluster, if there is one
     workers = cores if workers == -1 else min(workers, cores)
-    # No more processes than calls; they may come from an endless stream, so look at the first few.
+    # Not more processes than calls. Calls may be an endless stream, so only the first ones are
+    # counted.
     first = list(islice(calls, workers))
     workers = max(1, len(first))
     tasks = (delayed(function)(*arguments) for arguments in chain(first, calls))

@@ -1,7 +1,7 @@
 """Flights as functions of time: the state at any time, and the first event.
 
-A flight is a chain of pieces, each a smooth function of time. They are computed when they are asked
-for, as nobody knows beforehand how far a flight goes on.
+A flight is a sequence of pieces, each a smooth function of time. They are computed on demand,
+because the end of a flight is not known beforehand.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from longball.model.numbers import N, Numbers, Vector
 
 
 class Path:
-    """A flight from its launch on, whose pieces are computed when they are asked for.
+    """A flight from its launch, with pieces that are computed on demand.
 
-    They are in order of time; each begins where the one before ends.
+    The pieces are in order of time; each begins at the end of the previous one.
     """
 
     def __init__(self, pieces: Iterable[Piece]) -> None:

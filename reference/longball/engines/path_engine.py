@@ -39,14 +39,14 @@ from longball.model.trace import Program
 
 
 class PathEngine(Engine, ABC):
-    """An engine whose flights are smooth, piece by piece."""
+    """An engine whose flights consist of smooth pieces."""
 
     @abstractmethod
     def steps(self, law: Law, start: State, begin: N, limit: N, events: Events) -> Iterator[Piece]:
-        """Yield the pieces of a flight under a law that is smooth all along, up to a time.
+        """Yield the pieces of a flight under a smooth law, up to a time.
 
-        It starts at `begin` and may go on to `limit`, s since the launch; it is likely to end with
-        the `events`, which an engine that integrates ahead may stop at until it is asked for more.
+        The flight starts at `begin` and may last until `limit`, s since the launch. It probably
+        ends at one of the `events`; an engine that integrates ahead may pause there.
         """
 
     def path(self, law: Law, start: State, limit: N, events: Events = ()) -> Path:

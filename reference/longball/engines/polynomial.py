@@ -108,9 +108,9 @@ def values_at(x: Array, h: float) -> Array:
 
 
 def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
-    """Return the values of polynomials, one a row, and what rounding takes from them.
+    """Return the values of polynomials, one for each row, and their rounding errors.
 
-    `low` is what their values at 0 lack of the true ones.
+    `low` is the correction of their values at 0, from earlier rounding errors.
     """
     run, end, rounding = COEFFICIENTS.now, np.empty(len(x)), np.empty(len(x))
     run.advance(run.taken(x), h, run.taken(low), end, rounding)

@@ -10,19 +10,19 @@ from __future__ import annotations
 from math import inf, nan, sqrt
 from typing import Any
 
-_SMALLEST = 2.0**-1022  # of the doubles that have all their digits
+_SMALLEST = 2.0**-1022  # smallest normal double
 
 
 def reach_of_terms(x: Any, order: int, rtol: float, changing: tuple[int, ...]) -> float:
-    """Return the time, s, in which the last terms of the series stay small; NaN beyond doubles.
+    """Return the time for which the last terms of the series are small, s; NaN beyond doubles.
 
-    The last two terms of what changes, in the rows `changing`, stay below `rtol` times its size,
-    which is that of the first term that is not zero; and in each component below `rtol` times the
-    largest term, so that a drift that is small beside the flight is as exact as the flight.
+    Two conditions limit the last two terms in the rows `changing`: as vectors they are below `rtol`
+    times the first term that is not zero; and in each component they are below `rtol` times the
+    largest term, so that a slow drift is as accurate as the whole flight.
 
-    Along a circle, whose series converges at any time, that would be half a turn, with terms so
-    large that their roundings show: the term of second order stays below twice the size, and so a
-    step within a third of a turn.
+    The series of a circle converges for all times, and these conditions would allow half a turn,
+    with large terms and rounding errors. The second-order term is therefore limited to twice the
+    size, and a step to a third of a turn.
     """
     reach, power = inf, 0
     size, curvature = total(x, 0, changing), total(x, 2, changing)

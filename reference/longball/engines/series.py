@@ -33,15 +33,15 @@ Rows = list[MutableSequence[Any]]
 class Recurrence:
     """The recurrence of a program whose outputs are the rates of its variables.
 
-    It is printed in two ways. The second is for a flight that starts at rest, or where the size of
-    another vector is zero: there ``V = V_1 t + …``, and V_1 is the size of the acceleration.
+    It is printed in two forms. The second is for a flight that starts at rest, or with another
+    vector of size zero: then ``V = V_1 t + …``, where V_1 is the size of the acceleration.
     """
 
     program: Program
 
     @cached_property
     def rows(self) -> tuple[Node, ...]:
-        """The values whose coefficients are kept, the variables first."""
+        """Nodes with stored coefficients, the variables first."""
         kept = dict.fromkeys(map(variable, self.program.variables))
         # The inner sums need the whole rows of their factors; of a sum of nodes, the present
         # coefficient is enough.

@@ -3,10 +3,10 @@
     solve_ivp(right_hand_side(law), (0, 60), start, method=Taylor, law=law, dense_output=True)
 
 A step is a Taylor series of high order in time (Jorba and Zou, *Experimental Mathematics* 14
-(2005) 99), from the recurrence that the law implies (`longball.engines.series`). The series itself
-is the dense output: a state between two steps, and an event there, is as exact as the steps.
-solve_ivp's own work for a step takes five times as long as a series. So a step may consist of
-several series: a solver that is given the events goes on until one of them changes its sign.
+(2005) 99), from the recurrence of the law (`longball.engines.series`). The series is the dense
+output, so that states and events between two steps are as accurate as the steps. solve_ivp's
+overhead for a step takes five times as long as a series. A step may therefore consist of several
+series: with the events as an option, the solver continues until one of them changes its sign.
 """
 
 from __future__ import annotations

@@ -14,19 +14,18 @@ needs the unknown v'. `TREATMENTS` lists six ways to evaluate it. Everything els
 - Contact (Sec. III.C): tested at the ends of steps only, as is whether the ball is between the
   bat's ends; contacts between steps are missed. The bat is at its final height from the release on,
   so a step before the plate can already touch it.
-- Appendix B: the ball goes back to the step before; from there a straight line, at that step's
-  velocity, leads to where the two touch, after Δt'; normal, bat velocity and restitution are
-  taken there. Then half of the averaged force acts over two whole steps from the step gone back to.
+- Appendix B: the ball returns to the previous step. From there it moves along a straight line, with
+  the velocity of that step, to the contact after Δt', where normal, bat velocity and restitution
+  are evaluated. Then half of the averaged force acts over two whole steps from the previous step.
 
-What the paper leaves open about those steps:
+The paper is silent about some details of these steps:
 
-- At which ends of which steps the contact force is on: `PUSHES`.
-- Contact force and air act together in ordinary steps. The air's part is computed afresh where the
-  contact force begins and where it ends; between, it is carried or not as elsewhere.
-- The push lies across the bat and not in the pitch's vertical plane: the velocity leaves that plane
-  before the batted flight has one, so these steps are taken in space. Drag and lift then act in the
-  vertical plane of the current velocity, as on a ball with backspin launched that way; the lift
-  axis of neither flight applies. This agrees with both flights at the ends of these steps.
+- The ends of the steps at which the contact force acts: see `PUSHES`.
+- Contact force and air act together in ordinary steps. The force of the air is computed again where
+  the contact force begins and ends; in between, it is carried or not, as elsewhere.
+- The contact force is not in the pitch's vertical plane, so these steps are computed in space. Drag
+  and lift act in the vertical plane of the current velocity, as on a ball launched with backspin in
+  this direction. At their ends, these steps agree with both flights.
 - A ball that reaches the ground during these steps has landed.
 """
 
@@ -107,9 +106,9 @@ def impulse_share(contact_force: ContactForce) -> float:
 # that it takes one array; at most as many as fit a processor's cache.
 _FIRST_STEPS, _MOST_STEPS = 128, 4096
 
-# Steps up to the time limit: compiled they take about ten seconds. Before a flight nobody knows
-# when it lands, or whether it does, so that all of them count. At the paper's limit of 60 s they
-# allow steps of 3e-7 s and more.
+# Most steps up to the time limit; compiled, they take about ten seconds. The landing is not known
+# before the flight, so the whole time counts. With the default limit of 60 s, steps of 3e-7 s and
+# more are allowed.
 _MOST_WORK = 200_000_000
 
 # A step takes about ten microseconds as it is; to compile it takes two seconds.

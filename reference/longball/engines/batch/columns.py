@@ -1,8 +1,8 @@
-"""The chain of an at-bat over columns: a number for each of many scenes.
+"""The chain of an at-bat over columns: arrays with a number for each of many scenes.
 
-It is the chain of `longball.engines.chain`, with arrays for numbers, so that a row has the bits
-that its scene gets when it is solved alone. What cannot be answered is left without an outcome;
-solved alone it has a reason.
+It is the chain of `longball.engines.chain` with arrays as numbers, so that a row has the same bits
+as its scene solved alone. Rows without an answer have no outcome; the scalar chain gives the
+reason.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from longball.model.result import Outcome
 from longball.model.trace import Program
 
 OUTCOMES: tuple[str, ...] = get_args(Outcome)
-UNSOLVED = -1  # stands in a column of outcomes where a scene has no answer
+UNSOLVED = -1  # outcome of a row without an answer
 
 
 # --- arrays as numbers ----------------------------------------------------------------------------

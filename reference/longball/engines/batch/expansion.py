@@ -1,9 +1,9 @@
-"""The Taylor steps of sixteen flights at once, as machine code made from a traced law.
+"""The Taylor steps of sixteen flights at once, as machine code generated from a traced law.
 
-The recurrence is that of `longball.engines.series`; here it is written in LLVM's language, on
-vectors of sixteen doubles, in an order that keeps the multiply-add units busy. Lane k of a result
-depends on lane k of the operands alone, each operation is rounded once as IEEE 754 says, and
-nothing is contracted or reordered, so a lane's bits are the same whatever its neighbours hold.
+The recurrence is that of `longball.engines.series`, here in LLVM's language for vectors of sixteen
+doubles, in an order that keeps the multiply-add units busy. Lane k of a result depends on lane k of
+the operands alone, each operation is rounded once by IEEE 754, and nothing is contracted or
+reordered. The bits of a lane therefore do not depend on its neighbours.
 
 Expansions are arrays of shape (blocks, order + 2, lanes); row k of a block belongs to the power k
 of t. The first blocks are the rows of the recurrence, the variables before all others. `Layout`
@@ -34,11 +34,11 @@ from longball.engines.series import recurrence, row_of
 from longball.model.arrays import Array
 from longball.model.trace import Node, Program, squares, variable
 
-# Rows of the block `step`, after those of the state at the end of the step: how long it is, s, NaN
-# where no ordinary step is possible; when it begins, s; what rounding has taken from that time, s;
-# 1 where nothing can happen on the way, else -1; the largest coordinate that the flight has had at
-# a step; how far each position can get from where it was. Then what rounding takes from each
-# position: at the beginning of the step, and at its end.
+# Rows of the block `step`, after those of the state at the end of the step: its length, s, NaN if
+# no ordinary step is possible; the time of its beginning, s; Kahan's compensation of that time, s;
+# 1 if no event is possible within the step, else -1; the largest coordinate of the flight at any
+# step; a bound on the change of each position. Then the compensation of each position at the
+# beginning and at the end of the step.
 LENGTH, TIME, TIME_COMPENSATION, CLEARANCE, FARTHEST, RANGES = range(6)
 
 # Sums that one loop carries, of sixteen doubles each. With more, registers are spilled. AVX-512 has
@@ -55,7 +55,7 @@ LONGER = 3.0
 
 @dataclass(frozen=True)
 class Layout:
-    """Which block of an expansion holds what, after the rows of the recurrence."""
+    """Positions of the blocks of an expansion, after the rows of the recurrence."""
 
     program: Program
 

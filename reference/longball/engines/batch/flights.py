@@ -4,12 +4,12 @@ All sixteen lanes take a step together (`longball.engines.batch.expansion`). Eve
 by lane, on the step's polynomials (`longball.engines.batch.roots`). A lane whose flight has ended
 takes the next one.
 
-This code is the same for all laws. It flies ordinary flights: one that comes to rest, overflows,
-takes too many steps, or has events that its error does not decide stops as `Stop.FALLBACK`; the
-scalar engine then solves it or raises the error.
+This code is the same for all laws. It computes ordinary flights. A flight that comes to rest,
+overflows, takes too many steps, or has undecided events stops as `Stop.FALLBACK`; the scalar engine
+then solves it, or raises the error.
 
-A state is n positions followed by n velocities, maybe with the path behind them along which spin
-decays. An event is an affine function of the state that falls through zero.
+A state is n positions followed by n velocities, and the path of the spin decay if there is one. An
+event is an affine function of the state that falls through zero.
 
 A pitch has a *sampling plane*, a distance `records.APPROACH` before the plate. A step ends there,
 and the state is recorded, so that the later search for the bat can start from it. The event beyond
@@ -206,8 +206,8 @@ def fly_and_record(
 
 # --- the loop -------------------------------------------------------------------------------------
 
-# A flight of 60 s with the paper's ball takes some 100 steps; a ball that all but rests at its
-# apex takes three steps for each factor e of its speed there.
+# A flight of 60 s with the paper's ball takes about 100 steps. A ball that almost rests at its apex
+# takes three steps for each factor e by which its speed falls there.
 _MOST_STEPS = 20_000
 
 _NONE = -1  # number of the flight in a lane that has none
@@ -245,8 +245,8 @@ class _Workspace(NamedTuple):
     across: Any
     above: Any
     state: Any  # of a flight at some time
-    # times: of each lane's step, s: how far it goes, where the flight is marked, and where it is
-    # closest to the bat; NaN where it is not
+    # times, s: for each lane the end of its step, its mark, and the closest approach to the bat;
+    # NaN if there is none
     times: Any
 
 
@@ -541,7 +541,7 @@ def _locate_first_event(s: _Workspace, slot: _Slot, time: float, length: float) 
     """Find the first event in the step; return the time to advance, s.
 
     On entry `s.work` holds the polynomials of the step, on return `s.state` the state at the
-    returned time. Each event found shortens the interval in which the next functions are searched.
+    returned time. Each event shortens the interval in which the next functions are searched.
     """
     flight, arrival, status, lane = slot
     stop: int = Stop.FLYING

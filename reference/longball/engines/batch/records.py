@@ -16,12 +16,12 @@ from longball.engines.event import BatSection, Events
 from longball.engines.polynomial import Dual
 from longball.model.law import PAPER, Law, State, law_with
 
-# m before the plate: a pitch is expanded anew there, and the search for the bat starts there. A
-# pitch crosses that distance in 8 ms, well within one step, and the square of the distance to the
-# bat, of which reach² = 0.005 m² is to be told apart, starts small.
+# Distance of the sampling plane from the plate, m, where a new series and the search for the bat
+# begin. A pitch crosses this distance in 8 ms, well within one step. The squared distance from the
+# bat, which is compared with reach² = 0.005 m², is small from there on.
 APPROACH = 0.25
 
-# How arrivals say what stopped a flight: by a number for each event's name.
+# Codes of the events that stop flights, by name.
 STOPS: Mapping[str, int] = {
     "ground": 0,
     "plate": 1,
@@ -32,7 +32,7 @@ STOPS: Mapping[str, int] = {
     "level": 6,
     "time": Stop.TIME_LIMIT,
 }
-NOT_FLOWN = -1  # stands for what stopped it where there is no flight
+NOT_FLOWN = -1  # code of a row without a flight
 
 
 class Start(NamedTuple):
@@ -43,10 +43,10 @@ class Start(NamedTuple):
 
 
 def flies_in_lanes(law: Law) -> bool:
-    """True if the compiled code flies under a law.
+    """True if the compiled code supports a law.
 
-    Not where the law changes its form on the way; nor where nothing keeps a ball from going
-    straight on, to where it comes to rest in a wind.
+    It does not support switches within a flight, nor a law without gravity in which a ball may come
+    to rest in the wind.
     """
     if not all(switch.ends_law for switch in law.switches):
         return False
@@ -54,25 +54,25 @@ def flies_in_lanes(law: Law) -> bool:
 
 
 def formed(law: Law) -> Law:
-    """Return a law in the form that the compiled code flies: a side force has a direction."""
+    """Return a law on the branches of the compiled code, where a side force has a direction."""
     return law.on([1] * len(law.switches)) if law.switches and flies_in_lanes(law) else law
 
 
 def general(law: Law) -> Law:
-    """Return a law with all of the paper's forces, those that do not act with strength 0.
+    """Return a law with all of the paper's forces; absent ones have strength 0.
 
-    So that the same compiled code serves all of the paper's scenes. A law of the extended model is
-    as it is.
+    The same compiled code then serves all scenes of the paper's model. Laws of the extended model
+    stay the same.
     """
     if law.is_paper:
         return law_with({**dict.fromkeys(PAPER, 0.0), **law.strengths})
     return formed(law)
 
 
-# The sine, squared, of the angle between the airspeed and the direction of a side force at which a
-# flight is left to the scalar engine, if a step begins there. The law ends at an angle of 1e-6
-# (`longball.model.law.ALONG`), this is one of 1e-3: a step, which goes half of the way to where the
-# sine would be zero, does not come from here to there.
+# Squared sine of the angle between the airspeed and the vector of a side force, at the beginning of
+# a step, below which the flight is left to the scalar engine. It is an angle of 1e-3; the law ends
+# at 1e-6 (`longball.model.law.ALONG`). A step covers at most half of the distance to a zero of the
+# sine, and so cannot get from the one to the other.
 _ALONG = 2.0**-20
 
 

@@ -1,8 +1,8 @@
-"""Derivatives in columns: the chain followed in jets whose numbers are columns.
+"""Derivatives in columns: jets of columns through the chain.
 
-It is what `longball.engines.tangent` does of one scene, and gives the same derivatives; the
-compiled code flies them with the balls. A row in which a derivative is not known so well, or there
-may be none, is marked in the table, and left to be solved alone.
+The derivatives are those of `longball.engines.tangent`; the compiled code integrates them with the
+flights. Rows in which a derivative is less accurate, or may not exist, are marked in the table and
+left to `longball.engines.tangent`.
 """
 
 from __future__ import annotations
@@ -128,11 +128,11 @@ class ColumnJets(Jets):
         return NUMBERS.missing(plain_of(x))
 
     def doubt(self, rows: Any) -> None:
-        """Leave rows to be solved alone."""
+        """Mark rows for the scalar engine."""
         self.doubtful[...] |= rows
 
     def doubt_at_border(self, x: Any, rows: Any = True) -> None:
-        """Leave rows to be solved alone in which a number is zero, and changes."""
+        """Mark rows for the scalar engine if a number is zero, and its derivative is not."""
         zero = plain_of(x) == 0.0
         if np.any(zero):
             self.doubt(rows & zero & np.any(rate_of(x) != 0, axis=0))

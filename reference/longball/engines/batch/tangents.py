@@ -1,4 +1,4 @@
-"""Derivatives of flights over a step, as machine code made from a traced law.
+"""Derivatives of flights over a step, as machine code generated from a traced law.
 
 The derivative ξ of the state by a number x of the scene, which the strengths p of the law may
 depend on, obeys a linear equation on a known path,
@@ -12,10 +12,10 @@ t_k = c_k h of the step, and one system of linear equations for all tangents:
 
     ``F_k = A_k ξ_k + b_k``,  ``ξ_k = ξ_0 + h Σ_j a_kj F_j``,  ``ξ(h) = ξ_0 + h Σ_k w_k F_k``  (2)
 
-It is as exact as K points allow that see the path from both sides, where a series sees it from
-one: where the last terms of N = 22 orders are 1e-15, singularities are five steps away, so that
-the ellipse around the step in which all is analytic has half axes whose sum is 18 half steps, and
-the error is about 18^-2K: 1e-15 with K = 6.
+Collocation uses the path on the whole step, and needs fewer points than a series needs terms. If
+the last terms of N = 22 orders are 1e-15, singularities are five steps away. The ellipse around the
+step in which all functions are analytic then has half axes whose sum is 18 half steps, and the
+error is about 18^-2K: 1e-15 with K = 6.
 """
 
 from __future__ import annotations
@@ -43,23 +43,21 @@ from longball.engines.variation import with_partials
 from longball.model.arrays import Array
 from longball.model.trace import ZERO, Node, Program
 
-# Flights that go at a time: their matrix then stays in the nearest cache.
+# Flights computed together: their matrix fits into the first-level cache.
 LANES = 8 if binding.get_host_cpu_features().get("avx512f") else 4
 PARTS = WIDTH // LANES
 
-# The times on a step, s, that a tangent is wanted at: its end, where it is marked, and where the
-# ball is closest to the bat.
+# Number of times on a step at which tangents are needed: its end, its mark, and the closest
+# approach to the bat.
 TIMES = 3
 
 
 def nodes_for(program: Program) -> int:
-    """Return K, one more than the estimate above asks for; with a logarithm two more.
-
-    Steps stay within half the distance of the singularities of roots, but of no others. A
-    logarithmic wind has one straight ahead, below the ground that the ball comes to. Derivatives of
-    flights through one are off by 3e-12, 5e-14 and 6e-15, relative, with K = 6, 7 and 8, those
-    through a drag crisis, whose poles lie aside, by 3e-14 and 5e-16 with K = 6 and 7.
-    """
+    """Return K: one more than the estimate above, or two more with a logarithm."""
+    # Steps are shorter than half the distance to singularities of roots, but not of other
+    # functions. A logarithmic wind has a singularity ahead of the ball, below the ground: relative
+    # errors of derivatives are 3e-12, 5e-14 and 6e-15 with K = 6, 7 and 8. For a drag crisis, whose
+    # poles are not on the real axis, they are 3e-14 and 5e-16 with K = 6 and 7.
     return 8 if any(node.kind == "log" for node in program.nodes) else 7
 
 

@@ -39,19 +39,21 @@ _FEW_TRIALS, _MOST_POWER = 20, 1000
 # Of a step: at its beginning the series is exact, and only uncertain parameters make a defect.
 _INSTANT = 2.0**-20
 
-# Work of a flight: steps, each of which costs as the square of its order, and as there are rows in
-# the recurrence of its law. A flight of a minute has a hundred steps; under drag and lift, which
-# take 5 rows, the limit is 2,400 of 30 digits, 470 of 90: at some 3 and 10 ms, under ten seconds.
+# Most work of a flight: the sum over steps of order² times the rows of the law's recurrence. A
+# flight of a minute has a hundred steps. With drag and lift (5 rows), the limit is 2,400 steps with
+# 30 digits, or 470 with 90; these take about 3 and 10 ms each, in total less than ten seconds.
 _MOST_WORK = 40_000_000
 
-# The work of a flight grows as the cube of its digits: an at-bat then takes some ten seconds.
+# The work of a flight is proportional to the cube of its digits: with these, an at-bat takes about
+# ten seconds.
 _MOST_DIGITS = 500
 
-# Bounds need few digits, unlike what they are bounds of.
+# Bounds need few digits, unlike the numbers that they bound.
 _BITS_OF_BOUNDS = 64
 
-# Where digits are lost it works with so many more. A flight through a table of C_L that falls by
-# 0.4 over 0.01 of S, whose force changes as fast with the velocity, lost 17 beyond the guard.
+# Additional working digits if digits are lost. A table of C_L that falls by 0.4 over 0.01 of S
+# makes the force change quickly with the velocity; a flight through it lost 17 digits beyond the
+# guard.
 _MORE_DIGITS = (20, 60)
 
 # A step is cut into as many parts, on each of which the law's derivative is bounded, as make errors
