@@ -1,6 +1,6 @@
-"""The command line as a process: signals, standard streams, and no traceback.
+"""The command line as a process: signals, standard streams, and errors without a traceback.
 
-Commands are imported when those are in order: it takes some tenths of a second.
+Commands are imported last, because that takes a few tenths of a second.
 """
 
 from __future__ import annotations
@@ -56,13 +56,13 @@ def main() -> None:
     """Run the command line."""
     heard = [number for number in STOPPED if signal.getsignal(number) is not signal.SIG_IGN]
     for number in heard:
-        signal.signal(number, signal.SIG_DFL)  # an import that is interrupted has nothing to say
+        signal.signal(number, signal.SIG_DFL)  # during the imports: no message, no traceback
     _prepare_streams()
 
     from longball.cli import COMMANDS, app, module_of
 
     if sys.argv[1:] and sys.argv[1] in COMMANDS:
-        module_of(sys.argv[1])  # not before: each brings libraries of its own
+        module_of(sys.argv[1])  # only this command's module: each loads other libraries
 
     stopped_by: list[int] = []
 
@@ -83,13 +83,13 @@ def main() -> None:
         finally:
             sys.stdout.flush()
     except BaseException as error:
-        # After a signal it may be another one: workers that have been stopped are missed.
+        # After a signal, the exception may be about workers that were stopped by it.
         if stopped_by:
             _tell(STOPPED[signal.Signals(stopped_by[0])])
             sys.exit(128 + stopped_by[0])
         if BrokenPipeError in (type(error), type(error.__context__)):
-            # The reader of our output has left. Python would raise again when it flushes. The
-            # status is what the command has found, if it came to an end.
+            # The reader has closed the pipe. Redirect the output, because Python would raise again
+            # at its final flush. The status is that of the command, if it finished.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(getattr(error.__context__, "code", 0))
         if not isinstance(error, Exception):

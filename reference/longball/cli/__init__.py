@@ -42,6 +42,11 @@ EXIT_STATUS = (
 )
 
 
+def module_of(command: str) -> Any:
+    """Import the module of a command."""
+    return import_module(f"longball.cli.{command}")
+
+
 def summary_of(command: str, group: str = "") -> str:
     """Return the first line of a command's docstring, without importing its module."""
     # Help lists all commands; importing them takes five times as long as parsing them.
@@ -76,7 +81,7 @@ class Commands(TyperGroup):
                 known = one_of("the commands are", cmd_name, self.examples)
                 ctx.fail(f"no such command {cmd_name!r}{known}")
             return None
-        module = import_module(f"longball.cli.{self.group or cmd_name}")
+        module = module_of(self.group or cmd_name)
         epilog = f"Example: {self.examples[cmd_name]}\n\n{EXIT_STATUS}"
         if cmd_name in GROUPS:
             group = Commands(
