@@ -222,7 +222,7 @@ plot --set bat.mess=1 -> bat.mess: no scene has this key, did you mean
 solve --engine bach -> enclosure, multiprecision, verlet, did you mean b
 solve --engine verne -> --engine verne: must be one of
 solve --egine ivp -> no such option --egine, did you mean --engine?
-solve a.jsonl b.jsonl -> b.jsonl: one too many; the command takes [SCENES|-
+solve a.jsonl b.jsonl -> unexpected b.jsonl: the command takes [SCENES|-
 solve --fence Fenway -> --fence Fenway: must be a radius, such as 120 or 400ft
 solve --points 1 -> --points 1: must be at least 2
 solve --points 1000000001 -> --points 1000000001: must be at most

@@ -63,7 +63,7 @@ def homerun(
     # Options without effect are errors: a user would believe that they were applied.
     if method == "quadrature":
         refuse_if(
-            (engine != "batch", f"--engine {engine}: quadrature takes the engine batch"),
+            (engine != "batch", f"--engine {engine}: quadrature always uses the engine batch"),
             (given_by(ctx, "samples") == "COMMANDLINE", "--samples: quadrature draws no samples"),
             (given_by(ctx, "seed") == "COMMANDLINE", "--seed: quadrature draws no samples"),
             (scenes, "--scenes: quadrature draws no samples"),
@@ -72,7 +72,7 @@ def homerun(
     switches = chosen_switches(reading or [])
     base = base_scene(switches["scene"], set_ or [], fence)
     if base.fence is not None and method == "quadrature":
-        wrong_call("--fence: quadrature takes the distance of 150 m; take --method monte-carlo")
+        wrong_call("--fence: quadrature supports the 150 m rule only; use --method monte-carlo")
     # Check everything before the first flight, because a run may take hours.
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
     curve = str(switches["figure"].get(FIGURE_SWITCH, "caption"))

@@ -44,10 +44,10 @@ def _sentence(error: Any) -> str:
             return f"{option}: a value is needed: {known[option].help}".rstrip(".")
         return f"{option}: it takes no value"
     if extra := re.match(r"Got unexpected extra arguments? ?\(?s?\)? \((.*)\)", error.message):
-        takes = " ".join(command.collect_usage_pieces(error.ctx)[1:]) or "options alone"
+        takes = " ".join(command.collect_usage_pieces(error.ctx)[1:]) or "only options"
         # The shell has split --speed 103 mph.
-        quote = "; a value with spaces needs quotes" if takes == "options alone" else ""
-        return f"{extra[1]}: one too many; the command takes {takes}{quote}{see_help}"
+        quote = "; a value with spaces needs quotes" if takes == "only options" else ""
+        return f"unexpected {extra[1]}: the command takes {takes}{quote}{see_help}"
     return str(error.message)
 
 

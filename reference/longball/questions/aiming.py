@@ -179,9 +179,7 @@ def _hits(
     (trial,) = trials
     assert trial is not None
     if trial.excess < 0:
-        raise CannotSolve(
-            f"the target is out of reach: {trial.gets}; that is at {main} = {farthest:.6g}"
-        )
+        raise CannotSolve(f"the target is out of reach: {trial.gets}, at {main} = {farthest:.6g}")
     raise CannotSolve(f"the ball gets beyond the target at every {main} from {tried[0]:.4g} on")
 
 
@@ -219,7 +217,7 @@ def _in_its_direction(
             if not short:
                 place = result.path.at(_passing(result.path, origin, away)).position
                 _, turned = _polar(place[:2] - origin)
-                high = f"there the ball is {place[2]:.6g} m high at most"
+                high = f"there the ball is at most {place[2]:.6g} m high"
                 trial = replace(trial, gets=f"{high}, and the target {target[2]:.6g} m")
             trial = replace(trial, excess=place[2] - target[2] + short)
         off = math.remainder(bearing - turned, 2 * math.pi)
@@ -232,7 +230,7 @@ def _in_its_direction(
 
 
 def _getting(gets: float, away: float) -> str:
-    return f"the ball gets {gets:.6g} m of {away:.6g} m at most"
+    return f"the ball gets at most {gets:.6g} m of {away:.6g} m"
 
 
 def _polar(vector: Array) -> tuple[float, float]:
