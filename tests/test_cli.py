@@ -139,7 +139,7 @@ class TestSolve:
         assert "'pitch speed' is not the name" in run.stderr
         run = called("solve", "--path", "-o", str(tmp_path / "results.csv"))
         assert run.returncode == 2
-        assert "no place for paths" in run.stderr
+        assert "cannot hold paths" in run.stderr
 
     @pytest.mark.parametrize("engine", ["ivp", "batch"])
     def test_the_path_is_in_the_result(self, called, engine: str):

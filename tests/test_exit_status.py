@@ -113,7 +113,7 @@ WRONG = r"""
 aim -> --target
 aim --target 1,x -> --target x: must be a number, alone or with a unit: m
 aim - --target -20 -> a distance must be positive
-aim - --target far -> --target far: a number is needed
+aim - --target far -> --target far: must be a number
 aim - --target 90 --unknown gravity -> longball: unknowns: gravity cannot be aimed
 converge --scenes - --golden pitch -- '{dt}' -> not both
 converge --expected nan -- true '{dt}' -> --expected nan is not
@@ -126,7 +126,7 @@ fit --example --column speeed=v -> speeed
 fit --example --column speed_unit=knots -> speed_unit
 flight --speed 40 -> --angle is missing: Angle above the horizontal
 flight --speed '103 moh' --angle 28 -> did you mean mph?
-flight --speed fast --angle 28 -> a number is needed
+flight --speed fast --angle 28 -> must be a number
 flight --speed -3 --angle 28 -> must be positive
 flight --speed 40 --angle 28 --wind out -> must be a speed and one of out, in, left, right
 flight --speed 40 --angle 28 --park coors -> did you mean Coors Field?
@@ -175,7 +175,7 @@ infer --points {example} --unknown gravity -> t, x, y, z: the table
 infer --points no.csv --unknown gravity -> no.csv: cannot be read
 infer - --measured landing.distance=far --unknown launch.speed -> a finite number
 infer - --measured landing.distance=90 --unknown launch.sped -> mean launch.speed
-infer - --measured landing.distance=90 -> --unknown: name a number
+infer - --measured landing.distance=90 -> --unknown is missing
 infer - --points {empty} --unknown launch.speed -> the table is empty
 judge --tolerance x -- true -> --tolerance x: must be a number
 judge --golden flight-vacum -- true -> did you mean flight-vacuum?
@@ -245,18 +245,18 @@ solve -o '' -> a file is needed
 solve --digits 20 -> takes no --digits; it takes --integrator, --rtol, --atol
 solve --engine batch --landing-error 0 -> --landing-error = 0.0 m
 solve --engine enclosure --digits 501 -> --digits = 501
-solve --dt -> --dt: a value is needed: verlet: the step, s
+solve --dt -> --dt: a value is needed: verlet: time step, s
 solve --certify=yes -> --certify: it takes no value
 sovle -> no such command 'sovle', did you mean solve? The commands are solve,
 spin --example --model paper -> a constant does not depend on the spin
 spin --example --model natan -> did you mean nathan
 spin --up 16in -> --up: it needs --speed
 spin t.csv --speed 40 -> --speed is for a single pitch: omit the table
-spin --example --speed 40 -> --example: of a table
-spin --speed 40 --games g.csv -> --games: of a table
+spin --example --speed 40 -> --example: it is for a table
+spin --speed 40 --games g.csv -> --games: it is for a table
 spin --speed 40 --release 3,4 -> pitch.release[2]: is missing
 spin --speed '95 mph' --up 3 -> no spin moves a ball so far
-spin --speed fast -> --speed fast: a number is needed
+spin --speed fast -> --speed fast: must be a number
 """
 
 

@@ -83,7 +83,7 @@ def test_a_type_whose_spin_nobody_knows_has_no_median(called, few, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "-" in done.stdout.splitlines()[1].split()
     assert "nan" not in done.stdout
-    assert "beyond what the law of lift reaches" in done.stderr
+    assert "exceeds the limit of the law of lift" in done.stderr
 
 
 def test_a_speed_and_a_movement_are_enough_for_the_spin(called):
