@@ -284,11 +284,11 @@ def every_edit(every: int = 1) -> Iterator[tuple[Stage, Edit]]:
 
     Of those that the operators make, one of so many, or none for 0; and all others.
     """
-    seen = set[tuple[Node, Node]]()
+    seen = set[tuple[int, int]]()  # digests, since a million nodes would take gigabytes
     for stage in CHAIN if every else ():
         for edit in edits(CHAIN, stage, defaults(), {}):
-            if (edit.place, edit.new) not in seen:
-                seen.add((edit.place, edit.new))
+            if (key := (edit.place.digest, edit.new.digest)) not in seen:
+                seen.add(key)
                 if len(seen) % every == 0:
                     yield stage, edit
     for edit in _beside():

@@ -34,13 +34,14 @@ M, KG, S = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 class Node:
     """A node of an expression; made by the functions below, compared by identity."""
 
-    __slots__ = ("__weakref__", "args", "data", "dimension", "op", "vector")
+    __slots__ = ("__weakref__", "args", "data", "digest", "dimension", "op", "vector")
 
     op: str
     args: tuple[Node, ...]
     data: Any
     dimension: Dimension
     vector: bool
+    digest: int  # of all the above: equal nodes that do not live at the same time have the same
 
     def __add__(self, other: Node | float) -> Node:
         return _node("sum", (self, as_node(other)), None, self.dimension, self.vector)
@@ -89,6 +90,7 @@ def _node(
         found = Node()
         found.op, found.args, found.data = op, args, data
         found.dimension, found.vector = dimension, vector
+        found.digest = hash((op, tuple(arg.digest for arg in args), data, dimension, vector))
         _known[key] = found
     return found
 
