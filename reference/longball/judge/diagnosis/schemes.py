@@ -147,11 +147,6 @@ class Steps:
         return np.asarray(found + np.zeros(len(self.followed.some)))
 
     @cached_property
-    def all(self) -> Index:
-        """Numbers of all of `followed.some`."""
-        return np.arange(len(self.followed.some))
-
-    @cached_property
     def null(self) -> float:
         """Bits that the errors cost now."""
         return cost(self.followed.off / self.followed.floor)
@@ -386,8 +381,9 @@ class Steps:
 
     def order(self) -> Scheme | None:
         """The order that the errors have, if they have one."""
-        off = self.followed.off[:, self.followed.wrong]
-        wrong = self.all[self.followed.wrong]
+        wrong = self.short(self.followed.wrong, SOME)
+        off = self.followed.off[:, wrong]
+        null = cost(off / self.followed.floor[:, wrong])
         for _, h, one in self._alike()[:2] if self.few.size else []:
             made = self.errors([(one, h, False)], wrong)[0][:, 0]
             known = np.isfinite(off) & np.isfinite(made)
@@ -396,7 +392,7 @@ class Steps:
                 for x in (off, off - made)
             )
             bits = TRIED_BITS + ROUND_BITS
-            evidence = self.null - cost(self.left([(one, h, False)], self.all)) - bits - CHANCE
+            evidence = null - cost(self.left([(one, h, False)], wrong)) - bits - CHANCE
             if np.mean(after < LIKE * before) >= MOST and evidence > 0:
                 said = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
                 return Scheme(f"{said} about {h:.2g} s", one.order, h, bits, evidence, False)
