@@ -171,10 +171,17 @@ def explain_digits(
     _, before = follow(chain, data)
     if not found or not any(one.wrong.any() for one in before):
         return None
-    _, after = follow(chain, with_digits(data, answers))
-    if all(
-        is_adequate(one.off / one.floor, is_rough(one.stage)) for one in after if one.checked.any()
-    ):
+
+    def explain(some: Mapping[str, Digits]) -> bool:
+        _, after = follow(chain, with_cut(data, {q: style.cut for q, style in some.items()}))
+        checked = (one for one in after if one.checked.any())
+        return all(is_adequate(one.off / one.floor, is_rough(one.stage)) for one in checked)
+
+    if explain(found):
+        for quantity in found if len({*found.values()}) > 1 else ():
+            needed = {q: style for q, style in found.items() if q != quantity}
+            if explain(needed):  # its digits explain no error
+                found = needed
         told = [quantity for quantity in OWN if np.isfinite(data.given[quantity]).any()]
         return said(found, told)
     single = any(style.kind == "single" for style in found.values())
