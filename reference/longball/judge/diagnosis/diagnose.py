@@ -147,7 +147,7 @@ def conclude(
             mended, found, reasoned = data, [], other
     digits = None
     if not found and not any(step.explained for step in reasoned.steps):
-        digits = explain_digits(chain, plain, answers)
+        digits = explain_digits(chain, plain, answers, lambda: unseen is None or unseen.follows)
     return Conclusion(first, mended, found, digits, reasoned.steps, reasoned.chain, reasoned.data)
 
 

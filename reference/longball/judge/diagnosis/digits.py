@@ -6,7 +6,7 @@ full. The style is the one in which all numbers of a quantity take the fewest bi
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any, Literal
@@ -164,9 +164,13 @@ def said(found: Mapping[str, Digits], told: Collection[str]) -> str:
 
 
 def explain_digits(
-    chain: Sequence[Stage], data: Data, answers: Mapping[str, Answer]
+    chain: Sequence[Stage], data: Data, answers: Mapping[str, Answer],
+    elsewhere: Callable[[], bool] = lambda: True,
 ) -> str | None:  # fmt: skip
-    """The style in which the candidate writes numbers, if it explains all errors."""
+    """The style in which the candidate writes numbers, if it explains all errors.
+
+    So it has to in other scenes, of which `elsewhere` tells.
+    """
     found = styles(answers)
     _, before = follow(chain, data)
     if not found or not any(one.wrong.any() for one in before):
@@ -177,7 +181,7 @@ def explain_digits(
         checked = (one for one in after if one.checked.any())
         return all(is_adequate(one.off / one.floor, is_rough(one.stage)) for one in checked)
 
-    if explain(found):
+    if explain(found) and elsewhere():
         for quantity in found if len({*found.values()}) > 1 else ():
             needed = {q: style for q, style in found.items() if q != quantity}
             if explain(needed):  # its digits explain no error

@@ -34,6 +34,7 @@ from longball.judge.diagnosis.residual import (
     data_of,
     evenly,
     follow,
+    is_rough,
     seen,
 )
 from longball.judge.diagnosis.schemes import explain_scheme
@@ -112,6 +113,13 @@ class Unseen:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         f = compared(edited, data, columns, some, rough=edit.rough)[0]
         return is_adequate(f.off / f.floor, edit.rough)
+
+    @cached_property
+    def follows(self) -> bool:
+        """True if every stage follows there, to the digits that the candidate writes."""
+        every = [] if self.data is None else follow(self._chain, self.data)[1]
+        checked = (f for f in every if f.checked.any())
+        return all(is_adequate(f.off / f.floor, is_rough(f.stage)) for f in checked)
 
     def refuting(
         self, chain: tuple[Stage, ...], known: Data, located: Iterable[str], dt: float | None
