@@ -101,7 +101,7 @@ def _slopes_of_doubles(
 ) -> dict[str, float | None] | None:
     """Return the derivatives by an input; None if doubles do not give three digits of them.
 
-    For quantities that are not decisive, three digits of their own size are enough.
+    Quantities that do not decide an outcome need three digits relative to their own size.
     """
     values = inputs(scene)
     step = WIDE_STEP * (math.hypot(*(values.get(part, 0.0) for part in vector_of(path))) or 1.0)

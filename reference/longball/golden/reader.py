@@ -31,7 +31,7 @@ def load(family: str | None = None, folder: str | Path = DATA) -> list[Case]:
     """Return the cases of a family, of all families ("all"), or of all of the paper's model (None).
 
     The other families have keys that an implementation of the paper's model does not know. "quick"
-    stands for a few cases that together detect nearly every edit of the model.
+    selects a few cases that together detect nearly every edit of the model.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Sign changes of a function along many lines, as far as samples on the lines show them.
+"""Sign changes of a function along many lines, found from samples on each line.
 
 The function is a length in metres, positive for counted at-bats. It may jump, for example at the
 end of the bat, and need not be differentiable.

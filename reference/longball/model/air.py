@@ -60,7 +60,7 @@ class Flow(NamedTuple):
     @property
     def per_spin(self) -> Any:
         """``U/ω_T``, m; 0 without a spin across the velocity, when there is no lift."""
-        # ZERO stands for a value that is 0 in every state, such as the spin of a ball without one.
+        # ZERO marks a value that is 0 in every state, such as the spin of a ball that has none.
         return ZERO if self.top is ZERO else self.bottom / self.top
 
 

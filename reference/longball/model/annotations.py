@@ -20,7 +20,7 @@ def spelled(annotation: Any, block: Callable[[type[BaseModel]], str]) -> str:
     """
     origin, parts = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        # A validator converts other JSON values to the type: list what it accepts.
+        # A validator may accept other JSON types than the annotation names: list all of them.
         schemas = [part.json_schema for part in parts if isinstance(part, WithJsonSchema)]
         if schemas and schemas[0]:
             options = schemas[0].get("anyOf", schemas)

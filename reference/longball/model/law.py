@@ -203,9 +203,9 @@ def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
     """Return the size of the spin, relative to that at launch.
 
     ``ω' = -(U/L_ω) ω`` has the solution e^(-path/L_ω), with the path through the air. e^(-t/τ) is
-    the same with a path at a fixed speed. Under `nathan`, e^(-t U/L_ω) contains the present U: ω
-    has no equation of its own, but the law of motion in (r, v, t) contains it, and t is a path at 1
-    m/s.
+    the same with a path at a fixed speed. Under `nathan`, e^(-t U/L_ω) depends on the
+    present U, so ω follows no differential equation. The law of motion evaluates it from (r, v, t);
+    t is a path at 1 m/s.
     """
     if p.decay is ZERO:
         return 1.0

@@ -139,7 +139,7 @@ def park(name: str) -> Park:
     if name in known:
         return known[name]
     near = did_you_mean(name, known)
-    # A city stands for its park: Boston is Fenway Park.
+    # The name of a city selects its park: Boston is Fenway Park.
     for city in dict.fromkeys(each.city for each in parks()):
         if not near and did_you_mean(name, [city]):
             there = " or ".join(each.name for each in parks() if each.city == city)

@@ -48,8 +48,8 @@ LENGTH, TIME, TIME_COMPENSATION, CLEARANCE, FARTHEST, RANGES = range(6)
 MOST_CHAINS = 10 if binding.get_host_cpu_features().get("avx512f") else 5
 
 NO_LIMIT = 1e300  # s, of a step
-# A step that is so many times longer than one with small last terms of the speed is cut to that.
-# In scenes with usual forces none is; a derivative by a force of 0 needs it.
+# A step more than this many times longer than one with small last terms of the speed is cut to
+# that. With usual forces no step is; derivatives by a force of 0 need the shorter one.
 LONGER = 3.0
 
 
@@ -343,7 +343,6 @@ class _Step(_Expansion):
         self.expand()
         self.variables = [name for name, _ in self.outputs]
         self.positions = [name for name, rate in self.outputs if rate.kind == "variable"]
-        # A path along which spin decays is neither position nor velocity: its rate is a speed.
         velocities = [rate for _, rate in self.outputs if rate.kind == "variable"]
         length = self.choose_length(velocities)
         ranges = self.take(length)
@@ -372,8 +371,9 @@ class _Step(_Expansion):
 
         A second bound keeps the roots of sums of squares analytic. Such a sum q_0 + q_1 t + q_2 t²
         has its complex zeros near √(q_0/q_2) from a minimum, and a step stays within half of that.
-        A third one is that of the velocity for these roots, which are speeds: a path depends on
-        them, and a derivative, also where the air hardly pushes the ball.
+        A third one bounds the last term of these roots, which are speeds. Where the air hardly
+        pushes the ball, the series of the velocity nearly ends and theirs does not; the path along
+        which spin decays and derivatives by the forces depend on them.
 
         The length is NaN where no ordinary step is possible. On a vertical flight only one of the
         squares does not vanish, and the root has a corner where that falls to zero. Near rest the
@@ -400,8 +400,9 @@ class _Step(_Expansion):
         for _ in range(3):
             total = self.multiply(total, order)
         ordinary = self.builder.fcmp_ordered("<", total, self.number(math.inf))
-        # the roots: within half the distance of their singularities, and of small last terms
-        longer = self.number(1.0 if len(self.variables) > 2 * len(velocities) else LONGER)
+        # the roots: within half the distance of their singularities, and with small last terms
+        has_path = len(self.variables) > len(self.positions) + len(velocities)
+        longer = self.number(1.0 if has_path else LONGER)
         for node in self.recurrence.roots:
             apart, limit = self.distance_to_zero(node)
             ordinary = self.builder.and_(ordinary, apart)

@@ -122,7 +122,7 @@ MOVING = frozenset(("r", "dr/dt", "v", "t", "path"))
 IN_FLIGHT = MOVING | {"r0", "v0", "ω0"}
 FLYING = "rate", "law", "spin_left", "through"
 r, v = symbol("r", M, True), symbol("v", SPEED, True)
-r_dot = symbol("dr/dt", SPEED, True)  # v, by a symbol of its own: edits of it leave the law alone
+r_dot = symbol("dr/dt", SPEED, True)  # equals v; a separate symbol, so that edits spare the law
 t, path = symbol("t", S), symbol("path", M)
 r0, v0, spin0 = symbol("r0", M, True), symbol("v0", SPEED, True), symbol("ω0", RATE, True)
 
@@ -308,7 +308,7 @@ _drag, _lift = named("k·C_D·U", k * C_D * U), named("k·C_L·U", k * C_L * U_l
 
 
 def _per_turn(turned: Node) -> Node:
-    """The lift of a spinning ball as a multiple of ω × u, of which no unit vector is taken."""
+    """The lift of a spinning ball as a multiple of ω × u, without a unit vector."""
     return k * where(norm(c), _per_spin, constant(0.0, M)) * turned
 
 

@@ -134,7 +134,7 @@ def clock(
         parts = [part for part in rows if np.isfinite(followed.off[part]).any()]
         own = [states.own_times(part) for part in parts]
         rules = [_rule(told, times, dt) for times in own]
-        if len(own) > 1 and _mostly(np.abs(own[0] - own[1]) < SAME):  # of one time both
+        if len(own) > 1 and _mostly(np.abs(own[0] - own[1]) < SAME):  # one clock for both
             rules = [replace(rules[0], bits=rules[0].bits / 2)] * 2
         left = [
             states.off(part, rule.times)[0] / followed.floor[part]
@@ -158,7 +158,7 @@ def clock(
 
 
 def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
-    """The rule by which states are of other times than those told."""
+    """The rule for the times of states; without one, each state has a time of its own."""
     behind = told - own
     known = behind[np.isfinite(behind)]
     late = float(np.median(known)) if known.size else 0.0

@@ -138,8 +138,9 @@ def conclude(
     if unseen and not converted:  # new scenes refute the conversions
         mended, found, converted = data, [], unseen
     reasoned = reason(mended, chain, dt, converted)
+    # Another unit of an input may look like those of some outputs, unless one conversion explains
+    # everything.
     if found and (reasoned.unexplained or len(reasoned.steps) + len(found) > 1):
-        # Another unit of an input may look like those of some outputs.
         other = reason(data, chain, dt, unseen)
         counts = [(x.unexplained, len(x.steps) + extra) for x, extra in
                   ((other, 0), (reasoned, len(found)))]  # fmt: skip

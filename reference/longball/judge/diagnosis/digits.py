@@ -15,9 +15,9 @@ import numpy as np
 
 from longball.judge.answers import Answer
 from longball.judge.diagnosis.chain import OWN, Stage
-from longball.judge.diagnosis.evidence import CHANCE, DIGIT, is_adequate
+from longball.judge.diagnosis.evidence import CHANCE, DIGIT
 from longball.judge.diagnosis.expression import ordered
-from longball.judge.diagnosis.residual import Data, Index, follow, is_rough, take, values
+from longball.judge.diagnosis.residual import Data, Index, follow, follows, take, values
 from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
@@ -169,7 +169,7 @@ def explain_digits(
 ) -> str | None:  # fmt: skip
     """The style in which the candidate writes numbers, if it explains all errors.
 
-    So it has to in other scenes, of which `elsewhere` tells.
+    It has to explain those of other scenes, too: `elsewhere` returns whether it does.
     """
     found = styles(answers)
     _, before = follow(chain, data)
@@ -177,14 +177,12 @@ def explain_digits(
         return None
 
     def explain(some: Mapping[str, Digits]) -> bool:
-        _, after = follow(chain, with_cut(data, {q: style.cut for q, style in some.items()}))
-        checked = (one for one in after if one.checked.any())
-        return all(is_adequate(one.off / one.floor, is_rough(one.stage)) for one in checked)
+        return follows(chain, with_cut(data, {q: style.cut for q, style in some.items()}))
 
     if explain(found) and elsewhere():
         for quantity in found if len({*found.values()}) > 1 else ():
             needed = {q: style for q, style in found.items() if q != quantity}
-            if explain(needed):  # its digits explain no error
+            if explain(needed):  # the digits of the quantity explain no error
                 found = needed
         told = [quantity for quantity in OWN if np.isfinite(data.given[quantity]).any()]
         return said(found, told)

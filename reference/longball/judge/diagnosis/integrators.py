@@ -267,7 +267,7 @@ _EXPLICIT = (one for how, one in VERLET.items() if not how.iterates)
 SLIPPED = (_RK4, _MIDPOINT, _HEUN, _EULER, *_SEMI_IMPLICIT, *_EXPLICIT)
 TIMES = (0.0, 2.0, 0.5, -1.0, 1.5, 3.0)  # factors of a wrong coefficient
 # Factors of all weights: a wrong sign, or another divisor than the 6 of 1 + 2 + 2 + 1.
-DIVIDED = (-1.0, *(6 / n for n in (1, 2, 3, 4, 5, 7, 8, 9, 12, 18)))
+DIVIDED = (-1.0, *(6 / n for n in range(1, 19) if n != 6))
 
 
 @cache
@@ -340,10 +340,8 @@ def _fraction(x: float) -> str:
 
 def together(some: Sequence[Integrator], count: int) -> Integrator:
     """Integrators that are `like` each other as one, which flies `count` balls by each in turn."""
-    if len(some) == 1:
-        return some[0]
     tables = [one.step for one in some if isinstance(one.step, Table)]
-    if not tables:  # what has no table is alike only itself
+    if len(some) == 1 or not tables:  # an integrator without a table is `like` no other
         return some[0]
 
     def repeated(name: str) -> Array:

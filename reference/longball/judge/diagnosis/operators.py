@@ -586,7 +586,7 @@ def _components(site: Site) -> Iterator[Option]:
 
 
 def _states(site: Site) -> Iterator[Option]:
-    """A part that moves, frozen at the launch or acting only under a condition; or the reverse."""
+    """A value of each moment for one of the launch, or the reverse; or only under a condition."""
     a, said = site.node, words(site.node)
     if not site.flies:
         return
@@ -621,13 +621,17 @@ def _states(site: Site) -> Iterator[Option]:
     yield falling * a, cost, f"lets {said} fall with the height, by e in {{c}} m", (8000.0,)
 
 
+def _everywhere(key: str, option: str) -> str:
+    return f"takes {key} = {option} in every scene"
+
+
 def _options(site: Site) -> Iterator[Option]:
     """One option of a switch in every scene."""
     a = site.node
     if a.op == "switch":
         key, options = a.data
         for option, node in zip(options, a.args, strict=True):
-            yield node, BITS["option"], f"takes {key} = {option} in every scene", ()
+            yield node, BITS["option"], _everywhere(key, option), ()
         for (i, one), (_, other) in itertools.permutations(enumerate(options), 2):
             args = list(a.args)
             args[i] = a.args[options.index(other)]
@@ -678,9 +682,10 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     if stage.kind == "flight":
         states = v, r, v0, r0
         found |= {id(x): x for state in states for i in range(3) for x in [component(state, i)]}
-    earlier = (one.quantities for one in chain[: chain.index(stage)] if stage.kind == "formula")
-    found |= {id(OWN[q]): OWN[q] for quantities in earlier for q in quantities}
-    if stage.kind == "formula":  # its own quantity would explain whatever it is
+    if stage.kind == "formula":
+        earlier = (one.quantities for one in chain[: chain.index(stage)])
+        found |= {id(OWN[q]): OWN[q] for quantities in earlier for q in quantities}
+        # Its own quantity would explain any value of it.
         found.pop(id(OWN.get(stage.quantities[0])), None)
     known: dict[int, Node] = {}
     for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
@@ -733,17 +738,17 @@ WITHOUT_READINGS = "ignores the scene's readings"
 def edits_of_one_option(
     stage: Stage, defaults: Mapping[str, float | tuple[float, ...]], columns: Columns
 ) -> Iterator[Edit]:
-    """Edits of a program that knows one option of a reading alone, and is wrong in it.
+    """Edits of a program that has only one option of a reading, with a mistake in it.
 
-    Both are told by one edit, since neither explains much without the other. No other node takes
-    the place of one.
+    One edit has both mistakes, because neither explains much without the other. The mistake is one
+    of `OF_ITSELF`; with the nodes at hand there would be too many.
     """
     arguments = Values(columns).arguments
     for name, root in stage.roots.items():
         if name == "through":
             continue
         site = Site(root, (), (), defaults, name in FLYING)
-        # A formula with one option everywhere, what that is, and the part that is wrong.
+        # A formula with one option in all scenes, its words, and the part that is edited.
         plain = specialised(root, DEFAULT_READING, {})
         forms = [(plain, WITHOUT_READINGS, plain)] if stage.kind == "flight" else []
         for node in ordered([root], (), arguments) if stage.kind == "formula" else ():
@@ -752,7 +757,7 @@ def edits_of_one_option(
                 for option, arm in zip(options, node.args, strict=True):
                     known: dict[int, Node] = {}
                     form = specialised(root, {key: np.array([option])}, known)
-                    forms.append((form, f"takes {key} = {option} in every scene", known[id(arm)]))
+                    forms.append((form, _everywhere(key, option), known[id(arm)]))
         for form, text, part in forms:
             if form is root:
                 continue

@@ -32,7 +32,7 @@ from longball.judge.diagnosis.chain import (
     closest,
     r_dot,
 )
-from longball.judge.diagnosis.evidence import ADEQUATE
+from longball.judge.diagnosis.evidence import ADEQUATE, is_adequate
 from longball.judge.diagnosis.expression import (
     JUMPS,
     Evaluator,
@@ -76,8 +76,8 @@ class Stepping(NamedTuple):
 # estimate it. The coarse steps give the effect of nine edits in ten to better than a thousandth.
 FINE, EQUAL, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.2, 400), Stepping(0.4, 200)
 MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
-# Steps across kinks and jumps, as a program takes them that does not look for those: what they miss
-# is proportional to the step, whatever the method.
+# Steps of a program that does not look for kinks and jumps. The error of a step across one is
+# proportional to its length, whatever the method.
 UNAWARE = Stepping(0.05, 400)
 # Flights are grouped by their steps, at most 36, 36², and so on: short ones do not wait for long
 # ones.
@@ -133,7 +133,7 @@ class Data:
         The candidate's integrators by the names of stages, as far as they are known. Other stages
         are flown exactly.
     rough
-        Names of stages with an edit that has a jump or a kink; see `compared`.
+        Names of the stages to which an edit has added a jump or a kink; see `compared`.
     blind
         Scenes in which the right chain does not reproduce the true value from the true earlier
         values, by the stage's name and kind, such as balls that graze a jump of the law. They are
@@ -684,16 +684,15 @@ HUGE = 1e12  # in SI units: what exceeds it is no state of a ball
 
 @np.errstate(all="ignore")  # a wrong number may be of any size
 def compared(
-    stage: Stage, data: Data, columns: Columns, some: Index, rough: bool = False,
-    limits: Stepping = FINE,
+    stage: Stage, data: Data, columns: Columns, some: Index, limits: Stepping = FINE
 ) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
     """The residuals of a stage in some scenes, and the values that the stage predicts.
 
-    The error of the flights is found by flying them again with twice the step. If an edit has made
-    the law `rough`, with jumps or kinks, the candidate's own steps may cross those unawares.
+    The error of the flights is found by flying them again with twice the step. If an edit
+    has added a jump or a kink to the stage (`Data.rough`), the candidate's steps may cross it
+    unawares.
     """
-    own = take(columns, some)
-    rough = rough or stage.name in data.rough
+    own, rough = take(columns, some), stage.name in data.rough
     if stage.kind == "flight":
         found, again = _flown_once(stage, own, data, limits)
     else:
@@ -839,3 +838,9 @@ def follow(
             column[..., some] = np.where(silent, value, column[..., some])
             columns[name] = column
     return columns, found
+
+
+def follows(chain: Iterable[Stage], data: Data) -> bool:
+    """True if every stage follows from the candidate's earlier values, within the noise."""
+    checked = (one for one in follow(chain, data)[1] if one.checked.any())
+    return all(is_adequate(one.off / one.floor, is_rough(one.stage)) for one in checked)

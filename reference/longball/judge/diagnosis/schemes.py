@@ -272,7 +272,7 @@ class Steps:
         return None
 
     def named(self, dt: float | None, slipped: bool = True) -> Scheme | None:
-        """The cheapest scheme that makes all numbers, if one does; also with a slip, if asked."""
+        """The cheapest scheme that reproduces all numbers, if any; with slips only if `slipped`."""
         least = TRIED_BITS + (0.0 if dt else ROUND_BITS) + CHANCE
         if not self.few.size or self.null < least:  # no scheme saves more than the errors cost
             return None
@@ -321,9 +321,9 @@ class Steps:
             yield from ((one, x, False) for x, _ in rounded(abs(float(c))) if x > SHORTEST)
 
     def _holding(self, options: Sequence[Option]) -> Sequence[Option]:
-        """Options that make all numbers of the first scenes, but for those with a kink.
+        """Options that reproduce all numbers of the first scenes, except of those with a kink.
 
-        Those that leave least come first.
+        The options with the smallest residual come first.
         """
         for some in (self.few[:2], self.few):  # the shortest flights tell most of them
             if options:
@@ -461,7 +461,7 @@ def explain_push(
 
 SOME = 24  # wrong scenes with short flights, in which edits are tried first beside a scheme
 VARIANTS = 6  # edits that are tried with all schemes
-VERIFIED = 6  # schemes that make the first scenes and are flown in all
+VERIFIED = 6  # schemes that reproduce the first scenes and are then flown in all
 
 
 def with_edit(

@@ -231,8 +231,9 @@ class Explanation:
     # --- residuals --------------------------------------------------------------------------------
 
     def _compared(self, stage: Stage, some: Index, rough: bool = False) -> Followed:
+        data = replace(self.data, rough=self.data.rough.union((stage.name,) if rough else ()))
         with np.errstate(all="ignore"):
-            return compared(stage, self.data, self.columns, some, rough=rough)[0]
+            return compared(stage, data, self.columns, some)[0]
 
     def _in_floors(self, stage: Stage, some: Index, rough: bool = False) -> Array:
         return _in_floors(self._compared(stage, some, rough))
@@ -507,7 +508,7 @@ class Explanation:
         return Located(edit, (left - edit.bits) / self.null_all, near)
 
     def _share(self, r: Array) -> float:
-        """Fraction of the wrong scenes whose errors, in floors, an edit leaves within the noise."""
+        """Fraction of the wrong scenes in which a residual, in floors, is within the noise."""
         return float(np.mean(np.nan_to_num(np.abs(r[:, self.base.beyond])).max(axis=0) <= ADEQUATE))
 
     @np.errstate(all="ignore")
@@ -621,7 +622,8 @@ class Explanation:
         return self.counted[key]
 
 
-MOST = 0.5  # fraction of the wrong scenes that one of two edits explains if it is tried first
+# An edit that explains at least this fraction of the wrong scenes is taken as one of two.
+MOST = 0.5
 RIVAL = 0.2  # fraction of the initial cost that a right edit leaves in screening scenes at most
 FURTHER = 12  # groups that are computed after one that explains the screening scenes
 FITTED = 1e-8  # relative error of a free number that is fitted there

@@ -34,7 +34,7 @@ from longball.judge.diagnosis.residual import (
     data_of,
     evenly,
     follow,
-    is_rough,
+    follows,
     seen,
 )
 from longball.judge.diagnosis.schemes import explain_scheme
@@ -106,20 +106,19 @@ class Unseen:
         if self.data is None:
             return True
         (edited,) = edit.apply([stage])
-        data = replace(self.data, ways=ways)
+        rough = frozenset((stage.name,) if edit.rough else ())
+        data = replace(self.data, ways=ways, rough=rough)
         if self._followed[0] is not chain:
             self._followed = chain, follow(chain, data)[0]
         columns = self._followed[1]
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
-        f = compared(edited, data, columns, some, rough=edit.rough)[0]
+        f = compared(edited, data, columns, some)[0]
         return is_adequate(f.off / f.floor, edit.rough)
 
     @cached_property
     def follows(self) -> bool:
         """True if every stage follows there, to the digits that the candidate writes."""
-        every = [] if self.data is None else follow(self._chain, self.data)[1]
-        checked = (f for f in every if f.checked.any())
-        return all(is_adequate(f.off / f.floor, is_rough(f.stage)) for f in checked)
+        return self.data is None or follows(self._chain, self.data)
 
     def refuting(
         self, chain: tuple[Stage, ...], known: Data, located: Iterable[str], dt: float | None
@@ -141,7 +140,7 @@ class Unseen:
             f = of[stage.name, stage.kind]
             r, checked = f.off / f.floor, int(f.checked.sum())
             beyond = int((np.abs(r) > ADEQUATE).any(axis=0).sum())
-            if scheme is not None and scheme.way is None:  # which the chain cannot follow
+            if scheme is not None and scheme.way is None:  # a clock or an event: not in the chain
                 again = explain_scheme(chain, f.stage, data, columns, f, dt)
                 holds = not f.wrong.any() or (again is not None and again.adequate)
             else:
