@@ -1,14 +1,14 @@
 """Mutation testing: small faults are planted in the package, and the tests have to notice each.
 
-    python tests/mutants.py [--sample 300] [--seed 1] [--only model/bat.py] [--map FILE]
+    python tests/mutants.py [--sample 300] [--seed 1] [--only model/bat.py] [--map FILE] [--jobs 2]
 
 A mutant is one module with one operator, comparison or constant changed, in a copy of the package
 that stands before the real one on the path. A first run of the tests of `TESTS` records which test
 reaches which line, and in what time. Each mutant then runs the tests that reach its line, followed
-by those that reach its module, the quickest first, up to `LIMIT` seconds in all; one that survives
-them without a reason, up to `LONGER`. Killed: a test fails, or none ends in time. The others are
-survivors, whether another test would kill them or not. A mutant for
-which no test runs is an error, of this program or of its lists.
+by those that reach its module, the quickest first, up to `LIMITS[0]` seconds in all; one that
+survives them without a reason, up to `LIMITS[1]`. Killed: a test fails, or none ends in time. The
+others are survivors, whether another test would kill them or not. A mutant for which no test runs
+is an error, of this program or of its lists.
 
 Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
 which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
@@ -34,8 +34,9 @@ import sys
 import tempfile
 import time
 import traceback
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -50,12 +51,22 @@ PACKAGE = ROOT / "reference" / "longball"
 SPACE = ROOT / "build" / "mutants"
 TABLE = ROOT / "tests" / "mutants.csv"
 COLUMNS = ("module", "line", "where", "change", "code", "which", "reason")
-FOLDERS = ("model", "engines", "convergence")
+FOLDERS = (
+    "model",
+    "engines",
+    "convergence",
+    "home_run",
+    "golden",
+    "questions",
+    "judge/diagnosis",
+)
 TESTS = (
-    "tests/model",
-    "tests/engines",
-    "tests/convergence",
+    *(f"tests/{folder}" for folder in ("model", "engines", "convergence", "home_run", "golden")),
+    "tests/questions",
+    "tests/judge",
+    "tests/planted",
     "tests/test_properties.py",
+    "tests/test_against_oracle.py",
     "tests/analysis/test_survival.py",
 )
 # Written by a program from another module, which is mutated in its place.
@@ -73,8 +84,7 @@ CALLERS = {
     "engines/series.py": "engines/taylor.py",
     "engines/verlet_steps.py": "engines/verlet.py",
 }
-LIMIT = 60.0  # s of tests for a mutant
-LONGER = 600.0  # s
+LIMITS = (60.0, 300.0)  # s of tests for a mutant
 SLOWER = 3.0  # times as long as without a mutant: no end
 COMPILING = 30.0  # s beyond that
 # Imported once, before the processes of the mutants are forked.
@@ -233,18 +243,17 @@ class Reach:
     seconds: dict[str, float]
     lines: dict[str, dict[str, list[str]]]  # by module and line
 
-    def tests(self, mutant: Mutant, limit: float) -> list[str]:
-        """Return the tests of a mutant, in their order, up to a limit of s."""
+    def tests(self, mutant: Mutant, limit: float) -> dict[str, float]:
+        """Return the tests of a mutant and their times, in their order, up to a limit of s."""
         reached = self.lines.get(mutant.module, {})
         own = [test for line in mutant.lines for test in reached.get(str(line), ())]
         caller = self.lines.get(CALLERS.get(mutant.module, ""), {})
         near = [test for part in (reached, caller) for of in part.values() for test in of]
         ordered = (test for of in (own, near) for test in sorted(of, key=self.seconds.__getitem__))
-        chosen, total = [], 0.0
+        chosen: dict[str, float] = {}
         for test in dict.fromkeys(ordered):
-            total += self.seconds[test]
-            if total < limit or not chosen:
-                chosen.append(test)
+            if not chosen or sum(chosen.values()) + self.seconds[test] < limit:
+                chosen[test] = self.seconds[test]
         return chosen
 
 
@@ -292,9 +301,11 @@ class Recorder:
         data, lines = self.coverage.get_data(), {}
         for name in data.measured_files():
             module = Path(name).relative_to(PACKAGE).as_posix()
+            if not module.startswith(FOLDERS):
+                continue
             found = data.contexts_by_lineno(name)
             lines[module] = {
-                str(n): [t for t in tests if t and t not in self.failed]
+                str(n): [t for t in tests if t in self.seconds and t not in self.failed]
                 for n, tests in found.items()
             }
         return Reach(self.seconds, lines)
@@ -318,36 +329,76 @@ def _processor_time() -> float:
     return times.user + times.system + times.children_user + times.children_system
 
 
-def record(file: Path) -> Reach:
+def record(file: Path, jobs: int) -> Reach:
     """Record the lines that the tests reach in a file, and return them."""
-
-    def recorded() -> int:
-        recorder = Recorder()
-        _pytest(TESTS, recorder)
-        file.write_text(json.dumps(vars(recorder.reach())), encoding="utf-8")
-        for test in recorder.failed:
-            print(f"fails without a mutant, and is left out: {test}")
-        return 0
-
-    if not file.exists() and _forked(recorded, None) != 0:
-        sys.exit(f"no test was run; see {SPACE / 'output'}")
+    if not file.exists():
+        modules = [
+            test.relative_to(ROOT).as_posix()
+            for name in TESTS
+            for test in sorted((ROOT / name).rglob("test_*.py")) or [ROOT / name]
+        ]
+        seconds: dict[str, float] = {}
+        lines: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+        with ThreadPoolExecutor(jobs) as pool:
+            for reach in pool.map(_recorded, modules):
+                seconds |= reach.seconds
+                for module, reached in reach.lines.items():
+                    for line, tests in reached.items():
+                        lines[module][line] += tests
+        if not seconds:
+            sys.exit(f"no test was run; see {SPACE}/output-*")
+        file.write_text(json.dumps({"seconds": seconds, "lines": lines}), encoding="utf-8")
     return Reach(**json.loads(file.read_text(encoding="utf-8")))
+
+
+def _recorded(tests: str) -> Reach:
+    """Return what the tests of one module reach."""
+    with tempfile.NamedTemporaryFile(dir=SPACE) as file:
+
+        def run() -> int:
+            recorder = Recorder()
+            _pytest((tests,), recorder)
+            found = {"reach": vars(recorder.reach()), "failed": recorder.failed}
+            Path(file.name).write_text(json.dumps(found), encoding="utf-8")
+            return 0
+
+        _forked(run)
+        found = json.loads(Path(file.name).read_text(encoding="utf-8"))
+    for test in found["failed"]:
+        print(f"fails without a mutant, and is left out: {test}", flush=True)
+    return Reach(**found["reach"])
+
+
+@dataclass(frozen=True)
+class Task:
+    """A mutant and the tests to run on it: if it survives some, those after them."""
+
+    mutant: Mutant
+    tests: tuple[dict[str, float], ...]
 
 
 def require_tests(tried: Iterable[Mutant], reach: Reach) -> None:
     """End the program if no test reaches the module of a mutant."""
-    if alone := {mutant.module for mutant in tried if not reach.tests(mutant, LIMIT)}:
+    if alone := {mutant.module for mutant in tried if not reach.tests(mutant, LIMITS[0])}:
         sys.exit(f"no test of {', '.join(TESTS)} reaches {', '.join(sorted(alone))}")
 
 
-def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
-    """Run the tests on a mutant, and return its fate.
+def _tried(task: Task) -> tuple[Mutant, str, float]:
+    """Return a mutant, its fate, and how long that took, s."""
+    start, word = time.monotonic(), "SURVIVED"
+    for tests in task.tests:
+        if word == "SURVIVED":
+            word = fate(task.mutant, tests)
+    return task.mutant, word, time.monotonic() - start
+
+
+def fate(mutant: Mutant, tests: dict[str, float]) -> str:
+    """Run tests on a mutant, and return its fate.
 
     ``killed``, ``no end`` or ``SURVIVED``; ``NO TEST`` if none ran.
     """
-    tests = reach.tests(mutant, limit)
+    seconds = COMPILING + SLOWER * sum(tests.values())
     files = dict.fromkeys(test.partition("::")[0] for test in tests)
-    seconds = COMPILING + SLOWER * sum(reach.seconds[test] for test in tests)
     with tempfile.TemporaryDirectory(dir=SPACE) as folder:
         shutil.copytree(PACKAGE, Path(folder) / "longball", copy_function=os.link)
         # Code that does not depend on the mutated module need not be compiled again; what a mutant
@@ -362,7 +413,7 @@ def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
             os.environ["NUMBA_CACHE_DIR"] = str(kept)
             sys.path.insert(0, folder)
             os.environ["PYTHONPATH"] = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
-            return _pytest(("-x", *files), Chosen(tests))
+            return _pytest(("-x", *files), Chosen(list(tests)))
 
         status = _forked(run, seconds)
     return _FATES.get(status, "killed")
@@ -371,7 +422,7 @@ def fate(mutant: Mutant, reach: Reach, limit: float) -> str:
 def _pytest(files: tuple[str, ...], plugin: object) -> int:
     options = [f"-pno:{name}" for name in ("cacheprovider", "faulthandler", "xdist", "cov")]
     # Hypothesis is warm.
-    options += ["--nightly", "-q", "--tb=short", "-Wignore::pytest.PytestAssertRewriteWarning"]
+    options += ["-q", "--tb=short", "-Wignore::pytest.PytestAssertRewriteWarning"]
     return int(pytest.main([*options, *files], plugins=[plugin]))
 
 
@@ -384,24 +435,37 @@ _FATES = {
 }
 
 
-def _forked(run: Callable[[], int], seconds: float | None) -> int:
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Write what is printed to a file."""
+    kept = [os.dup(number) for number in (1, 2)]
+    with (SPACE / f"output-{os.getpid()}").open("w", encoding="utf-8") as output:
+        for number in (1, 2):
+            os.dup2(output.fileno(), number)
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            for number, before in zip((1, 2), kept, strict=True):
+                os.dup2(before, number)
+                os.close(before)
+
+
+def _forked(run: Callable[[], int], seconds: float = math.inf) -> int:
     """Return the exit status of a process of its own; `_NO_END` if it takes more seconds."""
     process = os.fork()
     if process == 0:
-        if seconds is not None:
-            # Of the processor, so that a busy machine ends none too early.
-            resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), resource.RLIM_INFINITY))
-        with (SPACE / "output").open("w", encoding="utf-8") as output:
-            os.dup2(output.fileno(), 1)
-            os.dup2(output.fileno(), 2)
-            status = 1
+        # Of the processor, so that a busy machine ends none too early.
+        limit = math.ceil(seconds) if math.isfinite(seconds) else resource.RLIM_INFINITY
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+        status = 1
+        with _quiet():
             try:
                 status = run()
             except BaseException:
                 traceback.print_exc()
-            sys.stdout.flush()
-            sys.stderr.flush()
-            os._exit(status)
+        os._exit(status)
     _, status = os.waitpid(process, 0)
     return os.waitstatus_to_exitcode(status)
 
@@ -443,6 +507,7 @@ def main() -> None:
         "--map", type=Path, help="what the tests reach: read from a file, or written to it"
     )
     parser.add_argument("--again", action="store_true", help="only survivors without a reason")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
     options = parser.parse_args()
     os.chdir(ROOT)
     (SPACE / "compiled").mkdir(parents=True, exist_ok=True)
@@ -462,21 +527,22 @@ def main() -> None:
     fresh = SPACE / "map.json"
     if options.map is None:
         fresh.unlink(missing_ok=True)
-    reach = record(options.map or fresh)
+    reach = record(options.map or fresh, options.jobs)
     require_tests(asked[: options.sample], reach)
+    tasks = (
+        Task(m, tuple(reach.tests(m, limit) for limit in LIMITS[: 1 if reasons.get(m.key) else 2]))
+        for m in asked[: options.sample]
+    )
     tried, survivors, untested = [], [], 0
-    with contextlib.suppress(KeyboardInterrupt):
-        for mutant in asked[: options.sample]:
-            start = time.monotonic()
-            word = fate(mutant, reach, LIMIT)
-            if word == "SURVIVED" and not reasons.get(mutant.key):
-                word = fate(mutant, reach, LONGER)
+    with ThreadPoolExecutor(options.jobs) as pool, contextlib.suppress(KeyboardInterrupt):
+        for done in as_completed([pool.submit(_tried, task) for task in tasks]):
+            mutant, word, seconds = done.result()
             if word == "NO TEST":
                 untested += 1
             else:
                 tried.append(mutant)
             survivors += [mutant] if word == "SURVIVED" else []
-            print(f"{word:8} {time.monotonic() - start:5.1f} s  {mutant}", flush=True)
+            print(f"{word:8} {seconds:5.1f} s  {mutant}", flush=True)
     write(every, survivors, tried)
     equivalent = sum(bool(reasons.get(mutant.key)) for mutant in survivors)
     killed, count = len(tried) - len(survivors), len(tried) - equivalent

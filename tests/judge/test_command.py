@@ -237,6 +237,14 @@ def test_the_first_command_says_what_is_left(called, tmp_path: Path):
     assert "are right; not tested: defaults, hard, impact-oblique, fence," in lines[-1]
 
 
+def test_nothing_is_claimed_of_answers_that_hold_nothing(called):
+    """Of a program that prints the scenes that it reads, by each of the ways to count."""
+    said = called("judge", "--golden", "pitch", "--", "cat").stdout
+    assert "failed because: the answers hold nothing that could be judged" in said
+    assert "ball is no key of a result, but one of a scene" in said
+    assert not {"right;", "further:", "left out:"} & {*said.split()}
+
+
 @pytest.mark.nightly
 def test_other_readings_and_rows_are_shown_if_asked_for(called, tmp_path: Path):
     default = [case for case in load("at-bat") if "reading" not in case.flags]

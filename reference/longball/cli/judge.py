@@ -151,7 +151,7 @@ def further_options(
 
     # What a first-time author may try next: the last digits, and the other families.
     sentences = []
-    judged = [c for c in evaluation.comparisons if c.judged and c.answer and not c.refused]
+    judged = [c for c in evaluation.comparisons if c.counted]
     if judged and isinstance(rule, Converged):
         right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
         sentences.append(f"at --profile exact, {right} of {len(judged)} are right")

@@ -30,6 +30,7 @@ from longball.model.csv_files import not_utf8, other_separators, unguarded
 from longball.model.plain import plain
 from longball.model.quantities import nested
 from longball.model.result import Outcome, Result
+from longball.model.scene import KINDS
 
 CHUNK = 1 << 16  # bytes read or written at a time
 LONGEST_LINE = 1 << 24  # bytes: a path of 100,000 points with velocities takes fourteen million
@@ -222,7 +223,8 @@ class Collector:
     def _report_key(self, number: int, key: str, known: Iterable[str], told: str = "{}") -> None:
         if key not in self._unknown and len(self._unknown) < KEPT:
             self._unknown.add(key)
-            near = _nearest(key, known)
+            # A candidate may print the scene that it reads.
+            near = ", but one of a scene" if key in _ASKED else _nearest(key, known)
             sentence = f"{told.format(quoted(key))} is no key of a result{near}"
             self.report("unknown key", sentence, number)
 
@@ -233,6 +235,7 @@ def _is_cut(text: str, error: json.JSONDecodeError) -> bool:
 
 
 _TOP = {*Result.model_fields, "path"}
+_ASKED = {key for kind in KINDS.values() for key in kind.model_fields} - _TOP
 
 
 def _decimal(text: str) -> Decimal:

@@ -95,6 +95,11 @@ class Comparison:
         return self.judged and self.passed and not held
 
     @property
+    def counted(self) -> bool:
+        """True if it says whether the candidate is right: there is something that is judged."""
+        return self.judged and self.answer is not None and not (self.refused or self.empty)
+
+    @property
     def complete(self) -> bool:
         """True if there is an answer with all quantities of the truth."""
         return self.answer is not None and not self.refused and not self.lacking
@@ -347,7 +352,7 @@ def verdict(
     `truth` names the source of the true results, and `profile` the accuracy that is asked for. If
     `partial`, scenes and quantities may be left out.
     """
-    judged = [c for c in comparisons if c.judged and c.answer and not (c.refused or c.empty)]
+    judged = [c for c in comparisons if c.counted]
     failures = sorted((_failure(c) for c in judged if not c.passed), key=lambda f: -f.excess)
     errors = [(c.case.id, c.answer.error) for c in comparisons if c.judged and c.answer]
     refused = [Unsolved(id=name, reason=error) for name, error in errors if error is not None]
@@ -371,7 +376,7 @@ def verdict(
     whole = [c for c in comparisons if c.judged]
     complete = sum(c.complete for c in whole)
     status: Literal["PASSED", "PARTIAL", "FAILED"] = "FAILED" if reasons else "PASSED"
-    if complete < len(whole) and not partial:
+    if judged and complete < len(whole) and not partial:
         kinds = {c.case.scene.kind for c in whole} - {
             c.case.scene.kind for c in whole if c.complete
         }
