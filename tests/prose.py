@@ -16,7 +16,10 @@ from longball.cli.options import ARGUMENTS, OPTIONS
 
 ROOT = Path(__file__).parent.parent
 FOLDERS = ("reference", "analysis", "tests")
+PAGES = ("*.md", "docs/*.md", "tests/**/*.md", "analysis/templates/**/*.md")
 CLAUSE = re.compile(r"((Return|Tell|Say) )?(what|who|how|whether)\b", re.IGNORECASE)
+# Code has words of its own: fences, and what a template computes.
+CODE = r"^```.*?^```|\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}"
 # Phrases that outside readers of the pages stumbled over, and words in their place.
 PHRASES = {
     r"\bsome (?=\d|fifty|ten |minutes|seconds|per cent)": "about",
@@ -24,6 +27,11 @@ PHRASES = {
     r"\bof (your own|yours)\b": "your",
     r"\b(un)?notices?d?\b": "detect",
     r"\btells? (from|apart|whether|how|which|what)\b|\btold (from|apart)\b": "distinguish",
+    r"\btells? (this|it|them) from\b": "distinguish",
+    r"\bhangs? (on|together)\b": "depends on",
+    r"\bheld against\b": "compared with",
+    r"\bon the average\b": "on average",
+    r"\bof (its|their) own\b": "its",
     r"\bbears? (a|the)\b": "has",
     r"\bone after (an|the )other\b": "in turn",
     r"\bis asked (about|for)\b|\basks it\b": "warns, requires",
@@ -51,11 +59,10 @@ def stumbles(text: str) -> Iterator[tuple[int, str]]:
 
 
 def pages() -> Iterator[tuple[str, str]]:
-    """Yield the name and the text of all pages, and of the options' help."""
-    for page in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(ROOT.glob("docs/*.md"))):
-        # Code has words of its own.
+    """Yield the name and the text of all pages and templates, and of the options' help."""
+    for page in sorted(page for pattern in PAGES for page in ROOT.glob(pattern)):
         text = page.read_text(encoding="utf-8")
-        yield str(page.relative_to(ROOT)), re.sub(r"^```.*?^```", blank, text, flags=re.S | re.M)
+        yield str(page.relative_to(ROOT)), re.sub(CODE, blank, text, flags=re.S | re.M)
     for table in (ARGUMENTS, OPTIONS):
         for name, row in table.items():
             form = row() if callable(row) else row
@@ -64,7 +71,7 @@ def pages() -> Iterator[tuple[str, str]]:
 
 
 def blank(code: re.Match[str]) -> str:
-    """Return the empty lines that a fence becomes, so that numbers of lines stay."""
+    """Return the line breaks of code, so that numbers of lines stay."""
     return "\n" * code[0].count("\n")
 
 
