@@ -1,4 +1,4 @@
-"""Holding another implementation against the truth, and telling its author what is wrong.
+"""Comparison of another implementation with the truth, and diagnosis of its mistakes.
 
 In another project's tests: `cases` and `assert_case`. In a notebook: `judge`. From the command
 line: ``longball judge``.
@@ -39,7 +39,7 @@ def judge(
     dt: float | None = None,
     folder: Path | None = None,
 ) -> Verdict:
-    """Compare an implementation with the golden data, and tell what is wrong with it.
+    """Compare an implementation with the golden data, and diagnose its mistakes.
 
     Parameters
     ----------

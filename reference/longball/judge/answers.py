@@ -36,7 +36,9 @@ CHUNK = 1 << 16  # bytes read or written at a time
 LONGEST_LINE = 1 << 24  # bytes: a path of 100,000 points with velocities takes fourteen million
 MOST_POINTS = 100_000
 
-KEPT = 20  # issues of one kind beyond this many are counted, not kept
+# A program that is wrong is wrong in every line: issues of one kind beyond this many are counted,
+# and not kept.
+KEPT = 20
 
 Kind = Literal[
     "rubbish",  # a line that is no result
@@ -45,7 +47,7 @@ Kind = Literal[
     "not a number",  # a quantity that is NaN, infinite, or of the wrong type
     "outcome",  # an outcome that the contract does not know
     "path",  # points that are no path
-    "unknown key",  # a key that the contract does not know: told, and no fault by itself
+    "unknown key",  # a key that the contract does not know: reported, and no fault by itself
     "process",  # how the candidate ran
 ]
 
@@ -73,7 +75,7 @@ class Answer:
     error: str | None = None
     # Points ``t, x, y, z`` or ``t, x, y, z, vx, vy, vz``, a row each; None if none are given.
     path: Array | None = None
-    # What is told and not measured, by name: ``landing.fair``, ``impact.mode``.
+    # Flags, texts and counts by name, such as ``landing.fair`` and ``impact.mode``.
     told: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -109,16 +111,16 @@ class Collector:
             self.issues.append(Issue(kind=kind, sentence=sentence, line=line))
 
     def take_line(self, number: int, line: bytes | None) -> bool:
-        """Take a line, None if it is too long; tell whether it answers a scene that had no answer.
+        """Take a line, or None for one that is too long; lines are numbered from 1.
 
-        It is numbered from 1.
+        Return True if it answers a scene that had no answer.
         """
         if line is None:
             self.report("rubbish", f"longer than {LONGEST_LINE} bytes", number)
         if not (line and line.strip()):
             return False
         try:
-            text = line.decode("utf-8-sig")
+            text = line.decode("utf-8-sig")  # some programs begin with a byte-order mark
             if not self._table:
                 return self._take(number, json.loads(text, **_NUMBERS))
             cells = _cells(text)
@@ -144,7 +146,7 @@ class Collector:
         return False
 
     def begin_table(self, header: Sequence[str]) -> None:
-        """Take what the columns of a table hold; note those that no result has."""
+        """Take the header of a table; report columns that no result has."""
         self._header = header
         for name in header:
             if name not in COLUMNS:
@@ -181,10 +183,11 @@ class Collector:
         for key in data:
             if key not in _TOP:
                 self._report_key(number, key, _TOP)
+        # A block that cannot be read costs its own quantities alone: the rest is judged.
         values: dict[str, Value] = {}
         told: dict[str, object] = {}
         unreadable = set()
-        parts = {"": data}  # blocks, and blocks within them
+        parts = {"": data}  # blocks, and blocks within them such as plate.approach
         for part, model in PARTS.items():
             outer, _, inner = part.rpartition(".")
             held = parts[outer].get(inner)
@@ -245,6 +248,7 @@ def _decimal(text: str) -> Decimal:
         return Decimal("NaN")
 
 
+# Numbers are read as they are written: a float would round them, and show digits nobody wrote.
 _NUMBERS: dict[str, Any] = dict.fromkeys(("parse_float", "parse_int", "parse_constant"), _decimal)
 
 
@@ -256,7 +260,10 @@ def _nearest(name: str, known: Iterable[str]) -> str:
 
 
 def quoted(what: Any, longest: int = 60) -> str:
-    """Return untrusted text with its control characters escaped, cut to a length."""
+    """Return untrusted text with its control characters escaped, cut to a length.
+
+    A terminal obeys escape sequences, and a line break would forge a line of the verdict.
+    """
     if isinstance(what, Decimal):
         what = str(what)
     elif isinstance(what, dict | list):
@@ -322,6 +329,8 @@ def _points(given: Any) -> Array:
 
 def _ordinary(x: Decimal) -> bool:
     """True if a number is finite, and small enough for its error to be a double."""
+    # Decimals may have exponents of nine digits: an exact difference of such numbers fills the
+    # memory.
     return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
 
 
@@ -333,7 +342,7 @@ def split_lines(
 ) -> Iterator[tuple[int, bytes | None]]:
     """Yield lines and their numbers, from 1; None for one that is too long.
 
-    No more is held than a line that is not.
+    The memory needed is that of the longest line allowed, whatever comes.
     """
     number, held, overflowed = 1, bytearray(), False
     for chunk in chunks:
@@ -382,7 +391,7 @@ def read_results(
     return collector
 
 
-# What is told and not measured.
+# Flags, texts and counts of a result: reported, not measured.
 FACTS = [
     name
     for part, model in PARTS.items()
@@ -429,7 +438,9 @@ def _nested(cells: Iterable[tuple[str, str]]) -> dict[str, Any]:
     for name, cell in cells:
         if not cell or name not in COLUMNS:
             continue
-        if "[" in name:  # its vector has components that may be left out
+        # A component of a vector: the others are None until they come, and make it unreadable if
+        # they do not.
+        if "[" in name:
             values = dict.fromkeys(QUANTITIES[name.partition("[")[0]].names) | values
         read = unguarded if name in _TEXTS else _fact if name in FACTS else _decimal
         values[name] = read(cell)

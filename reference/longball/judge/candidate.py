@@ -75,9 +75,11 @@ def run(
 
 
 class _Session:
-    """A candidate's process, and what passes between it and us."""
+    """A candidate's process, and the three pipes to it."""
 
-    # A single thread waits for whichever of the three pipes is ready: neither side can block.
+    # A single thread waits for whichever of the pipes is ready. Writing all scenes first would
+    # block both sides: a candidate that answers as it reads fills its output while we fill its
+    # input.
 
     def __init__(
         self,
@@ -96,12 +98,12 @@ class _Session:
         self.unsent = as_csv(scenes) if table else lines
         self.sending = next(self.unsent, b"")
         self.input_closed = False
-        self.read = b""  # of its output, and not yet looked at
-        self.received = 0
+        self.read = b""  # the last piece of its output, not yet split into lines
+        self.received = 0  # bytes of its output so far
         self.errors = b""
         self.status: int | None = None
         self.stopped = False
-        self.mark = uuid.uuid4().hex
+        self.mark = uuid.uuid4().hex  # finds what it leaves behind: see `kill_marked`
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             bufsize=0, start_new_session=True, env=os.environ | {MARK: self.mark},
@@ -128,6 +130,7 @@ class _Session:
                 self._stop(f"it wrote more than {MOST_FAULTS} lines that are no answers")
 
     def _output(self) -> Iterator[bytes]:
+        # `latest` is the time of the last new answer: output that is no answer does not buy time.
         limits = self.limits
         while not self.stopped and not self.stdout.closed:
             now = time.monotonic()
@@ -140,6 +143,7 @@ class _Session:
                 yield self.read
                 self.read = b""
             elif (status := self.process.poll()) is not None:
+                # The pipe stays open as long as any process holds it, such as a daemon it started.
                 self.stopped = True
                 held = f"held its output open, without an answer for {limits.scene_seconds:g} s"
                 self._report(f"{_end(status)}, but a process that it had started {held}")
@@ -169,11 +173,13 @@ class _Session:
         elif self._missing() and self.status >= 0:
             early = " before it had read all scenes" if self.input_closed else ""
             self._report(f"{_end(self.status)}{early}")
+        # All is answered: a signal is a fault, and a status other than 0, unless it says that some
+        # scenes are refused.
         elif self.status and not (self.status == REFUSED and self._refused()):
             self._report(_end(self.status))
 
     def clear(self) -> None:
-        """Leave nothing of the candidate behind: its group, and what has left the group."""
+        """End the candidate's process group, and processes that have left the group."""
         with suppress(ProcessLookupError, PermissionError):  # all gone; macOS: not yet reaped
             os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
@@ -197,7 +203,7 @@ class _Session:
                 self.sending = self.sending[sent:] or next(self.unsent, b"")
         except BlockingIOError:
             return
-        except BrokenPipeError:
+        except BrokenPipeError:  # it needs no more scenes, or has ended
             self.input_closed = True
         self._close(self.stdin)
 

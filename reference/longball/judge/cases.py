@@ -26,14 +26,15 @@ from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import FlightScene, Scene, landing_height
 
-# Of a value whose sensitivity is not known: a thousand half ulps. A landing distance amplifies
-# an error of the bat's height a thousand times, and hardly any at-bat amplifies more.
+# Relative error that doubles cannot avoid in a value whose sensitivity is not known: a thousand
+# half ulps. A landing distance amplifies an error of the bat's height a thousand times, and hardly
+# any at-bat amplifies more.
 UNKNOWN_SENSITIVITY = 1e3 * 2.0**-53
 
 
 @dataclass(frozen=True)
 class Known:
-    """The case of a result that is taken for true, and a sensitivity of `UNKNOWN_SENSITIVITY`."""
+    """A scene with a result that is taken for true; its sensitivity is `UNKNOWN_SENSITIVITY`."""
 
     scene: Scene
     expected: Result
@@ -59,20 +60,20 @@ def solved(scenes: Iterable[Scene], engine: Engine, family: str | None = None) -
 
 
 def attainable(case: Case, quantity: str) -> float:
-    """Return the error that double precision cannot avoid; of a vector, its length.
-
-    Of a landing at (0, 0, 0) that is the rounding of the height that the ball falls from.
-    """
+    """Return the error that double precision cannot avoid; of a vector, its length."""
     error = math.hypot(*map(case.attainable, QUANTITIES[quantity].names))
+    # A ball that falls straight down on (0, 0, 0) has a relative error of nothing; its height at
+    # the launch is rounded all the same.
     if error == 0.0 and quantity == "landing.position" and isinstance(case.scene, FlightScene):
         return 2.0**-53 * abs(case.scene.launch.position[2])
     return error
 
 
 def asked(cases: Iterable[Case], readings: bool = False, hard: bool = True) -> list[Case]:
-    """Return the cases that a program is asked: of other readings and hard ones only if wished.
+    """Return the cases that a program is asked.
 
-    Hard are those of the family of that name: grazes, ties, extreme numbers.
+    Those of other readings are among them if `readings`, and those of the family `hard` (grazes,
+    ties, extreme numbers) if `hard`.
     """
     return [
         case
@@ -82,15 +83,16 @@ def asked(cases: Iterable[Case], readings: bool = False, hard: bool = True) -> l
 
 
 HARD = "hard"
-# Flags of the golden data (header.json): of an outcome that a few ulps of an input decide, so that
-# another one need not be wrong; of a ball that meets the ground or a fence at a small angle.
+# Flags of the golden data (header.json). FRAGILE: a few ulps of an input decide the outcome, so
+# that another one need not be wrong. TANGENTIAL: the ball meets the ground or a fence at a small
+# angle.
 FRAGILE, TANGENTIAL = "fragile", "tangential"
-VERTEX = "vertex"  # the flag of a ball that passes a corner of the fence closely
-MOST_PIECES = 1000  # pieces of a flight that are looked at: a loop has some six
+VERTEX = "vertex"  # the ball passes a corner of the fence closely
+MOST_PIECES = 1000  # segments of a flight that are searched: a loop has about six
 
 
 def decidable(case: Case) -> bool:
-    """True if there is a truth that double precision can tell."""
+    """True if there is a truth that double precision can decide."""
     return case.expected.outcome is not None and all(
         math.isfinite(attainable(case, quantity)) for quantity in values_of(case.expected)
     )
@@ -113,7 +115,7 @@ def _touches_within_errors(scene: FlightScene) -> bool:
             for t in heights.turns(0.0, piece.length):
                 if abs(heights(t)) <= SLACK * 2.0**-53 * (way + t * math.hypot(state.u, state.w)):
                     return True
-            if heights(piece.length) < 0:
+            if heights(piece.length) < 0:  # the ball is down, wherever it has turned before
                 return False
             way += piece.length * math.hypot(state.u, state.w)
     except Undecided:  # such as whether the height is reached above which the wind blows
@@ -131,10 +133,10 @@ def _passes_corner_within_errors(scene: FlightScene) -> bool:
     return bool(found.place.to_break <= error * abs(found.s))
 
 
-# Two digits less than attainable. The attainable error is that of inputs off by half an ulp; what
-# a careful implementation adds is the rounding of its own tens to hundreds of steps, each subject
-# to the same sensitivities. Of 69 golden cases of all families the ivp engine, at 1e-13, needs 30
-# in most and 88 at the worst, save for a ball that almost comes to rest, where it does lose digits.
+# The profile `exact` allows two digits less than attainable. The attainable error is that of inputs
+# off by half an ulp; a careful implementation adds the rounding of its own tens to hundreds of
+# steps, each subject to the same sensitivities. In 69 golden cases of all families the ivp engine,
+# at 1e-13, needs 30 in most and 88 at the worst, except for a ball that almost comes to rest.
 SLACK = 100.0
 
 # Between what the rounding of a hundred steps can do, amplified by bat and ball a thousand times

@@ -66,7 +66,7 @@ Bools = NDArray[np.bool_]
 # An edit is noticed where it moves a number by so many times the error that doubles cannot avoid:
 # ten times what the judge lets pass.
 NOTICED = 1e3
-# Of a number, or of 1 in its unit: what rounding leaves in the difference of two formulas.
+# Relative to a number, or to 1 in its unit: rounding in the difference of two formulas.
 SEEN = ROUNDING
 
 
@@ -74,7 +74,7 @@ SEEN = ROUNDING
 NO_STEP = "no scene takes this step"
 NO_NUMBER = "it takes what no scene has there, or divides by 0"
 THE_SAME = "it comes to the same numbers"
-TOO_SMALL = "it moves numbers by less than is noticed"
+TOO_SMALL = "it moves numbers by too little"
 REASONS = NO_STEP, NO_NUMBER, THE_SAME, TOO_SMALL
 
 
@@ -182,6 +182,8 @@ def _beside() -> Iterator[Edit]:
     yield from _other_defaults()
     above_ground = substitute(rise, component(r, 2), component(r, 2) - I["ground"])
     yield Edit(rise, above_ground, 0.0, "counts the heights of a wind profile from the ground")
+    # A program that tests the size of the spin, not its key, gives a ball of spin 0 the paper's
+    # lift.
     (lift,) = (n for n in ordered([LAW]) if n.op == "switch" and n.data[0] == "spin")
     paper, _ = lift.args
     yield Edit(lift, where(norm(spin0), lift, paper), 0.0, "lifts a ball of spin 0 as one without")
@@ -229,6 +231,7 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     some = np.flatnonzero(here & np.isfinite(first).all(axis=0))
     if not len(some):
         return None
+    # What passes unnoticed of each number: infinitely much where a result does not have it.
     rows = []
     for quantity in stage.quantities:
         # The ball that meets the bat is not reported: its spin is that of an impact without
@@ -243,6 +246,8 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     own["spin"] = own[stage.spins]
     flies = stage.kind == "flight"
     at = Values(own)
+    # The end of a flight moves as that of a ball without forces: right to a factor, see `NODES`.
+    # The law of a part of a flight is that of the whole, which notices its edits.
     effects = Response(stage, at, sensitivity=free, nodes=NODES) if flies else Direct(stage, at)
     passed = {"through", "law"} if stage.name in PARTS else {"through"}
     nodes = {
@@ -275,6 +280,7 @@ def _why(moved: Array, allowed: Array) -> str:
 
 def _hash(moved: Array) -> int:
     """Key that is equal for numbers that agree to three digits."""
+    # Of the 23 bits of a float32's mantissa the upper ten are kept, rounded.
     bits = moved.astype(np.float32).view(np.int32)
     return hash((((bits + 0x1000) >> 13) * (moved != 0)).tobytes())
 
@@ -332,6 +338,8 @@ def coverage(
     unnoticed: list[tuple[Edit | Replaced, str, str]] = []
     nowhere = Values(columns)
     for done, (first, edit) in enumerate(every_edit(every), 1):
+        # An edit of a definition may be made at several stages: any of them may notice it. The key
+        # is made of what it does to all.
         touched = [i for i, one in stages.items() if one.has(edit)]
         edit = _settled(edit, stages[touched[0]].effects.at if touched else nowhere)
         noticed, key, why = np.zeros(len(cases), dtype=bool), 0, NO_STEP
@@ -363,7 +371,7 @@ def coverage(
 
 
 def _with_contact(stage: Stage, columns: Mapping[str, Any], data: Data) -> dict[str, Any]:
-    """Columns with velocity and spin at the contact, which results do not tell."""
+    """Columns with velocity and spin at the contact, which no result contains."""
     some = np.flatnonzero(
         (columns["kind"] == "at-bat") & np.isfinite(data.expected["contact.time"])
     )

@@ -32,10 +32,10 @@ Ask = Callable[[Sequence[Scene]], Mapping[str, Answer]]
 
 AGAIN = 12  # scenes that are run twice
 
-# How the sentence begins that stands for a diagnosis which failed.
+# The beginning of the sentence in place of a diagnosis that failed.
 DEFECT = "the search for causes ended with an error of its own"
 
-# Of no use to a diagnosis: a double cannot hold the product of three such numbers.
+# Larger numbers are of no use to a diagnosis: a double cannot hold the product of three of them.
 BEYOND = Decimal("1e100")
 
 
@@ -65,7 +65,7 @@ class Judge:
     profile: Profile  # the accuracy required
     truth: str = "golden data"  # where the cases are from, for the report
     partial: bool = False  # whether scenes and quantities may be left out
-    # Whether it is asked where errors come from, and some scenes are run twice.
+    # True to search for causes, and to run some scenes twice.
     diagnose: bool = True
     # s, the candidate's time step, for the diagnosis; None if it is not known.
     dt: float | None = None
@@ -110,11 +110,14 @@ class Judge:
         return self.evaluate(submission, ask if well else None, start)
 
     def _again(self, ask: Ask, answers: Mapping[str, Answer]) -> list[str]:
-        """Run some scenes again, backwards; say whether the answers are the same."""
-        # They may differ by what passes, as sums by several threads do.
+        """Run some scenes again, backwards, and return what is wrong if the answers differ.
+
+        Differences within the tolerance are allowed: sums by several threads have them.
+        """
         known = [case for case in self.cases if case.id in answers and decidable(case)]
-        # No heading tells the axis of a lift straight up: there one that is kept shows, if it runs
-        # after another flight.
+        # A ball that flies straight up has no heading, from which the axis of its lift would
+        # follow. A program that keeps the axis of the scene before answers otherwise after another
+        # scene.
         upright = [case for case in known if _is_upright(case.scene)][:1]
         some = [*upright, *known[:: max(1, len(known) // AGAIN)][:AGAIN]]
         chosen = [*{case.id: case for case in some}.values()][::-1]

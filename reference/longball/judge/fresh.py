@@ -1,6 +1,6 @@
 """Scenes that are in no set: drawn anew, or with the constants that programs have built in.
 
-They are solved and proven on the spot: a candidate is judged by what nobody has seen before.
+Their results are computed and proven when they are drawn: no program can know them by heart.
 """
 
 from __future__ import annotations
@@ -76,7 +76,9 @@ def random_scenes(count: int, seed: int, kinds: Sequence[str] = DRAWN) -> Iterat
         yield written_out(scene)
 
 
-# Of the kinds, and of each number: from and to. The order is that of the draws.
+# Limits of each number, by the kinds of scenes that draw it. The order is that of the draws: a
+# change of it changes the scenes of every seed. Plain baseball at every value, so that most pitches
+# reach the plate and most balls land.
 _RANGES: tuple[tuple[tuple[str, ...], dict[str, tuple[float, float]]], ...] = (
     (("flight", "pitch", "impact", "at-bat"), {
         "ball.mass": (0.14, 0.15), "ball.radius": (0.036, 0.038), "ball.restitution": (0.4, 0.5),
@@ -144,6 +146,8 @@ def moved(scenes: Sequence[Scene], seed: int) -> Iterator[Scene]:
     for number, scene in enumerate(scenes):
         before = json.loads(scene.line())
         after: dict[str, Any] = shifted(before) | {"id": f"moved-{seed}-{number:04}"}
+        # An impact begins where ball and bat touch: both radii and the distance from the bat's axis
+        # change by one factor.
         if incoming := before.get("incoming"):
             q = draw.uniform(0.9, 1.1)
             after["ball"]["radius"] = q * before["ball"]["radius"]

@@ -15,10 +15,9 @@ MOST = 10  # annotations of a step that GitHub shows
 
 
 def annotated(verdict: Verdict, text: str) -> str:
-    """Return workflow commands: what is wrong as annotations, and a text of it in a group.
-
-    The text may hold words of the program: no command of it is heard.
-    """
+    """Return workflow commands: what is wrong as annotations, and a text of it in a group."""
+    # GitHub obeys a command in any line of the output. The text may quote the program, which must
+    # not be able to give one: `stop-commands` turns them off until a word that it cannot know.
     level = "error" if verdict.status == "FAILED" else "warning"
     found = [*_sentences(verdict)] or [f"{verdict.right} of {verdict.judged} answers are right"]
     level = "notice" if verdict.passed else level

@@ -62,7 +62,7 @@ def _pictures(evaluation: Evaluation) -> Iterator[tuple[str, str]]:
 @naming_extras()
 def _image(draw: Callable[[Figure], None], height: float) -> str:
     """Return a figure of that height, inches, as an image that a telephone can show."""
-    # A figure of its own, without pyplot: no display is asked for, and no state is left.
+    # Without pyplot, which needs a display on some machines and keeps every figure.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -129,7 +129,7 @@ def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
 
 def draw_flight(figure: Figure, comparison: Comparison) -> None:
     """Draw a true flight from the side and from above, and a candidate's points beside it."""
-    # Their errors have a panel: a centimetre is not seen beside a hundred metres.
+    # The errors have a panel of their own: nobody sees a centimetre beside a hundred metres.
     assert comparison.answer is not None
     side, above, off = figure.subplots(3, 1, height_ratios=(3, 2, 2))
     above.sharex(side)

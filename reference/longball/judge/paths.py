@@ -1,12 +1,13 @@
 """Answers that are points: judged at their own times, and landed by longball.
 
-A simulator that returns the way of its ball, and no landing, answers with ``path``. Its points are
-held against the true path as they are. The landing, or the plate of a pitch, is found on a
-polynomial through the eight next to it; velocities, if there are some, have one of their own, since
-many integrators have others than the slope of their places, or make one polynomial with the places
-of four, where that agrees better with one of three.
-A ball that its points leave in the air at the scene's time limit is airborne, and a pitch that they
-bring to the ground before the plate is grounded.
+A simulator that returns the path of its ball, and no landing, answers with ``path``. Its points are
+compared with the true path at their own times. The landing, or the plate of a pitch, is the root of
+a polynomial through the eight points next to it. Velocities, if there are some, have a polynomial
+of their own, since those of many integrators are not the slope of their positions; or positions and
+velocities of four points make one polynomial, if it agrees better with that of three.
+
+A ball is airborne if its points end in the air at the scene's time limit. A pitch is grounded if
+its points reach the ground before the plate.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ from longball.model.scene import ImpactScene, landing_height
 
 Met = dict[str, Array]
 
-POINTS = 8, 6  # numbers that a polynomial at a crossing goes through: their difference is the doubt
+# Numbers that a polynomial at a crossing goes through. The difference of both is the error of the
+# interpolation, which the tolerance is increased by.
+POINTS = 8, 6
 MOST_JUDGED = 2_000  # points, evenly chosen
 
 
@@ -58,9 +61,9 @@ def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
 
 
 def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
-    """Return an answer with what its points say of the landing or the plate, where it does not.
+    """Return an answer, completed with the landing or the plate of its points.
 
-    Also how far interpolation may be off, by quantity, in its unit.
+    What it says itself stays. Return also the error of the interpolation by quantity, in its unit.
     """
     path = answer.path
     assert path is not None
@@ -82,7 +85,7 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
     if pitched and ground is not None and (crossing is None or ground < crossing):
         return ended("grounded"), {}
     if crossing is None:
-        # A step on, but for the rounding of times.
+        # The next step would be beyond the limit, to within the rounding of times.
         in_the_air = 2 * path[-1, 0] - path[-2, 0] > limit * (1 - 1e-9)
         return (ended("airborne") if in_the_air else answer), {}
     # Places and velocities may make one polynomial; both are tried where that can be seen.
@@ -111,13 +114,14 @@ def _off(fine: Met, coarse: Met) -> dict[str, float]:
     return {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
 
 
-MANY = 10  # decimals of places that are doubles: more than of places in nanometres
+MANY = 10  # decimals: positions with as many are doubles, since even nanometres have nine
 
 
 def as_written(scene: Any, answer: Answer) -> Answer:
-    """Return an answer with what its points say, to as many decimals as their places are written.
+    """Return an answer, completed from its points, with as many decimals as their positions have.
 
-    So that what rounding has done to them is not taken for something else.
+    The diagnosis then sees that the numbers are rounded (`diagnosis.digits`), and does not take the
+    rounding for a mistake.
     """
     if answer.path is None:
         return answer
@@ -134,7 +138,10 @@ def as_written(scene: Any, answer: Answer) -> Answer:
 
 
 def _crossing(heights: Array) -> int | None:
-    """Return the number of the point behind the crossing; of the last, if it is a step away."""
+    """Return the number of the point behind the crossing.
+
+    The last point, if the crossing lies less than a step beyond it; None without a crossing.
+    """
     fallen = np.flatnonzero((heights[1:] <= 0) & (heights[:-1] > 0))
     if fallen.size:
         return int(fallen[0]) + 1
@@ -144,7 +151,11 @@ def _crossing(heights: Array) -> int | None:
 def _met(
     path: Array, crossing: int, order: int, together: bool, axis: int, level: float
 ) -> Met | None:
-    """Return when and where a polynomial through `order` numbers by a crossing is at a level."""
+    """Return time, position and velocity where a polynomial by a crossing reaches a level.
+
+    It goes through `order` numbers: positions alone, or positions and velocities `together`.
+    """
+    # As many points before the crossing as behind it, or the last ones of the path.
     count = order // 2 if together else order
     low = max(0, min(crossing - count // 2, len(path) - count))
     near = path[low : low + count]

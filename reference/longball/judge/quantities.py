@@ -44,10 +44,12 @@ _UNITS = ("s", "m", "m/s", "N s", "J", "rad/s", "rad")
 
 def _specs() -> dict[str, QuantitySpec]:
     """Return the numbers and vectors of the blocks; a field's description begins with its unit."""
+    # The result's model is the only list of quantities. A number may have a radius there, and is
+    # annotated as `Bounded`; texts and flags are not.
     keys = [(part, *key) for part, model in PARTS.items() for key in model.model_fields.items()]
     found = {}
     for block, key, field in keys:
-        if "Bounded" in (held := str(field.annotation)):  # and no text or flag
+        if "Bounded" in (held := str(field.annotation)):
             unit = (field.description or "").partition(",")[0].partition(";")[0]
             size = 3 if "tuple" in held else 1
             name = f"{block}.{key}"
@@ -59,7 +61,7 @@ QUANTITIES: dict[str, QuantitySpec] = _specs()
 
 BLOCKS = tuple(MODELS)
 
-# Of the points of a path that a candidate answers with: the worst of them.
+# Rows of a verdict for candidates that answer with points: each is the worst point of a path.
 PATH = {name: QuantitySpec(name, unit, 3) for name, unit in
         (("path.position", "m"), ("path.velocity", "m/s"))}  # fmt: skip
 
@@ -76,9 +78,8 @@ def values_of(result: Result) -> dict[str, Value]:
     return found
 
 
-AT_VERTEX = 1e-9  # m
-# What need not be answered: that a bat which swings on would strike the ball again, and what was
-# not asked for before version 0.2.
+AT_VERTEX = 1e-9  # m: a ball that passes a corner of the fence so closely is on either chord
+# A candidate may omit these: most programs do not compute them.
 OPTIONAL = (
     "impact.recontact",
     "apex.time",
@@ -99,18 +100,21 @@ def told_by(result: Result) -> dict[str, object]:
             if name not in {**QUANTITIES, **PARTS} and getattr(held, key) is not None:
                 found[name] = getattr(held, key)
     if result.fence is not None and abs(float(result.fence.margin or 1.0)) < AT_VERTEX:
-        del found["fence.segment"]  # it is the one as well as the other
+        del found["fence.segment"]
     return found
 
 
 def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object, object]]:
     """Return wrong flags, texts and counts: the name, the right value, the given one."""
-    right = told_by(result)  # of what is not there only that ball and bat meet again is judged
+    # A fact that the truth does not have is not judged, except `impact.recontact`: its absence says
+    # that ball and bat do not meet again.
+    right = told_by(result)
     known = {name: given for name, given in told.items() if name in right or name in OPTIONAL}
     return [(n, right.get(n), given) for n, given in known.items() if given != right.get(n)]
 
 
-# What a contact has only if the ball meets the bat, and only if it meets it between its ends.
+# Quantities of a contact only if the ball touches the bat, and only if it does so between the bat's
+# ends. By outcome, those that it does not have although it has the block.
 MET = ("contact.time", "contact.position")
 STRUCK = ("contact.normal", "contact.bat_velocity", "contact.normal_speed")
 WITHOUT = {"missed": (*MET, *STRUCK), "beyond_bat": STRUCK}

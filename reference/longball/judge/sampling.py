@@ -1,9 +1,9 @@
 """Known mistakes in the random at-bats that a candidate draws.
 
-Some mistakes are made before any scene is there to be solved: the columns of Table II taken as
-printed, a spread with or without its 2, a diameter for a radius. No answer to a golden scene can
-show them; the scenes that a candidate draws do. Every combination of readings of the sampling is a
-distribution, and the likelihood of the drawn numbers tells them apart.
+Some mistakes are made before a scene is solved: the columns of Table II taken as printed, a spread
+with or without its 2, a diameter for a radius. No answer to a golden scene can show them; the
+scenes that a candidate draws do. Every combination of readings of the sampling is a distribution,
+and the likelihood of the drawn numbers distinguishes them.
 """
 
 from __future__ import annotations
@@ -34,20 +34,22 @@ from longball.model.scene import AtBatScene
 # distribution (2 exp(-2 x²) = 1e-5); four quantities are tested.
 CRITICAL = 2.47
 
-# Another way of drawing is named only if the numbers are this much likelier under it (a natural
-# logarithm): a hundred thousand times, too. With a number fitted it must be as much likelier again.
+# A mistake is named only if the numbers are this much likelier with it (a natural logarithm): a
+# hundred thousand times, too. With a number fitted it must be as much likelier again.
 LIKELIER = math.log(1e5)
 
-# Of so many at-bats the mistake that is hardest to see, the speed's spread without its 2, is named
-# in 995 of 1,000 trials; of 400 in 974, of 300 in 857. Of 2,000 right samplings none was called
+# The mistake that is hardest to see, the speed's spread without its 2, is named from 500 at-bats in
+# 995 of 1,000 trials, from 400 in 974, from 300 in 857. Of 2,000 right samplings none was called
 # wrong.
 FEWEST = 500
 
-# A rank correlation times √n is as good as normal; it exceeds this once in 10⁸ samples of
-# independent numbers, and forty are looked at.
+# A rank correlation times √n is nearly normal. It exceeds this once in 10⁸ samples of independent
+# numbers; forty are computed.
 TOO_ALIKE = 5.7
 
-MANY_TIMES = 20  # a draw is there a few times if several restitutions are tried with it
+# Repetitions of each draw beyond which a stream repeats itself: a program that tries several
+# restitutions with each at-bat has fewer.
+MANY_TIMES = 20
 LONGEST_SCENE = 1 << 16  # bytes
 
 DRAWN = ("pitch.speed", "pitch.aim[0]", "swing.height_offset", "swing.tilt")
@@ -84,10 +86,10 @@ class Constant(Frozen):
 
 
 class Dependence(Frozen):
-    """Random numbers that hang together, or come again."""
+    """Random numbers that depend on each other, or repeat."""
 
     right: ClassVar[bool] = False
-    quantity: str = Field(description="one, or two that hang together")
+    quantity: str = Field(description="one, or two that depend on each other")
     named: list[str]
     statistic: float = Field(
         description="of dependence: a rank correlation times √n; of repeats: their number"
@@ -119,10 +121,10 @@ class Sampling(Frozen):
 
 
 def read_samples(path: Path) -> Iterator[dict[str, Any]]:
-    """Yield the scenes of a file of JSON Lines, as they stand there.
+    """Yield the scenes of a file of JSON Lines, unchecked.
 
-    They are not held against the contract: what makes a scene impossible, such as a speed below
-    zero, is what shows how it was drawn. A line that is no JSON object raises `BadSamples`.
+    An impossible number, such as a speed below zero, shows how it was drawn. A line that is no JSON
+    object raises `BadSamples`.
     """
     for number, line in lines_of(path, LONGEST_SCENE):
         where = f"{path}: line {number}"
@@ -155,11 +157,11 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
 
 
 def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") -> Sampling:
-    """Judge the at-bats that a candidate draws, of some source.
+    """Judge the at-bats that a candidate draws.
 
-    They are JSON objects, at least `FEWEST`, drawn from the paper's distributions. A draw that is
-    there more than once, such as for several restitutions, counts once; what the scenes leave out
-    is not judged. `BadSamples` are too few, or hold something else than numbers.
+    They are JSON objects, at least `FEWEST`, drawn from the paper's distributions. Equal draws,
+    such as one for each of several restitutions, count once. Keys that the scenes omit are not
+    judged. `BadSamples` is raised if there are too few, or if a key holds no number.
     """
     draws: Counter[tuple[float | None, ...]] = Counter()
     met: dict[str, dict[float, None]] = {name: {} for name in _PRINTED}
@@ -200,10 +202,10 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
 
 
 def _dependences(columns: Mapping[str, Array]) -> Iterator[Dependence]:
-    """Yield pairs of quantities that hang together, and quantities that hang on their last draw.
+    """Yield pairs of quantities that depend on each other, and quantities on their last draw.
 
-    By ranks, so that one random number behind both shows, however it is turned into them; and by
-    the distance of ranks from their middle, for one that is folded.
+    Ranks show one random number behind both, whatever functions compute the quantities from it; the
+    distance of ranks from their middle shows it if one of the functions is even.
     """
     from scipy.stats import rankdata
 
@@ -216,7 +218,7 @@ def _dependences(columns: Mapping[str, Array]) -> Iterator[Dependence]:
         both = itertools.product((x, folded[0]), (y, folded[1]))
         size = max(abs(float(np.corrcoef(u, v)[0, 1])) * math.sqrt(n) for u, v in both)
         if size > TOO_ALIKE:
-            sentence = f"{a} hangs on {b}: the correlation of their ranks is "
+            sentence = f"{a} depends on {b}: the correlation of their ranks is "
             sentence += f"{size / math.sqrt(n):.2f}; draw a random number of its own for each"
             yield Dependence(
                 quantity=f"{a} and {b}", named=["dependence"], statistic=size, sentence=sentence
@@ -278,7 +280,8 @@ def _ways(quantity: str, values: Array) -> Iterator[_Way]:
             yield _Way(("cells-from-the-edge",), middle, cell)
             other = Mixture(1 - aim.weight, aim.means, aim.deviations)
             yield _Way(("left-for-right",), other.distribution)
-            # The paper does not say how wide a cell is: any width will do, the one that fits best.
+            # The paper does not give the width of a cell: the one that fits best, by the mean of
+            # the squares, is as right as any.
             (left, right), deviation = aim.means, aim.deviations[0]
             expected = aim.weight * left**2 + (1 - aim.weight) * right**2 + deviation**2
             scale = math.sqrt(float(np.mean(values**2)) / expected)

@@ -1,4 +1,4 @@
-"""A candidate run with a family of time steps: the command, the scenes, and what is wrong."""
+"""Runs of a candidate with a family of time steps: the command, the scenes, and the order."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from longball.model.result import Result
 from longball.model.scene import Scene
 
 SAMPLE = 12  # cases of each family: enough for a typical error
-FAMILIES = ("flight-both", "at-bat")  # of the golden data, where no other is asked for
+FAMILIES = ("flight-both", "at-bat")  # of the golden data, by default
 
 
 def takes(command: Sequence[str], name: str) -> bool:
@@ -27,7 +27,7 @@ def takes(command: Sequence[str], name: str) -> bool:
 
 
 def filled(command: Sequence[str], name: str, word: str) -> list[str]:
-    """Return a command with a word in the place for what is varied."""
+    """Return a command with a word in place of ``{name}``."""
     return [part.replace(f"{{{name}}}", word) for part in command]
 
 
@@ -95,8 +95,8 @@ class StepSweep:
     phases: int = PHASES
     # Called with the runs done, and how many there are.
     progress: Callable[[int, int], None] = lambda done, of: None
-    knob: str = "dt"  # what is varied
-    # What stands for a step in the command, if that is not the number itself.
+    knob: str = "dt"  # the name in braces that a step replaces
+    # Steps as the command has them, where that is not the number itself, such as a number of steps.
     words: Mapping[float, str] = field(default_factory=dict)
 
     def filled(self, command: Sequence[str], step: float) -> list[str]:
@@ -131,6 +131,7 @@ class StepSweep:
                 return []
             left = replace(limits, total_seconds=max(0.0, until - time.monotonic()))
             ran = run(self.filled(command, step), scenes, left, table=table)
+            # Stopped, or the second run without an answer: the step is not at fault.
             stopped = ran.status is None or (not ran.collected.answers and [*done.values()] == [[]])
             told = (issue for issue in ran.collected.issues if issue.kind != "unknown key")
             issues.extend(f"{self.knob} = {step:g}: {issue}" for issue in told)

@@ -134,7 +134,7 @@ def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
 
 
 def finding_sentences(finding: Finding) -> Iterator[str]:
-    """Yield what is behind the errors of a stage."""
+    """Yield a finding, its remedy and the rule for its scenes."""
     yield f"{finding.kind}: {finding.sentence}"
     if finding.remedy:
         yield f"  {finding.remedy}"

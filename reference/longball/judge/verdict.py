@@ -89,7 +89,7 @@ class Comparison:
 
     @property
     def empty(self) -> bool:
-        """True if there is an answer without anything to be judged."""
+        """True if there is an answer that holds nothing to judge."""
         given = self.answer
         held = given is None or self.refused or self.measured or given.outcome or given.told
         return self.judged and self.passed and not held
@@ -117,6 +117,8 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         judged = False
     if answer is None or answer.error is not None or not judged:
         return Comparison(case, answer, judged)
+    # Points: `slack` is the error of the interpolation, by quantity, which the candidate is not
+    # charged with.
     slack: Mapping[str, float] = {}
     points: Mapping[str, tuple[Value, Value]] = {}
     if answer.path is not None:
@@ -139,6 +141,7 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         for name, true in expected.items()
         if name in given and name not in answer.unreadable
     ]  # fmt: skip
+    # A point in flight has no sensitivity of its own: it may be as far off as the landing.
     for name, (true, point) in points.items():
         allowed = profile.allowed(size := length(true))
         if "landing.position" in expected:
@@ -147,6 +150,8 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
             Measured(name, true, (Decimal(0),) * 3, point, difference(point, true), allowed,
                      Exact().allowed(size), size)
         )  # fmt: skip
+    # What is missing is counted apart: a program may compute a part of the model (`--partial`).
+    # What is unreadable was meant as an answer, and is wrong.
     missing = [] if answer.outcome else ["outcome"]
     missing += [n for n in expected if n not in given and n not in answer.unreadable]
     missing += [n for n in told_by(truth) if n not in answer.told]
@@ -289,7 +294,7 @@ class Verdict(Frozen):
     unanswered: list[str]
     refused: list[Unsolved]
     undecidable: list[str] = Field(
-        description="ids of cases without a truth, or with one that hangs on the last bits of "
+        description="ids of cases without a truth, or with one that depends on the last bits of "
         "the inputs: any answer will do"
     )
     complaints: list[Issue] = Field(description="those about its conduct first")
@@ -410,10 +415,11 @@ def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     known = [error for error in errors if error is not None]
     if len(known) < len(errors) or not known:
         return None
-    place = 10.0 ** (math.floor(math.log10(worst := max(known))) - 1)
+    place = 10.0 ** (math.floor(math.log10(worst := max(known))) - 1)  # of the second digit
     return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
+# Outcomes that say whether ball and bat touch. Others, such as `landed`, leave it open.
 _MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}
 
 
@@ -459,6 +465,8 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     # JSON has no infinity.
     ulps = [min(m.error / math.ulp(m.size), sys.float_info.max) for m in measured if m.size]
     known = [m for m in measured if m.size]
+    # Digits of the case that falls most short of what it could have, not of the worst error: a
+    # graze has few right digits in any program.
     digits = [[right_digits(x, m.size) for x in (m.error, m.attainable)] for m in known]
     lost = [(attainable - right, right, attainable) for right, attainable in digits]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))

@@ -138,6 +138,8 @@ def level(a: Node) -> Node:
 
 # --- the air --------------------------------------------------------------------------------------
 
+# Weather (docs/model.md, "Flight with spin, wind and weather"). Its formulas hold for numbers in SI
+# units: a factor `constant(1.0, …)` gives a number its unit, or takes it away.
 celsius = I["T"] - 273.15
 vapour = named(
     "p_s", 611.16 * function("exp", (18.687 - celsius / 234.5) * celsius / (257.14 + celsius))
@@ -166,7 +168,8 @@ k = named("k", ρ * area / (2.0 * I["m"]))
 rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
 )
-# Of textbooks: 0 below the roughness.
+# The profile of textbooks, an edit of `rise`: ln(z/z_0) has no z_0 added, and is 0 below the
+# roughness.
 _unshifted = named(
     "ln(z/z_0)/ln(h/z_0)",
     function("log", 1.0 + function("positive", component(r, 2) / I["z_0"] - 1.0))
@@ -184,6 +187,7 @@ W = named(
         },
     ),
 )
+# Drag feels the velocity through the air. By one reading lift feels that over the ground.
 u = named("u", v - W)
 U = named("U", norm(u))
 u_lift = named("u_L", switch("reading.wind_acts_on", {"both": u, "drag": v}))
@@ -200,6 +204,7 @@ spin_left = named(
                 -(
                     switch(
                         "reading.spin_decay",
+                        # 44.704 m/s are 100 mph.
                         {"path": path, "time": t * constant(44.704, SPEED), "nathan": t * U},
                     )
                     / I["L_ω"]
@@ -210,6 +215,8 @@ spin_left = named(
 )
 spin = named("ω", spin_left * spin0)
 c = named("ω × u", cross(spin, u_lift))
+# The spin in drag, in lift and in tables. They differ in the velocity that it crosses. A reading
+# takes the whole spin in place of the part across the motion.
 transverse = named("ω_T", norm(cross(spin, u)) / U)
 ω_drag = switch("reading.drag_spin", {"transverse": transverse, "total": norm(spin)})
 _ω_lift = switch("reading.spin_parameter", {"transverse": norm(c) / U_lift, "total": norm(spin)})
@@ -272,7 +279,7 @@ def _parts(a: Node) -> tuple[Node, Node, Node]:
 
 def _heading(velocity: Node) -> Node:
     flat = level(velocity)
-    return where(norm(flat), unit(flat), e_x)
+    return where(norm(flat), unit(flat), e_x)  # straight up or down: φ = 0
 
 
 def _heading_by_parts(velocity: Node) -> Node:
@@ -291,12 +298,11 @@ def _headed(heading: Callable[[Node], Node]) -> Node:
 
 _ahead = _headed(_heading)
 about = named("ê", cross(_ahead, e_z))
-_per_spin = I["R"] * (
-    C_L / S_lift
-)  # of a total S, C_L/S is smooth where spin and motion are parallel
+# With S of the total spin, k C_L U² c/|c| becomes k R (C_L/S) c: smooth where spin and motion are
+# parallel, where c/|c| has no direction.
+_per_spin = I["R"] * (C_L / S_lift)
 
-
-# Of a direction fixed in space, the part across the airspeed.
+# The side force acts along the part of a fixed direction across the airspeed.
 _sideways = named("d - (d·û)û", I["d"] - dot(I["d"], unit(u_lift)) * unit(u_lift))
 _cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])
 rotation = named(
@@ -333,7 +339,7 @@ def _law(drag: Node, paper_lift: Node, spinning: Node) -> Node:
         },
     )
     of_air = named("drag", drag) + named("lift", lift) + named("side force", aside)
-    # Programs skip all of it where there is no air: an edit of k, say, is none in a vacuum.
+    # Programs skip all of this without air: an edit of k, for example, changes nothing in a vacuum.
     acting = switch("air", {"none": constant(0.0, ACCELERATION, True), "given": of_air})
     return acting + named("gravity", -(I["g"] * e_z)) + named("Coriolis", turns)
 
@@ -382,6 +388,8 @@ def own(quantity: str, name: str, dimension: Dimension = NONE, vector: bool = Fa
     return found
 
 
+# Symbols of the quantities by their names. Verdicts show a symbol's name: the model's letter, if it
+# has one.
 OWN: dict[str, Node] = {}
 plate_time = own("plate.time", "plate.time", S)
 plate = own("plate.position", "plate.position", M, True)
@@ -394,8 +402,8 @@ n = own("contact.normal", "n", NONE, True)
 V_b = own("contact.bat_velocity", "V_b", SPEED, True)
 w = own("contact.normal_speed", "Ṽ·n", SPEED)
 own("contact.margin", "margin", M)
-# Of the undisturbed pitch from the bat's axis: a minimum, which no formula gives
-# (`longball.judge.diagnosis.residual.data_of`).
+# The closest distance of the undisturbed pitch from the bat's axis is a minimum, which no formula
+# gives: `longball.judge.diagnosis.residual.data_of` fills the column from the true margin.
 closest = symbol("the closest distance", M)
 ẽ = own("impact.restitution", "ẽ")
 J = own("impact.impulse", "J", IMPULSE)
@@ -528,6 +536,8 @@ def mobility(a: Node) -> Node:
     return _mobility(a) + _stiff * dot(n, a) * n
 
 
+# The gripping impulse solves K P = …, for the columns of K. It is kept while |P_t| ≤ μ_f P_n, which
+# is a friction margin of at least 0; otherwise the ball slides.
 _columns = mobility(e_x), mobility(e_y), mobility(e_z)
 grip = named(
     "P (grip)",
@@ -541,6 +551,8 @@ _way = switch(
 _slides = named("n - μ_f t̂", n - I["μ_f"] * _way)
 slide = named("P (slide)", -((1.0 + ẽ) * dot(slip, n) / dot(n, mobility(_slides))) * _slides)
 push = named("P", where(-friction_margin, slide, grip))
+# The stages after the impulse start from the candidate's own values. P is J n along the normal; its
+# part across is the model's, since no candidate reports it. The spin takes P = m (V⁺ - V).
 _own_push = J * n + switch(
     "bat.friction", {"none": constant(0.0, IMPULSE, True), "given": push - dot(push, n) * n}
 )
@@ -575,7 +587,8 @@ _origin = switch(
     },
 )
 
-# What people define otherwise: formulas that no small edit of the right one makes.
+# What people define otherwise: formulas that no small edit of the right one makes. Each is one more
+# node at hand at its stage (`Stage.pool`), so that the operator "another node" puts it in.
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
 _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
@@ -640,14 +653,25 @@ class Stage:
         What it gives. A flight gives position, velocity and spin at its end.
     kind
         A "formula" has the root `value`. A "flight" has `place`, `velocity`, `spin`, `duration`,
-        `rate` (of the place), `law` (the acceleration) and `spin_left`. An "event" has `zero`,
-        which is 0 at the quantity given.
+        `rate` (of the place), `law` (the acceleration), `spin_left`, and `through` (the speed
+        through the air, by which its path grows). An "event" has `zero`, which is 0 at the quantity
+        given.
     roots
         Its expressions, by name.
     forms
         Other forms of roots, in which authors write the same.
     scenes
         Kinds of scenes that have it.
+
+    Examples
+    --------
+    A program that lets the ball hit a bat at rest is right in every other stage:
+
+    >>> (stage,) = (one for one in CHAIN if one.name == "normal speed")
+    >>> stage.quantities, stage.kind, stage.roots
+    (('contact.normal_speed',), 'formula', {'value': Ṽ · n})
+    >>> stage.edited(Ṽ, V).roots
+    {'value': V · n}
     """
 
     name: str
@@ -696,8 +720,8 @@ def _released(aimed: Node) -> Node:
 _thrown = _released(I["V_0"] * unit(_towards))
 _no_spin = constant(0.0, RATE, True)
 
-
-# A program may report another spin than it flies with.
+# A program may report another spin than it flies with. An edit of this name spares the law, which
+# takes `spin_left` itself.
 _spin_reported = named("the share of the spin that is left", spin_left)
 
 
@@ -746,6 +770,11 @@ _by_angle = _released(
 )
 _thrown_forms = _forms | {"velocity": (_by_parts, _by_angle)}
 _begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
+
+# The end of a flight has two stages. The flight computes the state at the candidate's own time; the
+# event of the same name checks that the candidate's point lies on the plate, the bat, the fence or
+# the ground. Two stages distinguish a wrong law from a wrong end. An impact scene has no pitch: its
+# "touching" is a formula, the position that the scene gives.
 CHAIN = (
     Stage(
         "pitch", ("plate.position", "plate.velocity"), "flight", _pitched(plate_time),

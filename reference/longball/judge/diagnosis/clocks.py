@@ -1,4 +1,4 @@
-"""Clocks and events at steps: states of another time than the one told.
+"""Clocks and events at steps: states of another time than the one that the candidate gives.
 
 A step is mentioned only where times lie on a lattice of steps.
 """
@@ -51,8 +51,8 @@ class Scheme:
 
 ON_LATTICE = 1e-4  # of a step: times that are nearer to whole steps lie on them
 FINEST, LONGEST = 1e-4, 0.4  # s: steps that times may show
-MOST = 0.8  # of times, those that a rule has to hold for
-TIMES = 5  # different times that a lattice is seen in
+MOST = 0.8  # fraction of the times for which a rule has to hold
+TIMES = 5  # different times that are needed to see a lattice
 
 
 def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None:
@@ -63,17 +63,20 @@ def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None
     known = np.unique(times[np.isfinite(times) & (times > LONGEST)].round(12))
     if len(known) < TIMES:
         return None
+    # A step divides the first time into a whole number; three of them, since one may be off.
     steps = [np.array([dt])] if dt else [
         first / np.arange(math.ceil(first / LONGEST), math.floor(first / FINEST) + 1)
         for first in known[:3]
     ]  # fmt: skip
     tried = np.concatenate(steps)
-    beside = np.abs(known[:, None] / tried - np.round(known[:, None] / tried)) < ON_LATTICE
-    fits = np.flatnonzero(beside.mean(axis=0) >= MOST)
+    on_lattice = np.abs(known[:, None] / tried - np.round(known[:, None] / tried)) < ON_LATTICE
+    fits = np.flatnonzero(on_lattice.mean(axis=0) >= MOST)
     if not fits.size:
         return None
+    # By chance a time lies on a lattice with the probability 2 ON_LATTICE, except for the time that
+    # gave the step.
     best = fits[np.argmax(tried[fits])]
-    on = int(beside[:, best].sum())
+    on = int(on_lattice[:, best].sum())
     bits = (on - 1) * -math.log2(2 * ON_LATTICE) - math.log2(len(tried)) - (len(known) - on) * 5.0
     return float(f"{tried[best]:.9g}"), bits
 
@@ -106,7 +109,7 @@ class _States:
 
     @cached_property
     def now(self) -> Array:
-        """The states of the path at the times told."""
+        """The states of the path at the times that the candidate gives."""
         return flown(self.balls, self.balls.duration)
 
     def off(self, part: slice, times: Array) -> tuple[Array, Array]:
@@ -116,6 +119,7 @@ class _States:
 
     def own_times(self, part: slice) -> Array:
         """The times at which the path is nearest to the candidate's states."""
+        # Newton steps: the error along the path over the speed along it.
         times = self.balls.duration.copy()
         for _ in range(4):
             off, moving = self.off(part, times)
@@ -129,6 +133,7 @@ def clock(
     """States on the right path at other times than the candidate gives."""
     states = _States(stage, columns, followed)
     with np.errstate(all="ignore"):
+        # Position and velocity may be of different times, such as those before and after a step.
         told = states.balls.duration
         rows = slice(0, 3), slice(3, 6)
         parts = [part for part in rows if np.isfinite(followed.off[part]).any()]
@@ -159,6 +164,8 @@ def clock(
 
 def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     """The rule for the times of states; without one, each state has a time of its own."""
+    # From the simplest rule on: no delay, one delay, steps of the states, steps of the times told,
+    # and none.
     behind = told - own
     known = behind[np.isfinite(behind)]
     late = float(np.median(known)) if known.size else 0.0
@@ -216,6 +223,8 @@ def event(
             moved = flown(balls, balls.duration + shift)[:3] - now
             zero = Evaluator([stage.roots["zero"]], {**own, name: own[name] + moved})()[0]
             sides.append(np.sign(zero) + np.zeros(len(some)))
+    # The event lies within a step of the candidate's point if the ball is on the other side of the
+    # surface one step earlier, or later. Each scene on the right side is a bit.
     time = words(flight.roots["duration"])
     evidence = bits + len(some) - CHANCE
     for text, other in (("after", sides[0]), ("before", sides[2])):

@@ -12,7 +12,7 @@ import numpy as np
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
-from longball.judge.diagnosis import sentences as told
+from longball.judge.diagnosis import sentences
 from longball.judge.diagnosis.chain import CHAIN, CHAIN_IN_STEPS, Kind, Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
@@ -49,7 +49,7 @@ def diagnose(
     granted: float = 0.0,
     solve: Solve | None = None,
 ) -> Diagnosis:
-    """Find out what is wrong with a candidate's answers to cases.
+    """Explain what is wrong with a candidate's answers to cases.
 
     Parameters
     ----------
@@ -71,16 +71,18 @@ def diagnose(
         for case in cases
         if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
     ]
+    # Numbers are compared only where the outcome is right: a missed ball has no landing.
     same = [case for case in known if answers[case.id].outcome in (None, case.expected.outcome)]
     if not causes:
         plain, chain = prepared(same, answers, scheme, granted)
         data = with_digits(plain, answers)
         _, first = follow(chain, data)
-        return told.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
+        return sentences.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
     made = conclude(same, answers, dt, scheme, granted, solve)
     found = [*made.outputs, *(_finding(step, made.mended) for step in made.steps)]
     if made.digits is not None:
-        found = [told.digits(made.digits, made.first, made.mended)]
+        found = [sentences.digits(made.digits, made.first, made.mended)]
+    # Outcomes need the columns of all scenes: also of those in which the outcome is wrong.
     every = data_of(known, answers, granted)
     columns, _ = follow(specialised_to(every), every)
     stages = {finding.stage for finding in found}
@@ -88,7 +90,7 @@ def diagnose(
     found.sort(key=lambda finding: finding.kind != "named")
     if not found:  # errors that pass for the noise of an integrator, at a step that has none
         found = [*map(_where(made.mended), filter(_is_wrong, made.first))][:1]
-    return told.diagnosis(made.first, found, made.mended)
+    return sentences.diagnosis(made.first, found, made.mended)
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,7 @@ def conclude(
     data = with_digits(plain, answers)
     _, first = follow(chain, data)
     unseen = None if solve is None else Unseen(data, chain, solve, scheme)
+    # Outputs first: in another unit they are wrong at every stage that takes them.
     mended, found = outputs(data, chain)
     converted = unseen.converted(found) if unseen and found else unseen
     if unseen and not converted:  # new scenes refute the conversions
@@ -146,6 +149,7 @@ def conclude(
                   ((other, 0), (reasoned, len(found)))]  # fmt: skip
         if counts[0] < counts[1]:
             mended, found, reasoned = data, [], other
+    # Digits last: rounded numbers may still show a mistake, which explains more than they do.
     digits = None
     if not found and not any(step.explained for step in reasoned.steps):
         digits = explain_digits(chain, plain, answers, lambda: unseen is None or unseen.follows)
@@ -204,7 +208,8 @@ class Reasoned:
         return sum(not step.explained for step in self.steps)
 
 
-# Of the errors of a stage, what an edit may leave in a few scenes: the last digits of its number.
+# Fraction of a stage's errors that is not explained further: an edit that is named may leave the
+# rounding of its number in a few scenes.
 LAST = 1e-7
 # A flight is explained before the first wrong one if its share of wrong scenes is so much larger.
 CLEARER = 2.0
@@ -225,6 +230,7 @@ def reason(
     """
     columns, last = follow(chain, data)
     steps: list[Step] = []
+    # By name and kind of a stage: the explanations tried, and the largest error that it had.
     tried: Counter[tuple[str, str]] = Counter()
     begun: defaultdict[tuple[str, str], float] = defaultdict(float)
     located: list[Stage] = []
@@ -246,9 +252,12 @@ def reason(
         at = stage.name, stage.kind
         tried[at] += 1
         begun[at] = max(begun[at], float(one.relative.max()))
+        # A law that no edit explains on the way to the fence is not tried again on that to the
+        # ground.
         if any(_is_same_flight(stage, other) for other in located):
             tried[at] = ROUNDS
             continue
+        # The paper's contact force begins before the contact: no edit of the batted flight does.
         if (push := explain_push(stage, data, columns, one)) is not None and push.way is not None:
             steps.append(Step(one, push))
             data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
@@ -264,9 +273,11 @@ def reason(
             columns, last = follow(chain, data, unknown)
             # An earlier flight that is right now is where the mistake shows first.
             right, earlier = _right(last), wrong[: wrong.index((stage, one))]
-            told = next((other for s, other in earlier if (s.name, s.kind) in right), one)
-            steps.append(Step(told, found))
+            mended = next((other for s, other in earlier if (s.name, s.kind) in right), one)
+            steps.append(Step(mended, found))
             continue
+        # No edit: a scheme, or one with an edit of the law, which is sought beside steps that are
+        # like the candidate's.
         tried[at] = ROUNDS
         scheme = None
         if data.way(stage) is None:
@@ -286,6 +297,7 @@ def reason(
             data = _flown(scheme.way, chain, data, columns)
             columns, last = follow(chain, data, unknown)
             continue
+        # Only located. After a pitch that does not follow, nobody knows what meets the bat.
         located.append(stage)
         if stage.kind == "flight" and stage.name in ("pitch", "touching"):
             unknown = np.union1d(unknown, one.some[one.wrong])
@@ -386,7 +398,7 @@ def _is_wrong(one: Followed) -> bool:
 
 
 def _where(data: Data) -> Callable[[Followed], Finding]:
-    return lambda one: told.located(one.stage, Located(), one, data)
+    return lambda one: sentences.located(one.stage, Located(), one, data)
 
 
 def _finding(step: Step, data: Data) -> Finding:
@@ -396,7 +408,7 @@ def _finding(step: Step, data: Data) -> Finding:
     right = [data.cases[i] for i in one.some[one.checked & ~one.wrong]]
     scenes = rule(wrong, right)
     if isinstance(step.found, Named):
-        return told.named(one.stage, step.found, one, data, scenes)
+        return sentences.named(one.stage, step.found, one, data, scenes)
     if isinstance(step.found, Located):
-        return told.located(one.stage, step.found, one, data, scenes)
-    return told.scheme(one.stage, step.found, one, data, scenes)
+        return sentences.located(one.stage, step.found, one, data, scenes)
+    return sentences.scheme(one.stage, step.found, one, data, scenes)

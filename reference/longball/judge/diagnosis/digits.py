@@ -23,7 +23,7 @@ from longball.model.arrays import Array
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
 DIFFERENT = 4  # distinct numbers that a style needs: a constant 1 is not rounded to one digit
 TELLING = 9  # digits in which a number in single precision differs from its neighbours
-# Single-precision roundings that a calculation may add up, such as one in each of so many steps.
+# Roundings in single precision that add up in a calculation, such as one in each of 1,000 steps.
 ROUNDINGS = 1e3
 
 
@@ -44,6 +44,7 @@ class Digits:
         """The bits that some numbers take."""
         if self.kind == "single":
             return SINGLE * len(numbers)
+        # With decimals, a number also has the digits before its point (fewer than 0 of 0.001).
         more = sum(x.adjusted() + 1 for x in numbers) if self.kind == "decimals" else 0
         return DIGIT * (self.count * len(numbers) + more)
 
@@ -65,6 +66,7 @@ class Digits:
 
 def digits_of(numbers: Iterable[Decimal]) -> Digits | None:
     """Style of some numbers; None if they have all digits, or too few different values."""
+    # Zeros at the end of a number are not seen: the longest number shows the style.
     known = sorted({abs(x.normalize()) for x in numbers if x})
     if len(known) < DIFFERENT:
         return None
@@ -116,6 +118,8 @@ def with_digits(data: Data, answers: Mapping[str, Answer]) -> Data:
 
 def with_cut(data: Data, cut: Mapping[str, tuple[float, float]]) -> Data:
     """Data whose floors include half a unit in the last digit of some quantities."""
+    # Of an edited stage the rounding errors are taken to be those of the right one: they are needed
+    # to a factor of two, and take a flight for each number that is rounded.
     known: dict[tuple[Any, ...], Array] = {}
 
     def kept(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
@@ -154,7 +158,7 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
 
 
 def said(found: Mapping[str, Digits], told: Collection[str]) -> str:
-    """The styles of quantities as a clause, beside all that are told."""
+    """The styles of quantities as a clause; `told` are all quantities that the candidate gives."""
     kinds: dict[Digits, list[str]] = {}
     for quantity, style in found.items():
         kinds.setdefault(style, []).append(quantity)
@@ -186,6 +190,8 @@ def explain_digits(
                 found = needed
         told = [quantity for quantity in OWN if np.isfinite(data.given[quantity]).any()]
         return said(found, told)
+    # A program that computes in single precision also rounds within its steps, where no output
+    # shows it: its errors are larger than those of its digits.
     single = any(style.kind == "single" for style in found.values())
     if single and all(one.relative.max(initial=0.0) < ROUNDINGS * 2.0**-SINGLE for one in before):
         return "computes in single precision"

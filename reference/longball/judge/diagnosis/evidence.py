@@ -46,11 +46,14 @@ def fitted(
     shape (starts, numbers); the first axis of its result is that of the starts. The first axis of
     the derivatives is that of the numbers.
     """
+    # In the sums k is a start, i and j are free numbers, r a row of the residual, n a scene.
     c = np.array(starts, dtype=float)
     r, slope = _with_slope(residual, c)
     for _ in range(rounds if c.size else 0):
         known = np.isfinite(slope).all(axis=1) & np.isfinite(r)
         down, off = np.where(known[:, None], slope, 0.0), np.where(known, r, 0.0)
+        # Each number in units of its effect: a gravity and a density have one scale then, and the
+        # pseudo-inverse drops a number only if its effect is that of the other.
         steep = np.sqrt(np.einsum("kirn,kirn->ki", down, down))
         down /= np.where(steep > 0, steep, 1.0)[..., None, None]
         normal = np.einsum("kirn,kjrn->kij", down, down)
@@ -73,6 +76,7 @@ def fitted(
 
 
 def _with_slope(residual: Callable[[Array], Array], c: Array) -> tuple[Array, Array]:
+    # One-sided differences. All starts, and each with every number displaced, are one call.
     starts, numbers = c.shape
     h = 1e-6 * np.maximum(np.abs(c), 1e-3)
     beside = c[:, None] + h[:, None] * np.eye(numbers)
@@ -91,7 +95,11 @@ NEAR = 1e-3  # relative: a usual number that is farther from the fitted one is n
 
 
 def rounded(c: float, usual: Collection[float] = ()) -> Iterator[tuple[float, float]]:
-    """Usual and the roundest numbers near a fitted one, with their cost in bits."""
+    """Usual and the roundest numbers near a fitted one, with their cost in bits.
+
+    People write short numbers: one of three digits is likelier than one of twelve that fits a
+    little better. Whoever calls this adds the cost of what each number leaves.
+    """
     yield 0.0, NUMBER
     for x in usual:
         if abs(x - c) < NEAR * abs(x):

@@ -32,7 +32,33 @@ M, KG, S = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 
 
 class Node:
-    """A node of an expression; made by the functions below, compared by identity."""
+    """A node of an expression; made by the functions below, compared by identity.
+
+    Attributes
+    ----------
+    op
+        The operation: a key of `OPERATIONS`, "symbol", "constant", "switch", "table", …
+    args
+        The nodes that it is applied to.
+    data
+        What else the operation needs, such as the name of a symbol; None for most.
+    dimension, vector
+        The exponents of m, kg and s; True for a vector.
+    digest
+        A hash of all the above. Two equal nodes that do not live at the same time have the same
+        digest.
+
+    Examples
+    --------
+    >>> m, M = symbol("m", KG), symbol("M", KG)
+    >>> total = m + M
+    >>> total.op, total.args, total.dimension
+    ('sum', (m, M), (0, 1, 0))
+    >>> m + M is total
+    True
+    >>> evaluate(m * M / total, {"m": np.array([0.1, 0.2]), "M": np.array([0.9, 0.8])})
+    array([0.09, 0.16])
+    """
 
     __slots__ = ("__weakref__", "args", "data", "digest", "dimension", "op", "vector")
 
@@ -41,7 +67,7 @@ class Node:
     data: Any
     dimension: Dimension
     vector: bool
-    digest: int  # of all the above: equal nodes that do not live at the same time have the same
+    digest: int
 
     def __add__(self, other: Node | float) -> Node:
         return _node("sum", (self, as_node(other)), None, self.dimension, self.vector)
@@ -78,12 +104,14 @@ class Node:
         return words(self)
 
 
+# All nodes that live. A search makes nodes by the million: those of edits that were dropped go.
 _known: WeakValueDictionary[Any, Node] = WeakValueDictionary()
 
 
 def _node(
     op: str, args: tuple[Node, ...], data: Any, dimension: Dimension, vector: bool = False
 ) -> Node:
+    # An id in a key cannot be used again while the key is known: a node keeps its arguments alive.
     key = op, tuple(map(id, args)), data, dimension, vector
     found = _known.get(key)
     if found is None:
@@ -155,6 +183,7 @@ def each(op: str, a: Node, b: Node) -> Node:
 def vector(x: Node | float, y: Node | float, z: Node | float) -> Node:
     """The vector of three components."""
     parts = as_node(x), as_node(y), as_node(z)
+    # A component 0 may be written without its unit: one that has a unit gives that of the vector.
     dimension = max((p.dimension for p in parts), key=lambda d: sum(map(abs, d)))
     return _node("vector", parts, None, dimension, True)
 
@@ -207,12 +236,13 @@ def ordered(
     found: dict[Node, None] = {}
     stack = [(root, False) for root in reversed(list(roots))]
     while stack:
-        node, ready = stack.pop()
+        node, has_arguments = stack.pop()
         if node in found:
             continue
-        if ready or not node.args or node in known:
+        if has_arguments or not node.args or node in known:
             found[node] = None
         else:
+            # The node itself lies below its arguments, and comes again when they are in `found`.
             stack.append((node, True))
             stack += [(arg, False) for arg in reversed(arguments(node))]
     return list(found)
@@ -237,7 +267,7 @@ def _using(root: Node, old: Node) -> tuple[Node, ...]:
             if arg in above:
                 above[node] = None
                 break
-    return tuple(above)[1:]
+    return tuple(above)[1:]  # without the node itself
 
 
 def substitute(root: Node, old: Node, new: Node) -> Node:
@@ -274,22 +304,22 @@ def names_in(roots: tuple[Node, ...]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def specialised(root: Node, columns: Columns, made: dict[int, Node]) -> Node:
+def specialised(root: Node, columns: Columns, made: dict[Node, Node]) -> Node:
     """An expression without the switches that have one option in all scenes.
 
     `made` keeps what has become of each node, for other expressions of the same scenes.
     """
     for node in ordered([root]):
-        if id(node) in made:
+        if node in made:
             continue
-        args = [made[id(arg)] for arg in node.args]
+        args = [made[arg] for arg in node.args]
         if node.op == "switch" and node.data[0] in columns:
             options = [i for i in node.data[1] if (columns[node.data[0]] == i).any()]
             if len(options) == 1:
-                made[id(node)] = args[node.data[1].index(options[0])]
+                made[node] = args[node.data[1].index(options[0])]
                 continue
-        made[id(node)] = _folded(rebuilt(node, args))
-    return made[id(root)]
+        made[node] = _folded(rebuilt(node, args))
+    return made[root]
 
 
 def _folded(node: Node) -> Node:
@@ -303,12 +333,14 @@ def _folded(node: Node) -> Node:
             return b if is_(a, 0.0) else a
         case "product", (a, b) if is_(a, 0.0) or is_(b, 0.0):
             return constant(0.0, node.dimension, node.vector)
+        # A 1 with a unit stays: it gives the number beside it that unit.
         case "product", (a, b) if (is_(a, 1.0) and a.dimension == NONE) or (
             is_(b, 1.0) and b.dimension == NONE
         ):
             return b if is_(a, 1.0) else a
         case "quotient", (a, _) if is_(a, 0.0):
             return constant(0.0, node.dimension, node.vector)
+        # An edit of a sign that is there already: -1·(-1·x).
         case "product", (a, b) if is_(a, -1.0) and b.op == "product" and is_(b.args[0], -1.0):
             return b.args[1]
         case (("negative" | "norm" | "named"), (a,)) if is_(a, 0.0):
@@ -337,6 +369,7 @@ def _norm(v: Array) -> Array:
 
 
 def _unit(v: Array) -> Array:
+    # The vector 0 has the direction 0: what it multiplies has no effect, as in the model.
     size = _norm(v)
     return v / np.where(size > 0, size, 1.0)
 
@@ -348,6 +381,7 @@ def _vector(*components: Any) -> Array:
 
 
 def _solved(a: Array, b: Array, c: Array, right: Array) -> Array:
+    # NumPy raises an error for all scenes if the matrix of one is singular, as an edit may make it.
     matrix = np.array(np.broadcast_arrays(a, b, c, right)).transpose(2, 1, 0)
     sound = np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.det(matrix[:, :, :3]) != 0)
     found = np.full((3, len(matrix)), np.nan)
@@ -367,7 +401,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "dot": lambda a, b: np.add.reduce(a * b),
     "cross": _cross,
     "by_component": np.multiply,
-    "by_own_size": lambda v, w: np.abs(v) * w,
+    "by_own_size": lambda v, w: np.abs(v) * w,  # drag axis by axis: |v_x| w_x, …
     "vector": _vector,
     "solve": _solved,
     "where": lambda condition, yes, no: np.where(condition > 0, yes, no),
@@ -394,10 +428,16 @@ KINKS = frozenset(("abs", "positive", "least", "sizes", "by_own_size"))
 
 
 def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
+    """A table of each scene as a function.
+
+    Its value at x is the first one plus, of every segment, the slope times the length of the part
+    below x: one expression for all scenes, although their nodes differ.
+    """
     widths = np.diff(at, axis=0)
     long = widths > 0  # tables are filled up with their last nodes
     slopes = np.where(long, np.diff(values, axis=0) / np.where(long, widths, 1.0), 0.0)
-    last = long.cumsum(axis=0).argmax(axis=0)
+    last = long.cumsum(axis=0).argmax(axis=0)  # number of the last segment that has a length
+    # The part of a segment is at least 0 and at most the whole: a table is constant outside.
     low, high = np.zeros_like(widths), widths.copy()
     if mode == "extrapolated":
         low[0] = -np.inf
@@ -500,6 +540,7 @@ class Values:
             case "constant":
                 return np.full((3, 1), node.data) if node.vector else node.data
         operation = self._operations.get(node) or _operation(node, self.columns)
+        # Those of edits (`given`, `changed`) are not kept: there are thousands.
         if node.op in ("switch", "table") and made is self._known:
             self._operations[node] = operation
         args = [made[arg] if arg in made else self._known[arg] for arg in self.arguments(node)]
@@ -534,11 +575,15 @@ class Evaluator:
     ) -> None:
         known = columns.beside() if isinstance(columns, Values) else Values(columns)
         nodes = ordered(roots, known, known.arguments)
+        # A name, and a switch of which one option occurs, have the place of their argument: a call
+        # has no step for them.
         place: dict[Node, int] = {}
         for i, node in enumerate(nodes):
             args = known.arguments(node)
             alone = node.op == "named" or (node.op == "switch" and len(args) == 1)
             place[node] = place.get(args[0], i) if alone else i
+        # By place: values that stay, and of a call those that move. A call is a list of steps
+        # without a look-up, since a search of a law makes millions of them.
         self._values: list[Any] = [None] * len(nodes)
         self._given: list[tuple[int, str]] = []
         self._steps: list[tuple[int, Callable[..., Any], list[int]]] = []
@@ -573,7 +618,9 @@ class Pieces:
 
     def __init__(self, root: Node, columns: Columns, moving: frozenset[str]) -> None:
         at_hand = Values(columns)
-        reached: dict[Node, Any] = {root: np.True_}  # nodes, with flags of the scenes that use them
+        # A kink in an option counts only in scenes that have this option: flags of the scenes are
+        # handed down from the root to the arguments, and a node that two use has those of both.
+        reached: dict[Node, Any] = {root: np.True_}
         for node in reversed(ordered([root], (), at_hand.arguments)):
             flags = _occurring(node, columns).values() if node.op == "switch" else ()
             for i, arg in enumerate(at_hand.arguments(node)):
@@ -639,6 +686,7 @@ def words(node: Node) -> str:
         return str(node.data)
     args = [words(arg) for arg in node.args]
     if node.op in ("product", "quotient", "negative", "square"):
+        # A divisor needs parentheses where a dividend needs none: a·b/c, but a/(b·c).
         weak = _WEAK | ({"product", "quotient"} if node.op == "quotient" else set())
         args = [
             f"({text})" if arg.op in (weak if i or node.op != "quotient" else _WEAK) else text

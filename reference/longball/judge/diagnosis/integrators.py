@@ -73,6 +73,7 @@ class Table:
                 at[3:] += h * b * slopes[j][3:]
             if i == len(self.c) - 1:
                 break
+            # The first acceleration is the one carried over; at the launch there is none yet.
             known = self.carries and i == 0 and left is not None
             slopes.append(left if known else f(at, t + c * h, y))
         return at, slopes[-1] if self.carries else None
@@ -106,6 +107,8 @@ def _table(
 
 def _runge_kutta(matrix: Array) -> Table:
     """Table of an explicit Runge-Kutta method; the last row of its matrix holds the weights."""
+    # The velocities of the stages are put into their positions, as in every Nyström form of a
+    # Runge-Kutta method: c = matrix·1, A = matrix², B = matrix.
     return Table(matrix.sum(axis=1), matrix @ matrix[:-1], matrix)
 
 
@@ -117,6 +120,8 @@ def _matrix(rows: Sequence[Sequence[float]], weights: Sequence[float]) -> Array:
 def _adams_bashforth(
     parabola: bool, f: Any, y: Array, t: Any, h: Any, left: Any, whole: Any
 ) -> tuple[Array, Any]:
+    # y + h (3 f_n - f_{n-1})/2 for a whole step; a shorter last step extrapolates the same line.
+    # The first step is Euler's. With a parabola, the position moves under a constant acceleration.
     now = f(y, t, y)
     before = now if left is None else left
     new = y + h * (now + h / (2.0 * whole) * (now - before))
@@ -160,12 +165,15 @@ class Integrator:
         """A stage with the law as the steps see it."""
         if not self.frozen:
             return stage
+        # The speed U, computed from the state at the step's start.
         speed = stage.roots["through"]
         inner = speed.args[0] if speed.op == "named" else speed
         begun = inner
         for node in ordered([inner]):
             if node.op == "symbol" and node.data in START:
                 begun = substitute(begun, node, START[str(node.data)])
+        # Both take U by its name. Under the reading `wind_acts_on = drag` lift takes the same |v|
+        # without the name; under others the two variants are one law.
         old = speed if self.frozen == "drag" else inner
         law = substitute(stage.roots["law"], old, begun)
         return replace(stage, roots={**stage.roots, "law": law})
@@ -185,6 +193,8 @@ _MIDPOINT = _of_runge_kutta("the midpoint method", 2, ((0.5,),), (0, 1))
 _HEUN = _of_runge_kutta("Heun's method", 2, ((1,),), (1, 1))
 _HALVES, _CLASSICAL = ((0.5,), (0, 0.5), (0, 0, 1)), (1, 2, 2, 1)
 _RK4 = _of_runge_kutta("RK4", 4, _HALVES, _CLASSICAL)
+# Treatments of a force that depends on the velocity, which velocity Verlet needs before it has it:
+# by the fraction of a step that Euler's method predicts it, in words, and the order of the errors.
 _FORCES = {
     0.0: ("the force at the old velocity", 1),
     0.5: ("the force at the half-step velocity", 1),
@@ -276,7 +286,9 @@ def slips() -> tuple[Integrator, ...]:
     found = []
     for one in SLIPPED:
         assert isinstance(one.step, Table)
-        # Programs step place and velocity together, or apart.
+        # A program steps place and velocity together (a slip in the matrix is in both), or apart (a
+        # slip is in one coefficient of the table). Of a Runge-Kutta method the sum at the end alone
+        # is written apart.
         apart = _of_table(one.step, 0 if one.matrix is None else len(one.step.c) - 1)
         both = () if one.matrix is None else _of_matrix(one.matrix)
         found += [
@@ -364,38 +376,42 @@ NODES = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[Array, Any, Array]:
     """The states after so many steps, what the last ones leave, and the states' doubt.
 
-    Errors of a method with constant steps have an expansion in powers of the step: what m and the
-    exact path (1/m = 0) give for some m gives what any other number of steps gives. A method of
-    order 0 does not converge to the exact path, which is left out.
+    Errors of a method with constant steps have an expansion in powers of the step (Hairer, Nørsett
+    and Wanner, Sec. II.8). The states after m steps are thus a polynomial in 1/m, which goes
+    through those of a few small m and, for 1/m = 0, through the exact path; it gives the state
+    after any other number of steps. A method of order 0 does not converge to the exact path, which
+    is left out.
     """
     if one.step is None:
         y = flown(balls, np.asarray(counts * h))
         return y, None, np.zeros_like(y)
-    way: Array = np.asarray(counts * h, dtype=float)
-    many = [math.ceil(way.max(initial=0.0) / node) for node in NODES]
+    time: Array = np.asarray(counts * h, dtype=float)
+    many = [math.ceil(time.max(initial=0.0) / node) for node in NODES]
     direct = counts <= max(DIRECT, sum(many))
     short, last = stepped(balls, one.step, h, np.where(direct, counts, 0))
     if direct.all():
         return short, last, np.zeros_like(short)
-    exact = flown(balls, way)
-    found = [stepped(balls, one.step, way / m, np.full(len(counts), m)) for m in many]
+    exact = flown(balls, time)
+    found = [stepped(balls, one.step, time / m, np.full(len(counts), m)) for m in many]
     x = np.array([0.0, *(1.0 / m for m in many)])
     target = 1.0 / np.maximum(counts, 1)
     first = 1 if one.order == 0 else 0
 
-    def drawn(states: Sequence[Array], skip: int) -> Array:
+    def interpolated(states: Sequence[Array], skip: int | None = None) -> Array:
+        """Lagrange's polynomial through the states, one of which may be skipped, at `target`."""
         used = [i for i in range(first, len(x)) if i != skip]
         weights = [np.prod([(target - x[k]) / (x[i] - x[k]) for k in used if k != i], axis=0)
                    for i in used]  # fmt: skip
         return np.asarray(sum(w * states[i] for w, i in zip(weights, used, strict=True)))
 
+    # The doubt is the difference from the polynomial without the coarsest flight.
     states = [exact, *(y for y, _ in found)]
-    y = np.where(direct, short, drawn(states, -1))
-    doubt = np.where(direct, 0.0, np.abs(y - drawn(states, 1)))
+    y = np.where(direct, short, interpolated(states))
+    doubt = np.where(direct, 0.0, np.abs(y - interpolated(states, skip=1)))
     if found[0][1] is None:
         return y, None, doubt
-    slopes = [balls.rates(exact, way), *(left for _, left in found)]
-    slope = drawn(slopes, -1)
+    slopes = [balls.rates(exact, time), *(left for _, left in found)]
+    slope = interpolated(slopes)
     return y, slope if last is None else np.where(direct, last, slope), doubt
 
 
@@ -404,6 +420,26 @@ class Way:
     """A flight in steps of h, s; its last step is shorter, maybe of another kind, or a chord.
 
     A batted ball is struck at once, or pushed from the step before the contact on.
+
+    Attributes
+    ----------
+    one, h
+        The integrator and its step.
+    chord
+        True if the end lies on the chord between the steps before and after it.
+    last
+        The integrator of the last step, if it is another one.
+    push
+        How the contact force acts, in the paper's scheme.
+    times
+        The push, in units of half of the contact force.
+
+    Examples
+    --------
+    >>> Way(VERLET[Treatment(0.0, False, False)], 0.05, chord=True).words[:65]
+    'errs like velocity Verlet with the force at the old velocity in s'
+    >>> Way(EXACT, 0.001, chord=True).words
+    'puts the end of the flight on the chord between two steps of 0.001 s'
     """
 
     one: Integrator
@@ -411,7 +447,7 @@ class Way:
     chord: bool = False
     last: Integrator | None = None
     push: ContactForce | None = None
-    times: float = 1.0  # the push, in units of half of the contact force
+    times: float = 1.0
 
     @property
     def words(self) -> str:
@@ -484,6 +520,7 @@ def steps(
     The last step is shorter, and may be that of another integrator, or the state lies on the chord
     between two steps.
     """
+    # Whole steps up to the last one before the end, and the rest of the time.
     balls = launched(one.law(stage), columns)
     counts = np.floor(np.nan_to_num(balls.duration) / h + ON_STEP).astype(int).clip(0)
     y, left, doubt = _reached(balls, one, h, counts)
@@ -506,7 +543,11 @@ def steps(
 def _pushed(
     stage: Stage, columns: Mapping[str, Any], way: Way, on: Sequence[float]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """The same of batted balls that the contact force F̄/2 pushes at some steps (Appendix B)."""
+    """A stage's quantities and doubt, of balls that the contact force F̄/2 pushes at some steps.
+
+    Appendix B of the paper. `on` are the shares of F̄/2 that act at the steps from the last one
+    before the contact on; together they replace the impulse m (V⁺ - V).
+    """
     h, step = way.h, way.one.step
     struck = columns["kind"] == "at-bat"
     if step is None or not struck.any():
@@ -515,7 +556,7 @@ def _pushed(
     # From the step gone back to, a straight line leads to the contact.
     ahead = columns[time] - np.floor(columns[time] / h + ON_STEP) * h
     before = columns[velocity]
-    half = (columns[after] - before) / (2.0 * h)
+    half = (columns[after] - before) / (2.0 * h)  # F̄/2m, for F̄ h = m (V⁺ - V)
 
     def rates(y: Array, t: Any, start: Array | None = None) -> Array:
         # No launch fixes a spin axis: the air acts as on a ball launched with this velocity.
@@ -537,7 +578,7 @@ def _pushed(
     }  # fmt: skip
     free = {name: np.where(struck, column, columns[name]) for name, column in free.items()}
     found, doubts = steps(stage, {**columns, **free}, way.one, h, way.chord, way.last)
-    # A ball may be down before.
+    # A ball that lands during the push lies on the chord between two of its states.
     flown_for = launched(stage, columns).duration + ahead
     counts = np.floor(flown_for / h + ON_STEP)
     for k, (begin, end) in enumerate(pairwise(states)):

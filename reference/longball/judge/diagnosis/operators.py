@@ -91,6 +91,19 @@ class Edit:
     within
         Another form of `place`, and a node of it: then the form stands there, and `by` in place of
         its node.
+
+    Examples
+    --------
+    A candidate whose ball is heavier by a factor of its own, which a search has fitted:
+
+    >>> from longball.judge.diagnosis.chain import CHAIN, I
+    >>> edit = Edit(I["m"], free() * I["m"], 4.0, "takes {c} times m", starts=(1.0,))
+    >>> settled = edit.settled(2.0, cost=6.3)
+    >>> settled.by, settled.words, settled.bits
+    (2·m, 'takes 2 times m', 10.3)
+    >>> changed = zip(CHAIN, settled.apply(CHAIN), strict=True)
+    >>> [stage.name for stage, other in changed if other is not stage][:2]
+    ['pitch', 'touching']
     """
 
     place: Node
@@ -140,7 +153,8 @@ class Edit:
 
 # --- the prior ------------------------------------------------------------------------------------
 
-# Bits of an operator, besides those of the choice among its options and of the place.
+# Bits of an operator, besides those of the choice among its options and of the place. One bit more
+# means half as likely. They decide between edits that explain the numbers equally well.
 BITS = {
     "default": 2.0,
     "zero": 2.0,
@@ -264,7 +278,7 @@ def key_of(number: Node) -> str:
     return f"key of {number.data}"
 
 
-INPUT_NAMES = frozenset(each.symbol.data for each in INPUTS)
+INPUT_NAMES = frozenset(one.symbol.data for one in INPUTS)
 
 # What may stand at a place: a node, bits, words, and starts of a free number.
 Option = tuple[Node, float, str, tuple[float | Node, ...]]
@@ -273,7 +287,7 @@ Option = tuple[Node, float, str, tuple[float | Node, ...]]
 def _others(site: Site) -> Iterator[Option]:
     """Another node of the same kind that is at hand."""
     a = site.node
-    if a.op == "constant" and a.dimension == NONE:
+    if a.op == "constant" and a.dimension == NONE:  # a bare number is an edit of `_numbers`
         return
     like = [b for b in site.pool if b.vector == a.vector and b is not a and words(b) != words(a)]
     same = [b for b in like if b.dimension == a.dimension]
@@ -287,6 +301,7 @@ def _others(site: Site) -> Iterator[Option]:
                 yield in_unit_of(a, b), cost, f"takes {words(b)} for {words(a)}", ()
     for b in same:
         yield b, BITS["other"] + choice, f"takes {words(b)} for {words(a)}", ()
+        # A multiple of another input: a program may compute one number from the other.
         if a.op == b.op == "symbol" and not a.vector:
             cost = BITS["other"] + BITS["free factor"] + choice
             yield free() * b, cost, f"takes {{c}} times {words(b)} for {words(a)}", (a / b,)
@@ -313,6 +328,7 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield free(a.dimension), BITS["free value"] + 1, f"takes {{c}} for {said}", (a.data,)
     if a.op == "constant":
         return
+    # A term of a sum can be left out, and what has a name; a factor that is left out is a 1, below.
     summand = not site.parents or site.under("sum", "vector")
     divides = any(p.op == "quotient" and p.args[1] is a for p in site.parents)
     known = a.data in INPUT_NAMES or (a.op == "named" and (a.dimension != NONE or not a.vector))
@@ -326,6 +342,8 @@ def _numbers(site: Site) -> Iterator[Option]:
         assert isinstance(usual, float)
         text = f"ignores {said}: takes {usual:.9g}, its default"
         yield constant(usual, a.dimension), BITS["default"], text, ()
+    # A wrong default shows only in scenes that omit the key. The search begins beside the right
+    # value, where the edit has an effect.
     if a.op == "symbol" and a.data in site.left_out:
         chosen = switch(key_of(a), {"given": a, LEFT_OUT: free(a.dimension)})
         text = f"takes {{c}} for {said} where the scene leaves it out"
@@ -350,10 +368,12 @@ def _factors(site: Site) -> Iterator[Option]:
         yield free() * a, BITS["free factor"], f"takes {{c}} times {said}", (1.0, 3.0, 0.3)
     if not fits and site.flies:  # a flight costs more than its fit would
         return
+    # A free factor, fitted from 1, 3 and 0.3, rounds to a usual one near it. Factors of an input
+    # beyond 0.09 to 11 are too far for the fit, and are edits of their own.
     choice = BITS["factor"] + math.log2(len(FACTORS))
     for factor, meaning in FACTORS.items():
         if factor == -1.0 or (fits and (a.op != "symbol" or 0.09 < factor < 11)):
-            continue  # the free factor finds it
+            continue
         text = f"takes {factor:.9g} times {said}" + (f" ({meaning})" if meaning else "")
         yield factor * a, choice, text, ()
 
@@ -374,7 +394,7 @@ def _scales(site: Site) -> Iterator[Option]:
     same = [b for b in site.pool if not b.vector and b is not a]
     cost = BITS["inverse"] + math.log2(1 + len(same))
     for b in same:
-        number = b / constant(1.0, b.dimension)
+        number = b / constant(1.0, b.dimension)  # of any unit: a program has none
         yield a / number, cost, f"divides {words(a)} by {words(b)}", ()
         yield a * number, cost, f"multiplies {words(a)} by {words(b)}", ()
 
@@ -407,7 +427,7 @@ def _shapes(site: Site) -> Iterator[Option]:
     a, said = site.node, words(site.node)
     if a.op == "quotient" and not a.args[0].vector:
         yield a.args[1] / a.args[0], BITS["inverse"], f"inverts {said}", ()
-    if a.op == "product" and a.args[0] is a.args[1]:
+    if a.op == "product" and a.args[0] is a.args[1]:  # squares are written so (`R·R`)
         one = a.args[0] * constant(1.0, a.args[0].dimension)
         yield one, BITS["square"], f"does not square {words(a.args[0])}", ()
     if a.vector or a.op == "constant":
@@ -484,7 +504,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             key, _ = a.data
             yield table(x, key, "extrapolated"), 0.0, f"extrapolates the table {key}"
             yield table(x, key, "previous node"), 0.0, f"does not interpolate in the table {key}"
-        case "product", (b, c) if a.vector:  # |v| v by components
+        # Drag is a number times |v| v; programs that treat each axis alone take |v_x| v_x, or v_x².
+        case "product", (b, c) if a.vector:
             factors = _factors_of(b)
             for i, size in enumerate(factors):
                 if _meaning(size).op == "norm" and _meaning(size).args[0] is c:
@@ -521,6 +542,7 @@ def _slipped(a: Node, b: Node) -> Iterator[tuple[Node, str]]:
         made = vector(*(by if k == i else each for k, each in enumerate(right)))
         return made, f"{words(by)} for {words(right[i])}"
 
+    # Component i is a_j b_k - a_k b_j. In one of its two terms one index is another.
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         first, last = component(a, j) * component(b, k), component(a, k) * component(b, j)
@@ -590,6 +612,7 @@ def _states(site: Site) -> Iterator[Option]:
     a, said = site.node, words(site.node)
     if not site.flies:
         return
+    # Such as a lift whose axis turns with the ball, or a drag that keeps the first speed.
     now = substitute(substitute(a, v0, v), r0, r)
     if now is not a and a.op in ("symbol", "named"):
         yield now, BITS["launch"], f"takes {said} of each moment, not of the launch", ()
@@ -600,6 +623,8 @@ def _states(site: Site) -> Iterator[Option]:
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
         if a.op in ("symbol", "component") and a.dimension == M:
             yield a - at_launch, BITS["launch"], f"counts {said} from the launch", ()
+    # A whole force may act only for a part of the flight. Its limit is fitted from several values:
+    # the effect of a limit is flat far from the right one.
     if not (site.under("sum") or not site.parents or a.op == "named"):
         return
     cost = BITS["condition"]
@@ -647,7 +672,8 @@ OPERATORS: tuple[Operator, ...] = (
 )  # fmt: skip
 
 
-# Operators that take no other node from the pool.
+# Operators that take no other node from the pool: in combinations (one option or one use of a
+# definition, and a mistake in it) the others would make too many edits.
 OF_ITSELF: tuple[Operator, ...] = (_numbers, _factors, _shapes)
 
 DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
@@ -656,8 +682,12 @@ DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 
 
 def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Node, ...]:
-    """Nodes at hand at a stage: its own pool, and inputs and definitions of its formulas."""
-    found: dict[int, Node] = {}
+    """Nodes at hand at a stage: its own pool, and inputs and definitions of its formulas.
+
+    They are what its author may have written by mistake: what the same function uses, and for a
+    formula also what was computed before.
+    """
+    found: dict[Node, None] = {}  # in the order in which they are found
     if stage.kind == "flight":
         roots = [*stage.roots.values(), *(form for some in stage.forms.values() for form in some)]
     else:  # of flights before it, their ends are at hand
@@ -675,24 +705,24 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     for node in ordered(roots):
         variable = node.op in ("symbol", "named", "component") and node.data != FREE
         if variable and not depends(node, again):
-            found[id(node)] = node
+            found[node] = None
     if stage.kind == "event":
-        places = [x for x in found.values() if x.op == "symbol" and x.vector and x.dimension == M]
-        found |= {id(x): x for place in places for i in range(3) for x in [component(place, i)]}
+        places = [x for x in found if x.op == "symbol" and x.vector and x.dimension == M]
+        found |= dict.fromkeys(component(place, i) for place in places for i in range(3))
     if stage.kind == "flight":
-        states = v, r, v0, r0
-        found |= {id(x): x for state in states for i in range(3) for x in [component(state, i)]}
+        found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
     if stage.kind == "formula":
         earlier = (one.quantities for one in chain[: chain.index(stage)])
-        found |= {id(OWN[q]): OWN[q] for quantities in earlier for q in quantities}
-        # Its own quantity would explain any value of it.
-        found.pop(id(OWN.get(stage.quantities[0])), None)
-    known: dict[int, Node] = {}
-    for node in (*(specialised(x, columns, known) for x in stage.pool), e_x, e_y, e_z):
-        found[id(node)] = node
-    vectors = [x for x in found.values() if x.vector and x.dimension != NONE]
+        found |= dict.fromkeys(OWN[q] for quantities in earlier for q in quantities)
+        # Its own quantity would explain any value of it. (The test of an outcome has none.)
+        if (quantity := OWN.get(stage.quantities[0])) is not None:
+            found.pop(quantity, None)
+    known: dict[Node, Node] = {}
+    found |= dict.fromkeys(specialised(x, columns, known) for x in stage.pool)
+    found |= dict.fromkeys((e_x, e_y, e_z))
+    vectors = [x for x in found if x.vector and x.dimension != NONE]
     more = [y for x in vectors for y in (norm(x), unit(x))]
-    return (*found.values(), *more, *([-e_y] if stage.kind == "flight" else []))
+    return (*found, *more, *([-e_y] if stage.kind == "flight" else []))
 
 
 def edits(
@@ -710,11 +740,11 @@ def edits(
     arguments = Values(columns).arguments if columns else attrgetter("args")
     pool = (*pool_of(chain, stage, columns), *more)
     left_out = frozenset(
-        str(each.symbol.data) for each in INPUTS
-        if LEFT_OUT in columns.get(key_of(each.symbol), ())
+        str(one.symbol.data) for one in INPUTS
+        if LEFT_OUT in columns.get(key_of(one.symbol), ())
     )  # fmt: skip
     for name, root in stage.roots.items():
-        if name == "through":
+        if name == "through":  # U alone: its edits are made in the law
             continue
         flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
@@ -755,12 +785,13 @@ def edits_of_one_option(
             if node.op == "switch" and node.data[0].startswith("reading."):
                 key, options = node.data
                 for option, arm in zip(options, node.args, strict=True):
-                    known: dict[int, Node] = {}
+                    known: dict[Node, Node] = {}
                     form = specialised(root, {key: np.array([option])}, known)
-                    forms.append((form, _everywhere(key, option), known[id(arm)]))
+                    forms.append((form, _everywhere(key, option), known[arm]))
         for form, text, part in forms:
             if form is root:
                 continue
+            # Nodes outside of the option's part count as known: the mistake is in the part.
             nodes = ordered([form], (), arguments)
             others = frozenset(nodes).difference(ordered([part]))
             for edit in _of_formula(root, form, nodes, others, site, OF_ITSELF):
@@ -796,8 +827,12 @@ def _of_regions(
         whole_arm, inside = part is region, region if part is region else _meaning(part)
         written = ordered([inside], (), _written)
         parts = [x for x in (ordered([region]) if whole_arm else written) if x in here]
+        # Of the region's nodes those that stand elsewhere, too: an edit of another is made by
+        # `_of_formula` already.
         for node in (x for x in parts if x is not inside and x in elsewhere):
             site = replace(whole, node=node, parents=tuple(x for x in parts if node in x.args))
+            # Equal nodes are one: under a new name, the node of this region differs from the
+            # others.
             hole = named(words(node), node)
             opened = substitute(inside, node, hole)
             if not whole_arm:
@@ -859,7 +894,7 @@ def _of_formula(
     root: Node, form: Node, nodes: Sequence[Node], known: Container[Node], whole: Site,
     operators: Sequence[Operator] = OPERATORS,
 ) -> Iterator[Edit]:  # fmt: skip
-    """Edits at the nodes of a form of a formula, but for those that are known of another form."""
+    """Edits at the nodes of a form of a formula, except for those `known` from another form."""
     leaves = [node for node in nodes if node.op == "symbol" and node not in known]
     for a, b in itertools.combinations(leaves, 2):
         if a.dimension == b.dimension and a.vector == b.vector:
@@ -867,15 +902,16 @@ def _of_formula(
             exchanged = substitute(substitute(substitute(form, a, hole), b, a), hole, b)
             said = f"exchanges {words(a)} and {words(b)}"
             yield Edit(root, exchanged, BITS["exchange"] + math.log2(len(leaves)), said)
-    parents: dict[int, list[Node]] = {id(node): [] for node in nodes}
+    parents: dict[Node, list[Node]] = {node: [] for node in nodes}
     for node in nodes:
         for arg in dict.fromkeys(node.args):
-            if id(arg) in parents:
-                parents[id(arg)].append(node)
+            if arg in parents:
+                parents[arg].append(node)
     places = math.log2(1 + len(nodes))
     for node in nodes:
-        using = parents[id(node)]
-        above = [q for p in using for q in ([p] if p.op != "named" else parents[id(p)])]
+        using = parents[node]
+        # Operators look through a name at the operation that uses it.
+        above = [q for p in using for q in ([p] if p.op != "named" else parents[p])]
         site = replace(whole, node=node, parents=tuple(above or using))
         for operator in operators:
             for by, bits, said, starts in operator(site):
@@ -884,8 +920,9 @@ def _of_formula(
                 place, within = (node, None) if form is root else (root, (form, node))
                 if node not in known:
                     yield Edit(place, by, cost, said, starts, within=within)
+                # The mistake in one use alone of a node that has several.
                 for use in using if len(using) > 1 else ():
-                    if use in known and all(q in known for q in parents[id(use)]):
+                    if use in known and all(q in known for q in parents[use]):
                         continue
                     place, within = (use, None) if form is root else (root, (form, use))
                     text = f"{said} in {words(use)}"

@@ -66,8 +66,8 @@ from longball.model.arrays import Array
 
 Bools = NDArray[np.bool_]
 
-ALIKE = DIGIT  # bits: edits that cost no more than the cheapest one and these are as likely
-MOST = 2  # edits that are told beside the cheapest one
+ALIKE = DIGIT  # bits: edits that cost at most so much more than the cheapest one are told beside it
+MOST = 2  # of these edits, at most
 
 time_limit, floor = symbol("time_limit", S), symbol("landing height", M)
 margin, clearance = OWN["contact.margin"], OWN["fence.clearance"]
@@ -98,7 +98,7 @@ class Test:
 
 @dataclass(frozen=True)
 class Tree:
-    """Tests in order, and what is said of a scene of a kind that meets none."""
+    """Tests in order, and the fact by kind of scene where none holds."""
 
     name: str
     tests: tuple[Test, ...]
@@ -110,11 +110,14 @@ class Tree:
         return list(dict.fromkeys([*(t.says for t in self.tests), *self.otherwise.values()]))
 
 
+# Kinds of scenes that have a pitch, a collision, a flight that lands; and the stages on which the
+# state of a ball depends at the plate, at the bat, and after it has left the bat.
 _KINDS = "flight", "pitch", "impact", "at-bat"
 _THROWN, _STRUCK, _FLOWN = ("pitch", "at-bat"), ("impact", "at-bat"), ("flight", "at-bat")
 _PITCHED = ("pitch", "plate")
 _TOUCHED = (*_PITCHED, "touching")
 _LEFT = (*_TOUCHED, "velocity after", "flight")
+# docs/model.md, "Scenes and outcomes".
 OUTCOMES = Tree(
     "outcome",
     (
@@ -206,12 +209,15 @@ class Told:
 
 def _held(test: Test, told: Told, without: Node | None = None) -> Array:
     """1 where a test holds, 0 where it does not, NaN where that is not known."""
+    # "And" of three values: 0 beside anything is 0, else NaN beside anything is NaN.
     found = np.ones(len(told))
     for condition in test.conditions:
         if condition is without:
             continue
         with np.errstate(all="ignore"):
             value = np.asarray(evaluate(condition, told.columns), float) + 0.0 * found
+        # Unknown are a value that nobody gives, in a scene with a wrong outcome a value that does
+        # not come from the candidate while an earlier stage is wrong, and a tie.
         unsure = np.isnan(value)
         if not told.suspect.isdisjoint(test.after):
             own = [told.given[n.data] for n in ordered([condition]) if n.data in told.given]
@@ -225,10 +231,12 @@ def _held(test: Test, told: Told, without: Node | None = None) -> Array:
 
 def _known(tree: Tree, told: Told) -> list[Array]:
     """Of each test, 1 or 0 where the truth says that it holds or not; else NaN."""
+    # The tests before the one that holds are 0; what those after it would say, nobody knows.
     met = np.zeros(len(told), dtype=bool)
     found = []
     for test in tree.tests:
         here = np.array([right == test.says for right in told.right]) & ~met
+        # Two tests say "airborne": an at-bat with a plate is airborne by the second.
         if test.says == "airborne" and test.kinds == _THROWN:
             here &= ~told.plates | (told.kinds == "pitch")
         here &= np.isin(told.kinds, test.kinds)
@@ -254,7 +262,9 @@ class _Search:
     def filled(self, i: int, test: Test, edited: bool = False) -> Array:
         """Truth of a test by the candidate's values, or by the true ones where it gives none."""
         held, truth = _held(test, self.told), self.truth[i]
-        if edited:  # beyond what is known, only that nothing got there stays
+        # A test that truly holds need not hold when it is edited. One that truly does not hold says
+        # that no ball gets there, which an edit does not change.
+        if edited:
             truth = np.where(truth == 1, np.nan, truth)
         if not self.told.suspect.isdisjoint(test.after):
             truth = np.where(self.told.wrong, np.nan, truth)
@@ -263,7 +273,7 @@ class _Search:
     def possible(self, values: Sequence[Array]) -> Bools:
         """Options by scenes: True where one may be said."""
         found = np.zeros((len(self.options), len(self.told)), dtype=bool)
-        waiting = np.ones(len(self.told), dtype=bool)
+        waiting = np.ones(len(self.told), dtype=bool)  # scenes in which no test surely holds so far
         for test, value in zip(self.tree.tests, values, strict=True):
             found[self.options.index(test.says)] |= waiting & (value != 0)
             waiting = waiting & (value != 1)
@@ -272,7 +282,7 @@ class _Search:
         return found
 
     def agrees(self, possible: Bools, said: Sequence[object] | None = None) -> Bools:
-        """True where what is said is possible, or what is right."""
+        """True where the candidate's fact is possible, or one of `said` in its place."""
         rows = [self.options.index(x) for x in said or self.told.said]
         return np.asarray(possible[rows, np.arange(len(rows))])
 
@@ -297,7 +307,8 @@ class _Search:
                     cost = BITS["zero"] + choice + math.log2(len(test.conditions))
                     text = f"says {_text(test.says)} whether or not {said}"
                     yield i, replace(test, conditions=left), None, cost, text
-                stage = Stage("", (test_name(test),), "formula", {"value": condition})
+                # The operators edit stages: a condition is made one.
+                stage = Stage("", (str(test.says),), "formula", {"value": condition})
                 usual = {**defaults(), "time_limit": 60.0}
                 for edit in edits((stage,), stage, usual, self.told.columns, self.tree.pool):
                     (other,) = edit.apply((stage,))
@@ -313,6 +324,7 @@ class _Search:
         (c,) = {n for f in test.conditions for n in ordered([f]) if n.data == FREE}
         (at,) = (k for k, f in enumerate(test.conditions) if f is not old.conditions[k])
         edited = test.conditions[at]
+        # The condition is a + b c > 0, from its values at c = 0 and 1; that at 2 confirms it.
         points = []
         for x in (0.0, 1.0, 2.0):
             with np.errstate(all="ignore"):
@@ -322,8 +334,8 @@ class _Search:
         usable = np.isfinite(points[2])
         first, second = (slope[usable] for slope in slopes)
         if not usable.any() or not np.allclose(first, second, rtol=1e-9, atol=0.0):
-            return None  # not linear in its number
-        # With the test true, or false, is what is said possible?
+            return None
+        # Is the candidate's fact possible if the test holds? And if it does not?
         can = []
         for x in (1.0, 0.0):
             values = [*self.values]
@@ -331,6 +343,7 @@ class _Search:
             values[i] = np.where(rest == 0, 0.0, np.where(np.isnan(rest), np.nan, x))
             values[i] = np.where(usable, values[i], self.filled(i, old, edited=True))
             can.append(self.agrees(self.possible(values)))
+        # A scene in which only one of both is possible limits the number, from below or from above.
         must = np.where(usable & (can[0] ^ can[1]), np.where(can[0], 1.0, -1.0), 0.0)
         with np.errstate(all="ignore"):
             limit, way = -points[0] / slopes[0], np.sign(slopes[0]) * must
@@ -351,23 +364,20 @@ class _Search:
 
     def nothing(self, wrong: int) -> float:
         """Bits of so many wrong outcomes, which might be any others in any scenes."""
+        # log2 of the number of choices: of the scenes, and in each of one of the other outcomes.
         scenes = len(self.told)
         some = min(wrong, scenes // 2)  # that all are wrong by chance is not more likely
         among = math.log2(math.comb(scenes, some))
         return among + wrong * math.log2(max(len(self.options) - 1, 1))
 
 
-# A limit that is off by a factor of 3 is another limit.
+# Factors of edits that explain outcomes by coincidence. Outcomes say only on which side of a limit
+# a scene lies: one that is 3 times as large may divide the scenes as well as the candidate's.
 _COINCIDENCES = {FREE, *(x for x, meaning in FACTORS.items() if not meaning)} - {2.0, 0.5}
 
 
 def _is_coincidence(edit: Edit) -> bool:
     return any(n.op == "product" and n.args[0].data in _COINCIDENCES for n in ordered([edit.by]))
-
-
-def test_name(test: Test) -> str:
-    """The name of a test: the fact that it reports."""
-    return str(test.says)
 
 
 def _text(value: object) -> str:
@@ -467,7 +477,8 @@ def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
         return
     search = _Search(tree, told)
     possible = search.possible(search.values)
-    # What is right is not possible by the candidate's own values.
+    # A wrong outcome follows from wrong numbers if it is possible by the candidate's own values and
+    # the right one is not.
     follows = left & search.agrees(possible) & ~search.agrees(possible, told.right)
     if follows.any():
         yield _following(tree, told, follows)
@@ -516,7 +527,7 @@ class _Way:
 
 def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> list[_Way]:
     """Edits that explain a whole kind of wrong outcome: those of most first, then the cheapest."""
-    found: dict[bytes, _Way] = {}
+    found: dict[bytes, _Way] = {}  # of edits that say the same in moved scenes, the cheapest
     moved = _moved(search.told)
     known = {_fingerprint(search.tree, i, test, moved) for i, test in enumerate(search.tree.tests)}
     pairs = np.array([hash(pair) for pair in _pairs(search.told, left | True)])
@@ -541,6 +552,7 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
         fixed &= ~np.isin(pairs, pairs[left & ~agrees])  # a kind of mistake is explained whole
         if not fixed.any():
             continue
+        # Evidence are only scenes in which the edit decides, and nothing else may be the cause.
         spent = bits + search.cost(possible, fixed)
         sure = fixed & ~np.isnan(held) & ~unknown
         if not search.told.suspect.isdisjoint(old.after):

@@ -21,13 +21,13 @@ from longball.judge.diagnosis.residual import Data, Index, evenly, follow
 from longball.judge.diagnosis.scenes import rule
 from longball.model.arrays import Array
 
-# The largest relative error falls at least so much where a conversion mends: what a scheme of long
-# steps leaves is less than a hundredth of what another unit makes.
+# Fraction of the largest relative error that a conversion may leave where it mends: long steps make
+# less than a hundredth of the error of another unit.
 MENDED = 1e-2
-BROKEN = 2.0  # a stage whose error grows more is broken
-CLOSE = 0.3  # of the error, what a conversion may leave of it where another mistake is beside it
-NOTHING = 1e-6  # m, m/s: what is off by less is not in another unit
-MOST = 3  # conversions, one after another
+BROKEN = 2.0  # factor by which the error of a stage grows that a conversion breaks
+CLOSE = 0.3  # fraction of the error that a conversion may leave where another mistake is beside it
+NOTHING = 1e-6  # m, m/s: a value with a smaller error is not in another unit
+MOST = 3  # conversions, in turn
 FEW = 200  # scenes in which a conversion is tried first
 
 SPEED = (1, 0, -1)
@@ -89,6 +89,7 @@ def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
                 found.append((-mended, one.bits, one, after))
         if not found:
             break
+        # The one that mends most; of those, the likeliest. Others are tried on what it leaves.
         _, _, best, errors = min(found, key=lambda way: way[:2])
         findings.append(_finding(best, data))
         data = replace(data, given={**data.given, **best.given})
@@ -100,6 +101,7 @@ def _errors(data: Data, chain: Sequence[Stage], only: Index | None = None) -> Er
     _, followed = follow(chain, data, only=only)
     found: dict[tuple[str, str, str], tuple[float, int]] = {}
     for one in followed:
+        # A flight has a vector for each of its quantities, other stages have one quantity.
         rows = np.nan_to_num(np.abs(one.off) / one.scale)
         wrong = np.abs(one.off) > one.tolerance
         width = len(rows) // len(one.stage.quantities) if one.stage.kind == "flight" else len(rows)
@@ -213,6 +215,8 @@ def _others(data: Data) -> Iterator[Conversion]:
                 continue
             both = np.isfinite(mine) & np.isfinite(theirs)
             apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6
+            # Equal to the last digit, where the right values differ: copied. The right one is lost,
+            # and counts as not given.
             if (both & apart).any() and (mine == theirs)[both].all():
                 wrong = {q: np.where(both, np.nan, mine)}
                 if q == "landing.hang_time":  # which follows from the other times

@@ -182,6 +182,7 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
     columns = {**inputs(scenes), **switches(scenes), **left_out(scenes), **chords_at}
+    # The stage `margin` subtracts this from R + r_b again: it has no formula of its own.
     columns[str(closest.data)] = columns["R"] + columns["r_b"] - expected["contact.margin"]
     return Data(cases, columns, given, expected, errors, granted=granted)
 
@@ -206,6 +207,7 @@ def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
         key = f"air.{side}_coefficient"
         laws = [value_at(scene, key) if _has(scene, "air") else None for scene in scenes]
         for part in ("at", "values"):
+            # Columns need rows of one length: the last node of a shorter table is repeated.
             rows = [getattr(law, part, (0.0, 1.0)) for law in laws]
             longest = max(map(len, rows), default=2)
             filled = [(*row, *[row[-1]] * (longest - len(row))) for row in rows]
@@ -247,8 +249,9 @@ def _has(scene: Any, key: str) -> bool:
 def _number(scene: Any, path: str, nothing: Any) -> Any:
     try:
         value = value_at(scene, path)
-    except ValueError:
+    except ValueError:  # this kind of scene has no such key
         return nothing
+    # A key such as `air.wind` may hold a vector, a number or a block: only the form of the input.
     if isinstance(value, tuple):
         return value if isinstance(nothing, tuple) else nothing
     return float(value) if isinstance(value, int | float) else nothing
@@ -289,7 +292,7 @@ FORMED = (
     "air.wind", "air.spin_decay_length", "air.density_scale_height", "earth", "fence",
     "bat.friction",
 )  # fmt: skip
-# The words for a form, by the key that tells it.
+# Words for the form of a block, by a key that only this form has.
 FORMS = {
     "above": "above a height", "roughness": "logarithmic", "temperature": "weather",
     "polyline": "a polyline", "radius": "a circle",
@@ -309,7 +312,7 @@ def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Arra
     """The ends of the chord next to a place, one of each scene.
 
     At a step of the wall two chords are equally near: the height of the chosen one is nearer to
-    `tops`.
+    `tops`, the heights that follow from the candidate's clearances.
     """
     ends = np.full((2, 3, len(scenes)), np.nan)
     for i, scene in enumerate(scenes):
@@ -407,20 +410,22 @@ def launched(stage: Stage, columns: Columns) -> Launched:
         "v0": y[3:6].copy(),
         "ω0": spin + np.zeros((3, count)),
     }
-    follows = depends(roots["law"], _PATH) or depends(roots["spin_left"], _PATH)
+    # The path is integrated only if the spin decays along it. The rate of the place is the velocity
+    # unless an edit has changed it.
+    has_path = depends(roots["law"], _PATH) or depends(roots["spin_left"], _PATH)
     moving = MOVING | {str(node.data) for node in START.values()}
     is_edited = roots["rate"] is not r_dot
-    more = ("through",) * follows + ("rate",) * is_edited
+    more = ("through",) * has_path + ("rate",) * is_edited
     law = Evaluator([roots[name] for name in ("law", *more)], columns, moving)
     began = [str(START[name].data) for name in ("r", "v")]
 
     def rates(at: Array, t: Any, start: Array | None = None) -> Array:
         start = at if start is None else start
         begin = {began[0]: start[:3], began[1]: start[3:6]}
-        pushed = law(r=at[:3], v=at[3:6], t=t, path=at[6], **{**begin, "dr/dt": at[3:6]})
+        found = law(r=at[:3], v=at[3:6], t=t, path=at[6], **{**begin, "dr/dt": at[3:6]})
         slope = np.empty_like(at)
-        slope[:3], slope[3:6] = pushed[-1] if is_edited else at[3:6], pushed[0]
-        slope[6] = pushed[1] if follows else 0.0
+        slope[:3], slope[3:6] = found[-1] if is_edited else at[3:6], found[0]
+        slope[6] = found[1] if has_path else 0.0
         return slope
 
     def ended(y: Array) -> dict[str, Array]:
@@ -431,13 +436,13 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             found[names[2]] = share * columns["ω0"]
         return found
 
-    @cache
-    def smooth() -> Pieces:
+    @cache  # made when the first flight asks: equal steps need none
+    def pieces() -> Pieces:
         return Pieces(roots["law"], columns, moving)
 
     def piece(at: Array, t: Any) -> Array:
         begin = {began[0]: at[:3], began[1]: at[3:6]}
-        return smooth()(r=at[:3], v=at[3:6], t=t, path=at[6], **begin)
+        return pieces()(r=at[:3], v=at[3:6], t=t, path=at[6], **begin)
 
     def some(which: Index) -> Launched:
         return launched(stage, take(columns, which))
@@ -457,6 +462,7 @@ def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, A
     """
     y, doubt = balls.y.copy(), np.zeros(balls.y.shape[1])
     known = np.isfinite(duration)
+    # A duration may be negative, as with an edited clock: the ball flies backwards.
     needed = np.ceil(np.where(known, np.abs(duration), 0.0) / limits.longest)
     steps = np.clip(needed, 1, limits.most)
     groups = np.ceil(np.log(np.maximum(steps, TOGETHER)) / math.log(TOGETHER))
@@ -473,6 +479,7 @@ def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, A
         flies = step < steps
         new, slopes = _step(balls, y, step * h, h)
         y = np.where(flies, new, y)
+        # A flight across a kink or a steep part is flown again from its launch: few are.
         if limits.exact:
             after = balls.piece(y, (step + 1) * h)
             again |= flies & ((after != before).any(axis=0) | ~(_error(y, slopes, h) < STEEP))
@@ -496,6 +503,8 @@ def _step(balls: Launched, y: Array, t: Array, h: Array) -> tuple[Array, Array]:
 
 def _error(y: Array, slopes: Array, h: Array) -> Array:
     """The largest relative error of each ball's step, by the method's own estimate."""
+    # DOP853 combines estimates of orders 5 and 3: h e5²/√(e5² + 0.01 e3²) (Hairer et al., Sec.
+    # II.10). The result falls as the eighth power of the step.
     e5, e3 = (np.abs(np.tensordot(e[:12], slopes, 1)) for e in (DOP853.E5, DOP853.E3))
     size = np.hypot(e5, 0.1 * e3)
     error = np.abs(h) * e5 * e5 / np.where(size > 0, size, 1.0)
@@ -513,11 +522,14 @@ def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Ar
     Return also their relative errors, which are HUGE for a ball that does not arrive in `CUTS` more
     steps.
     """
+    # `whole` is the step that the error allows, `before` and `beyond` are next to the last kink
+    # found, `here` is the piece of the law that the ball is in. Each ball has its own.
     y, t, whole = balls.y, np.zeros(len(longest)), longest
-    before, beyond = np.zeros_like(t), np.zeros_like(t)  # the last kink that was found
+    before, beyond = np.zeros_like(t), np.zeros_like(t)
     here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
     doubt = np.full(len(t), HUGE)
     for _ in range(CUTS + int(2 / longest.min())):
+        # Balls that have arrived are dropped as soon as they are half of those that fly.
         flies = np.flatnonzero(t < 1.0 - LEAST)
         if len(flies) < len(index) / 2:
             found[:, index] = y
@@ -542,6 +554,8 @@ def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Ar
             first = t + step * np.maximum(kink - BESIDE, BESIDE)
             before = np.where(crossed, first, before)
             beyond = np.where(crossed, first + 2 * BESIDE * step, beyond)
+        # The usual control of steps: the error is the eighth power of the step. A step that was cut
+        # short by a kink does not shorten the next ones.
         best = step * np.clip(0.9 * (CAREFUL / np.maximum(error, 1e-99)) ** 0.125, 0.1, 3.0)
         whole = np.where(coarse, best, np.clip(best, whole, longest))
         stays = crossed | coarse
@@ -558,6 +572,7 @@ def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope
     low, high = np.zeros_like(h), np.ones_like(h)
     for _ in range(BISECTIONS):
         s = (low + high) / 2
+        # Hermite's cubic: the chord, and what bends it (Hairer et al., Eq. II.6.7).
         bent = (1 - 2 * s) * (y - new) + h * ((1 - s) * slope - s * end)
         at = y + s * (new - y) + s * (1 - s) * bent
         beyond = (balls.piece(at, t + s * h) != here).any(axis=0)
@@ -572,17 +587,20 @@ Step = Callable[..., tuple[Array, Any]]
 
 
 def stepped(balls: Launched, step: Step, h: Any, counts: Index) -> tuple[Array, Any]:
-    """Fly balls by so many steps of a scheme, and return what the last step of each leaves, too."""
-    y, left = balls.y, None
+    """Fly balls by so many steps of a scheme.
+
+    Return the states, and what the last step of each carries over; None if steps do not carry.
+    """
+    y, carried = balls.y, None
     found, kept = y.copy(), balls.rates(y, 0.0)
     for k in range(int(counts.max(initial=0))):
-        y, left = step(balls.rates, y, k * h, h, left, h)
+        y, carried = step(balls.rates, y, k * h, h, carried, h)
         here = counts == k + 1
         if here.any():
             found[:, here] = y[:, here]
-            if left is not None:
-                kept[:, here] = left[:, here]
-    return found, None if left is None else kept
+            if carried is not None:
+                kept[:, here] = carried[:, here]
+    return found, None if carried is None else kept
 
 
 def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str, Array]:
@@ -604,6 +622,7 @@ def _flown_once(
 
     A flight that was flown before is looked up: an edit of one stage leaves the others as they are.
     """
+    # The key has the formulas, and a digest of the columns that they read.
     roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
     way = data.way(stage)
     for name in ("kind", stage.spins, *names_in(roots), *(way.reads if way else ())):
@@ -616,6 +635,7 @@ def _flown_once(
             found, doubt = way(stage, columns)
             again = {quantity: found[quantity] + doubt[quantity] for quantity in found}
         else:
+            # Flights by equal steps are flown again with twice the step. Others know their error.
             balls = launched(stage, columns)
             y, share = _flown(balls, balls.duration, limits)
             off = share * np.maximum(np.abs(y), 1.0)
@@ -644,6 +664,17 @@ class Followed:
         needs to explain it.
     scale
         The size that an error is relative to.
+
+    Examples
+    --------
+    Three scenes, of which the second is wrong by more than the noise, and the third has no answer:
+
+    >>> stage = next(one for one in CHAIN if one.name == "distance")
+    >>> off = np.array([[1e-15, 0.02, np.nan]])
+    >>> limit, size = np.full((1, 3), 1e-9), np.full((1, 3), 100.0)
+    >>> f = Followed(stage, np.arange(3), off, tolerance=limit, floor=limit, scale=size)
+    >>> f.checked, f.beyond, f.relative
+    (array([ True,  True, False]), array([False,  True, False]), array([1.e-17, 2.e-04, 0.e+00]))
     """
 
     stage: Stage
@@ -692,6 +723,8 @@ def compared(
     has added a jump or a kink to the stage (`Data.rough`), the candidate's steps may cross it
     unawares.
     """
+    # What the stage predicts, the same with about the error of the judge's own flight added, and as
+    # a program has it whose steps cross a jump.
     own, rough = take(columns, some), stage.name in data.rough
     if stage.kind == "flight":
         found, again = _flown_once(stage, own, data, limits)
@@ -702,8 +735,7 @@ def compared(
         careless = values(stage, own, UNAWARE)
     rows = []
     for quantity in stage.quantities:
-        if quantity not in found:
-            continue
+        # The residual. No answer is no error; a prediction that is not finite is the largest one.
         given = np.atleast_2d(data.given[quantity][..., some])
         predicted = np.atleast_2d(found[quantity])
         sizes = [np.sqrt(np.square(x).sum(0)) for x in (given, predicted)]
@@ -711,6 +743,7 @@ def compared(
         off = predicted if stage.kind == "event" else given - predicted
         off = np.where(np.isfinite(given).all(axis=0), off, np.nan)
         off = np.where(np.isfinite(given) & ~np.isfinite(off), HUGE, off)
+        # Tolerance and noise (docs/truth.md, "Four times the noise").
         others = (np.atleast_2d(x[quantity]) for x in (again, careless))
         unsure = np.nan_to_num(np.max([np.abs(predicted - other) for other in others], axis=0))
         if rough and some.size:
@@ -742,20 +775,21 @@ def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, .
     All flights share one law, which loses only the switches that are the same in all of them: an
     edit of the law is made in every flight.
     """
-    told = [
+    # Stages of which some scene has a true value: without a fence there is no stage of the fence.
+    present = [
         stage
         for stage in chain
         if any(np.isfinite(data.expected[q][..., _at(stage, data)]).any() for q in stage.quantities)
     ]
-    flights = [stage for stage in told if stage.kind == "flight"]
+    flights = [stage for stage in present if stage.kind == "flight"]
     found = []
-    for stage in told:
+    for stage in present:
         columns = {}
         for name in SWITCHES:
             alike = flights if stage.kind == "flight" else [stage]
             keys = ((s, s.spins if name == "spin" else name) for s in alike)
             columns[name] = np.concatenate([data.columns[key][_at(s, data)] for s, key in keys])
-        known: dict[int, Node] = {}
+        known: dict[Node, Node] = {}
         roots = {name: specialised(root, columns, known) for name, root in stage.roots.items()}
         forms = {
             name: tuple(specialised(form, columns, known) for form in some)
@@ -773,16 +807,17 @@ def begun(data: Data) -> dict[str, Any]:
     """Columns before the first stage: inputs, and the candidate's own values or else true ones."""
     columns = dict(data.columns)
     for quantity, node in OWN.items():
-        told = data.given[quantity]
-        columns[node.data] = np.where(np.isfinite(told), told, data.expected[quantity])
-    both = [columns[OWN[name].data] for name in ("landing.time", "contact.time")]
-    told, since = data.given["landing.hang_time"], both[0] - np.nan_to_num(both[1])
-    # If landing.time - contact.time contradicts landing.hang_time, the one nearer to the truth
+        given = data.given[quantity]
+        columns[node.data] = np.where(np.isfinite(given), given, data.expected[quantity])
+    # A flight lasts for `landing.hang_time`, or from the contact (0 of a flight scene) to the
+    # landing. If the candidate's two times contradict each other, the one nearer to the truth
     # counts.
+    both = [columns[OWN[name].data] for name in ("landing.time", "contact.time")]
+    hang, since = data.given["landing.hang_time"], both[0] - np.nan_to_num(both[1])
     true = data.expected["landing.hang_time"]
-    nearer = np.abs(told - true) <= np.abs(since - true)
-    columns["hang_time"] = np.where(nearer | ~np.isfinite(since), told, since)
-    columns["landing.hang_time"] = np.where(np.isfinite(told), told, since)
+    nearer = np.abs(hang - true) <= np.abs(since - true)
+    columns["hang_time"] = np.where(nearer | ~np.isfinite(since), hang, since)
+    columns["landing.hang_time"] = np.where(np.isfinite(hang), hang, since)
     # An impact scene gives what a pitch brings.
     for own, given in (
         ("contact.position", "position"),
@@ -795,11 +830,14 @@ def begun(data: Data) -> dict[str, Any]:
     return columns
 
 
-_BEFORE = frozenset(("V", "ω"))  # of the ball that meets the bat, which no candidate reports
+# Velocity and spin of the ball that meets the bat. No candidate reports them: they follow from the
+# pitch, and are not known if that is wrong without a known cause.
+_BEFORE = frozenset(("V", "ω"))
 
 
 def seen(chain: Sequence[Stage], data: Data) -> Data:
     """Data with the scenes in which the chain does not make the truth from the truth."""
+    # Smooth laws have none. Of the others only scenes matter in which the candidate looks wrong.
     if not any(stage.kind == "flight" and is_rough(stage) for stage in chain):
         return data
     _, found = follow(chain, data)
@@ -829,7 +867,7 @@ def follow(
             some = np.setdiff1d(some, unknown)
         one, follows = compared(stage, data, columns, some)
         found.append(one)
-        if stage.kind == "event":
+        if stage.kind == "event":  # an event gives no value, only the distance from its surface
             continue
         for quantity, value in follows.items():
             name = OWN[quantity].data

@@ -20,11 +20,13 @@ from longball.judge.diagnosis.residual import COARSE, START, Launched, flown, la
 from longball.model.arrays import Array
 
 NODES = 10  # of a Gauss-Legendre rule over the time of flight
-KICK = 1e-4  # m and m/s: the change by which derivatives are taken
+# m and m/s: the change by which derivatives are taken, as one-sided differences. Their error is far
+# below that of the long steps (`search.STEPS`).
+KICK = 1e-4
 OTHER = 1.1  # factor between the two values of a free number that are tried
 
 
-# An edit, and a value of its free number.
+# An edit, and a value of its free number, which is None if it has none.
 Change = tuple[Edit, float | None]
 
 
@@ -50,12 +52,14 @@ class Many:
             for first in range(0, len(every), max(WIDTHS)):
                 some = every[first : first + max(WIDTHS)]
                 width = next(width for width in WIDTHS if width >= len(some))
+                # What stands in the place: one row of scenes for each edit, laid end to end.
                 shape = (3,) if (within[1] if within else place).vector else ()
                 value = np.zeros((*shape, width, count))
                 for k, i in enumerate(some):
                     edit, c = changes[i]
                     value[..., k, :] = self.at.given(edit.by, {FREE: c})
                 value = value.reshape(*shape, -1)
+                # What follows from it, on as many copies of the scenes.
                 wide = self._on(width)
                 if within is not None:
                     form, hole = within
@@ -96,6 +100,8 @@ def cubic(end: Array) -> Path:
     """The cubics between the launch and given ends of flights, places and velocities."""
 
     def path(balls: Launched, shares: Array) -> Array:
+        # Hermite's cubic for s from 0 to 1, its derivative by the time, and a path length that is
+        # good enough to rank edits of a decaying spin: the present speed times the time.
         s, lasts, y = shares[:, None], balls.duration, balls.y[:, None]
         went, v0, v1 = (end - balls.y[:6])[:3, None], y[3:6], end[3:, None]
         r = y[:3] + went * s * s * (3 - 2 * s) + lasts * s * (1 - s) * ((1 - s) * v0 - s * v1)
@@ -107,6 +113,8 @@ def cubic(end: Array) -> Path:
 
 def kicked(balls: Launched, y: Array, shares: Array) -> Array:
     """Sensitivity of the end, from flights that begin at displaced states of the path."""
+    # Seven copies of each state: the first as it is, the others with one component displaced. All
+    # fly for the time that is left, in one batch.
     moved = np.tile(y.reshape(7, 1, -1), (1, 7, 1))
     moved[range(6), range(1, 7)] += KICK
     every = _repeated(balls, 7 * len(shares))
@@ -150,12 +158,15 @@ class Response:
         sensitivity: Sensitivity = kicked,
         nodes: int = NODES,
     ) -> None:  # fmt: skip
-        self.stage, self._launch, columns = stage, known, known.columns
+        self.stage, columns = stage, known.columns
+        # The rule's nodes on 0 to 1, between the launch and the end.
         x, weights = np.polynomial.legendre.leggauss(nodes)
         shares = np.array([0.0, *(x + 1.0) / 2.0, 1.0])
         balls = launched(stage, columns)
         self._start, self._duration = balls.y[:6], balls.duration
         y = path(balls, shares)
+        # Derivatives of the end: by place and velocity at the launch; at the nodes, by a velocity
+        # (an edited `rate` adds one) and by an acceleration, times the node's weight; by the time.
         by_state = sensitivity(balls, y[:, :-1], shares[:-1])
         self._at_launch = {"place": by_state[:, :3, 0], "velocity": by_state[:, 3:, 0]}
         during = by_state[:, :, 1:] * (weights[:, None] / 2.0 * balls.duration)
@@ -199,6 +210,7 @@ class Response:
         The change of the spin is that on the undisturbed path.
         """
         total = np.zeros((len(changes), 9, len(self._duration)))
+        # Where each formula is evaluated: on the path, at the end, or else at the launch.
         places = {"rate": self._on_path, "law": self._on_path, "spin_left": self._left}
         share = self._left.at.of(self.stage.roots["spin_left"])
         for name, root in self.stage.roots.items():
@@ -222,6 +234,7 @@ class Response:
                     case "spin_left":
                         total[i, 6:] += change * self._spin
                     case "spin":
+                        # Another spin at the launch is another law on the whole path.
                         total[i, 6:] += share * change
                         turned = np.tile(change + self._spin, self._during["law"].shape[2])
                         law = self._turned(ω0=turned)[0]
@@ -246,10 +259,6 @@ class Direct:
         return np.array([np.broadcast_to(value - old, shape) for value in every])
 
 
-# An edit with a value of its free number, which is None if it has none.
-Trial = tuple[Edit, float | None]
-
-
 class Effects:
     """Fit of the first-order effects of edits to the errors, alone and in pairs.
 
@@ -257,6 +266,8 @@ class Effects:
     same weight: an error is divided by its size in that scene, or by the median size where the
     scene is right. `starts` are values of each edit's free number. The spin counts where nothing
     else is wrong.
+
+    A *trial* is an edit with one start: an edit has as many trials as its free number has starts.
     """
 
     def __init__(
@@ -264,31 +275,32 @@ class Effects:
         starts: Sequence[Sequence[float]], off: Array,
     ) -> None:  # fmt: skip
         known, off = np.isfinite(off), np.nan_to_num(off)  # what is not given says nothing
-        at_end = len(off) > ROWS and not off[:ROWS].any()
-        rows = slice(ROWS, None) if at_end else slice(ROWS)
+        spin_alone = len(off) > ROWS and not off[:ROWS].any()
+        rows = slice(ROWS, None) if spin_alone else slice(ROWS)
         known, off = known[rows], off[rows]
         sizes = np.sqrt((off * off).sum(axis=0))
         wrong = sizes > sizes.max(initial=0.0) * RIGHT
         scale = np.where(wrong, sizes, np.median(sizes[wrong]) if wrong.any() else 1.0)
         self.errors = (off / scale).ravel()
         self.edits = edits
-        self.trials: list[Trial] = []
-        of, changes, second = [], list[Change](), []
+        self.trials: list[Change] = []
+        of, second = [], []
         for i, (edit, numbers) in enumerate(zip(edits, starts, strict=True)):
             for start in numbers if len(numbers) else (None,):
                 self.trials.append((edit, start))
                 of.append(i)
-                changes.append((edit, start))
                 second.append(None if start is None else (edit, OTHER * start or 0.1))
-        self._of = np.array(of, int)
+        self._of = np.array(of, int)  # the number of each trial's edit
         self._free = np.array([other is not None for other in second], bool)
-        every = way.moved([*changes, *filter(None, second)])[:, rows]
+        every = way.moved([*self.trials, *filter(None, second)])[:, rows]
         every = np.broadcast_to(every, (len(every), *off.shape)) / scale
         every = np.where(known & (np.abs(every) < FAR), every, 0.0).reshape(len(every), off.size)
-        moved, other = every[: len(changes)], np.zeros((len(changes), every.shape[1]))
-        # Orthonormal axes of the effects of each trial.
+        count = len(self.trials)
+        moved, other = every[:count], np.zeros((count, every.shape[1]))
+        # Orthonormal axes of the effects of each trial: along its effect, and for a free number
+        # along what its second value adds across that (Gram-Schmidt).
         self._size, one = _unit(moved)
-        beside = every[len(changes) :]
+        beside = every[count:]
         along = np.einsum("ij,ij->i", one[self._free], beside)
         across = beside - along[:, None] * one[self._free]
         small = PARALLEL * np.abs(beside).max(axis=1, initial=0.0)
@@ -303,8 +315,9 @@ class Effects:
         """
         found = np.ones(len(self.edits))
         along = self._axes @ self.errors
-        forwards = self._free | (along[0] > 0)
+        forwards = self._free | (along[0] > 0)  # an edit without a number has a sign
         if (whole := float(self.errors @ self.errors)) > 0.0:
+            # On orthonormal axes a fit takes away the squares of the components.
             rest = 1.0 - np.where(forwards, (along**2).sum(axis=0), 0.0) / whole
             with np.errstate(all="ignore"):
                 amiss = np.where(self._free, 0.0, np.abs(np.log2(along[0] / self._size)))
@@ -318,7 +331,7 @@ class Effects:
         own = np.array([edit.bits for edit in self.edits])
         return np.asarray(numbers / 2 * np.log2(np.maximum(self.left(), LINEAR)) + own)
 
-    def pairs(self, count: int) -> list[tuple[Trial, Trial]]:
+    def pairs(self, count: int) -> list[tuple[Change, Change]]:
         """Pairs of trials whose effects together fit the errors best, the best ones first.
 
         An edit without a free number has to do about what it does alone.
@@ -333,11 +346,13 @@ class Effects:
         for i in np.argsort(alone, kind="stable")[:FIRSTS]:
             u, w = one[i], other[i]
             rest = a - (u @ a) * u - (w @ a) * w
-            # The axes of the second, less their parts along those of the first; and the latter one
-            # less its part along the former.
+            # Least squares of `rest` on the two axes of every second trial at once, each less its
+            # parts along u and w. `n` and `m` are their squares then, `slant` is their product.
             uu, uw, wu, ww = one @ u, one @ w, other @ u, other @ w
             n, m = 1.0 - uu**2 - uw**2, (other**2).sum(axis=1) - wu**2 - ww**2
             slant = -(uu * wu + uw * ww)
+            # The second axis less its part along the first has the square `across`. `p` and `q` are
+            # the coefficients on these orthogonal axes, `by` is that of the first axis itself.
             with np.errstate(all="ignore"):
                 p = np.where(n > PARALLEL, (one @ rest) / n, 0.0)
                 across = m - slant**2 / n
@@ -345,6 +360,7 @@ class Effects:
                 by = p - np.where(q == 0.0, 0.0, slant / n * q)
             fitted = np.where(p == 0.0, 0.0, n * p**2) + np.where(q == 0.0, 0.0, across * q**2)
             left = np.maximum(rest @ rest - fitted, 0.0) / whole
+            # The size that each edit without a free number has to have in the fit is its own.
             does = free | ((by > size / ABOUT) & (by < size * ABOUT))
             if not free[i]:
                 own = u @ a - uu * by - wu * q
@@ -363,6 +379,8 @@ class Effects:
 
     def _distinct(self) -> list[int]:
         """The cheapest trial of each direction of effects."""
+        # Trials with the same plane of effects project a random vector to the same shadow; those
+        # without a free number also need the same size.
         probe = np.random.default_rng(0).normal(size=self.errors.shape)
         shadow = sum((axis @ probe)[:, None] * axis for axis in self._axes)
         sizes = np.where(self._free, 0.0, np.float32(self._size))

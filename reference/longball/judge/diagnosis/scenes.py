@@ -61,29 +61,30 @@ def features(case: Case) -> Features:
     return found
 
 
-# Flags of what a program meets on the way, and no field of the scene or the result tells.
+# Flags for what a program meets on the way; no field of the scene or the result shows it.
 TOLD_BY_NO_FIELD = frozenset((
     "tangential", "grazing", "kink", "tie", "vertex", "grip-slide", "loops", "vertical",
     "second-touching", "blown-back",
 ))  # fmt: skip
 
 
-# A rule is told if one choice of as many scenes, or of as many values of a number, in so many times
-# the count of rules that are tried would be told by it.
+# A rule holds for the wrong scenes and for no right one. By chance one rule does so with the
+# probability 1/choices (`Condition.choices`); it is reported if there are CHANCE times as many
+# choices as rules that are tried.
 CHANCE = 100
 
 FEWEST = 5  # fewer scenes, wrong or right, are no rule: those made for one question are alike
 DEFAULTS = dict(numbers(AtBatScene()))  # what a program may have built in
 USUAL = 3  # scenes that must have a value for it to be the usual one
-HALVES = 8  # conditions that are tried as the first of two: those that tell most scenes
-MOST_RULES = 3  # rules that tell the same scenes: with more of them, none says anything
+HALVES = 8  # conditions that are tried as the first of two: those with the fewest right scenes
+MOST_RULES = 3  # rules for the same scenes that are reported: more of them say nothing
 
 
 def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True) -> str | None:
     """Return the smallest rules that hold for all that fail and none that pass; None without one.
 
-    One condition, or two that must both hold; also of how large a number is, if `measured`. Where a
-    few tell the same scenes, all are told: it need not be the first one that is behind it.
+    A rule is one condition, or two that must both hold; limits of numbers are conditions only if
+    `measured`. A few rules for the same scenes are all reported: any of them may be the cause.
     """
     wrong, right = [*map(features, failing)], [*map(features, passing)]
     if min(len(wrong), len(right)) < FEWEST:
@@ -91,7 +92,8 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
     known = [one for one in _conditions(wrong, right) if measured or not one.measured]
     if whole := _text(_telling(known, wrong, right, len(known))):
         return whole
-    # Every failing scene must be told by either; those that pass are cut away.
+    # Two conditions: the first holds for all failing scenes and for as few others as possible, and
+    # the second separates the failing scenes from those.
     cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
     for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
         others = [two for two in _conditions(wrong, left) if measured or not two.measured]
@@ -109,17 +111,19 @@ def _telling(
     right: Sequence[Features],
     tried: int,
 ) -> list[Condition]:
-    """Return those of `tried` conditions that tell the wrong scenes, hardly by chance."""
+    """Return those of `tried` conditions that separate the wrong scenes, hardly by chance."""
     likely = (one for one in conditions if one.choices(wrong, right) >= CHANCE * tried)
     telling = (one for one in likely if all(map(one.holds, wrong)))
     return [one for one in telling if not any(map(one.holds, right))]
 
 
 def _text(conditions: Iterable[Condition]) -> str:
-    """Return rules that tell the same scenes, the plainest of them, in words."""
+    """Return the plainest of some rules for the same scenes, in words."""
     whole: dict[str, str] = {}  # by the feature
     for one in conditions:
         whole.setdefault(one.name, one.text)
+    # The first of these groups that is short enough: kinds of scenes and numbers that are 0, kinds
+    # alone, the simplest of those, and if there is none of them, any rules.
     plain = [n for n in whole if _sorts(n)]
     zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
     simple = [n for n in plain if _is_simple(n)]
@@ -157,9 +161,9 @@ class Condition:
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
         """Return the number of ways to choose so many scenes."""
-        # Of as many values of a number: scenes that are alike in it fail together.
         if not self.measured:
             return math.comb(len(wrong) + len(right), len(wrong))
+        # Scenes with the same number fail together: the choice is of its values.
         values, others = _values(wrong, self.name), _values(right, self.name)
         return math.comb(len({*values, *others}), len({*values}))
 
@@ -169,7 +173,7 @@ def _values(some: Sequence[Features], name: str) -> list[Any]:
 
 
 def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterator[Condition]:
-    """Yield what may tell the scenes."""
+    """Yield conditions that may separate the wrong scenes from the right ones."""
     for name in dict.fromkeys(name for f in (*wrong, *right) for name in f):
         values, others = _values(wrong, name), _values(right, name)
         if name.startswith("flag "):
@@ -181,8 +185,9 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
         differs = Condition(name, f"{name} ≠ {_told(usual)}", partial(ne, usual))
         often = times >= USUAL and 2 * times > len(others)
         number = isinstance(values[0], float)
-        # That there is any says more than how much it is; to have another number than most have is
-        # nothing that scenes have in common, unless it is the one that a program may have built in.
+        # "≠ 0" comes before "= 0.3": scenes that have a wind say more than the speed of the wind.
+        # Another "≠" is no property of scenes, except for a default, which a program may have built
+        # in.
         if often and usual == 0.0:
             yield differs
         if len(set(values)) == 1:
@@ -251,7 +256,11 @@ def _without(block: str, scene: Any) -> Any:
 
 
 def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
-    """Return a scene with less in it that fails still; `fails` tells it of several at once."""
+    """Return a smaller scene that still fails.
+
+    `fails` takes several scenes, so that a candidate is run once for all, and returns a flag for
+    each.
+    """
 
     def failing(scenes: Sequence[Any]) -> Sequence[bool]:
         named = (s.model_copy(update={"id": f"shrunk-{i}"}) for i, s in enumerate(scenes))
@@ -266,7 +275,8 @@ def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
         good = [change for (_, change), fails_too in zip(tried, bad, strict=True) if fails_too]
         if not good:
             break
-        # Most of them go together, one after the other on top of those before.
+        # The changes on top of each other, the plainest first. The longest pile that still fails
+        # begins the next round. The first change alone is known to fail.
         piled = [*accumulate(reversed(good), _simplified, initial=scene)][1:]
         known = [True, *failing(piled[1:])] if piled[1:] else [True]
         scene = [new for new, still in zip(piled, known, strict=True) if still][-1]

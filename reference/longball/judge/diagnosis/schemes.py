@@ -56,19 +56,23 @@ from longball.judge.diagnosis.residual import (
 from longball.model.arrays import Array
 
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
-TRIALS = (0.2, 0.04)  # s: steps of the first trials, from which the order leads to the candidate's
-SHOWS = 100.0  # floors: the error beside which steps are looked for with an edit
+# s: steps of the first trials. From the errors in two steps follows the order of an integrator, and
+# from the order the step in which its errors are as large as the candidate's.
+TRIALS = (0.2, 0.04)
+SHOWS = 100.0  # floors: an integrator is possible if it can be so far off in a wrong scene
 LEAST = 1e-300  # a divisor in place of 0
 SHORTEST = 2e-5  # s: of the steps of candidates
-# Of the size of a number: an error that steps do not make.
-ELSEWHERE = 1e9
-LOST = 1e12  # floors: what a scheme leaves that makes no number
+ELSEWHERE = 1e9  # relative error that no step makes: such a flight ends elsewhere
+LOST = 1e12  # floors: the residual of a scheme whose number is not finite
 ALIKE = 0.3  # fraction by which errors of order 0 may depend on the step
 MANY = 100, 40, 40  # numbers of integrators that are flown again in steps that fit better
-# Of the square of the errors, what a scheme leaves that is looked at, that fits, and nearly is it.
+# Fractions of the squared errors that a scheme may leave if it is tried further, if it fits, and if
+# it is nearly the candidate's.
 ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
-LIKE, MOST = 0.1, 0.8  # errors are of an order if so much is left, at most, in most scenes
-NEAR, CHORD = 1.25, 2.0  # a round step is tried within this factor of the fitted one, and a chord's
+# Errors have an order if a scheme of that order leaves at most the fraction LIKE of them in the
+# fraction MOST of the scenes.
+LIKE, MOST = 0.1, 0.8
+NEAR, CHORD = 1.25, 2.0  # round steps are tried within these factors of the fitted one
 
 # Steps that people choose: round numbers, and the rates of screens and cameras.
 _DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
@@ -90,7 +94,11 @@ def _nearer(one: Integrator, h: float, share: float) -> float:
 
 
 def _shares(a: Array, b: Array) -> tuple[Array, Array]:
-    """Ratios of errors a to those of schemes b, shape (numbers, schemes, scenes); residuals."""
+    """Ratios of errors a to those of schemes b, shape (numbers, schemes, scenes); residuals.
+
+    A ratio is fitted by least squares. Its residual is the fraction of the squared errors a that
+    the scaled errors b leave.
+    """
     share = (a * b).sum(axis=(0, 2)) / np.maximum((b * b).sum(axis=(0, 2)), LEAST)
     rest = np.square(a - share[:, None] * b).sum(axis=(0, 2))
     return share, rest / np.maximum(np.square(a).sum(axis=(0, 2)), LEAST)
@@ -131,6 +139,9 @@ class Steps:
         if not right.size:
             return INTEGRATORS
 
+        # Errors in all scenes shrink alike with the step. In right scenes they are at most ADEQUATE
+        # floors, so that in wrong ones they are at most ADEQUATE · largest(wrong) / largest(right).
+
         def largest(some: Index) -> Array:
             made = self.made(INTEGRATORS, TRIALS[0], some)
             floors = (self.followed.floor / self.followed.scale)[:, None, some]
@@ -163,9 +174,7 @@ class Steps:
 
     def rows(self, found: Mapping[str, Array]) -> Array:
         """Quantities as rows, in the order of `followed`."""
-        return np.concatenate(
-            [np.atleast_2d(found[q]) for q in self.stage.quantities if q in found]
-        )
+        return np.concatenate([np.atleast_2d(found[q]) for q in self.stage.quantities])
 
     def errors(self, options: Sequence[Option], some: Index) -> tuple[Array, Array]:
         """Differences of schemes from the exact path, and their doubts.
@@ -184,6 +193,7 @@ class Steps:
             which = np.tile(some, len(group))
             with np.errstate(all="ignore"):
                 found, doubts = steps(self.stage, self.columns_of(which), every, h, chord)
+                # The exact path is the candidate's value minus its residual: it is flown already.
                 given = {q: self.data.given[q][..., self.followed.some[which]] for q in found}
                 exact = self.rows(given) - self.followed.off[:, which]
                 off, unsure = self.rows(found) - exact, self.rows(doubts)
@@ -231,12 +241,14 @@ class Steps:
         h, other = (np.full(len(some), step) for step in TRIALS)
         made, again = trials
         sizes = [np.sqrt(np.square(x).sum(axis=(0, 2))) for x in trials]
+        # The order of a table with a wrong coefficient is observed, not known.
         with np.errstate(all="ignore"):
             orders = np.log(sizes[0] / sizes[1]) / math.log(TRIALS[0] / TRIALS[1])
         some = [
             one if one.order is not None else replace(one, order=max(1, round(order)))
             for one, order in zip(some, np.nan_to_num(orders), strict=True)
         ]
+        # `made` are the errors in the steps `h`, `again` those in the steps `other`, tried last.
         for most in MANY:
             share, left = _shares(self.off, again)
             # Errors of order 0 are nearly the same in all steps; the rest is linear in the step.
@@ -254,7 +266,8 @@ class Steps:
             h, other, made = other[best], np.clip(new, SHORTEST, LONGEST), again[:, best]
             again = self.made(some, other, self.few)
         _, left = _shares(self.off, again)
-        # What comes to the same here is called by its simplest name.
+        # Integrators that leave as much in these scenes come in the order of `some`, which begins
+        # with the simplest.
         return sorted(
             zip(left.tolist(), other.tolist(), some, strict=True),
             key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words]),
@@ -283,12 +296,13 @@ class Steps:
             close = {h for h in usual if max(h / fit, fit / h) < factor}
             return sorted(close, key=lambda h: abs(math.log(h / fit)))
 
+        # Integrators whose own errors fit; and those whose chord at the end is the larger error.
         options: list[Option] = [
             (one, h, chord)
             for left, fit, one in found if left < FITS
             for h in near(fit, NEAR) for chord in (False, True)
         ]  # fmt: skip
-        # Errors of a chord grow as the square of the step.
+        # Errors of a chord grow as the square of the step: one trial gives the step.
         made, _ = self.errors([(EXACT, TRIALS[1], True)], self.few)
         off = self.followed.off[:, self.few]
         sizes = (float(np.nanmax(np.abs(x[:3]), initial=1e-30)) for x in (off, made))
@@ -297,6 +311,8 @@ class Steps:
         ways = (EXACT, *(one for one in INTEGRATORS if one.order and one.order > 1))
         options += [(one, h, True) for h in chords for one in ways]
         named = self._adequate(options, dt)
+        # A step that nobody would choose is named only beside an integrator that nearly fits; a
+        # wrong coefficient, of which there are thousands, only if no right integrator does it.
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt)
         if named is None and slipped:
@@ -310,7 +326,7 @@ class Steps:
         return named
 
     def _free(self, found: Iterable[tuple[float, float, Integrator]]) -> Iterable[Option]:
-        """Integrators in the round steps near the one with the smallest residual."""
+        """Integrators in steps fitted freely, and rounded to one digit, two, and so on."""
         for _, fit, one in found:
 
             def left(steps: Array, one: Integrator = one) -> Array:
@@ -325,10 +341,11 @@ class Steps:
 
         The options with the smallest residual come first.
         """
-        for some in (self.few[:2], self.few):  # the shortest flights tell most of them
+        for some in (self.few[:2], self.few):  # two scenes rule out most options
             if options:
                 r = self.left(options, some)
                 near = (np.nan_to_num(np.abs(r)) <= ADEQUATE).all(axis=0).mean(axis=1)
+                # A kink in one of the scenes must not rule out the right one.
                 enough = np.flatnonzero(near >= (0.5 if len(some) <= 2 else MOST))
                 costs = [cost(r[:, i]) for i in enough]
                 options = [options[enough[i]] for i in np.argsort(costs, kind="stable")]
@@ -423,7 +440,11 @@ def explain_scheme(
 def explain_push(
     stage: Stage, data: Data, columns: Mapping[str, Any], followed: Followed
 ) -> Scheme | None:
-    """The contact force over some steps of the pitch's scheme that explains a batted flight."""
+    """The contact force over some steps of the pitch's scheme that explains a batted flight.
+
+    The paper's program has no impulse: half of the contact force F̄ acts at the steps around the
+    contact (Appendix B), so that a batted flight begins before it.
+    """
     pitch = data.ways.get("pitch")
     struck = followed.some[take(columns, followed.some)["kind"] == "at-bat"]
     wrong = np.intersect1d(struck, followed.some[followed.wrong])
@@ -447,6 +468,7 @@ def explain_push(
         (c,), *_ = fitted(beside, [(1.0,)], 3)
         yield from ((replace(way, times=x), more) for x, more in rounded(float(c), FACTORS))
 
+    # All pushes of the usual size come first; another size has to be fitted, which takes flights.
     null, choice = cost(followed.off / followed.floor), math.log2(len(tried))
     sizes = itertools.chain.from_iterable(map(sized, tried))
     for way, more in itertools.chain(((way, 0.0) for way in tried), sizes):
@@ -480,6 +502,8 @@ def with_edit(
         with np.errstate(all="ignore"):
             return Steps(other, data, columns, compared(other, data, columns, some)[0])
 
+    # Edits are ranked by the errors that edit and scheme leave together in short flights. The best
+    # are searched for their scheme in full.
     short = plain.short(followed.wrong, SOME)
     null = cost(followed.off[:, short] / followed.floor[:, short])
     ways: list[tuple[float, Edit]] = []

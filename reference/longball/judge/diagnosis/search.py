@@ -11,11 +11,11 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +77,9 @@ NEARLY = 0.05  # relative error of long steps, below which a scene may be a scre
 LOST = 1e12  # floors: the residual of an edit whose value is not finite
 
 
+# --- what is found --------------------------------------------------------------------------------
+
+
 @dataclass(frozen=True)
 class Named:
     """One edit, or a pair, that explains a stage."""
@@ -100,6 +103,7 @@ class Located:
 @cache
 def defaults() -> Mapping[str, Any]:
     """The defaults of a scene by symbol of the chain."""
+    # A key has a default only if its block is there: these scenes have all blocks between them.
     air = {"lift_coefficient": {"law": "rational"}, "drag_coefficient": {"law": "spin"}}
     crisis = {"lift_coefficient": {"law": "linear"}, "drag_coefficient": {"law": "crisis"}}
     weather = {"density": {"temperature": 288.15}}
@@ -113,9 +117,9 @@ def defaults() -> Mapping[str, Any]:
         for name, column in inputs([AtBatScene.model_validate(scene)]).items():
             if column.ndim == 1 and np.isfinite(column).all():
                 found.setdefault(name, float(column[0]))
-    for required in ("μ_f", "λ", "T"):
+    for required in ("μ_f", "λ"):  # have no default: the numbers above stand for any
         found.pop(required, None)
-    return found | {"T": 288.15, "z_0": 0.03}
+    return found | {"z_0": 0.03}
 
 
 def _in_floors(f: Followed) -> Array:
@@ -149,7 +153,7 @@ class _Pair(NamedTuple):
     Attributes
     ----------
     bits
-        The cost of the edits and of what they leave in the first scenes.
+        The cost of the edits and of what they leave in the screening scenes.
     stage
         The stage with both.
     c
@@ -161,6 +165,35 @@ class _Pair(NamedTuple):
     two: Edit
     stage: Stage
     c: Array
+
+
+class _Verified(NamedTuple):
+    """An edit that is better than chance in all scenes.
+
+    Attributes
+    ----------
+    alike
+        The edit and those that are equal to it in these scenes, without those that leave an event
+        no event (`Explanation._is_possible`).
+    r
+        Its residuals, in floors.
+    evidence
+        Bits beyond chance.
+    fit
+        "exact" if all residuals are within the noise; "rough" if they are so of an edit with a jump
+        or a kink, with the noise of steps across it; else "partial".
+    """
+
+    edit: Edit
+    alike: tuple[Edit, ...]
+    r: Array
+    evidence: float
+    fit: Literal["exact", "rough", "partial"]
+
+    @property
+    def bits(self) -> float:
+        """The cost of the edit and of what it leaves."""
+        return cost(self.r) + self.edit.bits
 
 
 @dataclass
@@ -194,6 +227,7 @@ class Explanation:
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
+        # Wrong scenes come first, from the worst to the least: `evenly` takes errors of all sizes.
         wrong, right = f.some[f.beyond], f.some[~f.beyond & f.checked]
         sizes = f.relative[f.beyond]
         order = wrong[np.argsort(-sizes, kind="stable")]
@@ -252,13 +286,15 @@ class Explanation:
         self, stage: Stage, some: Index, c: Array | None = None, limits: Stepping = FINE
     ) -> Array:
         """Residuals of a stage in some of `all` scenes: shape (rows of c, numbers, scenes)."""
+        # One copy of the scenes for each row of free numbers, all flown at once.
         c = np.zeros((1, 0)) if c is None else c
         columns = take(self.columns, np.tile(self.all[some], len(c)))
         columns |= {name: np.repeat(x, len(some)) for name, x in zip(NUMBERS, c.T, strict=False)}
         columns["spin"] = columns[stage.spins]
+        # A candidate's own steps are many: screening takes long steps of the exact path instead.
         way = self.data.way(stage) if limits.exact else None
         found = values(stage, columns, limits) if way is None else way(stage, columns)[0]
-        rows = np.concatenate([np.atleast_2d(found[q]) for q in stage.quantities if q in found])
+        rows = np.concatenate([np.atleast_2d(found[q]) for q in stage.quantities])
         off = self._given(some)[:, None] - rows.reshape(len(rows), len(c), len(some))
         return np.asarray((-off if stage.kind == "event" else off).swapaxes(0, 1))
 
@@ -315,6 +351,7 @@ class Explanation:
         other = self._explained_by(others, len(cheapest), responses[-1:], unseen)
         if isinstance(other, Named):
             return other
+        # The nearer of both is reported; edits of both may be right beside a scheme.
         return replace(min(found, other, key=attrgetter("left")), near=(*found.near, *other.near))
 
     @cached_property
@@ -358,6 +395,7 @@ class Explanation:
         # their random moves give several values.
         scenes = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
         probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, scenes)))
+        # The candidate's own point, and points beside it in all directions: see `_is_possible`.
         place = str(OWN[self.stage.quantities[0]].data)
         own = take(self.columns, self.all) | {FREE: np.full(len(self.all), USUAL_NUMBER)}
         self.there, *self.beside = (
@@ -370,8 +408,9 @@ class Explanation:
         every = [Effects(way, some, starts, errors) for way, errors in responses]
         self.fits = every[0]
         ranks = np.argsort(np.min([one.bits() for one in every], axis=0), kind="stable")
-        # Groups of equal edits.
-        groups: dict[bytes, tuple[Stage, list[Edit]]] = {}
+        # Groups of equal edits. An edit that changes nothing is none; a constant in place of a
+        # divisor may be a division by 0 in every scene.
+        groups: dict[bytes, list[Edit]] = {}
         unchanged = _fingerprint(self.stage, probe)
         for edit in (some[i] for i in ranks):
             stage = self.edited(edit)
@@ -383,10 +422,10 @@ class Explanation:
                 continue
             if key not in groups and len(groups) == self.effort.tried:
                 break
-            groups.setdefault(key, (stage, []))[1].append(edit)
+            groups.setdefault(key, []).append(edit)
         # The best groups, computed in the screening scenes.
         found, last = [], math.inf
-        for k, (_, group) in enumerate(groups.values()):
+        for k, group in enumerate(groups.values()):
             if flies and k > last + FURTHER:  # flights are expensive
                 break
             group.sort(key=lambda edit: edit.bits)
@@ -394,6 +433,7 @@ class Explanation:
             if edit.starts:
                 c, r = _fitted_from(screened, self._starts(edit, at), edit.factor)
                 group[0] = replace(edit, starts=(c,))
+                # Bits of the roundest number that is as good as the fitted one.
                 number = min(
                     bits for x, bits in rounded(c, FACTORS) if abs(x - c) <= FITTED * abs(c)
                 )
@@ -436,7 +476,7 @@ class Explanation:
         Return the edit, its residuals in all scenes, and the number with its bits.
         """
         stage = self.edited(edit)
-        (start,) = edit.starts
+        (start,) = edit.starts  # the number that `candidates` has fitted
         assert isinstance(start, float)
         with np.errstate(all="ignore"):
             c, *_ = fitted(self._residual(stage, self.few, MIDDLE), [(start,)], 2)
@@ -451,9 +491,10 @@ class Explanation:
         responses: Sequence[tuple[Response | Direct, Array]],
         unseen: Unseen | None, pairs: int = 0,
     ) -> Named | Located:  # fmt: skip
-        """One or two of some edits that explain the stage, of so many that were `tried` by now.
+        """One or two of `some` edits that explain the stage.
 
-        So many `pairs` are tried; for `responses` see `candidates`.
+        `tried` is the number of edits tried so far, and `pairs` that of the edits for which a
+        second one is sought; for `responses` see `candidates`.
         """
         # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
         # tried.
@@ -462,12 +503,37 @@ class Explanation:
         near = tuple(group[0] for left, group in found[:NEAR])
         alone = min((left for left, _ in found), default=self.null)
         found = [(left, group) for left, group in found if left <= HALF * self.null]
-        adequate: list[tuple[Edit, float]] = []
-        roughly: list[tuple[Edit, float]] = []
-        partial: list[tuple[float, Edit, float]] = []
-        for i, (left, group) in enumerate(found[: self.effort.held]):
+        verified = [*self._verified(found[: self.effort.held], some, needed)]
+        # Rule 1 of docs/truth.md: an edit that needs the noise of steps across a jump comes after
+        # all others that explain the stage. Rule 3 chooses among those of one kind.
+        for fit in ("exact", "rough"):
+            adequate = [(e, x.evidence) for x in verified if x.fit == fit for e in x.alike]
+            if adequate:
+                return self._named(adequate, unseen)
+        # No edit alone. Of two mistakes one may show in most of the wrong scenes: it is the best
+        # edit, and the second is sought beside it. Otherwise neither explains much alone, and the
+        # first-order effects of all pairs say which edit to begin with.
+        partial = (one for one in verified if one.fit == "partial")
+        best = min(partial, key=attrgetter("bits"), default=None)
+        if pairs:
+            shows = best is not None and self._share(best.r) >= MOST
+            for edit in [best.edit] if best and shows else self._in_pairs(alone, pairs):
+                if (both := self._with_another(edit)) is not None:
+                    return both
+        if best is None:
+            return Located(near=near)
+        return Located(best.edit, cost(best.r) / self.null_all, near)
+
+    def _verified(
+        self, found: Sequence[tuple[float, list[Edit]]], some: Sequence[Edit], needed: float
+    ) -> Iterator[_Verified]:
+        """Compute the best of each group of `candidates` in all scenes, and yield those that hold.
+
+        An edit holds if it saves the bits `needed`; `some` are all edits that were ranked.
+        """
+        for i, (left, group) in enumerate(found):
             # Only the best group is worth a verification if it leaves much.
-            if left > RIVAL * self.null and (adequate or i > 0):
+            if i > 0 and left > RIVAL * self.null:
                 continue
             edit, twins = group[0], group[1:TWINS]
             if edit.starts:
@@ -482,30 +548,15 @@ class Explanation:
             else:
                 r = self._in_floors(self.edited(edit), self.all)
                 twins = [twin for twin in twins if not twin.starts]
-            saved = self.null_all - cost(r) - edit.bits
-            if saved < needed:
+            if self.null_all - cost(r) - edit.bits < needed:
                 continue
-            # Rule 1: within the noise everywhere, or within that of steps across a jump.
-            exact = is_adequate(r, edit.rough)
-            if not exact and edit.rough:
-                r = self._in_floors(self.edited(edit), self.all, rough=True)
-                saved = self.null_all - cost(r) - edit.bits
-            if exact or is_adequate(r, edit.rough):
-                possible = [e for e in (edit, *twins) if self._is_possible(self.edited(e))]
-                (adequate if exact else roughly).extend((e, saved - needed) for e in possible)
-            else:
-                partial.append((cost(r) + edit.bits, edit, self._share(r)))
-        if adequate or roughly:  # rule 3: no rival
-            return self._named(adequate or roughly, unseen)
-        partial.sort(key=lambda one: one[0])
-        most = [edit for _, edit, share in partial[:1] if share >= MOST]
-        for edit in most or self._in_pairs(alone, pairs) if pairs else ():
-            if (both := self._with_another(edit)) is not None:
-                return both
-        if not partial:
-            return Located(near=near)
-        left, edit, _ = partial[0]
-        return Located(edit, (left - edit.bits) / self.null_all, near)
+            fit: Literal["exact", "rough", "partial"] = "exact"
+            if not is_adequate(r, edit.rough):
+                if edit.rough:
+                    r = self._in_floors(self.edited(edit), self.all, rough=True)
+                fit = "rough" if edit.rough and is_adequate(r, rough=True) else "partial"
+            alike = tuple(e for e in (edit, *twins) if self._is_possible(self.edited(e)))
+            yield _Verified(edit, alike, r, self.null_all - cost(r) - edit.bits - needed, fit)
 
     def _share(self, r: Array) -> float:
         """Fraction of the wrong scenes in which a residual, in floors, is within the noise."""
@@ -523,6 +574,8 @@ class Explanation:
             # An edit whose place contains that of the other is applied first.
             if contains(one.place, two.place):
                 (one, a), (two, b) = (two, b), (one, a)
+            # Both free numbers have one symbol: that of the second edit is renamed before the first
+            # brings its own.
             stage = self.edited(two)
             if a is not None:
                 stage = _renamed(stage, *NUMBERS)
@@ -531,6 +584,7 @@ class Explanation:
             c, r, _ = fitted(self.screened(stage), [starts], 4)
             if (left := cost(r)) <= BETTER * best:
                 found.append(_Pair(left + one.bits + two.bits, one, two, stage, c))
+        # Rivals differ in what they do to other stages, which share their definitions.
         least = min((pair.bits for pair in found), default=0.0)
         found = [pair for pair in found if pair.bits < least + RIVALS][:ELSEWHERE]
         if len(found) > 1:
@@ -575,6 +629,7 @@ class Explanation:
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any() or not self._is_possible(stage):
             return None
+        # The search for the second is the same one, of a stage that has the first: without pairs.
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
             return None
@@ -591,6 +646,8 @@ class Explanation:
         for edit, evidence in adequate:
             if edit.bits > cheapest + RIVALS:
                 continue
+            # A definition that other stages share is edited there, too, unless they are right
+            # without the edit: then the mistake is in this use of it.
             everywhere, here = edit, replace(edit, only=self.stage)
             touched = [
                 stage
@@ -632,9 +689,9 @@ ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chos
 TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
 NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
 RIVALS = 10.0  # bits: an edit that costs so much more than the cheapest is no rival
-# An edited event function is no event if in more than a fraction ANYWHERE of the scenes it is below
-# NOTHING, m, for balls anywhere, or if a ball MOVED by so many metres changes it by less than FLAT
-# of the change without the edit.
+# An edited event function is no event if it is below NOTHING, m, for more than the fraction
+# ANYWHERE of balls at random places, or if in more than that fraction of the scenes a ball that is
+# MOVED, m, changes it by less than FLAT times the change without the edit.
 NOTHING, ANYWHERE = 1e-9, 0.1
 MOVED, FLAT = 0.1, 0.3
 USUAL_NUMBER = 0.5  # the value of a free number there
@@ -728,6 +785,8 @@ def _fingerprint(stage: Stage, probe: Values) -> bytes:
     with np.errstate(all="ignore"):
         for root in stage.roots.values():
             x = np.asarray(probe.of(root))
+            # Rounded relative to the size of each vector: of a component that should be 0 there is
+            # only rounding. Adding 0.0 turns -0.0 into 0.0.
             size = np.abs(x).max(axis=0) if x.ndim > 1 else np.abs(x)
             found += [np.round(x / np.where(size > 0, size, 1.0), 7) + 0.0, size]
         return b"".join(x.astype(np.float32).tobytes() for x in found)

@@ -32,6 +32,7 @@ from longball.judge.diagnosis.search import Located, Named
 
 def diagnosis(followed: Iterable[Followed], findings: Sequence[Finding], data: Data) -> Diagnosis:
     """The diagnosis of a candidate from its stages, as they are without any edit."""
+    # A flight and the event at its end have one name, and one row: that with more wrong scenes.
     rows: dict[str, StageRow] = {}
     for one in followed:
         row, before = _row(one, data), rows.get(one.stage.name)
@@ -78,7 +79,7 @@ def named(
     same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
     sentence = f"{stage.name}: your program {edit}. This step is wrong {_where(one)}."
     if same:
-        sentence += f" No scene here tells this from: {'; '.join(same)}."
+        sentence += f" These scenes do not distinguish it from: {'; '.join(same)}."
     return _finding(
         one, data, kind="named", edit=edit, sentence=sentence, scenes=scenes,
         remedy=formulas(stage, found.edits[0], data), bits=round(found.evidence, 1),
@@ -166,12 +167,13 @@ _ROOTS = {
 def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
     """The right formula and the edited one, of the smallest definition that contains the place."""
     for key, root in stage.roots.items():
+        # Definitions around the place, from the inside out: of a whole law nobody sees the edit.
         around = [
             node
             for node in ordered([root])
             if node.op == "named" and node is not edit.place and edit.place in ordered([node])
         ]
-        for node in (*around, root):  # arguments come first
+        for node in (*around, root):
             right = _body(node)
             other = _simple(substitute(right, edit.place, edit.new), stage, data)
             if words(other) != words(right):
@@ -209,7 +211,7 @@ def _equal(stage: Stage, data: Data) -> Iterable[str]:
                 yield f"{quantity} equals your {other}"
 
 
-# Of each event: the surface, what tells that it is reached, and the two sides.
+# The surface of each event, a word for what the program has to check, and the two sides.
 _SURFACES = {
     "plate.position": ("x = 0", "plane", "in front of", "behind"),
     "contact.position": ("the surface where ball and bat touch", "distance", "outside", "inside"),

@@ -61,6 +61,7 @@ class Unseen:
     @cached_property
     def data(self) -> Data | None:
         """The candidate's answers, where it has the right outcome; None if it has none."""
+        # Solved once, when the first name asks: it runs the candidate again, and our own engine.
         known = self._known
         some = evenly(np.arange(len(known.cases)), SCENES)
         scenes = [*moved([known.cases[i].scene for i in some], seed=1)]
@@ -79,7 +80,7 @@ class Unseen:
         return seen(self._chain, with_cut(data, known.cut))
 
     def _cases(self, scenes: Iterable[Scene]) -> Iterator[Known]:
-        """Scenes with their truth, as far as doubles can tell it."""
+        """Scenes with their truth, without those that doubles cannot decide."""
         for scene in scenes:
             try:
                 (case,) = solved([scene], self._scheme or Ivp())
@@ -96,7 +97,7 @@ class Unseen:
         if not {one.edit for one in found} <= {one.edit for one in conversions}:
             return None
         other = Unseen(self._known, self._chain, self._solve, self._scheme)
-        other.data = data
+        other.data = data  # in place of the cached property, so that nothing is run again
         return other
 
     def holds(
