@@ -77,7 +77,7 @@ def diagnose(
         plain, chain = prepared(same, answers, scheme, granted)
         data = with_digits(plain, answers)
         _, first = follow(chain, data)
-        return sentences.diagnosis(first, [*map(_where(data), filter(_is_wrong, first))], data)
+        return sentences.diagnosis(first, [*map(_locating(data), filter(_is_wrong, first))], data)
     made = conclude(same, answers, dt, scheme, granted, solve)
     found = [*made.outputs, *(_finding(step, made.mended) for step in made.steps)]
     if made.digits is not None:
@@ -89,7 +89,7 @@ def diagnose(
     found += outcome_findings(known, answers, columns, stages)
     found.sort(key=lambda finding: finding.kind != "named")
     if not found:  # errors that pass for the noise of an integrator, at a step that has none
-        found = [*map(_where(made.mended), filter(_is_wrong, made.first))][:1]
+        found = [*map(_locating(made.mended), filter(_is_wrong, made.first))][:1]
     return sentences.diagnosis(made.first, found, made.mended)
 
 
@@ -294,7 +294,7 @@ def reason(
         steps.append(Step(one, scheme or found))
         if scheme is not None and scheme.adequate and scheme.way is not None:
             data = replace(data, ways={**data.ways, stage.name: scheme.way})
-            data = _flown(scheme.way, chain, data, columns)
+            data = _with_other_ways(scheme.way, chain, data, columns)
             columns, last = follow(chain, data, unknown)
             continue
         # Only located. After a pitch that does not follow, nobody knows what meets the bat.
@@ -367,8 +367,14 @@ def _beside(
     return found.near if isinstance(found, Located) else found.edits
 
 
-def _flown(way: Way, chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]) -> Data:
-    """Data whose other flights go by a way where less is wrong by it than on exact paths."""
+def _with_other_ways(
+    way: Way, chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]
+) -> Data:
+    """Data with a candidate's way for its other flights, if fewer scenes are wrong by it.
+
+    The integrator of one flight is that of all. The last step of a pitch to the bat may be a
+    straight line (Appendix B of the paper).
+    """
     ways = dict(data.ways)
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
@@ -397,7 +403,8 @@ def _is_wrong(one: Followed) -> bool:
     return bool(one.wrong.any())
 
 
-def _where(data: Data) -> Callable[[Followed], Finding]:
+def _locating(data: Data) -> Callable[[Followed], Finding]:
+    """Return the function from a wrong stage to a finding that only locates it."""
     return lambda one: sentences.located(one.stage, Located(), one, data)
 
 
