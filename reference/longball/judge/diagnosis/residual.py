@@ -819,12 +819,8 @@ def begun(data: Data) -> dict[str, Any]:
     columns["hang_time"] = np.where(nearer | ~np.isfinite(since), hang, since)
     columns["landing.hang_time"] = np.where(np.isfinite(hang), hang, since)
     # An impact scene gives what a pitch brings.
-    for own, given in (
-        ("contact.position", "position"),
-        ("contact.velocity", "velocity"),
-        ("contact.spin", "spin"),
-    ):
-        name, start = OWN[own].data, data.columns[f"incoming.{given}"]
+    for part in ("position", "velocity", "spin"):
+        name, start = OWN[f"contact.{part}"].data, data.columns[f"incoming.{part}"]
         columns[name] = np.where(np.isfinite(start), start, columns[name])
     columns["ω"] = np.where(columns["spin"] == "none", 0.0, columns["ω"])
     return columns
