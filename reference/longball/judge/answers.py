@@ -329,8 +329,7 @@ def _points(given: Any) -> Array:
 
 def _ordinary(x: Decimal) -> bool:
     """True if a number is finite, and small enough for its error to be a double."""
-    # Decimals may have exponents of nine digits: an exact difference of such numbers fills the
-    # memory.
+    # The size of a difference is a float, which overflows beyond 1e308.
     return x.is_finite() and (x.is_zero() or -400 <= x.adjusted() <= 300)
 
 

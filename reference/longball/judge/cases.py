@@ -62,8 +62,8 @@ def solved(scenes: Iterable[Scene], engine: Engine, family: str | None = None) -
 def attainable(case: Case, quantity: str) -> float:
     """Return the error that double precision cannot avoid; of a vector, its length."""
     error = math.hypot(*map(case.attainable, QUANTITIES[quantity].names))
-    # A ball that falls straight down on (0, 0, 0) has a relative error of nothing; its height at
-    # the launch is rounded all the same.
+    # The golden data have no error for a landing at (0, 0, 0). The ball falls there from a height,
+    # which is rounded.
     if error == 0.0 and quantity == "landing.position" and isinstance(case.scene, FlightScene):
         return 2.0**-53 * abs(case.scene.launch.position[2])
     return error

@@ -115,9 +115,8 @@ class Judge:
         Differences within the tolerance are allowed: sums by several threads have them.
         """
         known = [case for case in self.cases if case.id in answers and decidable(case)]
-        # A ball that flies straight up has no heading, from which the axis of its lift would
-        # follow. A program that keeps the axis of the scene before answers otherwise after another
-        # scene.
+        # A ball that flies straight up has no heading, which gives the axis of the lift. A program
+        # that keeps the axis of the scene before has another answer after another scene.
         upright = [case for case in known if _is_upright(case.scene)][:1]
         some = [*upright, *known[:: max(1, len(known) // AGAIN)][:AGAIN]]
         chosen = [*{case.id: case for case in some}.values()][::-1]

@@ -77,8 +77,7 @@ def random_scenes(count: int, seed: int, kinds: Sequence[str] = DRAWN) -> Iterat
 
 
 # Limits of each number, by the kinds of scenes that draw it. The order is that of the draws: a
-# change of it changes the scenes of every seed. Plain baseball at every value, so that most pitches
-# reach the plate and most balls land.
+# change of it changes the scenes of every seed.
 _RANGES: tuple[tuple[tuple[str, ...], dict[str, tuple[float, float]]], ...] = (
     (("flight", "pitch", "impact", "at-bat"), {
         "ball.mass": (0.14, 0.15), "ball.radius": (0.036, 0.038), "ball.restitution": (0.4, 0.5),

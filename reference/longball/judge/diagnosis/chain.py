@@ -168,8 +168,8 @@ k = named("k", ρ * area / (2.0 * I["m"]))
 rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
 )
-# The profile of textbooks, an edit of `rise`: ln(z/z_0) has no z_0 added, and is 0 below the
-# roughness.
+# The profile of textbooks, which programs have in place of `rise`: no z_0 is added, and the wind is
+# 0 below the roughness.
 _unshifted = named(
     "ln(z/z_0)/ln(h/z_0)",
     function("log", 1.0 + function("positive", component(r, 2) / I["z_0"] - 1.0))

@@ -164,8 +164,8 @@ def clock(
 
 def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     """The rule for the times of states; without one, each state has a time of its own."""
-    # From the simplest rule on: no delay, one delay, steps of the states, steps of the times told,
-    # and none.
+    # From the simplest rule on: no delay, one delay, steps of the states, steps of the times given,
+    # and no rule.
     behind = told - own
     known = behind[np.isfinite(behind)]
     late = float(np.median(known)) if known.size else 0.0

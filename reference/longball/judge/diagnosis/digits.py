@@ -118,8 +118,8 @@ def with_digits(data: Data, answers: Mapping[str, Answer]) -> Data:
 
 def with_cut(data: Data, cut: Mapping[str, tuple[float, float]]) -> Data:
     """Data whose floors include half a unit in the last digit of some quantities."""
-    # Of an edited stage the rounding errors are taken to be those of the right one: they are needed
-    # to a factor of two, and take a flight for each number that is rounded.
+    # Rounding errors are computed once, with the right stage: they take a flight for each number
+    # that is rounded, and an edit hardly changes them.
     known: dict[tuple[Any, ...], Array] = {}
 
     def kept(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:

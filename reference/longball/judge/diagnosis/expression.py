@@ -104,7 +104,7 @@ class Node:
         return words(self)
 
 
-# All nodes that live. A search makes nodes by the million: those of edits that were dropped go.
+# All nodes in use. A search makes millions: a weak reference lets go of those of dropped edits.
 _known: WeakValueDictionary[Any, Node] = WeakValueDictionary()
 
 

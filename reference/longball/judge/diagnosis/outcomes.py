@@ -552,7 +552,7 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
         fixed &= ~np.isin(pairs, pairs[left & ~agrees])  # a kind of mistake is explained whole
         if not fixed.any():
             continue
-        # Evidence are only scenes in which the edit decides, and nothing else may be the cause.
+        # Only scenes are evidence in which the edit decides and nothing else can be the cause.
         spent = bits + search.cost(possible, fixed)
         sure = fixed & ~np.isnan(held) & ~unknown
         if not search.told.suspect.isdisjoint(old.after):

@@ -215,8 +215,8 @@ def _others(data: Data) -> Iterator[Conversion]:
                 continue
             both = np.isfinite(mine) & np.isfinite(theirs)
             apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6
-            # Equal to the last digit, where the right values differ: copied. The right one is lost,
-            # and counts as not given.
+            # Values that agree to the last digit, where the right ones differ, were copied. The
+            # right one is lost, and counts as not given.
             if (both & apart).any() and (mine == theirs)[both].all():
                 wrong = {q: np.where(both, np.nan, mine)}
                 if q == "landing.hang_time":  # which follows from the other times

@@ -251,7 +251,7 @@ def _number(scene: Any, path: str, nothing: Any) -> Any:
         value = value_at(scene, path)
     except ValueError:  # this kind of scene has no such key
         return nothing
-    # A key such as `air.wind` may hold a vector, a number or a block: only the form of the input.
+    # A key such as `air.wind` may hold a vector, a number or a block: the input has one of these.
     if isinstance(value, tuple):
         return value if isinstance(nothing, tuple) else nothing
     return float(value) if isinstance(value, int | float) else nothing
@@ -635,7 +635,7 @@ def _flown_once(
             found, doubt = way(stage, columns)
             again = {quantity: found[quantity] + doubt[quantity] for quantity in found}
         else:
-            # Flights by equal steps are flown again with twice the step. Others know their error.
+            # The error of equal steps shows with twice the step. Other flights know their error.
             balls = launched(stage, columns)
             y, share = _flown(balls, balls.duration, limits)
             off = share * np.maximum(np.abs(y), 1.0)

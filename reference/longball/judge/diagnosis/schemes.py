@@ -312,7 +312,7 @@ class Steps:
         options += [(one, h, True) for h in chords for one in ways]
         named = self._adequate(options, dt)
         # A step that nobody would choose is named only beside an integrator that nearly fits; a
-        # wrong coefficient, of which there are thousands, only if no right integrator does it.
+        # wrong coefficient, of which there are hundreds, only if no right integrator does it.
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt)
         if named is None and slipped:

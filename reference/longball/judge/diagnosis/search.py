@@ -629,7 +629,7 @@ class Explanation:
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any() or not self._is_possible(stage):
             return None
-        # The search for the second is the same one, of a stage that has the first: without pairs.
+        # The second is sought in the same way, in the stage that has the first; without pairs.
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
             return None
@@ -646,8 +646,8 @@ class Explanation:
         for edit, evidence in adequate:
             if edit.bits > cheapest + RIVALS:
                 continue
-            # A definition that other stages share is edited there, too, unless they are right
-            # without the edit: then the mistake is in this use of it.
+            # A definition that other stages share is edited there, too, unless more of their scenes
+            # are wrong then: the mistake is in this use of it.
             everywhere, here = edit, replace(edit, only=self.stage)
             touched = [
                 stage

@@ -167,7 +167,7 @@ _ROOTS = {
 def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
     """The right formula and the edited one, of the smallest definition that contains the place."""
     for key, root in stage.roots.items():
-        # Definitions around the place, from the inside out: of a whole law nobody sees the edit.
+        # Definitions around the place, from the inside out: nobody sees an edit in a whole law.
         around = [
             node
             for node in ordered([root])
