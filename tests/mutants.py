@@ -352,7 +352,7 @@ def record(file: Path, jobs: int) -> Reach:
 
 
 def _recorded(tests: str) -> Reach:
-    """Return what the tests of one module reach."""
+    """Return the lines that the tests of one module reach."""
     with tempfile.NamedTemporaryFile(dir=SPACE) as file:
 
         def run() -> int:

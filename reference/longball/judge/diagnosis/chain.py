@@ -150,9 +150,12 @@ weather = named(
     "ρ(T, p, φ)",
     1.2929 * (273.15 / I["T"]) * ((pressed - 0.3783 * I["φ"] * vapour) / 101325.0),
 )
-thins = switch(
-    "air.density_scale_height",
-    {"none": constant(1.0), "given": function("exp", -(component(r, 2) / I["H"]))},
+thins = named(
+    "e^(-z/H)",
+    switch(
+        "air.density_scale_height",
+        {"none": constant(1.0), "given": function("exp", -(component(r, 2) / I["H"]))},
+    ),
 )
 ρ = named(
     "ρ",
@@ -303,7 +306,8 @@ about = named("ê", cross(_ahead, e_z))
 _per_spin = I["R"] * (C_L / S_lift)
 
 # The side force acts along the part of a fixed direction across the airspeed.
-_sideways = named("d - (d·û)û", I["d"] - dot(I["d"], unit(u_lift)) * unit(u_lift))
+_aimed = named("d̂", unit(I["d"]))
+_sideways = named("d̂ - (d̂·û)û", _aimed - dot(_aimed, unit(u_lift)) * unit(u_lift))
 _cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])
 rotation = named(
     "Ω",

@@ -439,8 +439,9 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
     last = long.cumsum(axis=0).argmax(axis=0)  # number of the last segment that has a length
     # The part of a segment is at least 0 and at most the whole: a table is constant outside.
     low, high = np.zeros_like(widths), widths.copy()
-    if mode == "extrapolated":
+    if mode in ("extrapolated", "extrapolated below"):
         low[0] = -np.inf
+    if mode in ("extrapolated", "extrapolated above"):
         high[last, np.arange(at.shape[1])] = np.inf
     if mode == "previous node":
         return lambda x: values[0] + ((x >= at[1:]) * np.diff(values, axis=0)).sum(0)

@@ -13,7 +13,9 @@ import math
 from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -62,6 +64,7 @@ from longball.judge.diagnosis.expression import (
     table,
     unit,
     vector,
+    where,
     words,
 )
 from longball.model.readings import Reading
@@ -384,6 +387,9 @@ def _terms(site: Site) -> Iterator[Option]:
     if not a.vector and (a.op in ("symbol", "named", "norm") or not site.parents):
         text = f"adds {{c}} to {said}"
         yield a + free(a.dimension), BITS["free term"], text, (0.01,)
+    if not a.vector and a.dimension == NONE and a.op not in ("constant", "sum"):
+        # Such as 1 + T/273.15 of a temperature in kelvin, for T/273.15.
+        yield 1.0 + a, BITS["sum"], f"adds 1 to {said}", ()
 
 
 def _scales(site: Site) -> Iterator[Option]:
@@ -420,6 +426,37 @@ def _scalar_factors(a: Node) -> Iterator[Node]:
             yield from _scalar_factors(factor)
     elif not a.vector:
         yield a
+
+
+def _scopes(site: Site) -> Iterator[Option]:
+    """A factor of one term of a sum for both terms, or the reverse: a parenthesis that is amiss."""
+    a, cost = site.node, BITS["sum"]
+    if a.op == "sum":
+        for one, other in (a.args, a.args[::-1]):
+            for factor, said in _factors_with_words(one):
+                text = f"multiplies {words(other)} by {said}, too"
+                yield one + factor * other, cost, text, ()
+    if a.op == "product":
+        for factor, whole in (a.args, a.args[::-1]):
+            if _meaning(whole).op == "sum" and factor.dimension == NONE and not factor.vector:
+                for one, other in (parts := _meaning(whole).args, parts[::-1]):
+                    text = f"does not multiply {words(other)} by {words(factor)}"
+                    yield factor * one + other, cost, text, ()
+
+
+def _factors_with_words(term: Node) -> Iterator[tuple[Node, str]]:
+    """The factors of a term that are bare numbers, in options too, and their names."""
+    term = _meaning(term)
+    if term.op == "switch":
+        key, options = term.data
+        for option, arm in zip(options, term.args, strict=True):
+            for factor, said in _factors_with_words(arm):
+                by = dict.fromkeys(options, constant(1.0)) | {option: factor}
+                yield switch(key, by), said
+    else:
+        for factor in _scalar_factors(term):
+            if factor.dimension == NONE and factor.op != "constant":
+                yield factor, words(factor)
 
 
 def _shapes(site: Site) -> Iterator[Option]:
@@ -467,8 +504,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
     """Siblings of a function, with bits beyond those of the operator, and words."""
     said = words(a)
 
-    def instead(b: Node, more: float = 0.0, where: str = "") -> tuple[Node, float, str]:
-        return b, more, f"takes {words(b)} for {said}{where}"
+    def instead(b: Node, more: float = 0.0, at: str = "") -> tuple[Node, float, str]:
+        return b, more, f"takes {words(b)} for {said}{at}"
 
     match a.op, a.args:
         case "norm", (b,):
@@ -488,8 +525,9 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
                 yield product, 3.0, f"takes {text} in {said}"
         case "sum", (_, b) if b.op == "negative":  # such as 1 - x
             yield instead(b.args[0])
-        case "where", (_, *sides):
-            yield from (instead(b, where=", on both sides of its limit") for b in sides)
+        case "where", (condition, *sides):
+            yield from (instead(b, at=", on both sides of its limit") for b in sides)
+            yield where(condition, *sides[::-1]), -2.0, f"exchanges the two sides of {said}"
         case "sqrt", (b,):
             yield in_unit_of(a, b), 0.0, f"takes {words(b)} for its root"
         case "abs", (b,):
@@ -502,8 +540,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             yield instead(constant(1.0))
         case "table", (x,):
             key, _ = a.data
-            yield table(x, key, "extrapolated"), 0.0, f"extrapolates the table {key}"
-            yield table(x, key, "previous node"), 0.0, f"does not interpolate in the table {key}"
+            for mode, text in TABLES.items():
+                yield table(x, key, mode), 0.0, text.format(f"the table {key}")
         # Drag is a number times |v| v; programs that treat each axis alone take |v_x| v_x, or v_x².
         case "product", (b, c) if a.vector:
             factors = _factors_of(b)
@@ -667,8 +705,8 @@ def _options(site: Site) -> Iterator[Option]:
 
 Operator = Callable[[Site], Iterator[Option]]
 OPERATORS: tuple[Operator, ...] = (
-    _others, _numbers, _factors, _terms, _scales, _products, _shapes, _siblings, _directions,
-    _components, _states, _options,
+    _others, _numbers, _factors, _terms, _scales, _products, _scopes, _shapes, _siblings,
+    _directions, _components, _states, _options,
 )  # fmt: skip
 
 
@@ -819,7 +857,9 @@ def _of_regions(
         for arg in node.args if node.op != "switch" else ():
             if used[arg] > 1 and _meaning(arg).op in PRODUCTS:
                 regions.append((node, arg, f" in {words(node)}"))
-    for region, part, where in regions:
+        if node.op == "named":  # a function of its own, with what others call or write out too
+            regions.append((node, node, f" in {words(node)}"))
+    for region, part, at in regions:
         if region not in here or region in known:
             continue
         elsewhere = here.intersection(ordered([form], {region}))
@@ -827,6 +867,8 @@ def _of_regions(
         whole_arm, inside = part is region, region if part is region else _meaning(part)
         written = ordered([inside], (), _written)
         parts = [x for x in (ordered([region]) if whole_arm else written) if x in here]
+        if region.op == "named":
+            parts = [x for x in parts if x.op in ("named", "symbol", "switch")]
         # Of the region's nodes those that stand elsewhere, too: an edit of another is made by
         # `_of_formula` already.
         for node in (x for x in parts if x is not inside and x in elsewhere):
@@ -844,36 +886,52 @@ def _of_regions(
                 for by, bits, text, starts in operator(site):
                     cost = bits + places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)
                     place = region if form is root else root
-                    yield Edit(place, by, cost, text + where, starts, within=(opened, hole))
+                    yield Edit(place, by, cost, text + at, starts, within=(opened, hole))
 
 
 def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
-    """Edits of every scalar or vector product of a formula.
+    """Edits of every scalar product, vector product or table of a formula.
 
     Programs have one function for each, and a slip in it shows wherever it is called. A length is
     the root of a scalar product.
     """
-    for name, ops, slips in FUNCTIONS:
+
+    def product(node: Node, number: int, slips: Any) -> Node:
+        a, b = (node.args * 2)[:2]  # of a length, one vector twice
+        found, _ = [*slips(a, b)][number]
+        size = function("sqrt", found, dimension=a.dimension)
+        return {"norm": size, "unit": a / size}.get(node.op, found)
+
+    slips: list[tuple[Sequence[str], Callable[[Node], Node], str]] = [
+        (ops, partial(product, number=number, slips=slips), f"takes {text} in every {name} a, b")
+        for name, ops, slips in FUNCTIONS
+        for number, (_, text) in enumerate(slips(_A, _B))
+    ]
+    for mode, text in TABLES.items():
+        read = partial(lambda node, mode: table(node.args[0], node.data[0], mode), mode=mode)
+        slips.append((("table",), read, text.format("every table")))
+    for ops, slipped, text in slips:
         if sum(node.op in ops for node in nodes) < 2:  # one alone is edited in its place
             continue
-        for number, (_, text) in enumerate(slips(_A, _B)):
-            made: dict[Node, Node] = {}
-            for node in nodes:  # arguments come first
-                again = rebuilt(node, [made.get(arg, arg) for arg in node.args])
-                if node.op in ops:
-                    a, b = (again.args * 2)[:2]  # of a length, one vector twice
-                    again, _ = [*slips(a, b)][number]
-                    size = function("sqrt", again, dimension=a.dimension)
-                    again = {"norm": size, "unit": a / size}.get(node.op, again)
-                made[node] = again
-            cost = BITS["sibling"] + 3.0 + math.log2(1 + len(nodes))
-            yield Edit(root, made[root], cost, f"takes {text} in every {name} a, b")
+        made: dict[Node, Node] = {}
+        for node in nodes:  # arguments come first
+            again = rebuilt(node, [made.get(arg, arg) for arg in node.args])
+            made[node] = slipped(again) if node.op in ops else again
+        cost = BITS["sibling"] + math.log2(len(slips))
+        yield Edit(root, made[root], cost, text)
 
 
 FUNCTIONS = (
     ("scalar product of", ("dot", "norm", "unit"), _mixed),
     ("vector product of", ("cross",), _slipped),
 )
+# Ways to read a table, by the modes of `longball.judge.diagnosis.expression.table`.
+TABLES = {
+    "extrapolated": "extrapolates {}",
+    "extrapolated above": "extrapolates {} beyond its last node",
+    "extrapolated below": "extrapolates {} below its first node",
+    "previous node": "does not interpolate in {}",
+}
 _A, _B = symbol("a", NONE, True), symbol("b", NONE, True)
 
 

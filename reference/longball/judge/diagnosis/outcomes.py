@@ -480,9 +480,7 @@ def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
     # A wrong outcome follows from wrong numbers if it is possible by the candidate's own values and
     # the right one is not.
     follows = left & search.agrees(possible) & ~search.agrees(possible, told.right)
-    if follows.any():
-        yield _following(tree, told, follows)
-        left = left & ~follows
+    left = left & ~follows
     accounted = ~left & search.agrees(possible)  # what no edit may make wrong
     unknown = left & search.agrees(possible)  # what may be so without any
     while left.any():
@@ -501,14 +499,16 @@ def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
             sentence=f"{sentence}.", remedy=best.right,
         )  # fmt: skip
         left = left & ~best.fixed
+    # What is said may be so if a stage before is wrong, whose values the candidate does not give.
+    says = {said for pair in _pairs(told, left & unknown) for said in pair}
+    late = {stage for test in tree.tests if test.says in says for stage in test.after}
+    if late & told.suspect:
+        follows, left = follows | (left & unknown), left & ~unknown
+    if follows.any():
+        yield _following(tree, told, follows)
     if left.any():
-        says = {said for pair in _pairs(told, left) for said in pair}
-        late = {stage for test in tree.tests if test.says in says for stage in test.after}
-        behind = [stage for stage in told.before if stage in late | _FLIGHTS]
-        behind = behind if late & told.suspect else []
-        remedy = f"see whether this is still so when {behind[0]} is right" if behind else None
         yield _finding(
-            tree, told, left, kind="located", remedy=remedy,
+            tree, told, left, kind="located",
             sentence=f"{outcomes_wrong(_pairs(told, left), tree.name)}.",
         )  # fmt: skip
 
