@@ -88,7 +88,8 @@ def flight(
     if model_of(model).spin and not chosen and not LOWEST <= ball.angle[0] <= HIGHEST:
         note("the spin is from a regression for 10° to 60°; --set launch.spin=[x,y,z] sets another")
     if isinstance(asked, InvalidScene):
-        wrong_call(str(asked).partition("is no scene: ")[2])
+        fault = str(asked).partition("is no scene: ")[2]
+        wrong_call(fault.replace("air.density.temperature", "--temperature"))
     for key, question in doubts(asked):
         note(f"{key}: {question}")
     # Without the id of a row.
@@ -125,17 +126,20 @@ def _ball(
     # `not >` also refuses NaN.
     if not speed > 0.0:
         wrong_call(f"--speed: must be positive (got {speed} m/s)")
-    one = {
-        name: np.array([value])
-        for name, value in (
-            ("temperature", temperature), ("elevation", elevation), ("speed", speed),
-            ("angle", angle), ("bearing", bearing), ("side", side),
-        )
-    }  # fmt: skip
+    if not abs(angle) <= math.pi / 2:
+        wrong_call(f"--angle: must be from -90° to 90° (got {math.degrees(angle):g}°)")
     return MeasuredFlies(
-        source="", rows_read=1, left_out=(), rows=np.array([1]), games=np.array([0]),
-        weather_unknown=0, assumed=(), doubts=(), measured=np.full((1, 1), math.nan), **one,
-    )  # fmt: skip
+        rows=np.array([1]),
+        games=np.array([0]),
+        identity=np.empty((1, 0)),
+        temperature=np.array([temperature]),
+        elevation=np.array([elevation]),
+        speed=np.array([speed]),
+        angle=np.array([angle]),
+        bearing=np.array([bearing]),
+        side=np.array([side]),
+        measured=np.full((1, 1), math.nan),
+    )
 
 
 def _rows(result: Any) -> list[list[str]]:

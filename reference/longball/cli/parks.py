@@ -35,6 +35,9 @@ def parks(
 
     Each scene gets the fence of each park in turn, and the park's elevation if the scene gives a
     weather in place of a density. Without scenes, the command lists the parks and their sources.
+
+    There are 29 of the league's 30 parks: no source gives the heights of the wall of Sutter Health
+    Park, where the Athletics play from 2025 to 2027.
     """
     with refusing("--"):
         where = [park_of(name) for name in park] if park else [*every_park()]
@@ -52,7 +55,7 @@ def parks(
             if isinstance(scene, InvalidScene):
                 yield number, str(scene), where, solver
                 continue
-            if ignores_elevation(scene):
+            if scene.kind != "pitch" and ignores_elevation(scene):
                 fixed.append(number)
             yield number, scene, where, solver
 

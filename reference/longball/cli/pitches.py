@@ -42,7 +42,7 @@ def answers(
 ) -> dict[str, Array]:
     """Return the columns that a function computes for pitches, in parts on several workers."""
     begins = range(0, len(pitches), PART)
-    calls = ((pitches.part(slice(i, i + PART)), *more) for i in begins)
+    calls = ((pitches.chosen(slice(i, i + PART)), *more) for i in begins)
     with on_cluster(scheduler):
         parts = [*in_parallel(question, calls, -1 if scheduler else workers)]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

@@ -56,7 +56,9 @@ def spin(
     """
     law = model_of(model)
     # Options without effect are errors: a user would believe that they were applied.
-    idle, why = (_OF_ONE, "it needs --speed") if speed is None else (_OF_TABLE, "it is for a table")
+    idle, why = _OF_TABLE, "it is for a table; with --speed there is none"
+    if speed is None:
+        idle, why = _OF_ONE, "it needs --speed, the speed of a single pitch"
     refuse_if(
         (speed is not None and table != "-", "--speed is for a single pitch: omit the table"),
         *((given_by(ctx, name) == "COMMANDLINE", f"--{name.rstrip('_')}: {why}") for name in idle),

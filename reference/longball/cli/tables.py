@@ -39,7 +39,9 @@ def read_rows(
             if {*error.missing} - (of_spin := {"spin_axis", "release_spin_rate"}):
                 hint = "; --column NAME=COLUMN gives the table's name of a column"
             # The most common case: tables before 2020. Models without spin still work.
-            if of_spin & {*error.missing}:
+            if "vx0" in error.missing and {"launch_speed", "launch_angle"} <= {*error.present}:
+                hint = "; longball measured --kind batted predicts batted balls"
+            elif of_spin & {*error.missing}:
                 without = ", ".join(name for name, law in MODELS.items() if not law.spin)
                 hint += (
                     "; Statcast's tables have spin_axis from 2020 on, and longball measured "

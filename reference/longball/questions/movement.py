@@ -100,6 +100,7 @@ class NineParameters:
 
     def pitch(self, release: float) -> PitchBlock:
         """Return the `pitch` block of a scene released at x, m; see `at`."""
+        self.at(0.0)  # or it is no pitch: the acceleration turns it round before the plate
         start = self.at(release)
         return PitchBlock(release=start.position, velocity=start.velocity)
 

@@ -14,6 +14,7 @@ import csv
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
@@ -139,11 +140,12 @@ def park(name: str) -> Park:
     if name in known:
         return known[name]
     near = did_you_mean(name, known)
-    # The name of a city selects its park: Boston is Fenway Park.
-    for city in dict.fromkeys(each.city for each in parks()):
-        if not near and did_you_mean(name, [city]):
-            there = " or ".join(each.name for each in parks() if each.city == city)
-            near = f", did you mean {there}?"
+    # The name of a city selects its park: Boston is Fenway Park. The most similar name counts, as
+    # Boston is also similar to Houston.
+    cities = get_close_matches(name, [each.city for each in parks()], 1)
+    if not near and cities:
+        there = " or ".join(each.name for each in parks() if each.city == cities[0])
+        near = f", did you mean {there}?"
     if any(row["park"] == name for row in _rows(PARKS)):
         near = ": no source gives the heights of its wall; if you know them, give the scene a fence"
     near = near or f"; the parks are {', '.join(each.name for each in parks())}"
