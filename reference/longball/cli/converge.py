@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from longball.cli.messages import failing_unless, progress_bar, refusing, tell, wrong_call
 from longball.cli.options import Options
-from longball.cli.scenes import chosen_kinds, read_scenes
+from longball.cli.scenes import read_scenes
 
 
 def converge(o: Options) -> None:
@@ -18,17 +18,16 @@ def converge(o: Options) -> None:
 
     if not (o.knob or takes(o.command, "dt")):
         wrong_call("the COMMAND must contain {dt}, where its time step goes")
-    kinds = chosen_kinds(o.kind)
     if o.scenes:
         given = read_scenes(o.scenes)
     else:  # a sample of the family, or of those families with the clearest orders
         with refusing():
             cases = load(o.golden)
         given = [case.scene for case in sample(cases, [o.golden] if o.golden else FAMILIES)]
-    asked = [scene for scene in given if not kinds or scene.kind in kinds]
+    asked = [scene for scene in given if not o.kind or scene.kind in o.kind]
     # A file may contain several kinds, and a simulator may support one of them.
     if not asked:
-        wrong_call(f"--kind {', '.join(kinds)}: none of the scenes is of this kind")
+        wrong_call(f"--kind {', '.join(o.kind)}: none of the scenes is of this kind")
     # Without the truth, steps are compared with each other, which hides their common errors.
     proofs = [case.expected for case in proven(asked)] if o.truth else None
     with progress_bar("runs", 1) as advance, refusing():

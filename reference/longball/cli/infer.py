@@ -47,18 +47,10 @@ def infer(o: Options) -> None:
     if not o.json:
         print(fitted)
         return
-    print(
-        json.dumps(
-            {
-                "value": fitted.value,
-                "sigma": fitted.sigma,
-                "covariance": fitted.covariance.tolist(),
-                "chi_squared": fitted.chi_squared,
-                "freedom": fitted.freedom,
-                "scene": json.loads(fitted.scene.line()),
-            }
-        )
-    )
+    names = "value", "sigma", "covariance", "chi_squared", "freedom"
+    shown = {name: getattr(fitted, name) for name in names}
+    shown["covariance"] = fitted.covariance.tolist()
+    print(json.dumps(shown | {"scene": json.loads(fitted.scene.line())}))
 
 
 @contextmanager

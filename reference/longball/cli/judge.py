@@ -136,30 +136,29 @@ def with_defaults(case: Case) -> Case:
 
 def cases_of(o: Options) -> tuple[list[Case], str]:
     """Return the cases of the options, and a description of their source."""
-    from longball.cli.scenes import chosen_kinds, read_scenes
+    from longball.cli.scenes import read_scenes
     from longball.golden import load
     from longball.judge.cases import asked as asked_of
     from longball.judge.fresh import DRAWN, USUAL, proven, random_scenes, usual_constants
 
-    chosen = chosen_kinds(o.kind)
     if o.scenes:
-        given = [x for x in read_scenes(o.scenes) if not chosen or x.kind in chosen]
+        given = [x for x in read_scenes(o.scenes) if not o.kind or x.kind in o.kind]
         return list(proven(given)), f"proven values of {o.scenes}"
     # Random scenes are solved with proven bounds first, which takes most of the time.
     if o.random:
         seed = 1 if o.seed is None else o.seed
-        asked = list(random_scenes(o.random, seed, chosen or DRAWN))
+        asked = list(random_scenes(o.random, seed, o.kind or DRAWN))
         with progress_bar("proving", o.random) as advance:
             cases = proven(asked, progress=advance)
-        drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
+        drawn = " ".join([" and ".join(o.kind), "scenes"]).strip()
         return list(cases), f"proven values of {o.random} random {drawn}, seed {seed}"
     # Without a family: the paper's model in its default reading, for authors who begin.
     families = [*dict.fromkeys(o.golden or ())]
     known: list[Case] = [] if families else [*load()]
     for name in families:
         known += proven(usual_constants(), USUAL) if name == USUAL else load(name)
-    known = [case for case in known if not chosen or case.scene.kind in chosen]
+    known = [case for case in known if not o.kind or case.scene.kind in o.kind]
     known = asked_of(known, o.readings, hard=bool(families))
     if not known:
         wrong_call("there is no golden case of these families and kinds; see longball golden list")
-    return known, ", ".join(["golden data", *(o.golden or ()), *chosen])
+    return known, ", ".join(["golden data", *(o.golden or ()), *o.kind])

@@ -21,6 +21,7 @@ from longball.cli.command import Command, given_by
 from longball.cli.messages import hushed, wrong_call
 from longball.cli.settings import INSTEAD
 from longball.extras import naming_extras
+from longball.model.names import one_of
 
 # --- checks: wrong values are rejected before anything is computed --------------------------------
 
@@ -36,6 +37,15 @@ def _workers(workers: int) -> int:
     if workers > 1:
         import_module("joblib")
     return workers
+
+
+def _kinds(names: list[str] | None) -> list[str]:
+    from longball.model.scene import KINDS  # as slow to import as the model
+
+    for name in names or ():
+        if name not in KINDS:
+            raise typer.BadParameter(f"{name}: there is none{one_of('the kinds are', name, KINDS)}")
+    return [*dict.fromkeys(names or ())]
 
 
 def _finite(number: float | None) -> float | None:
@@ -254,7 +264,7 @@ OPTIONS: dict[str, dict[str, Any] | Callable[[], dict[str, Any]]] = {
     ),
     "random": _row(int, "Judge by N random scenes, drawn from --seed.", min=1),
     "judge.seed": _row(int, "Seed of the random scenes, by default 1.", min=0),
-    "kind": _row(["KIND"], "Scenes of this kind only: flight, pitch, impact or at-bat"),
+    "kind": _row(["KIND"], "Scenes of this kind only: flight, pitch, impact or at-bat", _kinds),
     "judge.readings": _row(bool, "Use golden cases of other readings as well."),
     "write_defaults": _row(bool, "Add all defaults, except readings, to every scene."),
     "partial": _row(bool, "Accept missing scenes and quantities."),
@@ -272,7 +282,7 @@ OPTIONS: dict[str, dict[str, Any] | Callable[[], dict[str, Any]]] = {
         Path, "At-bats that the program has drawn, as .jsonl, to test their distributions."
     ),
     "profile": _row(
-        "exact|converged|paper",
+        Literal["exact", "converged", "paper"],
         "Required accuracy. exact: within 100 times the unavoidable rounding error; converged: "
         "errors below --tolerance; paper: the same as the paper's scheme at its time step, 0.05 s "
         "or --dt.",
@@ -474,5 +484,5 @@ def _parameter(command: str, word: str) -> Parameter:
         # Only a switch that is on by default needs a second name, which turns it off.
         long = f"{flag(name)}/--no-{flag(name)[2:]}" if default is True else flag(name)
         form = typer.Option(*filter(None, (short, long)), **more)
-    annotation = Annotated[type_, form]
+    annotation = Annotated[type_, form]  # type: ignore[valid-type]
     return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)

@@ -143,25 +143,11 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     nodes, weights = leggauss(_NODES)
     half = 0.5 * (end - trajectory.start)
     places = trajectory.at(trajectory.start + half * (1.0 + nodes)).position
-    # Projection on the Legendre polynomials 1, τ, (3τ² - 1)/2, orthogonal for τ from -1 to 1,
-    # divided by their squared norms 2, 2/3, 2/5.
-    basis = np.stack([np.ones_like(nodes), nodes, 1.5 * nodes**2 - 0.5])
-    projection = (basis * weights) * np.array([[0.5], [1.5], [2.5]])
-    fitted, left = np.zeros((3, 3)), places
-    # The second projection removes the rounding error of the first.
-    for _ in range(2):
-        fitted += projection @ left
-        left = places - basis.T @ fitted
-    # r(τ) = mean + slope τ + curvature (3τ² - 1)/2 with t = half τ: at τ = 0 the position is
-    # mean - curvature/2, the velocity slope/half, the acceleration 3 curvature/half².
-    mean, slope, curvature = fitted
-    residual = math.sqrt(0.5 * float(weights @ np.sum(left**2, axis=1)))
-    middle = NineParameters(
-        _vector(mean - 0.5 * curvature),
-        _vector(slope / half),
-        _vector(3.0 * curvature / half**2),
-        residual,
-    )
+    # r(t) = r + v t + a t²/2, with t from the middle of the pitch; the rule's weights add up to 2.
+    time, mean = half * nodes, np.sqrt(0.5 * weights)[:, None]
+    basis = np.stack([np.ones_like(time), time, 0.5 * time**2], axis=1)
+    fitted, squares, *_ = np.linalg.lstsq(mean * basis, mean * places)
+    middle = NineParameters(*map(_vector, fitted), residual=math.sqrt(squares.sum()))
     return middle.at(at)
 
 
