@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, Unpack, cast, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack, cast, get_args, overload
 
 from numpy.typing import ArrayLike
 from pydantic import ValidationError
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from longball.model import dicts
     from longball.pitches import FittedPitches
     from longball.solution import FlightSolution, ImpactSolution, PitchSolution
+
+S = TypeVar("S", bound=Scene)
 
 
 # --- scenes ---------------------------------------------------------------------------------------
@@ -172,6 +174,15 @@ def as_scene(written: object) -> Scene:
         "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
         f"not {_of_type(written)}{several}"
     )
+
+
+def scene_of_kind(written: object, *kinds: type[S]) -> S:
+    """Return a scene as `as_scene` does; an `InvalidScene` is raised for other kinds."""
+    asked = as_scene(written)
+    if not isinstance(asked, kinds):
+        known = " or ".join(repr(kind.model_fields["kind"].default) for kind in kinds)
+        raise InvalidScene(f"kind: must be {known} here, and is {asked.kind!r}")
+    return asked
 
 
 _FILE = re.compile(r"[^{}\[\]\n]*\.(jsonl?|ndjson|csv|parquet)")

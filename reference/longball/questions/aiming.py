@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.optimize import brentq, minimize_scalar
 
-from longball.api import as_engine, as_scene, differentiable, solve
+from longball.api import as_engine, differentiable, scene_of_kind, solve
 from longball.engines.engine import CannotSolve
 from longball.engines.path_engine import PathEngine
 from longball.model.arrays import Array
@@ -91,9 +91,8 @@ def aim(
     >>> round(lb.solve(high).landing.distance, 9)
     100.0
     """
-    asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
-    if not isinstance(asked, FlightScene):
-        raise InvalidScene(f"aim: a flight is needed, and this is a scene of kind {asked.kind}")
+    asked = scene_of_kind(scene, FlightScene)
+    solver = differentiable(as_engine(engine, options))
     # A ball that hits the fence has no landing; the question is how far it would fly.
     if asked.fence is not None:
         asked = asked.model_copy(update={"fence": None})

@@ -17,10 +17,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from longball import engines
-from longball.api import as_scene, solve
+from longball.api import scene_of_kind, solve
 from longball.model.arrays import Array
-from longball.model.scene import InvalidScene, PitchScene
-from longball.model.scene import Pitch as PitchBlock
+from longball.model.scene import Pitch, PitchScene
 from longball.pitches.models import STANDARD_GRAVITY
 from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT, MeasuredPitches, time_of_plane
 from longball.solution import Path, Solution, real_numbers
@@ -98,11 +97,11 @@ class NineParameters:
         u, v, w = (v + a * time for _, v, a in parts)
         return NineParameters((x, y, z), (u, v, w), self.acceleration, self.residual)
 
-    def pitch(self, release: float) -> PitchBlock:
+    def pitch(self, release: float) -> Pitch:
         """Return the `pitch` block of a scene released at x, m; see `at`."""
         self.at(0.0)  # or it is no pitch: the acceleration turns it round before the plate
         start = self.at(release)
-        return PitchBlock(release=start.position, velocity=start.velocity)
+        return Pitch(release=start.position, velocity=start.velocity)
 
     @property
     def approach(self) -> tuple[float, float]:
@@ -260,9 +259,7 @@ def movement(
     >>> lb.movement(fastball).clock
     '12:35'
     """
-    asked = as_scene(scene)
-    if not isinstance(asked, PitchScene):
-        raise InvalidScene(f"kind: must be 'pitch' here, and is {asked.kind!r}")
+    asked = scene_of_kind(scene, PitchScene)
     if without not in ("air", "lift"):
         raise ValueError(f"without must be 'air' or 'lift' (got {without!r})")
     result = solve(asked, **options)

@@ -18,13 +18,13 @@ from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
-from longball.api import as_engine, as_scene
+from longball.api import as_engine, scene_of_kind
 from longball.engines.chain import solve_each
 from longball.model.air import Weather
 from longball.model.inputs import listed
 from longball.model.names import did_you_mean
 from longball.model.result import Result
-from longball.model.scene import AtBatScene, Fence, FlightScene, InvalidScene, Scene
+from longball.model.scene import AtBatScene, Fence, FlightScene, Scene
 from longball.pitches.statcast import FOOT, PARKS
 from longball.pitches.table import DATA
 
@@ -201,9 +201,7 @@ def in_parks(
     >>> sum(each.is_out for each in outcomes), len(outcomes)
     (11, 29)
     """
-    asked = as_scene(scene)
-    if not isinstance(asked, FlightScene | AtBatScene):
-        raise InvalidScene(f"kind: must be 'flight' or 'at-bat' here, and is {asked.kind!r}")
+    asked: FlightScene | AtBatScene = scene_of_kind(scene, FlightScene, AtBatScene)
     chosen = parks() if where is None else listed(where)
     every = [park(one) if isinstance(one, str) else one for one in chosen]
     results = solve_each([_in(one, asked) for one in every], as_engine(engine, options))
