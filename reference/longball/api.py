@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack, cast, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast, get_args, overload
 
 from numpy.typing import ArrayLike
 from pydantic import ValidationError
@@ -46,8 +46,6 @@ if TYPE_CHECKING:
     from longball.model import dicts
     from longball.pitches import FittedPitches
     from longball.solution import FlightSolution, ImpactSolution, PitchSolution
-
-S = TypeVar("S", bound=Scene)
 
 
 # --- scenes ---------------------------------------------------------------------------------------
@@ -176,8 +174,8 @@ def as_scene(written: object) -> Scene:
     )
 
 
-def scene_of_kind(written: object, *kinds: type[S]) -> S:
-    """Return a scene as `as_scene` does; an `InvalidScene` is raised for other kinds."""
+def scene_of_kind(written: object, *kinds: type[Scene]) -> Any:
+    """Return a scene of one of the kinds, as `as_scene` does, or raise an `InvalidScene`."""
     asked = as_scene(written)
     if not isinstance(asked, kinds):
         known = " or ".join(repr(kind.model_fields["kind"].default) for kind in kinds)

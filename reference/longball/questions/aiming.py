@@ -91,7 +91,7 @@ def aim(
     >>> round(lb.solve(high).landing.distance, 9)
     100.0
     """
-    asked = scene_of_kind(scene, FlightScene)
+    asked: FlightScene = scene_of_kind(scene, FlightScene)
     solver = differentiable(as_engine(engine, options))
     # A ball that hits the fence has no landing; the question is how far it would fly.
     if asked.fence is not None:

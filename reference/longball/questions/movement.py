@@ -146,7 +146,8 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     time, mean = half * nodes, np.sqrt(0.5 * weights)[:, None]
     basis = np.stack([np.ones_like(time), time, 0.5 * time**2], axis=1)
     fitted, squares, *_ = np.linalg.lstsq(mean * basis, mean * places)
-    middle = NineParameters(*map(_vector, fitted), residual=math.sqrt(squares.sum()))
+    position, velocity, acceleration = map(_vector, fitted)
+    middle = NineParameters(position, velocity, acceleration, math.sqrt(squares.sum()))
     return middle.at(at)
 
 
@@ -259,7 +260,7 @@ def movement(
     >>> lb.movement(fastball).clock
     '12:35'
     """
-    asked = scene_of_kind(scene, PitchScene)
+    asked: PitchScene = scene_of_kind(scene, PitchScene)
     if without not in ("air", "lift"):
         raise ValueError(f"without must be 'air' or 'lift' (got {without!r})")
     result = solve(asked, **options)

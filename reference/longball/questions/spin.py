@@ -231,7 +231,7 @@ def spin_for(
     >>> [round(x) for x in moving.pitch.spin]
     [0, 88, -49]
     """
-    asked = scene_of_kind(_with_spin(scene), PitchScene)
+    asked: PitchScene = scene_of_kind(_with_spin(scene), PitchScene)
     if not isinstance(moved, Movement):
         raise TypeError(f"moved = {moved!r}: a movement is needed, lb.Movement(across=…, up=…), m")
     ahead = np.array(asked.pitch.thrown)
