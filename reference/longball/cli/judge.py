@@ -150,7 +150,7 @@ def cases_of(o: Options) -> tuple[list[Case], str]:
         asked = list(random_scenes(o.random, seed, o.kind or DRAWN))
         with progress_bar("proving", o.random) as advance:
             cases = proven(asked, progress=advance)
-        drawn = " ".join([" and ".join(o.kind), "scenes"]).strip()
+        drawn = " ".join([" and ".join(o.kind or ()), "scenes"]).strip()
         return list(cases), f"proven values of {o.random} random {drawn}, seed {seed}"
     # Without a family: the paper's model in its default reading, for authors who begin.
     families = [*dict.fromkeys(o.golden or ())]
@@ -161,4 +161,4 @@ def cases_of(o: Options) -> tuple[list[Case], str]:
     known = asked_of(known, o.readings, hard=bool(families))
     if not known:
         wrong_call("there is no golden case of these families and kinds; see longball golden list")
-    return known, ", ".join(["golden data", *(o.golden or ()), *o.kind])
+    return known, ", ".join(["golden data", *(o.golden or ()), *(o.kind or ())])

@@ -166,7 +166,7 @@ def refuse_drawn(base: AtBatScene) -> None:
     usual = AtBatScene()
     for name in DRAWN:
         if at(base, name) != at(usual, name):
-            raise ValueError(f"{name}: it varies from sample to sample")
+            raise ValueError(f"{name}: it varies from sample to sample, and cannot be set")
 
 
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:
