@@ -1,4 +1,4 @@
-"""The options of all commands: names, types, defaults, checks and help, in one table.
+"""The options of all commands: names, defaults, types, checks and help.
 
 `COMMANDS` has the arguments and options of each command with their defaults, and two tables have
 their types, checks and help, under ``command.name`` or the name alone. A command is a function of
