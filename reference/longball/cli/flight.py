@@ -111,21 +111,19 @@ def _wind(text: str) -> list[float]:
 
 def _rows(result: Any) -> list[list[str]]:
     """Return the rows of the printed table, in SI and customary units."""
-    rows = [["outcome", str(result.outcome), ""]]
-
-    def add(name: str, value: Any, unit: str, theirs: str, factor: float) -> None:
-        number = float(value)
-        rows.append([name, f"{number:.3f} {unit}", f"{number / factor:.1f} {theirs}"])
-
     landing, fence, apex = result.landing, result.fence, result.apex
+    known: list[tuple[str, Any, str, str, float]] = []
     if landing is not None:
-        add("distance", landing.distance, "m", "ft", FOOT)
-        rows.append(["hang time", f"{float(landing.hang_time):.3f} s", ""])
-        add("landing angle", landing.angle, "rad", "°", math.pi / 180.0)
+        known.append(("distance", landing.distance, "m", "ft", FOOT))
+        known.append(("hang time", landing.hang_time, "s", "", 1.0))
+        known.append(("landing angle", landing.angle, "rad", "°", math.pi / 180.0))
     if apex is not None:
-        add("apex", apex.position[2], "m", "ft", FOOT)
+        known.append(("apex", apex.position[2], "m", "ft", FOOT))
     if fence is not None:
-        x, y, _ = map(float, fence.position)
-        add("at the fence", math.hypot(x, y), "m", "ft", FOOT)
-        add("above its top", fence.clearance, "m", "ft", FOOT)
+        known.append(("at the fence", math.hypot(*fence.position[:2]), "m", "ft", FOOT))
+        known.append(("above its top", fence.clearance, "m", "ft", FOOT))
+    rows = [["outcome", str(result.outcome), ""]]
+    for name, x, unit, theirs, size in known:
+        customary = f"{float(x) / size:.1f} {theirs}" if theirs else ""
+        rows.append([name, f"{float(x):.3f} {unit}", customary])
     return rows
