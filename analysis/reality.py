@@ -277,7 +277,7 @@ def side_forces(pitches: MeasuredPitches) -> Sides:
     odd = np.isin(pitches.games, np.unique(pitches.games)[1::2])
     halves = [pitches.labels[half] for half in (odd, ~odd)]
     kept = np.isin(pitches.labels, np.intersect1d(*halves))
-    pitches, odd = pitches.part(kept), odd[kept]
+    pitches, odd = pitches.chosen(kept), odd[kept]
     off = at_shares(pitches) - pitches.measured
     pushed = arm_side(pitches), np.tile([0.0, 0.0, 1.0], (len(pitches), 1))
     spin = pitches.spin(np.full(len(pitches), SHARE_OF_SIDE))

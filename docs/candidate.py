@@ -1,6 +1,6 @@
 """Flights by Runge-Kutta: reads one JSON scene per line, writes one JSON result per line.
 
-Usage: candidate.py [STEP], in s; 0.001 by default.
+Usage: candidate.py [STEP], in s; 0.005 by default.
 """
 
 import json

@@ -25,6 +25,7 @@ project_copyright = "The longball authors"
 version = release = longball.__version__
 
 extensions = [
+    "matplotlib.sphinxext.plot_directive",
     "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
@@ -41,6 +42,11 @@ numpydoc_show_class_members = False
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
 suppress_warnings = ["myst.header"]  # an included page begins with a heading of its own
+
+# The gallery shows its code and pictures, without links to files of either.
+plot_include_source = True
+plot_html_show_source_link = plot_html_show_formats = False
+plot_formats = [("png", 150)]
 
 exclude_patterns = ["_build"]
 

@@ -17,7 +17,9 @@ import typer.testing
 
 import longball as lb
 from longball import cli, table_files
+from longball.cli.options import COMMANDS as USAGE
 from longball.cli.scenes import read_scenes
+from longball.cli.solve import ENGINE_OPTIONS
 from longball.golden import probabilities
 from longball.home_run.quadrature import Nodes
 from longball.pitches import EXAMPLE
@@ -519,3 +521,42 @@ def test_infer_finds_what_was_launched(called, tmp_path):
         {"launch.velocity[0]": 25.0, "launch.velocity[2]": 18.45}, rel=1e-12
     )
     assert found["scene"]["launch"]["velocity"] == pytest.approx([25.0, 0.0, 18.45], rel=1e-12)
+
+
+def test_predictions_keep_what_identifies_a_row(called, tmp_path):
+    table, predictions, scenes = (tmp_path / name for name in ("a.csv", "b.csv", "c.jsonl"))
+    table.write_text(
+        "launch_speed,launch_angle,player_name,game_pk,events\n"
+        '80,5,"Doe, Jo",1,single\n'
+        '103,28,"Doe, Pat",1,home_run\n'
+        "95,35,,2,field_out\n",
+        encoding="utf-8",
+    )
+    files = "--csv", str(predictions), "--scenes", str(scenes)
+    assert called("measured", str(table), "--kind", "batted", *files).returncode == 0
+    with open(predictions, encoding="utf-8", newline="") as file:
+        rows = [*csv.DictReader(file)]
+    assert [(row["row"], row["game_pk"], row["player_name"], row["events"]) for row in rows] == [
+        ("2", "1", "Doe, Pat", "home_run"),
+        ("3", "2", "", "field_out"),
+    ]
+    ids = [json.loads(line)["id"] for line in scenes.read_text(encoding="utf-8").splitlines()]
+    assert ids == ["row 2, 1, Doe, Pat, home_run", "row 3, 2, field_out"]
+
+
+def test_commands_use_the_options_that_they_have():
+    """Options have no types, so that no linter finds a name that is none."""
+    folder = Path(cli.__file__).parent
+    used = {
+        file.stem: {*re.findall(r"\bo\.(\w+)", file.read_text(encoding="utf-8"))}
+        for file in folder.glob("*.py")
+    }
+    shared = used["tables"] | used["cluster"] | {"set", "fence", "reading", "games"}
+    shared |= {*ENGINE_OPTIONS.values()}
+    declared: dict[str, set[str]] = {}
+    for command, words in USAGE.items():
+        names = {re.match(r"\w+", word)[0] for word in words.split()}
+        declared.setdefault(command.split()[0], set()).update(names)
+    for module, names in declared.items():
+        assert used[module] - {"refuse"} <= names, module
+        assert names <= used[module] | shared, module

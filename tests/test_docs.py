@@ -42,6 +42,8 @@ DIGITS = 1e-9
 
 
 def fences(page: Path, language: str) -> list[str]:
+    if language == "pycon":  # pictures are drawn by sessions, too
+        language = r"(?:pycon|\{eval-rst\}\n\.\. plot::)"
     return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
 
 

@@ -114,6 +114,8 @@ def _sentence(error: Exception) -> str:
         # Of a COMMAND: programs are looked for in the search path, and not in the folder.
         if os.path.isfile(error.filename):
             return f"{error.filename}: no such program; ./{error.filename} runs the file"
+        if "--" in sys.argv[:-1] and error.filename == sys.argv[sys.argv.index("--") + 1]:
+            return f"{error.filename}: no such program, neither by its path nor in those of PATH"
         return f"{error.filename}: {error.strerror}{nearest_file(error.filename)}"
     if isinstance(error, IsADirectoryError):
         return f"{error.filename}: a file is needed, and this is a folder"

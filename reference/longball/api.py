@@ -90,6 +90,7 @@ def launch(
     *,
     backspin: float | None = None,
     side_spin: float | None = None,
+    gyrospin: float | None = None,
     position: Sequence[float] = CONTACT,
 ) -> models.Launch:
     """Return the launch of a batted ball from the quantities that trackers measure.
@@ -106,6 +107,8 @@ def launch(
         rad/s, about the horizontal axis across the direction; it lifts the ball.
     side_spin
         rad/s, about the axis across both that and the velocity; it turns the ball to the left.
+    gyrospin
+        rad/s, about the velocity, as the spin of a bullet.
     position
         m, of the ball's centre; by default 2 ft in front of the plate's tip, 3 ft above the ground.
 
@@ -121,21 +124,21 @@ def launch(
     >>> round(lb.solve(scene).landing.distance, 3)
     116.06
     """
-    given = {"speed": speed, "angle": angle, "direction": direction}
-    given |= {"backspin": backspin or 0.0, "side_spin": side_spin or 0.0}
-    for name, value in given.items():
+    moved, spun = (speed, angle, direction), (backspin, side_spin, gyrospin)
+    # The same formulas as those of derivatives by launch.speed, in longball.model.inputs.
+    tracked: dict[str, float] = dict(zip(OF_VELOCITY, moved, strict=True))
+    if any(spin is not None for spin in spun):
+        tracked |= zip(OF_SPIN, (spin or 0.0 for spin in spun), strict=True)
+    for name, value in tracked.items():
         if not is_number(value):
-            unit = UNITS_OF_TRACKED[f"launch.{name}"]
-            raise InvalidScene(f"{name}: must be a number in {unit} (got {value!r})")
+            key = name.removeprefix("launch.")
+            unit = UNITS_OF_TRACKED[name]
+            raise InvalidScene(f"{key}: must be a number in {unit} (got {value!r})")
     # `not >` also refuses NaN.
     if not speed > 0.0:
         raise InvalidScene(f"speed: must be positive (got {speed!r})")
     if fault := angle_fault(angle):
         raise InvalidScene(f"angle: {fault}")
-    # The same formulas as those of derivatives by launch.speed, in longball.model.inputs.
-    tracked: dict[str, float] = dict(zip(OF_VELOCITY, (speed, angle, direction), strict=True))
-    if backspin is not None or side_spin is not None:
-        tracked |= zip(OF_SPIN, (backspin or 0.0, side_spin or 0.0, 0.0), strict=True)
     start: Any = position  # in any form that a block takes
     vectors = {name.removeprefix("launch."): v for name, v in launched(tracked, DOUBLES).items()}
     return models.Launch(position=start, **vectors)
@@ -172,6 +175,15 @@ def as_scene(written: object) -> Scene:
         "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
         f"not {_of_type(written)}{several}"
     )
+
+
+def scene_of_kind(written: object, *kinds: type[Scene]) -> Any:
+    """Return a scene of one of the kinds, as `as_scene` does, or raise an `InvalidScene`."""
+    asked = as_scene(written)
+    if not isinstance(asked, kinds):
+        known = " or ".join(repr(kind.model_fields["kind"].default) for kind in kinds)
+        raise InvalidScene(f"kind: must be {known} here, and is {asked.kind!r}")
+    return asked
 
 
 _FILE = re.compile(r"[^{}\[\]\n]*\.(jsonl?|ndjson|csv|parquet)")

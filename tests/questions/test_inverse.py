@@ -267,7 +267,7 @@ def test_beyond_reach_it_says_how_far_it_gets():
 @pytest.mark.parametrize(
     ("scene", "target", "unknowns", "sentence"),
     [
-        ({"kind": "pitch"}, 1.0, None, "a flight is needed"),
+        ({"kind": "pitch"}, 1.0, None, "must be .flight. here"),
         (vacuum(), [1, 2, 3, 4], None, "a distance is needed"),
         (vacuum(), math.inf, None, "must be finite"),
         (vacuum(), 1.0, ["launch.angel"], "did you mean launch.angle"),

@@ -96,6 +96,8 @@ def test_what_never_reaches_the_plate_is_an_error():
     slow = lb.NineParameters((TRACKED, 0.0, 1.8), (-15.0, 0.0, 0.0), (9.0, 0.0, -9.8))
     with pytest.raises(ValueError, match=r"never reaches x = 0.0 m .* it turns at x = 2.3"):
         slow.at(0.0)
+    with pytest.raises(ValueError, match=r"never reaches x = 0\.0 m"):
+        slow.pitch(16.5)
     away = lb.NineParameters((TRACKED, 0.0, 1.8), (15.0, 0.0, 0.0), (0.0, 0.0, -9.8))
     with pytest.raises(ValueError, match=r"velocity\[0\] = 15.0 m/s"):
         away.at(0.0)

@@ -109,6 +109,7 @@ def test_an_unknown_park_names_the_nearest(called):
 def test_an_unknown_park_names_those_of_the_city(called):
     for city, near in (
         ("Denver", "Coors Field"),
+        ("Boston", "Fenway Park"),  # and not Houston
         ("st louis", "Busch Stadium"),
         ("Chicago", "Rate Field or Wrigley Field"),
         ("Nowhere", "the parks are American"),
@@ -117,6 +118,7 @@ def test_an_unknown_park_names_those_of_the_city(called):
             lb.park(city)
     asked = ["flight", "--speed", "40", "--angle", "28", "--park", "Denver"]
     assert "did you mean Coors Field?" in called(*asked).stderr
+    assert "must be from -90° to 90°" in called("flight", "--speed", "40", "--angle", "128").stderr
     assert all(park.city for park in lb.parks())
 
 

@@ -208,3 +208,10 @@ def test_a_movement_that_no_spin_makes_is_an_error():
         lb.spin_for(lb.Pitch(), lb.Movement(0.0, 0.3))
     with pytest.raises(lb.InvalidScene, match="must be 'pitch' here"):
         lb.spin_for(lb.AtBat(), lb.Movement(0.0, 0.3))
+
+
+def test_gyrospin_is_about_the_velocity():
+    launch = lb.launch(40.0, 0.5, 0.2, gyrospin=100.0)
+    assert np.array(launch.spin) == pytest.approx(100.0 / 40.0 * np.array(launch.velocity))
+    with pytest.raises(lb.InvalidScene, match=r"gyrospin: must be a number in rad/s"):
+        lb.launch(40.0, 0.5, gyrospin="fast")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from longball.cli.messages import refusing, split_assignment, wrong_call
+from longball.cli.options import Options
 from longball.model.changes import Changes, changes_of, value_of
 from longball.model.jsonl import json_or_number
 from longball.model.names import one_of
@@ -15,34 +16,35 @@ from longball.model.readings import LEDGER, SCHEME_OPTIONS, Belongs
 from longball.model.units import UNITS, read_in_si
 
 
-def chosen_changes(
-    values: Sequence[str] | None,
-    fence: str | None,
-    readings: Sequence[str] | None = None,
-    blocks: Mapping[str, Any] | None = None,
-) -> Changes:
-    """Collect the options that change scenes; a sampling or scheme reading is a usage error.
+def chosen_changes(o: Options, blocks: Mapping[str, Any] | None = None) -> Changes:
+    """Return the changes of --set, --fence and --reading, of those that a command has.
 
     `blocks` are applied first, so that options can change them.
     """
+    given = vars(o)
     # Only readings of the physics change scenes; the others are for homerun and the engine verlet.
-    switches = chosen_switches(readings or [])
+    switches = chosen_switches(given.get("reading"))
     for belongs, named in switches.items():
         if belongs != "scene" and named:
             wrong_call(f"--reading {next(iter(named))}: it is for longball homerun, not for scenes")
     whole = {**(blocks or {})}
     whole |= {f"reading.{name}": option for name, option in switches["scene"].items()}
+    return changes(given.get("set"), given.get("fence"), whole)
+
+
+def changes(values: Sequence[str] | None, fence: str | None, whole: Mapping[str, Any]) -> Changes:
+    """Return changes of whole blocks, then of --fence, then of --set."""
     if fence is not None:
-        whole["fence"] = fence_block(fence)
+        whole = {**whole, "fence": fence_block(fence)}
     with refusing("--set "):
         return changes_of((split_assignment("--set", text) for text in values or []), whole)
 
 
-def chosen_switches(readings: Sequence[str]) -> dict[Belongs, dict[str, Any]]:
+def chosen_switches(readings: Sequence[str] | None) -> dict[Belongs, dict[str, Any]]:
     """Return the switches of --reading options, grouped by the part that they change."""
     ledger = {entry.switch: entry for entry in LEDGER if entry.is_switch}
     switches: dict[Belongs, dict[str, Any]] = {"scene": {}, "sampling": {}, "figure": {}}
-    for text in readings:
+    for text in readings or ():
         name, option = split_assignment("--reading", text)
         if name not in ledger:
             near = one_of("it has", name, ledger)

@@ -10,6 +10,7 @@ from typing import Any
 
 from longball import __version__
 from longball.cli.messages import fail, wrong_call
+from longball.cli.options import Options
 
 # Timeouts, s, for the scheduler and for its workers. A wrong address must fail before a user gives
 # up.
@@ -18,15 +19,19 @@ PROBING = 8.0
 
 
 @contextmanager
-def on_cluster(address: str | None) -> Iterator[None]:
-    """Run joblib's tasks within this context on a cluster; without an address, on this machine.
+def on_cluster(o: Options) -> Iterator[int]:
+    """Run joblib's tasks within this context on a cluster, by --scheduler, or on this machine.
+
+    It yields the number of workers to ask for, which is that of --workers here, and all of them on
+    a cluster.
 
     Tasks, their order and the results are the same, to the last bit. If a worker is lost, another
     one repeats its task; if all are lost, the run waits for new ones.
     """
-    if address is None:
-        yield
+    if o.scheduler is None:
+        yield o.workers
         return
+    address = str(o.scheduler)
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
@@ -50,7 +55,7 @@ def on_cluster(address: str | None) -> Iterator[None]:
         _check_workers(client, option)
         with parallel_config("dask", client=client):
             try:
-                yield
+                yield -1
             except (distributed.KilledWorker, CancelledError) as error:
                 fail(f"{option}: the cluster gave up: {error}")
 

@@ -2,35 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from longball.cli.messages import (
-    failing_unless,
-    progress_bar,
-    refuse_if,
-    refusing,
-    tell,
-    wrong_call,
-)
-from longball.cli.scenes import chosen_kinds, read_scenes
+from longball.cli.messages import failing_unless, progress_bar, refusing, tell, wrong_call
+from longball.cli.options import Options
+from longball.cli.scenes import read_scenes
 
 
-def converge(
-    command: list[str],
-    scenes: str | None = None,
-    golden: str | None = None,
-    kind: list[str] | None = None,
-    steps: str | None = None,
-    knob: str | None = None,
-    expected: float | None = None,
-    truth: bool = True,
-    as_csv: bool = False,
-    timeout: float = 60.0,
-    json_: bool = False,
-    csv_: Path | None = None,
-    figure: Path | None = None,
-    quiet: bool = False,
-) -> None:
+def converge(o: Options) -> None:
     """Measure the order of convergence of a simulator."""
     # Imported here because --help must not load the engines.
     from longball.convergence.figure import save_convergence
@@ -39,36 +16,30 @@ def converge(
     from longball.judge.fresh import proven
     from longball.judge.step_sweep import FAMILIES, sample, sweep_of, takes
 
-    refuse_if(
-        (
-            not (knob or takes(command, "dt")),
-            "the COMMAND must contain {dt}, where its time step goes",
-        ),
-        (scenes and golden, "either --scenes or --golden, not both"),
-    )
-    kinds = chosen_kinds(kind)
-    if scenes:
-        given = read_scenes(scenes)
+    if not (o.knob or takes(o.command, "dt")):
+        wrong_call("the COMMAND must contain {dt}, where its time step goes")
+    if o.scenes:
+        given = read_scenes(o.scenes)
     else:  # a sample of the family, or of those families with the clearest orders
         with refusing():
-            cases = load(golden)
-        given = [case.scene for case in sample(cases, [golden] if golden else FAMILIES)]
-    asked = [scene for scene in given if not kinds or scene.kind in kinds]
+            cases = load(o.golden)
+        given = [case.scene for case in sample(cases, [o.golden] if o.golden else FAMILIES)]
+    asked = [scene for scene in given if not o.kind or scene.kind in o.kind]
     # A file may contain several kinds, and a simulator may support one of them.
     if not asked:
-        wrong_call(f"--kind {', '.join(kinds)}: none of the scenes is of this kind")
+        wrong_call(f"--kind {', '.join(o.kind)}: none of the scenes is of this kind")
     # Without the truth, steps are compared with each other, which hides their common errors.
-    proofs = [case.expected for case in proven(asked)] if truth else None
+    proofs = [case.expected for case in proven(asked)] if o.truth else None
     with progress_bar("runs", 1) as advance, refusing():
-        sweep = sweep_of(command, steps, knob, expected, progress=advance)
+        sweep = sweep_of(o.command, o.steps, o.knob, o.expected, progress=advance)
         assert sweep
-        report, issues = sweep.run(command, asked, proofs, Limits(timeout), as_csv)
+        report, issues = sweep.run(o.command, asked, proofs, Limits(o.timeout), o.as_csv)
     # A faulty program fails in every line; twenty messages are enough.
     for issue in issues[:20]:
         tell(str(issue))
-    if csv_:
-        csv_.write_text(report.csv(), encoding="utf-8")
-    if figure:
-        save_convergence(figure, report)
+    if o.csv:
+        o.csv.write_text(report.csv(), encoding="utf-8")
+    if o.figure:
+        save_convergence(o.figure, report)
     with failing_unless(report.passed):
-        print(report.model_dump_json(indent=2) if json_ else report.text().rstrip())
+        print(report.model_dump_json(indent=2) if o.json else report.text().rstrip())

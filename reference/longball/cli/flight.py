@@ -4,28 +4,22 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from longball import engines
 from longball.cli.changes import chosen_changes, in_si
 from longball.cli.messages import fail, note, refusing, show, wrong_call
+from longball.cli.options import Options
 from longball.engines.chain import solve
 from longball.model.doubts import doubts
 from longball.model.jsonl import json_line
 from longball.model.result import signed
 from longball.model.scene import InvalidScene
-from longball.pitches.models import Model, model_of
+from longball.pitches.models import model_of
 from longball.pitches.prediction import scenes
-from longball.pitches.statcast import (
-    FOOT,
-    HIGHEST,
-    LOWEST,
-    SEA_LEVEL,
-    USUAL_TEMPERATURE,
-    MeasuredFlies,
-)
+from longball.pitches.statcast import FOOT, HIGHEST, LOWEST, SEA_LEVEL, MeasuredFlies
 from longball.questions.parks import park as park_of
 
 # Directions in which a wind blows, along x and y.
@@ -35,21 +29,7 @@ WINDS = {"out": (1.0, 0.0), "in": (-1.0, 0.0), "left": (0.0, 1.0), "right": (0.0
 HIGHEST_PARK = 3000.0
 
 
-def flight(
-    speed: str,
-    angle: str,
-    direction: str = "0",
-    park: str | None = None,
-    wind: str | None = None,
-    temperature: str = str(USUAL_TEMPERATURE),
-    elevation: str | None = None,
-    bats: Literal["R", "L"] | None = None,
-    model: Model = "nathan",
-    set_: list[str] | None = None,
-    engine: engines.Name = "ivp",
-    scene: bool = False,
-    json_: bool = False,
-) -> None:
+def flight(o: Options) -> None:
     """Compute the flight of a batted ball.
 
     By default a published regression on angle and direction gives the spin, as in `longball
@@ -58,48 +38,59 @@ def flight(
     """
     blocks: dict[str, Any] = {}
     height = SEA_LEVEL
-    if park is not None:
+    if o.park is not None:
         with refusing("--"):
-            where = park_of(park)
+            where = park_of(o.park)
         height = where.elevation
         # A fence in --set replaces the park's.
-        if not any(text.startswith("fence") for text in set_ or ()):
+        if not any(text.startswith("fence") for text in o.set or ()):
             blocks["fence"] = where.fence.model_dump(mode="json", exclude_none=True)
-    if wind is not None:
-        blocks["air.wind"] = _wind(wind)
-    change = chosen_changes(set_, None, blocks=blocks)
-    ball = _ball(
-        in_si("--speed", speed, "m/s"),
-        in_si("--angle", angle, "rad", "deg"),
-        # --direction is positive to the left, like y; measured bearings are positive to right
-        # field.
-        -in_si("--direction", direction, "rad", "deg"),
-        {"R": 1.0, "L": -1.0, None: 0.0}[bats],
-        in_si("--temperature", temperature, "K"),
-        height if elevation is None else in_si("--elevation", elevation, "m"),
+    if o.wind is not None:
+        blocks["air.wind"] = _wind(o.wind)
+    change = chosen_changes(o, blocks)
+    speed, angle = in_si("--speed", o.speed, "m/s"), in_si("--angle", o.angle, "rad", "deg")
+    # `not >` also refuses NaN.
+    if not speed > 0.0:
+        wrong_call(f"--speed: must be positive (got {speed} m/s)")
+    if not abs(angle) <= math.pi / 2:
+        wrong_call(f"--angle: must be from -90° to 90° (got {math.degrees(angle):g}°)")
+    if o.elevation is not None:
+        height = in_si("--elevation", o.elevation, "m")
+    if height > HIGHEST_PARK:
+        note(f"--elevation: {height:g} m is above all parks; is it in ft?")
+    # As a row of a table, so that spin and weather are those of `longball measured`.
+    ball = MeasuredFlies(
+        rows=np.array([1]),
+        games=np.array([0]),
+        identity=np.empty((1, 0)),
+        temperature=np.array([in_si("--temperature", o.temperature, "K")]),
+        elevation=np.array([height]),
+        speed=np.array([speed]),
+        angle=np.array([angle]),
+        # --direction is positive to the left, like y; bearings are positive to right field.
+        bearing=np.array([-in_si("--direction", o.direction, "rad", "deg")]),
+        side=np.array([{"R": 1.0, "L": -1.0, None: 0.0}[o.bats]]),
+        measured=np.full((1, 1), math.nan),
     )
-    # Through the code for rows of tables, so that spin and weather are those of `longball
-    # measured`.
-    (asked,) = scenes(ball, model_of(model), change=change)
-    if ball.elevation[0] > HIGHEST_PARK:
-        note(f"--elevation: {ball.elevation[0]:g} m is above all parks; is it in ft?")
+    (asked,) = scenes(ball, model_of(o.model), change=change)
     # The regression is for flies: its backspin grows with the angle, beyond all measured values.
-    chosen = any(text.startswith(("launch.spin", "launch.backspin")) for text in set_ or ())
-    if model_of(model).spin and not chosen and not LOWEST <= ball.angle[0] <= HIGHEST:
+    chosen = any(text.startswith(("launch.spin", "launch.backspin")) for text in o.set or ())
+    if model_of(o.model).spin and not chosen and not LOWEST <= angle <= HIGHEST:
         note("the spin is from a regression for 10° to 60°; --set launch.spin=[x,y,z] sets another")
     if isinstance(asked, InvalidScene):
-        wrong_call(str(asked).partition("is no scene: ")[2])
+        fault = str(asked).partition("is no scene: ")[2]
+        wrong_call(fault.replace("air.density.temperature", "--temperature"))
     for key, question in doubts(asked):
         note(f"{key}: {question}")
     # Without the id of a row.
     asked = asked.model_copy(update={"id": None})
-    if scene:
+    if o.scene:
         print(asked.line())
         return
-    result = solve(asked, engines.create(engine))
+    result = solve(asked, engines.create(o.engine))
     if result.error is not None:
         fail(result.error)
-    if json_:
+    if o.json:
         by = {"engine": signed(result.engine or "")}
         print(json_line(result.model_dump(exclude_none=True) | by))
         return
@@ -118,43 +109,21 @@ def _wind(text: str) -> list[float]:
     return [speed * component for component in WINDS[word]] + [0.0]
 
 
-def _ball(
-    speed: float, angle: float, bearing: float, side: float, temperature: float, elevation: float
-) -> MeasuredFlies:
-    """Return one ball in the form of measured ones; the bearing is positive to right field."""
-    # `not >` also refuses NaN.
-    if not speed > 0.0:
-        wrong_call(f"--speed: must be positive (got {speed} m/s)")
-    one = {
-        name: np.array([value])
-        for name, value in (
-            ("temperature", temperature), ("elevation", elevation), ("speed", speed),
-            ("angle", angle), ("bearing", bearing), ("side", side),
-        )
-    }  # fmt: skip
-    return MeasuredFlies(
-        source="", rows_read=1, left_out=(), rows=np.array([1]), games=np.array([0]),
-        weather_unknown=0, assumed=(), doubts=(), measured=np.full((1, 1), math.nan), **one,
-    )  # fmt: skip
-
-
 def _rows(result: Any) -> list[list[str]]:
     """Return the rows of the printed table, in SI and customary units."""
-    rows = [["outcome", str(result.outcome), ""]]
-
-    def add(name: str, value: Any, unit: str, theirs: str, factor: float) -> None:
-        number = float(value)
-        rows.append([name, f"{number:.3f} {unit}", f"{number / factor:.1f} {theirs}"])
-
     landing, fence, apex = result.landing, result.fence, result.apex
+    known: list[tuple[str, Any, str, str, float]] = []
     if landing is not None:
-        add("distance", landing.distance, "m", "ft", FOOT)
-        rows.append(["hang time", f"{float(landing.hang_time):.3f} s", ""])
-        add("landing angle", landing.angle, "rad", "°", math.pi / 180.0)
+        known.append(("distance", landing.distance, "m", "ft", FOOT))
+        known.append(("hang time", landing.hang_time, "s", "", 1.0))
+        known.append(("landing angle", landing.angle, "rad", "°", math.pi / 180.0))
     if apex is not None:
-        add("apex", apex.position[2], "m", "ft", FOOT)
+        known.append(("apex", apex.position[2], "m", "ft", FOOT))
     if fence is not None:
-        x, y, _ = map(float, fence.position)
-        add("at the fence", math.hypot(x, y), "m", "ft", FOOT)
-        add("above its top", fence.clearance, "m", "ft", FOOT)
+        known.append(("at the fence", math.hypot(*fence.position[:2]), "m", "ft", FOOT))
+        known.append(("above its top", fence.clearance, "m", "ft", FOOT))
+    rows = [["outcome", str(result.outcome), ""]]
+    for name, x, unit, theirs, size in known:
+        customary = f"{float(x) / size:.1f} {theirs}" if theirs else ""
+        rows.append([name, f"{float(x):.3f} {unit}", customary])
     return rows

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Literal
 
 from longball.cli.messages import exit_unless, note, progress_bar, refusing, show, tell, wrong_call
+from longball.cli.options import Options
 from longball.golden import files, reader
 from longball.model.names import one_of
-
-Part = Literal["cases", "probability"]
 
 COMMANDS = {
     "list": "longball golden list",
@@ -22,11 +20,11 @@ COMMANDS = {
 }
 
 
-def list_(folder: Path | None = None, json_: bool = False, quiet: bool = False) -> None:
+def list_(o: Options) -> None:
     """List the families, which other commands take as SET, with their sizes."""
-    with refusing(f"{folder}: "):
-        top = reader.header(folder or reader.DATA)
-    if json_:
+    with refusing(f"{o.folder}: "):
+        top = reader.header(o.folder or reader.DATA)
+    if o.json:
         print(top.model_dump_json(include={"format", "licence", "families"}))
         return
     families = (
@@ -36,29 +34,23 @@ def list_(folder: Path | None = None, json_: bool = False, quiet: bool = False) 
     note(f"format {top.format}, {top.licence}")
 
 
-def path() -> None:
+def path(o: Options) -> None:
     """Print the folder of the golden data that come with longball."""
     print(reader.DATA)
 
 
-def export(output: Path | None = None, folder: Path | None = None, quiet: bool = False) -> None:
+def export(o: Options) -> None:
     """Write a set as one archive, the same bytes every time."""
-    target = output or Path(f"{files.ARCHIVE}.zip")
+    target = o.output or Path(f"{files.ARCHIVE}.zip")
     # A family or a folder given by mistake would become the name of the archive.
     if target.suffix.lower() != ".zip":
         wrong_call(f"{target}: the archive's name must end in .zip; --folder DIR gives the set")
     with refusing():
-        count = files.export(target, folder or reader.DATA)
+        count = files.export(target, o.folder or reader.DATA)
     note(f"{count} files in {target}")
 
 
-def write(
-    folder: Path,
-    part: Part | None = None,
-    family: list[str] | None = None,
-    workers: int = -1,
-    quiet: bool = False,
-) -> None:
+def write(o: Options) -> None:
     """Solve every case with proven bounds and write the set to DIR.
 
     An interrupted run resumes where it stopped. The cases take about ten minutes on two cores, the
@@ -68,23 +60,23 @@ def write(
 
     # Check names first: the writer works for minutes before it needs them.
     families = reader.header().families
-    if unknown := set(family or []) - families.keys():
+    if unknown := set(o.family or []) - families.keys():
         name = min(unknown)
         wrong_call(f"--family {name}: there is none{one_of('the families are', name, families)}")
-    if part != "probability":
+    if o.part != "probability":
         with progress_bar("cases", 1) as advance:
-            count = writer.write(folder, only=family or None, workers=workers, progress=advance)
-        note(f"{count} cases in {folder}")
+            count = writer.write(
+                o.folder, only=o.family or None, workers=o.workers, progress=advance
+            )
+        note(f"{count} cases in {o.folder}")
     # Probabilities belong to no family.
-    if part != "cases" and not family:
+    if o.part != "cases" and not o.family:
         with progress_bar("probabilities", 1) as advance:
-            count = home_runs.write_probabilities(folder, workers=workers, progress=advance)
-        note(f"{count} readings' probabilities in {folder}")
+            count = home_runs.write_probabilities(o.folder, workers=o.workers, progress=advance)
+        note(f"{count} readings' probabilities in {o.folder}")
 
 
-def coverage(
-    scenes: str, most: int = 20, every: int = 8, json_: bool = False, quiet: bool = False
-) -> None:
+def coverage(o: Options) -> None:
     """Count the mistakes that your own scenes would detect, beside the golden data.
 
     A mistake is an edit of the model, such as another symbol, a flipped sign, a factor or a missing
@@ -97,9 +89,9 @@ def coverage(
 
     # Only proven answers detect an edit; the user's scenes have none yet.
     with refusing():
-        own = proven(list(read_scenes(scenes)), "own")
-    with progress_bar("edits", EDITS // every) as advance:
-        detected = covered([*reader.load("all"), *own], every, advance)
+        own = proven(list(read_scenes(o.scenes)), "own")
+    with progress_bar("edits", EDITS // o.every) as advance:
+        detected = covered([*reader.load("all"), *own], o.every, advance)
     mine = [i for i, case in enumerate(detected.cases) if case.family == "own"]
     shown = detected.noticed[:, mine].sum(axis=1) > 0
     # Edits with few bits are the most common mistakes: list these first.
@@ -107,15 +99,15 @@ def coverage(
     likeliest = sorted(range(len(shown)), key=detected.bits.__getitem__)
     missed = [detected.told(i) for i in likeliest if not shown[i]]
     by_stage = detected.by_stage(shown)
-    if json_:
+    if o.json:
         stages = [{"stage": name, "edits": n, "noticed": k} for name, n, k in by_stage]
-        print(json.dumps({"stages": stages, "missed": missed[:most]}, ensure_ascii=False))
+        print(json.dumps({"stages": stages, "missed": missed[: o.most]}, ensure_ascii=False))
         return
     rows = [(name, f"{n:,}", f"{k:,}", f"{k / n:.0%}") for name, n, k in by_stage]
     show(("stage", "edits", "detected", ""), rows)
-    if missed[:most]:
+    if missed[: o.most]:
         print("\nmissed, with a golden case that detects it:")
-    for one in missed[:most]:
+    for one in missed[: o.most]:
         print(f"  {one['stage']}: {one['edit']} ({one['case']})")
     note(f"{many(len(mine), 'scene')}: {int(shown.sum()):,} of {many(len(shown), 'edit')} detected")
 
@@ -123,27 +115,20 @@ def coverage(
 EDITS = 50_000  # approximate number, for the progress bar
 
 
-def check(
-    folder: Path | None = None,
-    sample: int | None = None,
-    seed: int = 1,
-    independent: bool = True,
-    workers: int = -1,
-    quiet: bool = False,
-) -> None:
+def check(o: Options) -> None:
     """Verify a set: checksums, schema, and the results by solving again."""
     from longball.golden import checker  # it loads the engines
 
-    target = folder or reader.DATA
+    target = o.folder or reader.DATA
     if not target.is_dir():
         wrong_call(f"{target}: there is no such folder")
     with progress_bar("cases", 1) as advance:
         report = checker.check(
             target,
-            sample=sample,
-            seed=seed,
-            independent=independent,
-            workers=workers,
+            sample=o.sample,
+            seed=o.seed,
+            independent=o.independent,
+            workers=o.workers,
             progress=advance,
         )
     for failure in report.failures:

@@ -6,72 +6,35 @@ import csv
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
-from typing import Any, Literal
-
-import typer
+from typing import Any
 
 from longball import engines, home_run
-from longball.cli.changes import chosen_changes, chosen_switches
+from longball.cli.changes import changes, chosen_switches
 from longball.cli.cluster import on_cluster
-from longball.cli.command import given_by
-from longball.cli.messages import (
-    fail,
-    parsed,
-    progress_bar,
-    refuse_if,
-    refusing,
-    show,
-    tell,
-    wrong_call,
-)
+from longball.cli.messages import fail, parsed, progress_bar, refusing, show, tell, wrong_call
+from longball.cli.options import Options
 from longball.home_run import Curve, Estimate, Fit, Integral
 from longball.model.readings import FIGURE_SWITCH, SamplingReading
 from longball.model.scene import AtBatScene, Fence, parse_scene
 from longball.pitches import load_fitted
 
-Method = Literal["monte-carlo", "quadrature"]
-# Fast engines that report undecided at-bats; verlet would decide them by its errors.
-Engine = Literal["batch", "ivp"]
 Rows = Sequence[Estimate] | Sequence[Integral]
 
 
-def homerun(
-    ctx: typer.Context,
-    samples: int = 1000,
-    e: str = "0.41:0.45:0.01",
-    seed: int = 1,
-    reading: list[str] | None = None,
-    set_: list[str] | None = None,
-    workers: int = -1,
-    scheduler: str | None = None,
-    json_: bool = False,
-    csv_: Path | None = None,
-    figure: Path | None = None,
-    scenes: Path | None = None,
-    pitches: Path | None = None,
-    method: Method = "monte-carlo",
-    engine: Engine = "batch",
-    fence: str | None = None,
-    quiet: bool = False,
-) -> None:
+def homerun(o: Options) -> None:
     """Compute the probability of a home run.
 
     Quadrature integrates over the distributions of the samples, and also gives dP/de. It takes one
     to two seconds for each e, and minutes for readings under which P(e) has many kinks.
     """
-    # Options without effect are errors: a user would believe that they were applied.
-    if method == "quadrature":
-        refuse_if(
-            (engine != "batch", f"--engine {engine}: quadrature always uses the engine batch"),
-            (given_by(ctx, "samples") == "COMMANDLINE", "--samples: quadrature draws no samples"),
-            (given_by(ctx, "seed") == "COMMANDLINE", "--seed: quadrature draws no samples"),
-            (scenes, "--scenes: quadrature draws no samples"),
-            (scheduler, "--scheduler: quadrature takes seconds, and runs on this machine"),
-        )
-    switches = chosen_switches(reading or [])
-    base = base_scene(switches["scene"], set_ or [], fence)
-    if base.fence is not None and method == "quadrature":
+    if o.method == "quadrature":
+        if o.engine != "batch":
+            wrong_call(f"--engine {o.engine}: quadrature always uses the engine batch")
+        o.refuse("samples seed scenes", "quadrature draws no samples")
+        o.refuse("scheduler", "quadrature takes seconds, and runs on this machine")
+    switches = chosen_switches(o.reading)
+    base = base_scene(switches["scene"], o.set, o.fence)
+    if base.fence is not None and o.method == "quadrature":
         wrong_call("--fence: quadrature supports the 150 m rule only; use --method monte-carlo")
     # Check everything before the first flight, because a run may take hours.
     sampling = parsed(SamplingReading, switches["sampling"], "--reading ")
@@ -79,29 +42,29 @@ def homerun(
     if curve not in home_run.PAPER_CURVES:
         known = ", ".join(home_run.PAPER_CURVES)
         wrong_call(f"--reading {FIGURE_SWITCH}: must be one of {known}")
-    restitutions = parse_restitutions(e)
+    restitutions = parse_restitutions(o.e)
     at_bats = home_run.paper_at_bats(sampling)
-    if pitches:
+    if o.pitches:
         with refusing():
-            at_bats = load_fitted(pitches).drawn_in(at_bats)
+            at_bats = load_fitted(o.pitches).drawn_in(at_bats)
     problem, space = (base, at_bats, restitutions), sampling.sample_space
     rows: Rows
     drawn: dict[str, int] = {}
     failed = 0
-    if method == "quadrature":
+    if o.method == "quadrature":
         with progress_bar("restitutions", len(restitutions)) as advance:
             rows = home_run.integrals(
-                *problem, sample_space=space, workers=workers, progress=advance
+                *problem, sample_space=space, workers=o.workers, progress=advance
             )
         fitted = home_run.fit_form(restitutions, [row.p for row in rows])
     else:
-        drawn = {"samples": samples, "seed": seed}
-        solver = engines.create(engine)
-        with on_cluster(scheduler), progress_bar("at-bats", samples) as advance:
+        drawn = {"samples": o.samples, "seed": o.seed}
+        solver = engines.create(o.engine)
+        with on_cluster(o) as workers, progress_bar("at-bats", o.samples) as advance:
             rows = home_run.estimates(
                 *problem,
-                samples,
-                seed,
+                o.samples,
+                o.seed,
                 sample_space=space,
                 engine=solver,
                 workers=workers,
@@ -114,30 +77,30 @@ def homerun(
     curves = home_run.PAPER_CURVES if of_paper else {}
     fitted = fitted if of_paper else None
     # Draw the at-bats of the estimates again, from the same seed.
-    if scenes:
-        sampled = list(home_run.scenes(base, home_run.draw(at_bats, samples, seed)))
+    if o.scenes:
+        sampled = list(home_run.scenes(base, home_run.draw(at_bats, o.samples, o.seed)))
         pitched = [scene for scene in sampled if scene is not None]
         lines = (
             home_run.with_restitution(x, each).line() for x in pitched for each in restitutions
         )
         # Line by line: there may be millions.
-        with open(scenes, "w", encoding="utf-8") as file:
+        with open(o.scenes, "w", encoding="utf-8") as file:
             file.writelines(f"{line}\n" for line in lines)
         if omitted := len(sampled) - len(pitched):
-            tell(f"{omitted} samples drew a speed that is not positive; not in {scenes}")
-    if csv_:
-        with open(csv_, "w", encoding="utf-8", newline="") as file:
+            tell(f"{omitted} samples drew a speed that is not positive; not in {o.scenes}")
+    if o.csv:
+        with open(o.csv, "w", encoding="utf-8", newline="") as file:
             writer = csv.DictWriter(file, home_run.columns(rows[0]), lineterminator="\n")
             writer.writeheader()
             writer.writerows(map(home_run.columns, rows))
-    if figure:
+    if o.figure:
         from longball.pictures import draw_probability, saved
 
-        with saved(figure, (6.4, 4.2)) as (_, axes):
+        with saved(o.figure, (6.4, 4.2)) as (_, axes):
             draw_probability(axes, rows, fitted, curves)
-    if json_:
+    if o.json:
         chosen = base.reading.model_dump() | sampling.model_dump() | switches["figure"]
-        data = as_data(rows, fitted, curves, chosen) | {"method": method} | drawn
+        data = as_data(rows, fitted, curves, chosen) | {"method": o.method} | drawn
         print(json.dumps(data, ensure_ascii=False))
     else:
         print_probability(rows, fitted, curves, curve)
@@ -147,10 +110,10 @@ def homerun(
 
 
 def base_scene(
-    reading: Mapping[str, Any], values: Sequence[str], fence: str | None = None
+    reading: Mapping[str, Any], values: Sequence[str] | None, fence: str | None = None
 ) -> AtBatScene:
     """Return the at-bat of the options, without its random numbers."""
-    change = chosen_changes(values, fence)
+    change = changes(values, fence, {})
     # Through a line of JSON, so that options are validated like scenes.
     with refusing():
         line = json.dumps({"id": "base", "kind": "at-bat", "reading": reading})

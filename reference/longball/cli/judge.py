@@ -2,80 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from longball.cli.messages import (
     assignments,
     failing_unless,
     note,
     progress_bar,
-    refuse_if,
     refusing,
     wrong_call,
 )
+from longball.cli.options import Options
 
 # Default time step, s: a method of order 4 reaches the default tolerance, 1e-6, with it.
 STEP = 1e-3
-Form = Literal["text", "json", "junit", "github"]
 
 if TYPE_CHECKING:
     from longball.judge.cases import Case, Profile
     from longball.judge.evaluation import Evaluation
 
 
-def judge(
-    command: list[str] | None = None,
-    golden: list[str] | None = None,
-    scenes: str | None = None,
-    random: int | None = None,
-    seed: int | None = None,
-    kind: list[str] | None = None,
-    readings: bool = False,
-    write_defaults: bool = False,
-    partial: bool = False,
-    as_csv: bool = False,
-    results: Path | None = None,
-    column: list[str] | None = None,
-    samples: Path | None = None,
-    profile: str = "converged",
-    tolerance: float | None = None,
-    dt: float | None = None,
-    steps: str | None = None,
-    knob: str | None = None,
-    expected: float | None = None,
-    timeout: float = 60.0,
-    total_timeout: float = 3600.0,
-    format_: Form = "text",
-    table: bool = False,
-    html: Path | None = None,
-    quiet: bool = False,
-) -> None:
+def judge(o: Options) -> None:
     """Compare a simulator with proven results, and name its mistakes."""
-    refuse_if(
-        (command and results, "either --results FILE or -- COMMAND, not both"),
-        (
-            not (command or results or samples),
-            "give -- COMMAND, --results FILE or --samples FILE",
-        ),
-        (
-            as_csv and not command,
-            "--as-csv is for a COMMAND; --results recognises FILE.csv by its name",
-        ),
-        (column and not results, "--column is for the columns of --results FILE.csv"),
-        (seed is not None and not random, "--seed is for the scenes of --random N"),
-        (readings and (scenes or random), "--readings is for golden cases"),
-        (knob and steps, "either --steps or --knob, not both"),
-        (
-            sum(map(bool, (golden, scenes, random))) > 1,
-            "either --golden, --scenes or --random, not two of them",
-        ),
-    )
+    if not (o.command or o.results or o.samples):
+        wrong_call("give -- COMMAND, --results FILE or --samples FILE")
+    if o.as_csv and not o.command:
+        wrong_call("--as-csv is for a COMMAND; --results recognises FILE.csv by its name")
+    if o.column and not o.results:
+        wrong_call("--column is for the columns of --results FILE.csv")
+    if o.seed is not None and not o.random:
+        wrong_call("--seed is for the scenes of --random N")
+    if o.readings and (o.scenes or o.random):
+        wrong_call("--readings is for golden cases")
     # Report a missing library now, not after the program has run for minutes.
-    if html:
+    if o.html:
         import_module("matplotlib")
     # Imported here because --help must not load the engines.
     from longball.judge import page
@@ -92,45 +54,44 @@ def judge(
     from longball.judge.verdict import Submission
 
     with refusing():
-        drawn = judge_samples(read_samples(samples), samples.name) if samples else None
-        sweep = sweep_of(command or [], steps, knob, expected)
-        rule = profile_of(profile, tolerance, dt if profile == "paper" else None)
-        stepped = sweep if sweep and not knob else None
+        drawn = judge_samples(read_samples(o.samples), o.samples.name) if o.samples else None
+        sweep = sweep_of(o.command or [], o.steps, o.knob, o.expected)
+        rule = profile_of(o.profile, o.tolerance, o.dt if o.profile == "paper" else None)
+        stepped = sweep if sweep and not o.knob else None
         # The verdict uses the finest step, because a correct program has its smallest errors there.
+        dt = o.dt
         if stepped and dt is None:
             dt = rule.dt if isinstance(rule, Paper) else min(stepped.steps or [STEP])
-        cases, truth = (
-            cases_of(golden, scenes, random, seed, kind, readings)
-            if command or results
-            else ([], "")
-        )
+        cases, truth = cases_of(o) if o.command or o.results else ([], "")
         # By default, scenes omit keys as they were written, which tests the program's defaults.
-        if write_defaults:
+        if o.write_defaults:
             cases = [with_defaults(case) for case in cases]
         # All options are checked before this point, because a program may run for an hour.
-        judge = Judge(cases, rule, truth, partial, dt=dt)
-        if results:
-            columns = assignments("--column", column)
-            evaluation = judge.evaluate_file(results, columns, drawn)
-        elif command:
+        judge = Judge(cases, rule, truth, o.partial, dt=dt)
+        if o.results:
+            columns = assignments("--column", o.column)
+            evaluation = judge.evaluate_file(o.results, columns, drawn)
+        elif o.command:
             if stepped:
                 note(f"first run: dt = {dt:g}; then runs with other steps (--steps FROM:TO:COUNT)")
             # One progress bar for the answers and for the runs with other steps.
             with progress_bar("judging", len(judge.cases)) as advance:
                 sweep = replace(sweep, progress=advance) if sweep else None
-                limits = Limits(timeout, total_timeout)
-                evaluation = judge.evaluate_command(command, limits, advance, sweep, drawn, as_csv)
+                limits = Limits(o.timeout, o.total_timeout)
+                evaluation = judge.evaluate_command(
+                    o.command, limits, advance, sweep, drawn, o.as_csv
+                )
         else:
             assert drawn
             evaluation = judge.evaluate(Submission(drawn.source, Collector(()), sampling=drawn))
-    if html:
-        html.write_text(page.page(evaluation), encoding="utf-8")
+    if o.html:
+        o.html.write_text(page.page(evaluation), encoding="utf-8")
     # In GitHub's log, the text is below the annotations.
-    text = render(evaluation.verdict, table=table).rstrip()
-    if further := further_options(evaluation, rule, golden, scenes or random):
+    text = render(evaluation.verdict, table=o.table).rstrip()
+    if further := further_options(o, evaluation, rule):
         text += f"\n\nfurther: {further}"
     with failing_unless(evaluation.verdict.passed):
-        match format_:
+        match o.format:
             case "text":
                 print(text)
             case "json":
@@ -141,9 +102,7 @@ def judge(
                 print(annotated(evaluation.verdict, text))
 
 
-def further_options(
-    evaluation: Evaluation, rule: Profile, golden: Sequence[str] | None, others: object
-) -> str:
+def further_options(o: Options, evaluation: Evaluation, rule: Profile) -> str:
     """List the tests that were not run, with the options that run them."""
     from longball.golden import reader
     from longball.judge.cases import Converged, Exact
@@ -155,7 +114,7 @@ def further_options(
     if judged and isinstance(rule, Converged):
         right = sum(compare(c.case, c.answer, Exact()).passed for c in judged)
         sentences.append(f"at --profile exact, {right} of {len(judged)} are right")
-    if judged and not others:
+    if judged and not (o.scenes or o.random):
         tried = {case.case.family for case in evaluation.comparisons}
         # `defaults` comes first: wrong defaults are common, and no other family detects them.
         more = [name for name in reader.header().families if name not in tried]
@@ -175,38 +134,31 @@ def with_defaults(case: Case) -> Case:
     return case.model_copy(update={"scene": scene})
 
 
-def cases_of(
-    golden: Sequence[str] | None,
-    scenes: str | None,
-    random: int | None,
-    seed: int | None,
-    kinds: Sequence[str] | None,
-    readings: bool,
-) -> tuple[list[Case], str]:
+def cases_of(o: Options) -> tuple[list[Case], str]:
     """Return the cases of the options, and a description of their source."""
-    from longball.cli.scenes import chosen_kinds, read_scenes
+    from longball.cli.scenes import read_scenes
     from longball.golden import load
     from longball.judge.cases import asked as asked_of
     from longball.judge.fresh import DRAWN, USUAL, proven, random_scenes, usual_constants
 
-    chosen = chosen_kinds(kinds)
-    if scenes:
-        given = [x for x in read_scenes(scenes) if not chosen or x.kind in chosen]
-        return list(proven(given)), f"proven values of {scenes}"
+    if o.scenes:
+        given = [x for x in read_scenes(o.scenes) if not o.kind or x.kind in o.kind]
+        return list(proven(given)), f"proven values of {o.scenes}"
     # Random scenes are solved with proven bounds first, which takes most of the time.
-    if random:
-        seed = 1 if seed is None else seed
-        asked = list(random_scenes(random, seed, chosen or DRAWN))
-        with progress_bar("proving", random) as advance:
+    if o.random:
+        seed = 1 if o.seed is None else o.seed
+        asked = list(random_scenes(o.random, seed, o.kind or DRAWN))
+        with progress_bar("proving", o.random) as advance:
             cases = proven(asked, progress=advance)
-        drawn = " ".join([" and ".join(chosen), "scenes"]).strip()
-        return list(cases), f"proven values of {random} random {drawn}, seed {seed}"
+        drawn = " ".join([" and ".join(o.kind or ()), "scenes"]).strip()
+        return list(cases), f"proven values of {o.random} random {drawn}, seed {seed}"
     # Without a family: the paper's model in its default reading, for authors who begin.
-    chosen_cases: list[Case] = [] if golden else [*load()]
-    for name in dict.fromkeys(golden or ()):
-        chosen_cases += proven(usual_constants(), USUAL) if name == USUAL else load(name)
-    chosen_cases = [case for case in chosen_cases if not chosen or case.scene.kind in chosen]
-    chosen_cases = asked_of(chosen_cases, readings, hard=bool(golden))
-    if not chosen_cases:
+    families = [*dict.fromkeys(o.golden or ())]
+    known: list[Case] = [] if families else [*load()]
+    for name in families:
+        known += proven(usual_constants(), USUAL) if name == USUAL else load(name)
+    known = [case for case in known if not o.kind or case.scene.kind in o.kind]
+    known = asked_of(known, o.readings, hard=bool(families))
+    if not known:
         wrong_call("there is no golden case of these families and kinds; see longball golden list")
-    return chosen_cases, ", ".join(["golden data", *(golden or ()), *chosen])
+    return known, ", ".join(["golden data", *(o.golden or ()), *(o.kind or ())])

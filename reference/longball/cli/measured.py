@@ -3,67 +3,48 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 from longball import engines
 from longball.cli.changes import chosen_changes
-from longball.cli.messages import assignments, exit_unless, note, tell
-from longball.cli.tables import chosen_table, read_rows
+from longball.cli.messages import exit_unless, note, tell
+from longball.cli.options import Options
+from longball.cli.tables import read_rows
 from longball.model.csv_files import write_frame
 from longball.model.scene import InvalidScene
-from longball.pitches.models import Model, model_of
+from longball.pitches.models import model_of
 from longball.pitches.prediction import as_data, as_frame, as_text, predict, questions
 from longball.pitches.prediction import scenes as scenes_of
-from longball.pitches.statcast import Kind
 
 
-def measured(
-    table: str = "-",
-    kind: Kind = "pitch",
-    example: bool = False,
-    model: Model = "nathan",
-    games: Path | None = None,
-    column: list[str] | None = None,
-    set_: list[str] | None = None,
-    fence: str | None = None,
-    reading: list[str] | None = None,
-    engine: engines.Name = "batch",
-    scenes: Path | None = None,
-    csv_: Path | None = None,
-    figure: Path | None = None,
-    json_: bool = False,
-    quiet: bool = False,
-) -> None:
+def measured(o: Options) -> None:
     """Predict measured pitches or batted balls, and compare.
 
     Each row becomes a scene, in the weather of its game. A pitch begins at its release with its
     measured spin, and is compared where it crosses the front of the plate. A batted ball has the
     spin from a published regression, and its distance is compared.
     """
-    source = chosen_table(table, example)
     # Check all options before reading a table of a million rows.
-    law = model_of(model)
-    names = assignments("--column", column)
-    change = chosen_changes(set_, fence, reading)
-    solver = engines.create(engine)
-    rows = read_rows(source, kind, games, names, spin=law.spin)
+    law = model_of(o.model)
+    change = chosen_changes(o)
+    solver = engines.create(o.engine)
+    rows = read_rows(o, o.kind, spin=law.spin)
     prediction = predict(rows, law, engine=solver, change=change)
-    if scenes:
+    if o.scenes:
         asked = scenes_of(rows, law, change=change)
         lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]
         # Invalid rows are counted below, with their reasons.
-        scenes.write_text("".join(lines), encoding="utf-8")
-    if csv_:
-        write_frame(as_frame(prediction), csv_)
-    if figure and prediction.compared.any():
+        o.scenes.write_text("".join(lines), encoding="utf-8")
+    if o.csv:
+        write_frame(as_frame(prediction), o.csv)
+    if o.figure and prediction.compared.any():
         from longball.pictures import draw_errors, saved
 
-        with saved(figure, (5.6, 4.2)) as (_, axes):
+        with saved(o.figure, (5.6, 4.2)) as (_, axes):
             draw_errors(axes, prediction)
-    if json_:
-        print(json.dumps({"model": model} | as_data(prediction), ensure_ascii=False))
+    if o.json:
+        print(json.dumps({"model": o.model} | as_data(prediction), ensure_ascii=False))
     else:
-        print(as_text(prediction, model, law).rstrip())
+        print(as_text(prediction, o.model, law).rstrip())
     for question in questions(prediction):
         note(question)
     if prediction.failed:
@@ -71,6 +52,6 @@ def measured(
     # Without a single prediction, the table is probably in other units: a failure.
     if nothing := not prediction.solved.any():
         tell("no ball could be predicted: are all columns in Statcast's units, ft, mph and rpm?")
-    elif figure and not prediction.compared.any():
+    elif o.figure and not prediction.compared.any():
         tell("--figure: there is no error to draw, as no distance was measured")
     exit_unless(not prediction.failed and not nothing)

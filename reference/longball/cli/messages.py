@@ -42,13 +42,6 @@ def wrong_call(sentence: str) -> NoReturn:
     raise typer.Exit(2)
 
 
-def refuse_if(*wrong: tuple[object, str]) -> None:
-    """Exit with status 2 and the sentence of the first true condition, if there is one."""
-    for holds, sentence in wrong:
-        if holds:
-            wrong_call(sentence)
-
-
 def fail(sentence: str) -> NoReturn:
     """Print an error and exit with status 1."""
     tell(sentence)

@@ -4,21 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from longball.cli.options import Options
 from longball.cli.pitches import answers, pitches_of, show_each, show_types
 from longball.pitches.statcast import INCH
 from longball.questions.movement import PFX, clock, measured_movement
 
 
-def movement(
-    table: str = "-",
-    example: bool = False,
-    pfx: bool = False,
-    column: list[str] | None = None,
-    workers: int = 1,
-    scheduler: str | None = None,
-    json_: bool = False,
-    quiet: bool = False,
-) -> None:
+def movement(o: Options) -> None:
     """Compute the movement of measured pitches, and their angles at the plate.
 
     Movement is the deflection from a flight under gravity alone, counted from the release, by the
@@ -26,10 +18,10 @@ def movement(
     of each pitch type (absolute values for across). JSON output has a line for each pitch, in SI
     units, with the direction on the pitcher's clock.
     """
-    pitches = pitches_of(table, example, None, column, spin=False)
-    since = PFX if pfx else None
-    columns = answers(measured_movement, pitches, since, workers=workers, scheduler=scheduler)
-    if json_:
+    pitches = pitches_of(o, spin=False)
+    since = PFX if o.pfx else None
+    columns = answers(o, measured_movement, pitches, since)
+    if o.json:
         clocks = [*map(clock, columns["across"].tolist(), columns["up"].tolist())]
         show_each(pitches, columns | {"clock": np.array(clocks)})
         return

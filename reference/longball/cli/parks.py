@@ -10,6 +10,7 @@ from longball import engines
 from longball.cli.changes import chosen_changes
 from longball.cli.cluster import on_cluster
 from longball.cli.messages import exit_unless, note, refusing, show, tell, wrong_call
+from longball.cli.options import Options
 from longball.cli.scenes import each_scene, named
 from longball.engines.parallel import in_parallel
 from longball.model.jsonl import json_line
@@ -20,54 +21,47 @@ from longball.questions.parks import park as park_of
 from longball.questions.parks import parks as every_park
 
 
-def parks(
-    source: str | None = None,
-    park: list[str] | None = None,
-    set_: list[str] | None = None,
-    reading: list[str] | None = None,
-    engine: engines.Name = "ivp",
-    workers: int = 1,
-    scheduler: str | None = None,
-    json_: bool = False,
-    quiet: bool = False,
-) -> None:
+def parks(o: Options) -> None:
     """List the parks in which batted balls are home runs, and by how much.
 
     Each scene gets the fence of each park in turn, and the park's elevation if the scene gives a
     weather in place of a density. Without scenes, the command lists the parks and their sources.
+
+    There are 29 of the league's 30 parks: no source gives the heights of the wall of Sutter Health
+    Park, where the Athletics play from 2025 to 2027.
     """
     with refusing("--"):
-        where = [park_of(name) for name in park] if park else [*every_park()]
-    if source is None:
+        where = [park_of(name) for name in o.park] if o.park else [*every_park()]
+    if o.source is None:
         _list(where)
         return
-    change = chosen_changes(set_, None, reading)
-    solver = engines.create(engine)
+    change = chosen_changes(o)
+    solver = engines.create(o.engine)
     failed = solved = 0
     fixed: list[int] = []
 
     def tasks() -> Iterator[tuple[int, Any, Sequence[Park], Any]]:
-        for number, scene in each_scene(source, change):
+        for number, scene in each_scene(o.source, change):
             # Invalid scenes pass through as texts, so that answers keep the order of the lines.
             if isinstance(scene, InvalidScene):
                 yield number, str(scene), where, solver
                 continue
-            if ignores_elevation(scene):
+            if scene.kind != "pitch" and ignores_elevation(scene):
                 fixed.append(number)
             yield number, scene, where, solver
 
-    with on_cluster(scheduler):
-        for name, outcomes in in_parallel(_answer, tasks(), -1 if scheduler else workers):
+    with on_cluster(o) as workers:
+        for name, outcomes in in_parallel(_answer, tasks(), workers):
             solved += 1
             if isinstance(outcomes, str):
                 failed += 1
                 tell(f"{name}: {outcomes}")
                 continue
-            _show(name, outcomes, json_)
+            _show(name, outcomes, o.json)
             # A launch may be outside the fence of one park; the others still have an answer.
             failed += all(each.result.error for each in outcomes)
     if not solved:
-        wrong_call(f"no scenes in {named(source)}")
+        wrong_call(f"no scenes in {named(o.source)}")
     if fixed:
         note(
             f"air.density is a number in {len(fixed)} of {solved} scenes, the same at every park's "

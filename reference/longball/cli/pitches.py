@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from longball.cli.cluster import on_cluster
-from longball.cli.messages import assignments, note, show
-from longball.cli.tables import chosen_table, read_rows
+from longball.cli.messages import note, show
+from longball.cli.options import Options
+from longball.cli.tables import read_rows
 from longball.engines.parallel import in_parallel
 from longball.model.arrays import Array
 from longball.model.jsonl import json_line
@@ -20,12 +20,9 @@ from longball.pitches.statcast import MeasuredPitches
 PART = 20_000
 
 
-def pitches_of(
-    table: str, example: bool, games: Path | None, column: list[str] | None, spin: bool
-) -> MeasuredPitches:
+def pitches_of(o: Options, *, spin: bool) -> MeasuredPitches:
     """Return the pitches of a table, and print a note on omitted rows."""
-    source, names = chosen_table(table, example), assignments("--column", column)
-    pitches = read_rows(source, "pitch", games, names, spin=spin)
+    pitches = read_rows(o, "pitch", spin=spin)
     assert isinstance(pitches, MeasuredPitches)
     note(f"{pitches.source}: {len(pitches)} pitches used of {pitches.rows_read} rows")
     for omission in (*pitches.left_out, *pitches.doubts):
@@ -34,17 +31,13 @@ def pitches_of(
 
 
 def answers(
-    question: Callable[..., Mapping[str, Array]],
-    pitches: MeasuredPitches,
-    *more: Any,
-    workers: int,
-    scheduler: str | None,
+    o: Options, question: Callable[..., Mapping[str, Array]], pitches: MeasuredPitches, *more: Any
 ) -> dict[str, Array]:
     """Return the columns that a function computes for pitches, in parts on several workers."""
     begins = range(0, len(pitches), PART)
-    calls = ((pitches.part(slice(i, i + PART)), *more) for i in begins)
-    with on_cluster(scheduler):
-        parts = [*in_parallel(question, calls, -1 if scheduler else workers)]
+    calls = ((pitches.chosen(slice(i, i + PART)), *more) for i in begins)
+    with on_cluster(o) as workers:
+        parts = [*in_parallel(question, calls, workers)]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 

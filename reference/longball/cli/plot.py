@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from longball import engines
 from longball.cli.changes import chosen_changes
 from longball.cli.messages import exit_unless, note, tell, wrong_call
+from longball.cli.options import Options
 from longball.cli.scenes import each_scene, named
 from longball.engines.chain import solve_with_path
 from longball.model.scene import InvalidScene
 
 
-def plot(
-    source: str = "-",
-    output: Path = Path("paths.png"),
-    set_: list[str] | None = None,
-    fence: str | None = None,
-    reading: list[str] | None = None,
-    engine: engines.Name = "ivp",
-    quiet: bool = False,
-) -> None:
+def plot(o: Options) -> None:
     """Draw the paths of a few balls, or a spray chart of many.
 
     Up to 12 paths are drawn to scale, from the side and from above. The spray chart of more balls
@@ -28,10 +19,10 @@ def plot(
     """
     from longball.pictures import FEW, drawn, save_paths, save_spray_chart
 
-    solver = engines.create(engine)
-    change = chosen_changes(set_, fence, reading)
+    solver = engines.create(o.engine)
+    change = chosen_changes(o)
     pictured, failed = [], 0
-    for number, scene in each_scene(source, change):
+    for number, scene in each_scene(o.source, change):
         if isinstance(scene, InvalidScene):
             tell(f"line {number}: {scene}")
             failed += 1
@@ -49,8 +40,8 @@ def plot(
     if pictured:
         # A spray chart shows landings, which pitches do not have.
         many = len(pictured) > FEW and any(scene.end for scene in pictured)
-        (save_spray_chart if many else save_paths)(output, pictured)
-        note(f"the picture is in {output}")
+        (save_spray_chart if many else save_paths)(o.output, pictured)
+        note(f"the picture is in {o.output}")
     elif not failed:
-        wrong_call(f"no scenes in {named(source)}")
+        wrong_call(f"no scenes in {named(o.source)}")
     exit_unless(not failed)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 from longball.cli.messages import progress_bar, show
+from longball.cli.options import Options
 from longball.home_run import Estimate, estimates, paper_at_bats
 from longball.model.jsonl import json_or_number
 from longball.model.readings import LEDGER, Entry, Reading, SamplingReading, readings_of
@@ -13,18 +14,11 @@ from longball.model.scene import AtBatScene
 Readings = tuple[Reading, SamplingReading]
 
 
-def readings(
-    samples: int = 1000,
-    e: float = 0.42,
-    seed: int = 1,
-    workers: int = -1,
-    json_: bool = False,
-    quiet: bool = False,
-) -> None:
+def readings(o: Options) -> None:
     """Print the ledger of readings, and the effect of each one on P(e)."""
     lines = [(entry, option) for entry in LEDGER for option in entry.options]
     effects: dict[Readings | None, Estimate] = {}
-    if samples:
+    if o.samples:
         # The defaults of all switches are the same reading: solve it once.
         switched = dict.fromkeys(chosen for line in lines if (chosen := readings_with(*line)))
         with progress_bar("readings", len(switched)) as advance:
@@ -33,11 +27,11 @@ def readings(
                 (effects[reading, sampling],) = estimates(
                     base,
                     paper_at_bats(sampling),
-                    [e],
-                    samples,
-                    seed,
+                    [o.e],
+                    o.samples,
+                    o.seed,
                     sample_space=sampling.sample_space,
-                    workers=workers,
+                    workers=o.workers,
                 )
                 advance(done)
     rows, table = [], []
@@ -49,12 +43,12 @@ def readings(
         rows.append({"switch": entry.switch, "option": option, "default": default} | effect)
         shown = f"{option} (default)" if default else option
         table.append((entry.switch, entry.belongs, shown, *numbers))
-    if json_:
+    if o.json:
         keys = "switch", "belongs", "place", "why"
         ledger = [{key: getattr(entry, key) for key in keys} for entry in LEDGER]
         print(json.dumps({"rows": rows, "ledger": ledger}, ensure_ascii=False))
         return
-    head = (f"P({e:g})", "95 %") if samples else ("", "")
+    head = (f"P({o.e:g})", "95 %") if o.samples else ("", "")
     show(("switch", "belongs to", "option", *head), table)
     for entry in LEDGER:
         print(f"{entry.switch} ({entry.place}): {entry.why}")

@@ -7,8 +7,8 @@ import re
 import shlex
 import sys
 from codecs import BOM_UTF8
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext, suppress
 from io import BufferedReader, BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -17,8 +17,7 @@ from longball.cli.messages import refusing, wrong_call
 from longball.cli.options import TABLES, ending
 from longball.model.changes import Changes
 from longball.model.csv_files import binary
-from longball.model.names import one_of
-from longball.model.scene import KINDS, InvalidScene, Scene, parse_scene
+from longball.model.scene import InvalidScene, Scene, parse_scene
 
 
 def named(source: str) -> str:
@@ -27,20 +26,11 @@ def named(source: str) -> str:
 
 
 @contextmanager
-def reading_from(source: str) -> Iterator[BinaryIO]:
-    """Open a file of lines; - is standard input."""
-    if source == "-":
-        yield sys.stdin.buffer
-    else:
-        with open(source, "rb") as file:
-            yield file
-
-
-@contextmanager
 def scenes_from(source: str) -> Iterator[BinaryIO]:
     """Open scenes as lines of JSON, whatever the file holds."""
     if ending(source) not in TABLES:
-        with reading_from(source) as file:
+        # Standard input stays open.
+        with nullcontext(sys.stdin.buffer) if source == "-" else open(source, "rb") as file:
             # Do not wait for the first bytes of a terminal.
             if isinstance(file, BufferedReader) and not file.isatty():
                 _require_lines(file.peek(1), source)
@@ -118,11 +108,3 @@ def one_scene(source: str, change: Changes) -> Scene:
         return parse_scene(written[0], change)
     except InvalidScene as error:
         wrong_call(f"{named(source)}: {error}")
-
-
-def chosen_kinds(names: Sequence[str] | None) -> list[str]:
-    """Return the kinds of --kind, without repetitions; an unknown kind is a usage error."""
-    for name in names or ():
-        if name not in KINDS:
-            wrong_call(f"--kind {name}: there is none{one_of('the kinds are', name, KINDS)}")
-    return list(dict.fromkeys(names or ()))

@@ -7,7 +7,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from importlib import import_module
 from itertools import chain
@@ -18,63 +18,42 @@ from longball import engines
 from longball.cli.changes import chosen_changes
 from longball.cli.cluster import on_cluster
 from longball.cli.messages import exit_unless, note, progress_bar, say, tell, wrong_call
-from longball.cli.options import TABLES, ending
+from longball.cli.options import TABLES, Options, ending, flag
 from longball.cli.scenes import named, scenes_from
 from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.lines import solve_lines
-from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
+
+# Options of engines: their names in Python, and on the command line.
+ENGINE_OPTIONS = {
+    "method": "integrator", "rtol": "rtol", "atol": "atol", "tolerance": "landing_error",
+    "digits": "digits", "dt": "dt", "forces": "forces", "landing": "landing", "root": "root",
+    "contact_force": "contact_force",
+}  # fmt: skip
 
 
-def solve(
-    source: str = "-",
-    output: Path | None = None,
-    engine: engines.Name = "ivp",
-    integrator: str | None = None,
-    rtol: float | None = None,
-    atol: float | None = None,
-    landing_error: float | None = None,
-    digits: int | None = None,
-    dt: float | None = None,
-    forces: VerletForces | None = None,
-    landing: VerletLanding | None = None,
-    root: AppendixBRoot | None = None,
-    contact_force: ContactForce | None = None,
-    path: bool = False,
-    points: int | None = None,
-    certify: bool = False,
-    set_: list[str] | None = None,
-    fence: str | None = None,
-    reading: list[str] | None = None,
-    workers: int = 1,
-    scheduler: str | None = None,
-    quiet: bool = False,
-) -> None:
+def solve(o: Options) -> None:
     """Solve scenes: one result in JSON for each line of input."""
-    # fmt: off
-    options = {
-        "method": integrator, "rtol": rtol, "atol": atol, "tolerance": landing_error,
-        "digits": digits, "dt": dt, "forces": forces, "landing": landing, "root": root,
-        "contact_force": contact_force,
-    }
-    # fmt: on
-    change = chosen_changes(set_, fence, reading)
-    asked = (points or 201) if path or points else None
-    if asked and output and ending(output) in TABLES:
-        wrong_call(f"--path: {output} is a table, which cannot hold paths; use .jsonl")
-    if asked and certify:
+    change = chosen_changes(o)
+    asked = (o.points or 201) if o.path or o.points else None
+    if asked and o.output and ending(o.output) in TABLES:
+        wrong_call(f"--path: {o.output} is a table, which cannot hold paths; use .jsonl")
+    if asked and o.certify:
         wrong_call("--path: points cannot be certified; use --engine enclosure instead")
     # Report a missing library before hours of work.
-    if ".parquet" in {ending(name) for name in (source, output or "")}:
+    if ".parquet" in {ending(name) for name in (o.source, o.output or "")}:
         import_module("pyarrow")
-    if output and ending(output) in TABLES:
+    if o.output and ending(o.output) in TABLES:
         import_module("pandas")
+    given = {name: getattr(o, option) for name, option in ENGINE_OPTIONS.items()}
     try:
         solver: Engine | ManyAtOnce = engines.create(
-            engine, **{k: v for k, v in options.items() if v is not None}
+            o.engine, **{name: x for name, x in given.items() if x is not None}
         )
     except ValueError as error:
-        wrong_call(_with_options(str(error), options))
-    if certify:
+        # The engine's message, with the names of options on the command line.
+        words = rf"\b({'|'.join(ENGINE_OPTIONS)})\b"
+        wrong_call(re.sub(words, lambda m: flag(ENGINE_OPTIONS[m[0]]), str(error)))
+    if o.certify:
         from longball.engines.certify import Certifying  # brings ball arithmetic
 
         solver = Certifying(solver)
@@ -86,16 +65,16 @@ def solve(
     repeated: set[str] = set()
     doubtful: dict[str, list[str]] = {}
     with (
-        on_cluster(scheduler),
-        scenes_from(source) as lines,
-        progress_of(lines, output) as advance,
+        on_cluster(o) as workers,
+        scenes_from(o.source) as lines,
+        progress_of(lines, o.output) as advance,
     ):
-        refuse_source(output, source, lines)
-        results = solve_lines(lines, solver, -1 if scheduler else workers, asked, change)
+        refuse_source(o.output, o.source, lines)
+        results = solve_lines(lines, solver, workers, asked, change)
         # Open the output with the first result, so that an error before it does not empty the file.
         if (first := next(results, None)) is None:
-            wrong_call(f"no scenes in {named(source)}")
-        with results_to(output) as write:
+            wrong_call(f"no scenes in {named(o.source)}")
+        with results_to(o.output) as write:
             for result in chain([first], results):
                 write(result.text)
                 solved += 1
@@ -110,19 +89,12 @@ def solve(
     for question, *others in doubtful.values():
         note(f"{question}{f' (and {len(others)} more)' if others else ''}")
     if failed:
-        tell(f"{failed} of {solved} lines could not be solved{' and certified' * certify}")
+        tell(f"{failed} of {solved} lines could not be solved{' and certified' * o.certify}")
     # Repeated ids are allowed, but a later join by id would be wrong.
     if repeated:
         are = "id is" if len(repeated) == 1 else "ids are"
         tell(f"{len(repeated)} {are} on more than one line, such as {min(repeated)!r}")
     exit_unless(not failed)
-
-
-def _with_options(sentence: str, options: Iterable[str]) -> str:
-    """Return an engine's message with the names of options on the command line."""
-    names = {option: f"--{option.replace('_', '-')}" for option in options}
-    names |= {"method": "--integrator", "tolerance": "--landing-error"}
-    return re.sub(rf"\b({'|'.join(names)})\b", lambda name: names[name[0]], sentence)
 
 
 @contextmanager

@@ -3,48 +3,25 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
-import typer
 
 from longball.api import as_scene
 from longball.cli.changes import chosen_changes, in_si
-from longball.cli.command import given_by
 from longball.cli.infer import answering
-from longball.cli.messages import note, refuse_if, refusing, show
+from longball.cli.messages import note, refusing, show, wrong_call
+from longball.cli.options import Options
 from longball.cli.pitches import answers, pitches_of, show_each, show_types
 from longball.model.doubts import doubts
 from longball.model.jsonl import json_line
 from longball.model.scene import PitchScene
-from longball.pitches.models import Model, model_of
+from longball.pitches.models import model_of
 from longball.pitches.statcast import RPM, SEA_LEVEL, USUAL_TEMPERATURE
 from longball.questions.movement import PFX, Movement, clock
 from longball.questions.spin import measured_spin, spin_for
 
-# Options for a single pitch, and for a table of pitches.
-_OF_ONE = ("release", "up", "across", "pfx", "set_")
-_OF_TABLE = ("example", "games", "column", "workers", "scheduler")
 
-
-def spin(
-    ctx: typer.Context,
-    table: str = "-",
-    example: bool = False,
-    model: Model = "nathan",
-    games: Path | None = None,
-    column: list[str] | None = None,
-    speed: str | None = None,
-    release: str = "54ft,0,6ft",
-    up: str = "0",
-    across: str = "0",
-    pfx: bool = False,
-    set_: list[str] | None = None,
-    workers: int = 1,
-    scheduler: str | None = None,
-    json_: bool = False,
-    quiet: bool = False,
-) -> None:
+def spin(o: Options) -> None:
     """Compute the spin that causes the movement of measured pitches, and its active share.
 
     The force perpendicular to the path gives C_L in the weather of each game, and the model's law
@@ -54,32 +31,31 @@ def spin(
     With --speed, --up and --across in place of a table, it computes the spin of a single pitch with
     this movement, relative to a flight under gravity alone, at 20 °C at sea level.
     """
-    law = model_of(model)
-    # Options without effect are errors: a user would believe that they were applied.
-    idle, why = (_OF_ONE, "it needs --speed") if speed is None else (_OF_TABLE, "it is for a table")
-    refuse_if(
-        (speed is not None and table != "-", "--speed is for a single pitch: omit the table"),
-        *((given_by(ctx, name) == "COMMANDLINE", f"--{name.rstrip('_')}: {why}") for name in idle),
-    )
-    if speed is not None:
+    law = model_of(o.model)
+    if o.speed is not None:
+        if o.table != "-":
+            wrong_call("--speed is for a single pitch: omit the table")
+        why = "it is for a table; with --speed there is none"
+        o.refuse("example games column workers scheduler", why)
         thrown = {
-            "speed": in_si("--speed", speed, "m/s"),
-            "release": [in_si("--release", part, "m") for part in release.split(",")],
+            "speed": in_si("--speed", o.speed, "m/s"),
+            "release": [in_si("--release", part, "m") for part in o.release.split(",")],
             "spin": [0.0, 0.0, 0.0],
         }
-        moved = Movement(in_si("--across", across, "m"), in_si("--up", up, "m"))
+        moved = Movement(in_si("--across", o.across, "m"), in_si("--up", o.up, "m"))
         blocks = law.blocks(USUAL_TEMPERATURE, SEA_LEVEL)
         with answering():
-            change = chosen_changes(set_, None)
+            change = chosen_changes(o)
             pitch = as_scene(change({"kind": "pitch", "pitch": thrown} | blocks))
             for key, question in doubts(pitch):
                 note(f"{key}: {question}")
-            _show(spin_for(pitch, moved, PFX if pfx else None), json_)
+            _show(spin_for(pitch, moved, PFX if o.pfx else None), o.json)
         return
-    pitches = pitches_of(table, example, games, column, spin=True)
-    with refusing(f"--model {model}: "):
-        columns = answers(measured_spin, pitches, law, workers=workers, scheduler=scheduler)
-    if json_:
+    o.refuse("release up across pfx set", "it needs --speed, the speed of a single pitch")
+    pitches = pitches_of(o, spin=True)
+    with refusing(f"--model {o.model}: "):
+        columns = answers(o, measured_spin, pitches, law)
+    if o.json:
         show_each(pitches, columns)
     else:
         shown = {

@@ -3,43 +3,45 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
-from longball.cli.messages import refusing, wrong_call
+from longball.cli.messages import assignments, refusing, wrong_call
+from longball.cli.options import Options
 
 if TYPE_CHECKING:
     from longball.pitches.statcast import Kind, MeasuredFlies, MeasuredPitches
 
 
-def chosen_table(table: str, example: bool) -> str | Path | TextIO:
+def chosen_table(o: Options) -> str | Path | TextIO:
     """Return the table to read: longball's example, or a file; - is standard input."""
-    if example and table != "-":
-        wrong_call(f"either --example or {table}, not both")
+    if o.example and o.table != "-":
+        wrong_call(f"either --example or {o.table}, not both")
     from longball.pitches import EXAMPLE  # brings numpy
 
     # Standard input is an open text file; other tables are paths.
-    return EXAMPLE if example else sys.stdin if table == "-" else table
+    return EXAMPLE if o.example else sys.stdin if o.table == "-" else str(o.table)
 
 
-def read_rows(
-    source: Any, kind: Kind, games: Path | None, names: Mapping[str, str], *, spin: bool
-) -> MeasuredPitches | MeasuredFlies:
+def read_rows(o: Options, kind: Kind, *, spin: bool) -> MeasuredPitches | MeasuredFlies:
     """Return the measured balls of a table; an unusable table is a usage error."""
     from longball.pitches.models import MODELS
     from longball.pitches.statcast import GAMES, read_measured
     from longball.pitches.table import NoSuchColumn, TableError
 
+    table, names = chosen_table(o), assignments("--column", o.column)
+    games = vars(o).get("games") or GAMES  # not all commands need the weather
     with refusing():
         try:
-            return read_measured(source, kind, games or GAMES, spin=spin, names=names)
+            return read_measured(table, kind, games, spin=spin, names=names)
         except NoSuchColumn as error:
             hint = ""
             if {*error.missing} - (of_spin := {"spin_axis", "release_spin_rate"}):
                 hint = "; --column NAME=COLUMN gives the table's name of a column"
             # The most common case: tables before 2020. Models without spin still work.
-            if of_spin & {*error.missing}:
+            if "vx0" in error.missing and {"launch_speed", "launch_angle"} <= {*error.present}:
+                hint = "; longball measured --kind batted predicts batted balls"
+            elif of_spin & {*error.missing}:
                 without = ", ".join(name for name, law in MODELS.items() if not law.spin)
                 hint += (
                     "; Statcast's tables have spin_axis from 2020 on, and longball measured "

@@ -109,8 +109,8 @@ class Arrays:
 
     def chosen(self, which: NDArray[Any] | slice) -> Self:
         """Return some of the rows; fields that are not arrays stay the same."""
-        held = vars(self).values()
-        return type(self)(*(x[which] if isinstance(x, np.ndarray) else x for x in held))
+        held = vars(self).items()
+        return type(self)(**{k: x[which] if isinstance(x, np.ndarray) else x for k, x in held})
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
@@ -166,7 +166,7 @@ def refuse_drawn(base: AtBatScene) -> None:
     usual = AtBatScene()
     for name in DRAWN:
         if at(base, name) != at(usual, name):
-            raise ValueError(f"{name}: it varies from sample to sample")
+            raise ValueError(f"{name}: it varies from sample to sample, and cannot be set")
 
 
 def draw(at_bats: AtBats, count: int, seed: int, first: int = 0) -> Samples:

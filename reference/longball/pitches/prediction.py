@@ -95,7 +95,7 @@ def scenes(
     spin = expected_spin(measured) if spin is None else spin
     models = repeat(model) if isinstance(model, FlightModel) else model
     for i, (row, one) in enumerate(zip(measured.rows.tolist(), models, strict=False)):
-        scene = {"id": f"row {row}"} | measured.scene(i)
+        scene = {"id": measured.name(i)} | measured.scene(i)
         if one.spin:
             scene["pitch" if "pitch" in scene else "launch"]["spin"] = spin[i].tolist()
         weather = float(measured.temperature[i]), float(measured.elevation[i])
@@ -171,8 +171,9 @@ def measured(
     Returns
     -------
     pandas.DataFrame
-        A row for each usable ball, with its row number in the table as ``row``: measured and
-        predicted values, in SI units and the frame of scenes; NaN if the ball does not arrive.
+        A row for each usable ball, with its row number in the table as ``row`` and the columns that
+        identify it, such as ``game_pk`` and ``player_name``: measured and predicted values, in SI
+        units and the frame of scenes; NaN if the ball does not arrive.
 
     Raises
     ------
@@ -266,6 +267,7 @@ def as_frame(prediction: Prediction) -> pd.DataFrame:
 
     measured = prediction.measured
     columns: dict[str, Any] = {"row": measured.rows}
+    columns |= dict(zip(measured.identified, measured.identity.T, strict=True))
     if isinstance(measured, MeasuredPitches):
         columns |= {"pitch_type": measured.labels, "spin_rate": measured.spin_rate}
     else:

@@ -20,9 +20,9 @@ of the launch (Petti's transformation, baseballwithr.wordpress.com, 2018).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TextIO, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TextIO, get_args
 
 import numpy as np
 
@@ -81,11 +81,14 @@ LOWEST, HIGHEST, SLOWEST = np.radians(10.0), np.radians(60.0), 60.0 * MPH
 # drawing and the direction of the launch. The regression of the spin is for fair balls.
 WIDEST = np.radians(60.0)
 
+# Columns that identify a row for its reader; they are passed on as they are.
+IDENTITY = ("game_pk", "at_bat_number", "pitch_number", "player_name", "events")
+
 # Distance of the pitcher's rubber from the plate's tip, ft. `release_extension` counts from there.
 RUBBER = 60.5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Rows(Arrays):
     """The complete rows of a table; arrays have an element for each, in SI units."""
 
@@ -95,29 +98,33 @@ class Rows(Arrays):
     seen: ClassVar[tuple[tuple[str, float], ...]]  # printed components, with their signs
 
     # Name of the table, its number of rows, and the omitted rows.
-    source: str
-    rows_read: int
-    left_out: tuple[Omission, ...]
+    source: str = ""
+    rows_read: int = 1
+    left_out: tuple[Omission, ...] = ()
     rows: Integers  # row numbers, from 1 below the header
     games: Integers  # game_pk, or 0 if the table has none
+    # Columns of `IDENTITY` that the table has, and their texts, shape (n, columns); "" if missing.
+    identified: tuple[str, ...] = ()
+    identity: Any
     # Weather and park, K and m.
     temperature: Array
     elevation: Array
-    weather_unknown: int  # number of rows with the usual weather
-    assumed: tuple[str, ...]  # sentences on the values that replace missing columns
-    doubts: tuple[str, ...]  # questions on columns that seem to be in another unit
+    weather_unknown: int = 0  # number of rows with the usual weather
+    assumed: tuple[str, ...] = ()  # sentences on the values that replace missing columns
+    doubts: tuple[str, ...] = ()  # questions on columns that seem to be in another unit
 
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.rows)
 
-    def part(self, which: Any) -> Self:
-        """Return some of the rows, by a mask, a slice or indices."""
-        columns = {name: x[which] for name, x in vars(self).items() if isinstance(x, np.ndarray)}
-        return replace(self, **columns)
+    def name(self, i: int) -> str:
+        """Return the number of the i-th row, and the texts that identify it."""
+        # A game alone identifies no row.
+        known = self.identity[i] if len(self.identified) > 1 else []
+        return ", ".join(filter(None, [f"row {self.rows[i]}", *known]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MeasuredPitches(Rows):
     """Pitches in the frame of scenes."""
 
@@ -151,7 +158,7 @@ class MeasuredPitches(Rows):
         return {"kind": "pitch", "pitch": pitch}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MeasuredFlies(Rows):
     """Batted balls in the frame of scenes."""
 
@@ -229,7 +236,7 @@ def _pitches(
     table: Any, games: Any, spin: bool, names: Mapping[str, str] | None
 ) -> MeasuredPitches:
     needed = ["pitch_type", *_PITCH_NUMBERS, *(("p_throws", *_SPIN) if spin else ())]
-    optional = ["game_pk", "release_pos_y", "release_extension", "release_speed"]
+    optional = [*IDENTITY, "release_pos_y", "release_extension", "release_speed"]
     source, frame = read_table(table, needed, optional, names)
     # Some tables have the extension from the rubber in place of the distance from the plate.
     if "release_pos_y" not in frame:
@@ -288,7 +295,6 @@ def _pitches(
     return MeasuredPitches(
         **_common(source, frame, left_out, keep, games),
         doubts=tuple(unusual_rows(kept, rows)),
-        assumed=(),
         labels=kind[keep].to_numpy(dtype=str),
         release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
         velocity=at_release,
@@ -329,7 +335,7 @@ _PLACE = ("hc_x", "hc_y")
 
 
 def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredFlies:
-    optional = ["game_pk", "stand", "hit_distance_sc", *_PLACE]
+    optional = [*IDENTITY, "stand", "hit_distance_sc", *_PLACE]
     source, frame = read_table(table, ["launch_speed", "launch_angle"], optional, names)
     here = [name for name in ("hit_distance_sc", *_PLACE) if name in frame]
     values, odd_cells = read_columns(frame, ("launch_speed", "launch_angle", *here))
@@ -455,12 +461,15 @@ def _common(
     )
     # Games may be missing: a table of games rarely has all of them.
     unknown = np.isnan(temperature)
+    here = [name for name in IDENTITY if name in frame]
     return {
         "source": source,
         "rows_read": len(frame),
         "left_out": left_out,
         "rows": np.flatnonzero(keep) + 1,
         "games": np.nan_to_num(game).astype(np.int64),
+        "identified": (*here,),
+        "identity": frame[here].apply(texts).fillna("").to_numpy(dtype=object)[keep],
         "temperature": np.where(unknown, USUAL_TEMPERATURE, temperature),
         "elevation": np.where(unknown, SEA_LEVEL, elevation),
         "weather_unknown": int(unknown.sum()),
@@ -484,7 +493,8 @@ def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
             f"{source}: game_pk: row {again[0] + 1} below the header has {game[again[0]]:.0f}, "
             "which another row has already; a game must be there once"
         )
-    require_usual(fahrenheit, "temperature")
+    if doubt := unusual(fahrenheit, "temperature"):
+        raise TableError(f"{source}: {doubt} The table must be in °F here")
     celsius = (fahrenheit - 32.0) * FAHRENHEIT
     height = _elevations(source, frame)
     return (

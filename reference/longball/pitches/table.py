@@ -71,9 +71,9 @@ class TableError(ValueError):
 class NoSuchColumn(TableError):
     """Raised if a table lacks columns."""
 
-    def __init__(self, message: str, missing: Sequence[str]) -> None:
+    def __init__(self, message: str, missing: Sequence[str], present: Sequence[str] = ()) -> None:
         super().__init__(message)
-        self.missing = missing
+        self.missing, self.present = missing, present
 
 
 class Omission(Strict):
@@ -124,6 +124,7 @@ def read_table(
             f"{', '.join(missing)}: the table has {none}{theirs} columns are {shown}"
             f"{other_separators(head)}",
             missing,
+            head,
         )
     if not len(frame):
         raise TableError(f"{source}: the table has a header, and nothing below it")

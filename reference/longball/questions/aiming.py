@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.optimize import brentq, minimize_scalar
 
-from longball.api import as_engine, as_scene, differentiable, solve
+from longball.api import as_engine, differentiable, scene_of_kind, solve
 from longball.engines.engine import CannotSolve
 from longball.engines.path_engine import PathEngine
 from longball.model.arrays import Array
@@ -91,9 +91,8 @@ def aim(
     >>> round(lb.solve(high).landing.distance, 9)
     100.0
     """
-    asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
-    if not isinstance(asked, FlightScene):
-        raise InvalidScene(f"aim: a flight is needed, and this is a scene of kind {asked.kind}")
+    asked: FlightScene = scene_of_kind(scene, FlightScene)
+    solver = differentiable(as_engine(engine, options))
     # A ball that hits the fence has no landing; the question is how far it would fly.
     if asked.fence is not None:
         asked = asked.model_copy(update={"fence": None})
@@ -113,21 +112,19 @@ def aim(
 
 
 def _unknowns(given: Iterable[str] | None, numbers: int) -> list[str]:
-    if given is None:
-        return ["launch.angle", _DIRECTION][: 1 if numbers == 1 else 2]
     # A distance has one unknown; a position has two, because the direction matters as well.
-    names = listed(given)
-    wanted = 1 if numbers == 1 else 2
+    second = [] if numbers == 1 else [_DIRECTION]
+    names = ["launch.angle", *second] if given is None else listed(given)
     for name in names:
         if name not in (*RANGES, _DIRECTION):
             raise ValueError(
                 f"unknowns: {name} cannot be aimed with"
                 f"{one_of('what can is', name, (*RANGES, _DIRECTION))}"
             )
-    if len(names) != wanted or names[0] not in RANGES or names[1:] != [_DIRECTION][: wanted - 1]:
-        needed = "launch.angle or launch.speed"
-        if wanted == 2:
-            raise ValueError(f"unknowns: a place or a point takes {needed}, and launch.direction")
+    if names not in [[first, *second] for first in RANGES]:
+        needed = " or ".join(RANGES)
+        if second:
+            raise ValueError(f"unknowns: a place or a point takes {needed}, and {_DIRECTION}")
         raise ValueError(f"unknowns: a distance takes one, {needed}")
     return names
 

@@ -17,10 +17,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from longball import engines
-from longball.api import as_scene, solve
+from longball.api import scene_of_kind, solve
 from longball.model.arrays import Array
-from longball.model.scene import InvalidScene, PitchScene
-from longball.model.scene import Pitch as PitchBlock
+from longball.model.scene import Pitch, PitchScene
 from longball.pitches.models import STANDARD_GRAVITY
 from longball.pitches.statcast import FIT_PLANE, FOOT, PLATE_FRONT, MeasuredPitches, time_of_plane
 from longball.solution import Path, Solution, real_numbers
@@ -98,10 +97,11 @@ class NineParameters:
         u, v, w = (v + a * time for _, v, a in parts)
         return NineParameters((x, y, z), (u, v, w), self.acceleration, self.residual)
 
-    def pitch(self, release: float) -> PitchBlock:
+    def pitch(self, release: float) -> Pitch:
         """Return the `pitch` block of a scene released at x, m; see `at`."""
+        self.at(0.0)  # or it is no pitch: the acceleration turns it round before the plate
         start = self.at(release)
-        return PitchBlock(release=start.position, velocity=start.velocity)
+        return Pitch(release=start.position, velocity=start.velocity)
 
     @property
     def approach(self) -> tuple[float, float]:
@@ -142,25 +142,12 @@ def nine_parameters(path: Path | Solution, at: float = TRACKED) -> NineParameter
     nodes, weights = leggauss(_NODES)
     half = 0.5 * (end - trajectory.start)
     places = trajectory.at(trajectory.start + half * (1.0 + nodes)).position
-    # Projection on the Legendre polynomials 1, τ, (3τ² - 1)/2, orthogonal for τ from -1 to 1,
-    # divided by their squared norms 2, 2/3, 2/5.
-    basis = np.stack([np.ones_like(nodes), nodes, 1.5 * nodes**2 - 0.5])
-    projection = (basis * weights) * np.array([[0.5], [1.5], [2.5]])
-    fitted, left = np.zeros((3, 3)), places
-    # The second projection removes the rounding error of the first.
-    for _ in range(2):
-        fitted += projection @ left
-        left = places - basis.T @ fitted
-    # r(τ) = mean + slope τ + curvature (3τ² - 1)/2 with t = half τ: at τ = 0 the position is
-    # mean - curvature/2, the velocity slope/half, the acceleration 3 curvature/half².
-    mean, slope, curvature = fitted
-    residual = math.sqrt(0.5 * float(weights @ np.sum(left**2, axis=1)))
-    middle = NineParameters(
-        _vector(mean - 0.5 * curvature),
-        _vector(slope / half),
-        _vector(3.0 * curvature / half**2),
-        residual,
-    )
+    # r(t) = r + v t + a t²/2, with t from the middle of the pitch; the rule's weights add up to 2.
+    time, mean = half * nodes, np.sqrt(0.5 * weights)[:, None]
+    basis = np.stack([np.ones_like(time), time, 0.5 * time**2], axis=1)
+    fitted, squares, *_ = np.linalg.lstsq(mean * basis, mean * places)
+    position, velocity, acceleration = map(_vector, fitted)
+    middle = NineParameters(position, velocity, acceleration, math.sqrt(squares.sum()))
     return middle.at(at)
 
 
@@ -273,9 +260,7 @@ def movement(
     >>> lb.movement(fastball).clock
     '12:35'
     """
-    asked = as_scene(scene)
-    if not isinstance(asked, PitchScene):
-        raise InvalidScene(f"kind: must be 'pitch' here, and is {asked.kind!r}")
+    asked: PitchScene = scene_of_kind(scene, PitchScene)
     if without not in ("air", "lift"):
         raise ValueError(f"without must be 'air' or 'lift' (got {without!r})")
     result = solve(asked, **options)

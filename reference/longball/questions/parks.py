@@ -14,16 +14,17 @@ import csv
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
-from longball.api import as_engine, as_scene
+from longball.api import as_engine, scene_of_kind
 from longball.engines.chain import solve_each
 from longball.model.air import Weather
 from longball.model.inputs import listed
 from longball.model.names import did_you_mean
 from longball.model.result import Result
-from longball.model.scene import AtBatScene, Fence, FlightScene, InvalidScene, Scene
+from longball.model.scene import AtBatScene, Fence, FlightScene, Scene
 from longball.pitches.statcast import FOOT, PARKS
 from longball.pitches.table import DATA
 
@@ -139,11 +140,12 @@ def park(name: str) -> Park:
     if name in known:
         return known[name]
     near = did_you_mean(name, known)
-    # The name of a city selects its park: Boston is Fenway Park.
-    for city in dict.fromkeys(each.city for each in parks()):
-        if not near and did_you_mean(name, [city]):
-            there = " or ".join(each.name for each in parks() if each.city == city)
-            near = f", did you mean {there}?"
+    # The name of a city selects its park: Boston is Fenway Park. The most similar name counts, as
+    # Boston is also similar to Houston.
+    cities = get_close_matches(name, [each.city for each in parks()], 1)
+    if not near and cities:
+        there = " or ".join(each.name for each in parks() if each.city == cities[0])
+        near = f", did you mean {there}?"
     if any(row["park"] == name for row in _rows(PARKS)):
         near = ": no source gives the heights of its wall; if you know them, give the scene a fence"
     near = near or f"; the parks are {', '.join(each.name for each in parks())}"
@@ -199,9 +201,7 @@ def in_parks(
     >>> sum(each.is_out for each in outcomes), len(outcomes)
     (11, 29)
     """
-    asked = as_scene(scene)
-    if not isinstance(asked, FlightScene | AtBatScene):
-        raise InvalidScene(f"kind: must be 'flight' or 'at-bat' here, and is {asked.kind!r}")
+    asked: FlightScene | AtBatScene = scene_of_kind(scene, FlightScene, AtBatScene)
     chosen = parks() if where is None else listed(where)
     every = [park(one) if isinstance(one, str) else one for one in chosen]
     results = solve_each([_in(one, asked) for one in every], as_engine(engine, options))

@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import root
 
-from longball.api import as_scene
+from longball.api import scene_of_kind
 from longball.engines.engine import CannotSolve
 from longball.model.air import Air, law_name
 from longball.model.arrays import Array
 from longball.model.law import per_metre
 from longball.model.names import one_of
 from longball.model.numbers import DOUBLES
-from longball.model.scene import AtBatScene, InvalidScene, PitchScene, Scene
+from longball.model.scene import AtBatScene, PitchScene
 from longball.model.vectors import part_across
 from longball.pitches.models import FlightModel
 from longball.pitches.statcast import MeasuredPitches, time_of_plane
@@ -109,7 +109,7 @@ def spin_from_movement(
     Raises
     ------
     InvalidScene
-        If `scene` is invalid.
+        If `scene` is invalid, or neither a pitch nor an at-bat.
     ValueError
         If the law of lift cannot be solved for the spin, or, for a single pitch, never reaches its
         C_L. In arrays, such a row is NaN and has an entry in `reasons`.
@@ -124,9 +124,7 @@ def spin_from_movement(
     >>> f"C_L = {found.lift_coefficient:.3f}, {found.active_share:.0%} active"
     'C_L = 0.207, 87% active'
     """
-    asked = _asked(scene)
-    if not isinstance(asked, PitchScene | AtBatScene):
-        raise ValueError(f"scene: a pitch or an at-bat is needed, and this is a {asked.kind}")
+    asked: PitchScene | AtBatScene = scene_of_kind(_with_spin(scene), PitchScene, AtBatScene)
     air = _air_of(asked)
     per_unit = per_metre(asked, 1.0, DOUBLES)
     if per_unit is None:
@@ -184,14 +182,14 @@ def spin_from_movement(
     return SpinFromMovement(transverse, drag[()], lift[()], share[()], spin, above[()], reasons)
 
 
-def _asked(scene: object) -> Scene:
+def _with_spin(scene: object) -> object:
     """Return a scene; a mapping can omit the spin, which is the unknown."""
-    if isinstance(scene, Mapping) and scene.get("kind") in ("pitch", "at-bat"):
-        # Scenes with a law of the spin are rejected without one.
-        pitch = scene.get("pitch", {})
-        if isinstance(pitch, Mapping):
-            scene = {**scene, "pitch": {"spin": [0.0, 0.0, 0.0], **pitch}}
-    return as_scene(scene)
+    if not (isinstance(scene, Mapping) and scene.get("kind") in ("pitch", "at-bat")):
+        return scene
+    # Scenes with a law of the spin are rejected without one.
+    pitch = scene.get("pitch", {})
+    spun = {"spin": [0.0, 0.0, 0.0], **pitch} if isinstance(pitch, Mapping) else pitch
+    return {**scene, "pitch": spun}
 
 
 def spin_for(
@@ -233,9 +231,7 @@ def spin_for(
     >>> [round(x) for x in moving.pitch.spin]
     [0, 88, -49]
     """
-    asked = _asked(scene)
-    if not isinstance(asked, PitchScene):
-        raise InvalidScene(f"kind: must be 'pitch' here, and is {asked.kind!r}")
+    asked: PitchScene = scene_of_kind(_with_spin(scene), PitchScene)
     if not isinstance(moved, Movement):
         raise TypeError(f"moved = {moved!r}: a movement is needed, lb.Movement(across=…, up=…), m")
     ahead = np.array(asked.pitch.thrown)
