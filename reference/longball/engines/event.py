@@ -306,7 +306,17 @@ def first_met(
                     where, t = _fallen(seen, event, numbers)
                 met.append(Met(event, where.begin + t, event.place(where.at(t))))
         if met:
-            return _earliest(met, events, errors, limit, error, numbers)
+            # At the first event all other values are still positive, by more than their errors. At
+            # a launch they are exact, and the event that is listed first wins.
+            first = min(met, key=lambda each: each.time)
+            for other in events:
+                if other is not first.event and not first.time <= 0:
+                    question = f"whether {first.event.question} before {other.question}"
+                    off = errors[other.name]
+                    _require_positive(other.value(first.state), off, question, numbers)
+            question = f"whether {first.event.question} in the time limit"
+            _require_positive(limit - first.time, error * limit, question, numbers)
+            return first
         seen.append((piece, end))
         if not piece.begin + piece.length < limit:
             break
@@ -335,27 +345,6 @@ def _fallen(seen: Sequence[tuple[Piece, N]], event: Event, numbers: Numbers) -> 
             left = [start, *curve.turns(start, end)][-1]
             return piece, end if curve(end) > 0 else curve.zero(left, end)
     return seen[-1]
-
-
-def _earliest(
-    candidates: list[Met],
-    events: Events,
-    errors: dict[str, N],
-    limit: N,
-    error: float,
-    numbers: Numbers,
-) -> Met:
-    """Return the earliest event of a piece; raise `Undecided` if another coincides with it."""
-    first = min(candidates, key=lambda met: met.time)
-    # At the first event all other values are still positive, by more than their errors. At a launch
-    # they are exact, and the event that is listed first wins.
-    for other in events:
-        if other is not first.event and not first.time <= 0:
-            question = f"whether {first.event.question} before {other.question}"
-            _require_positive(other.value(first.state), errors[other.name], question, numbers)
-    question = f"whether {first.event.question} in the time limit"
-    _require_positive(limit - first.time, error * limit, question, numbers)
-    return first
 
 
 def _require_positive(x: N, error: N, question: str, numbers: Numbers) -> None:

@@ -130,27 +130,20 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
     # The order of the sum is fixed: another order would change the last bits in every engine.
     total = scaled(-(motion.density * drag), air.velocity)
     total = plus(total, scaled(motion.density * magnus, lift.across))
-    total = plus(total, scaled(motion.density, side_force(p, lift)))
+    # ê is along the component of a fixed unit vector d across u, ``d - (d·u) u/U²``, of the size
+    # |d × u|/U. So U² ê = (U² d - (d·u) u) U/|d × u|.
+    sine = norm(_aside(p, lift))
+    if p.side is not ZERO and sine is not ZERO:
+        direction = p.side_s, p.side_y, p.side_z
+        whole = part_across(direction, lift.velocity, lift.speed * lift.speed)
+        side = scaled(p.side * (lift.speed / sine), whole)
+        total = plus(total, scaled(motion.density, side))
     total = plus(total, (ZERO, ZERO, -p.gravity))
     # Coriolis acts on the velocity over the ground. The centrifugal force is part of g.
     total = plus(total, scaled(-2.0, cross(earth, motion.velocity)))
     for force in p.shape.forces:
         total = plus(total, force(motion, p.given))
     return total
-
-
-def side_force(p: Strengths, flow: Flow) -> Vector:
-    """Return ``k C_S U² ê``, with ê along the component of a fixed unit vector d across u.
-
-    This component is ``d - (d·u) u/U²``; its size is ``|d × u|/U``.
-    """
-    sine = norm(_aside(p, flow))
-    if p.side is ZERO or sine is ZERO:
-        return ZERO, ZERO, ZERO
-    direction = p.side_s, p.side_y, p.side_z
-    # U² ê = (U² d - (d·u) u) U/|d × u|, since |U² d - (d·u) u| = U |d × u|.
-    whole = part_across(direction, flow.velocity, flow.speed * flow.speed)
-    return scaled(p.side * (flow.speed / sine), whole)
 
 
 def _aside(p: Strengths, flow: Flow) -> Vector:
@@ -353,11 +346,6 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
     return _Traced(rates, trace.as_node(motion.spin_left), passed, p.auxiliary, aside)
 
 
-def _is_polynomial(node: Node) -> bool:
-    nodes = Program((), (), (node,)).nodes
-    return all(n.static or n.kind in ("variable", "sum", "product") for n in nodes)
-
-
 # Components that must be constant for a law in the plane, and for a vertical one.
 _STILL = {"space": "", "plane": "yv", "vertical": "uv"}
 
@@ -406,11 +394,6 @@ def _switching_function(program: Program, top: Node, bottom: Node) -> Program:
 @lru_cache(maxsize=1024)
 def _value(program: Program, node: Node) -> Program:
     return replace(program, outputs=(node,))
-
-
-@cache
-def _jacobian(program: Program) -> Program:
-    return program.jacobian()
 
 
 _SENSE = "sense"
@@ -554,8 +537,9 @@ class Law:
         """Return the law with variables for exponentials in its switches; see `completed`."""
         # The arguments of the switches contain the same functions on all branches.
         first = self.on([0] * len(self.switches))
-        passed = first._traced.passed
-        if all(_is_polynomial(node) for switch in self.switches for node in passed[switch.of]):
+        passed = tuple(node for switch in self.switches for node in first._traced.passed[switch.of])
+        nodes = Program((), (), passed).nodes
+        if all(n.static or n.kind in ("variable", "sum", "product") for n in nodes):
             return self
         law = replace(self, polynomial=True)
         return replace(law, code=law.on(first.form or ()).code)
@@ -568,7 +552,7 @@ class Law:
 
     def jacobian(self, numbers: Numbers) -> Callable[..., tuple[N, ...]]:
         """Return the function from the components of a state to the rates' partial derivatives."""
-        return _jacobian(self.program).bind(self.strengths, numbers.functions)
+        return self.program.jacobian.bind(self.strengths, numbers.functions)
 
     def state_of(self, start: State) -> State:
         """Return a launch as a state of this law."""

@@ -177,7 +177,10 @@ class Batch(ManyAtOnce):
         # The compiled code returns only the states between steps; the series are expanded again
         # here.
         code = kernel(records.in_lanes(law).program)
-        arrival, states = flights.fly_and_record(code, flight, self.order, self.truncation)
+        settings = self.order, self.truncation
+        arrival, _ = flights.fly_all(code, flight, *settings)
+        states = np.empty((arrival["steps"].item(), 1 + len(law.variables)))
+        flights.fly_all(code, flight, *settings, steps=states)
         expand = Expander(records.general(law), self.order)
         ends = [*states[1:, 0].tolist(), arrival["time"].item()]
         # A flight that ends at its launch has no step.

@@ -59,6 +59,22 @@ def unowned_view(typing: Any, array: Any) -> Any:
 
 
 @operation
+def unowned_views(typing: Any, fields: Any) -> Any:
+    """Return a named tuple with pointers in place of its arrays, which must outlive it."""
+    kinds = [types.CPointer(x.dtype) if isinstance(x, types.Array) else x for x in fields.types]
+    views = types.BaseTuple.from_types(kinds, fields.instance_class)
+
+    def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        values = [builder.extract_value(args[0], i) for i in range(len(kinds))]
+        for i, kind in enumerate(fields.types):
+            if isinstance(kind, types.Array):
+                values[i] = context.make_array(kind)(context, builder, values[i]).data
+        return context.make_tuple(builder, views, values)
+
+    return views(fields), code
+
+
+@operation
 def shifted(typing: Any, pointer: Any, places: Any) -> Any:
     """Return the pointer to the element at an index."""
 

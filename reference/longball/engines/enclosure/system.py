@@ -62,7 +62,7 @@ def structure(program: Program) -> Structure:
             for n in dynamic(core)
             if n.kind in TRANSCENDENTAL and n.kind != "exp"
         ),
-        jacobian=core.jacobian(),
+        jacobian=core.jacobian,
     )
 
 
