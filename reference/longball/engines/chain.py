@@ -63,26 +63,15 @@ class Run:
     """State of one scene in the chain; `longball.engines.batch.columns.Columns` is for many.
 
     A chain uses masks only through the methods with the argument `rows`.
-
-    Attributes
-    ----------
-    scene
-        Has the blocks of a scene as attributes, in columns with a number or an array each.
-    engine, model
-        The engine that computes; the parts of the chain.
-    answer
-        The quantities recorded so far, by name, and the outcome.
-    legs
-        The flights of the scene, in order.
-    engines
-        Descriptions of the engines that flew the ball, in order.
     """
 
-    scene: Any
-    engine: Any
-    model: Model
+    scene: Any  # has the blocks of a scene as attributes, with a number or an array each
+    engine: Any  # computes the flights
+    model: Model  # the parts of the chain
+    # The quantities recorded so far, by name, and the outcome
     answer: dict[str, Any] = field(default_factory=dict)
-    legs: list[Leg] = field(default_factory=list)
+    legs: list[Leg] = field(default_factory=list)  # the flights of the scene, in order
+    # Descriptions of the engines that flew the ball, in order
     engines: list[str] = field(default_factory=list)
 
     # --- masks -----------------------------------------------------------------------------------
@@ -115,10 +104,7 @@ class Run:
     # --- flights ---------------------------------------------------------------------------------
 
     def fly(self, law: Law, start: State, events: Events, limit: N, rows: Mask) -> Flight:
-        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
-
-        In other rows the flight stays at its start, and nothing stops it.
-        """
+        """Fly until the first of several events; in other rows the flight stays at its start."""
         if not rows:
             return Flight(Path(()), "", self.numbers.exact(0.0), start)
         flight: Flight = self.engine.fly(law, start, events, limit)
@@ -189,7 +175,7 @@ def fly(
     run: Run,
     law: Law,
     start: State,
-    surfaces: Callable[[State], list[Event]],
+    surfaces: Callable[[State], list[Event]],  # the events that may end a flight from a state
     limit: N,
     rows: Mask,
 ) -> Flight:
@@ -199,11 +185,6 @@ def fly(
     component of the lift drives it back from either side. It continues without lift, straight up
     and down (the sliding solution in Filippov's sense; downwards, the symmetric one of two). A ball
     at rest or with a vertical velocity is already there.
-
-    Parameters
-    ----------
-    surfaces
-        The events that may end a flight from a state.
     """
     start = law.state_of(start)
     if not lift_is_always_up(run, law):
@@ -553,28 +534,12 @@ _RESOLVED = 1e-6
 
 
 def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
-    """Return the impulse of Appendix A, or of an oblique impact on a bat with friction.
+    """Return the impulse of Appendix A, or of an impact on a bat with friction; and who parts.
 
-    Parameters
-    ----------
-    run
-        The scene, or columns of them, and the engine's numbers.
-    contact
-        Ball and bat at the touching.
-    error
-        Of velocities and directions, relative, without the rounding here.
+    The `error` is that of velocities and directions, relative, without the rounding here.
 
-    Returns
-    -------
-    impact : Impact
-        The impulse, N s, and the velocity, m/s, and spin, rad/s, after it.
-    parted : bool or array of flags
-        The rows in which ball and bat part.
-
-    Raises
-    ------
-    CannotSolve, Undecided
-        Of one scene: no impulse parts them, or its numbers leave open whether the ball slides.
+    Raises `CannotSolve` or `Undecided` for one scene: no impulse parts ball and bat, or its numbers
+    leave open whether the ball slides.
     """
     scene, numbers = run.scene, run.numbers
     pair = bats.collision_parameters(
@@ -680,18 +645,10 @@ def _rub(
 
 @dataclass(frozen=True)
 class Model:
-    """The parts of the chain that may be replaced.
+    """The parts of the chain that may be replaced."""
 
-    Attributes
-    ----------
-    forces
-        What may act on a ball in flight besides the model's own.
-    collide
-        From a `ContactState` to the `Impact`; see `collide`.
-    """
-
-    forces: tuple[Force, ...] = ()
-    collide: Callable[..., tuple[Any, Any]] = collide
+    forces: tuple[Force, ...] = ()  # in addition to the model's own
+    collide: Callable[..., tuple[Any, Any]] = collide  # from a `ContactState` to the `Impact`
 
 
 MODEL = Model()
@@ -832,11 +789,9 @@ def _come_down(
 
 def _rise(run: Run, ball: Batted, flight: Flight, rows: Mask) -> None:
     """Record the highest point of flights, unless they only rise."""
-    top = flight.highest(run.numbers)
-    if top is not None:
-        time, state = top
-        run.record("apex.time", ball.launch.time + time, rows)
-        run.record("apex.position", ball.frame.position(state), rows)
+    if (top := flight.highest(run.numbers)) is not None:
+        run.record("apex.time", ball.launch.time + top[0], rows)
+        run.record("apex.position", ball.frame.position(top[1]), rows)
 
 
 # --- the fence ------------------------------------------------------------------------------------

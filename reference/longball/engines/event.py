@@ -177,12 +177,18 @@ def zero_of(curve: Curve, a: N, b: N, question: str, numbers: Numbers) -> N:
 
 def first_fall(
     curve: Curve,
-    end: N,
-    error: N,
-    question: str | None,
+    end: N,  # s since the piece begins; the search ends there
+    error: N,  # of the value
+    question: str | None,  # the event, as a clause; None if a touch within the error is no matter
     numbers: Numbers,
+    # The piece begins with the launch, whose value is exact. A launch on the surface is an arrival,
+    # at 0, unless the value rises from there
     launch: bool = False,
+    # The launch is known to lie on the surface, though its value is a ball around zero. So is a
+    # state in which a law switches
     on_surface: bool = False,
+    # A value that stays at zero is an arrival, as of a ball that rests on the ground. False for
+    # switches of a law: a ball that moves along a threshold has not crossed it
     stays: bool = True,
 ) -> N | None:
     r"""Time, s since the piece begins, at which a value first falls through zero; None if never.
@@ -199,29 +205,8 @@ def first_fall(
         --------------------\- -error
                              \       the end is below: it falls after 4
 
-    Parameters
-    ----------
-    end
-        s since the piece begins; the search ends there.
-    error
-        Of the value.
-    question
-        The event, as a clause; None if a touch within the error does not matter.
-    launch
-        The piece begins with the launch, whose value is exact. A launch on the surface is an
-        arrival, at 0, unless the value rises from there.
-    on_surface
-        The launch is known to lie on the surface, though its value is a ball around zero. So is a
-        state in which a law switches.
-    stays
-        A value that stays at zero is an arrival, as of a ball that rests on the ground. False for
-        switches of a law: a ball that moves along a threshold has not crossed it.
-
-    Raises
-    ------
-    Undecided
-        If a turning point of the value lies within its error of zero; if a ball leaves open whether
-        the piece begins above the surface, or whether the value rises from there.
+    Raises `Undecided` if a turning point of the value lies within its error of zero; if a ball
+    leaves open whether the piece begins above the surface, or whether the value rises from there.
     """
     start = numbers.exact(0.0)
     first = curve(start)

@@ -46,6 +46,8 @@ class MultiprecisionNumbers(Single):
         self.context = MPContext()
         self.context.dps = digits + _ROUNDING_GUARD
         self.pi: Mpf = +self.context.pi
+        self.exact, self.sqrt = self.context.mpf, self.context.sqrt
+        self.angle = self.context.atan2
         self.rounding = 2.0**-self.context.prec
         self.functions: Mapping[str, Callable[..., Mpf]] = {
             "sqrt": self.context.sqrt,
@@ -54,21 +56,9 @@ class MultiprecisionNumbers(Single):
             "unit": ratio,
         }
 
-    def exact(self, value: float) -> Mpf:
-        """Return the double itself."""
-        return self.context.mpf(value)
-
-    def sqrt(self, x: Mpf) -> Mpf:
-        """Return the square root."""
-        return self.context.sqrt(x)
-
     def cos_sin(self, angle: Mpf) -> tuple[Mpf, Mpf]:
         """Return cosine and sine of an angle in radians."""
         return self.context.cos(angle), self.context.sin(angle)
-
-    def angle(self, y: Mpf, x: Mpf) -> Mpf:
-        """Return the angle from the x axis to a vector, rad."""
-        return self.context.atan2(y, x)
 
     def report(self, x: Mpf) -> Bounded:
         """Return the number rounded to the digits asked for; its error is not proven."""

@@ -373,25 +373,13 @@ def branches_at(
     law: Law,
     state: State,
     numbers: Numbers,
-    known: Mapping[int, int] = MappingProxyType({}),
-    error: N = 0.0,
-    sense: int = 1,
+    known: Mapping[int, int] = MappingProxyType({}),  # branches that stay, by the number of switch
+    error: N = 0.0,  # of the switching functions
+    sense: int = 1,  # on a threshold: 1 for the branch that the flight enters, -1 if it leaves it
 ) -> list[int]:
     """Branch of each switch of a law in a state.
 
-    Parameters
-    ----------
-    known
-        Branches that stay as they are, by the number of the switch.
-    error
-        Of the switching functions.
-    sense
-        On a threshold, 1 for the branch that the flight enters, -1 for the one that it leaves.
-
-    Raises
-    ------
-    Undecided
-        If the state is within the error, or the radius of a ball, of a threshold.
+    Raises `Undecided` if the state is within the error, or the radius of a ball, of a threshold.
     """
     branches = [known.get(which, 0) for which in range(len(law.switches))]
     # The wind's switch first: the others depend on the airspeed.

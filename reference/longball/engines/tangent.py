@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from pydantic import BaseModel
 
@@ -256,15 +256,9 @@ class Shallow(CannotSolve):
 
 @dataclass(frozen=True)
 class Tangent(PathEngine):
-    """Flights in jets.
+    """Flights in jets."""
 
-    Attributes
-    ----------
-    inner
-        Engine that integrates a law with its variational equation.
-    """
-
-    inner: PathEngine
+    inner: PathEngine  # integrates a law with its variational equation
 
     @property
     def description(self) -> str:
@@ -316,7 +310,8 @@ class Tangent(PathEngine):
         ends = [inner(event) for event in events]
         first, last = plain_of(begin), plain_of(limit)
         for piece in self.inner.steps(flown, flown.state(*now, *moved), first, last, ends):
-            yield JetPiece(piece, law.state, rates, numbers.rounding)
+            times = Jet(piece.begin), Jet(piece.length)
+            yield JetPiece(*times, piece, law.state, rates, numbers.rounding)
 
     def fly(self, law: Law, start: State, events: Events, limit: Jet) -> Flight:
         """Fly until the first of several events; see `Engine.fly`."""
@@ -355,24 +350,15 @@ def jets_of(inner: Sequence[Any], state: Callable[..., Any]) -> Any:
     return state(*map(Jet, inner[:half], inner[half:]))
 
 
-@dataclass(frozen=True)
-class JetPiece:
+class JetPiece(NamedTuple):
     """A piece of a flight in jets; see `longball.engines.event.Piece`."""
 
+    begin: Jet
+    length: Jet
     piece: Piece
     state: Callable[..., Any]
     rates: Callable[..., tuple[Any, ...]]
     rounding: float  # of the inner numbers
-
-    @property
-    def begin(self) -> Jet:
-        """Time of its beginning, s since the launch."""
-        return Jet(self.piece.begin)
-
-    @property
-    def length(self) -> Jet:
-        """Length, s."""
-        return Jet(self.piece.length)
 
     def at(self, t: Jet) -> Any:
         """Return the state at a time, s since the beginning of the piece."""
@@ -507,16 +493,10 @@ def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
 
 
 def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any]:
-    """Return the derivatives of all numbers of a result by one input, by name.
+    """Return the derivatives of all numbers of a result by one input, as numbers of the engine.
 
-    The derivatives are numbers of the engine.
-
-    Raises
-    ------
-    InvalidScene
-        If the scene has no such input.
-    CannotSolve, Undecided
-        If the result has no derivative, or the engine has no result.
+    Raises `InvalidScene` if the scene has no such input; `CannotSolve` or `Undecided` if the result
+    has no derivative, or the engine has no result.
     """
     marked, speed = seeded_by(scene, name)
     numbers = engine.numbers

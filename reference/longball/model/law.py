@@ -86,30 +86,14 @@ def in_plane(state: Any) -> bool:
 
 
 class Motion(NamedTuple):
-    """Variables of a force, in the frame of the flight.
+    """Variables of a force, in the frame of the flight."""
 
-    Attributes
-    ----------
-    position
-        Position, m.
-    velocity
-        Velocity over the ground, m/s.
-    air
-        Arguments of drag.
-    lift
-        Arguments of lift: the same, unless under the reading the wind does not act on lift.
-    density
-        Density of the air, relative to that at height 0.
-    spin_left
-        Size of the spin, relative to that at launch.
-    """
-
-    position: Vector
-    velocity: Vector
-    air: Flow
-    lift: Flow
-    density: Any
-    spin_left: Any
+    position: Vector  # m
+    velocity: Vector  # over the ground, m/s
+    air: Flow  # arguments of drag
+    lift: Flow  # of lift: the same, unless under the reading the wind does not act on lift
+    density: Any  # of the air, relative to that at height 0
+    spin_left: Any  # size of the spin, relative to that at launch
 
     @property
     def speed(self) -> Any:
@@ -212,19 +196,12 @@ def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
 
 
 class Force(NamedTuple):
-    """A force in addition to those of the model.
+    """A force in addition to those of the model."""
 
-    Attributes
-    ----------
-    strengths
-        Function of a scene, the `longball.model.frame.Frame` of a flight and a number system. It
-        returns the values of the parameters, by name, or None if the scene has no such force.
-    acceleration
-        Function of the `Motion` and an object with the parameters as attributes. It returns the
-        acceleration, m/s².
-    """
-
+    # From a scene, the `longball.model.frame.Frame` of a flight and a number system to the values
+    # of the parameters, by name; None if the scene has no such force
     strengths: Callable[[Any, Any, Numbers], Mapping[str, Any] | None]
+    # From the `Motion` and an object with the parameters as attributes to the acceleration, m/s²
     acceleration: Callable[[Motion, Any], Vector]
 
 
@@ -433,30 +410,18 @@ class Law:
 
     If it has switches, numbers are computed by `on(branches)`, with the branches that are valid in
     the present state, not by the law itself.
-
-    Attributes
-    ----------
-    code
-        Program for the rates of change of a state. Before a branch is chosen, it contains the
-        strengths of all branches, and only its variables are used.
-    strengths
-        Values of the program's parameters, by name; without branches, not those of `switches`.
-    shape
-        Choices with which the program was traced.
-    switches
-        Parts with several branches.
-    form
-        Chosen branch of each switch; None if none is chosen, or there are no switches.
-    polynomial
-        True if every exponential and logarithm that a switch may depend on is an auxiliary
-        variable. A switching event is then the zero of a polynomial in the variables.
     """
 
+    # Program for the rates of change of a state. Before a branch is chosen, it contains the
+    # strengths of all branches, and only its variables are used
     code: Program
+    # Values of the program's parameters, by name; without branches, not those of `switches`
     strengths: Mapping[str, N]
-    shape: Shape
-    switches: tuple[Switch, ...] = ()
-    form: tuple[int, ...] | None = None
+    shape: Shape  # choices with which the program was traced
+    switches: tuple[Switch, ...] = ()  # parts with several branches
+    form: tuple[int, ...] | None = None  # chosen branch of each switch; None if none is chosen
+    # Is every exponential and logarithm that a switch may depend on an auxiliary variable? A
+    # switching event is then the zero of a polynomial in the variables
     polynomial: bool = False
 
     @property
@@ -636,22 +601,9 @@ PAPER = "drag", "lift", "gravity"  # the strengths of its law
 def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = ()) -> Law:
     """Return the law of motion of a flight.
 
-    Parameters
-    ----------
-    scene
-        A scene, or any object with ball, air, gravity and reading. Its numbers may be arrays of
-        shape (n,), for n scenes.
-    frame : longball.model.frame.Frame
-        Frame of the flight, with its spin.
-    numbers : longball.model.numbers.Numbers
-        Number system of the calculation.
-    forces
-        Forces in addition to those of the model.
-
-    Returns
-    -------
-    Law
-        The law in the vertical plane of the launch if all forces are in it; otherwise in space.
+    The scene may be any object with ball, air, gravity and reading, whose numbers may be arrays of
+    shape (n,), for n scenes. The law is in the vertical plane of the launch if all forces are in
+    it; otherwise it is in space.
 
     Examples
     --------
@@ -718,9 +670,13 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switc
         question = "the ball passes the height above which the wind blows"
         parts.append(Switch("wind", *wind_strengths(scene, frame, numbers), question))
     if air.side_coefficient is not None:
-        side = side_strengths(scene, frame, numbers)
-        strengths |= side
-        if side:
+        given = air.side_coefficient
+        if (side := per_metre(scene, given.value, numbers)) is not None:
+            # k C_S, 1/m, and the vector d with unit length
+            s, y, z = frame.components(given.direction, numbers)
+            size = numbers.sqrt(s * s + y * y + z * z)
+            unit = {"side_s": s / size, "side_y": y / size, "side_z": z / size}
+            strengths |= {"side": side} | present(unit, numbers)
             question = "the airspeed turns along air.side_coefficient.direction"
             parts.append(Switch("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
     # the spin vector in the frame, its size, and its decay
@@ -754,18 +710,6 @@ PATH_SPEEDS = {"time": 44.704, "nathan": 1.0}
 # Sine of the angle between the airspeed and the vector of a side force below which the force has no
 # direction. Doubles compute this sine to a relative error of a thousandth.
 ALONG = 2.0**-20
-
-
-def side_strengths(scene: Any, frame: Any, numbers: Numbers) -> dict[str, N]:
-    """Return ``k C_S`` of a side force, 1/m, and its vector d with unit length."""
-    given = scene.air.side_coefficient
-    strength = per_metre(scene, given.value, numbers)
-    if strength is None:
-        return {}
-    s, y, z = frame.components(given.direction, numbers)
-    size = numbers.sqrt(s * s + y * y + z * z)
-    unit = {"side_s": s / size, "side_y": y / size, "side_z": z / size}
-    return {"side": strength} | present(unit, numbers)
 
 
 def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:

@@ -135,6 +135,7 @@ class Doubles(Single):
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
     sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
+    report = float
     functions: Mapping[str, Callable[..., float]] = MappingProxyType(
         {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "unit": ratio}
     )
@@ -150,10 +151,6 @@ class Doubles(Single):
     def angle(self, y: float, x: float) -> float:
         """Return the angle from the x axis to a vector, rad."""
         return float(np.arctan2(y, x))  # as of columns: the bits of a row are those of its scene
-
-    def report(self, x: float) -> Number:
-        """Return the double as it is."""
-        return float(x)
 
 
 DOUBLES = Doubles()

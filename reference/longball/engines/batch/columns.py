@@ -67,6 +67,8 @@ class Elementwise:
     pi = math.pi
     rounding = DOUBLES.rounding
     sqrt = staticmethod(np.sqrt)  # correctly rounded
+    angle = staticmethod(np.arctan2)
+    missing = staticmethod(np.isnan)
     functions: Mapping[str, Callable[..., Any]] = {
         "sqrt": np.sqrt,
         "exp": _one_by_one(math.exp),
@@ -91,17 +93,9 @@ class Elementwise:
         """Return cosines and sines."""
         return _one_by_one(math.cos)(angle), _one_by_one(math.sin)(angle)
 
-    def angle(self, y: Array, x: Array) -> Array:
-        """Return the angles from the x axis to vectors, rad."""
-        return np.arctan2(y, x)
-
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Elementwise ``x > 0``, for numbers without errors."""
         return x > 0.0
-
-    def missing(self, x: Array) -> Any:
-        """Elementwise test for NaN."""
-        return np.isnan(x)
 
 
 NUMBERS: Any = Elementwise()
@@ -147,13 +141,6 @@ class Table:
         part = copy(self)
         part.rows = rows
         return part
-
-    def copy_from(self, other: Table) -> None:
-        """Copy another table with the same number of rows."""
-        self.outcome[:] = other.outcome
-        self.alone[self.rows] = other.alone[other.rows]
-        for name, column in other.columns.items():
-            self.column(name, column)[self.rows] = column[other.rows]
 
     def column(self, name: str, values: Any) -> Array:
         """Return the column of a quantity; create it for values of this type."""
@@ -360,11 +347,18 @@ class Columns(Run):
 
     def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. Rows that need another engine are left to the scalar chain."""
+
+        def cell(value: Any) -> Any:
+            if isinstance(value, tuple):
+                return tuple(map(cell, value))
+            return value.item(i) if isinstance(value, np.ndarray) else value
+
         for i in np.flatnonzero(rows).tolist():
             one = Run(self.row(i), self.engine, self.model)
             # An overflow has no answer here; the scalar chain gives its reason.
             with suppress(ArithmeticError):
-                land(one, _row_of(launch, i), outcome, True)
+                free = Launch(**{key: cell(value) for key, value in vars(launch).items()})
+                land(one, free, outcome, True)
             if "outcome" in one.answer and {*one.engines} == {self.engine.description}:
                 self.table.write(i, one.answer)
             else:
@@ -403,14 +397,3 @@ def not_flown(law: Law, start: Start, rows: int) -> Records:
     for name in program.variables:
         ends[name] = getattr(start.state, name)
     return ends
-
-
-def _row_of(launch: Launch, i: int) -> Launch:
-    """Return the launch of a row."""
-
-    def cell(value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple(map(cell, value))
-        return value.item(i) if isinstance(value, np.ndarray) else value
-
-    return Launch(**{key: cell(value) for key, value in vars(launch).items()})

@@ -13,7 +13,6 @@ says where the others are.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -154,9 +153,10 @@ class _Expansion(Writer):
 
         self.evaluate(dict.fromkeys((*state, *self.program.nodes)), given, self.zeroth)
         self.inverses = {
-            node: self.divide(self.number(1.0), self.zeroth[divisor])
+            node: self.divide(self.number(1.0), self.zeroth[divisors[node.kind]])
             for node in self.dynamic
-            if (divisor := _divisor(node)) is not None
+            for divisors in [{"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}]
+            if node.kind in divisors
         }
 
     # A symmetric sum is taken by halves: of these nodes `halves` holds half the coefficient.
@@ -194,11 +194,18 @@ class _Expansion(Writer):
             for node in self.dynamic
             if (factors := self.recurrence.factors(node)) is not None
         }
-        return {
-            node: total
-            for some in _in_loops(rows)
-            for node, total in self.sums_of_pairs(n, some).items()
-        }
+        # in loops of a few products each, which share as many rows as they can
+        sums: Values = {}
+        while rows:
+            some: dict[Node, tuple[Node, Node]] = {}
+            free = MOST_CHAINS
+            while fitting := [node for node in rows if _chains(rows[node]) <= free]:
+                loaded = {row_of(x) for factors in some.values() for x in factors}
+                best = min(fitting, key=lambda node: len({*map(row_of, rows[node])} - loaded))
+                some[best] = rows.pop(best)
+                free -= _chains(some[best])
+            sums |= self.sums_of_pairs(n, some)
+        return sums
 
     def sums_of_pairs(self, n: Value, rows: dict[Node, tuple[Node, Node]]) -> Values:
         """Return sums over 1 … n-1 of the products of two rows, for each node, by one loop.
@@ -306,26 +313,6 @@ def _chains(factors: tuple[Node, Node]) -> int:
     """Return the number of partial sums of a product of two rows; a symmetric one needs half."""
     a, b = factors
     return 1 if a is b else 2
-
-
-def _in_loops(rows: dict[Node, tuple[Node, Node]]) -> Iterator[dict[Node, tuple[Node, Node]]]:
-    """Yield the products of rows in groups, a loop each, that share as many rows as they can."""
-    left = dict(rows)
-    while left:
-        some: dict[Node, tuple[Node, Node]] = {}
-        free = MOST_CHAINS
-        while fitting := [node for node in left if _chains(left[node]) <= free]:
-            loaded = {row_of(x) for factors in some.values() for x in factors}
-            best = min(fitting, key=lambda node: len({*map(row_of, left[node])} - loaded))
-            some[best] = left.pop(best)
-            free -= _chains(some[best])
-        yield some
-
-
-def _divisor(node: Node) -> Node | None:
-    """Return by what the coefficients of a node are divided, at t = 0."""
-    divisors: dict[str, Node] = {"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}
-    return divisors.get(node.kind)
 
 
 # --- the step -------------------------------------------------------------------------------------

@@ -143,25 +143,16 @@ def fly_all(
     flights: Records,  # of `flight_dtype`, of any shape
     order: int,  # of the series
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
+    # Derivatives of variables and parameters by some numbers: shape (sources, tangents, flights)
     changes: Array | None = None,
-    steps: Array | None = None,
+    # To be filled with time, s, and state at the beginning of each step of the one flight
+    steps: Array | None = None,  # shape (steps, 1 + variables)
 ) -> tuple[Records, Array]:
     """Fly every flight to its end, and derivatives of its state with it.
 
-    Parameters
-    ----------
-    changes : array, shape (sources, tangents, flights)
-        Derivatives of variables and parameters by some numbers; none if left out.
-    steps : array, shape (steps, 1 + variables)
-        Is filled with time, s, and state at the beginning of each step of the one flight.
-
-    Returns
-    -------
-    arrivals : array
-        Records of `arrival_dtype`, of the shape of `flights`.
-    derivatives : array, shape (times, variables, tangents, flights)
-        Derivatives of the state at the end, at the mark and where the ball is closest to the bat,
-        each at a fixed time; NaN where there is no mark, or no bat.
+    Returns records of `arrival_dtype`, of the shape of `flights`; and derivatives of the state at
+    the end, at the mark and where the ball is closest to the bat, each at a fixed time, of shape
+    (times, variables, tangents, flights), NaN where there is no mark, or no bat.
     """
     program, layout, rows = kernel.layout.program, kernel.layout, Tangents(kernel.layout.program)
     functions = flights.dtype["events"].shape[0] + 1

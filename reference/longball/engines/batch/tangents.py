@@ -21,7 +21,7 @@ error is about 18^-2K: 1e-15 with K = 6.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,15 +52,6 @@ PARTS = WIDTH // LANES
 TIMES = 3
 
 
-def nodes_for(program: Program) -> int:
-    """Return K: one more than the estimate above, or two more with a logarithm."""
-    # Steps are shorter than half the distance to singularities of roots, but not of other
-    # functions. A logarithmic wind has a singularity ahead of the ball, below the ground: relative
-    # errors of derivatives are 3e-12, 5e-14 and 6e-15 with K = 6, 7 and 8. For a drag crisis, whose
-    # poles are not on the real axis, they are 3e-14 and 5e-16 with K = 6 and 7.
-    return 8 if any(node.kind == "log" for node in program.nodes) else 7
-
-
 def gauss(nodes: int) -> tuple[Array, Array, Array]:
     """Return c, w and a of (2), on [0, 1].
 
@@ -77,39 +68,8 @@ def gauss(nodes: int) -> tuple[Array, Array, Array]:
 # --- memory ---------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Tangents:
-    """Layout of an array with the tangents of the flights in the lanes."""
-
-    program: Program  # of the law
-
-    @property
-    def sources(self) -> int:
-        """Number of the variables and parameters."""
-        return len(self.program.variables) + len(self.program.parameters)
-
-    @property
-    def scratch(self) -> int:
-        """Row of `_System`, after `TIMES` and the state where the step begins."""
-        return TIMES + len(self.program.variables)
-
-    @property
-    def first(self) -> int:
-        """Row of the first tangent, after what equations (2) are solved with."""
-        return self.scratch + -(-_System(self.program).size // PARTS)
-
-    @property
-    def size(self) -> int:
-        """Rows of one: dp/dx; ξ at the end of the step; and at the other times, in order."""
-        return len(self.program.parameters) + TIMES * len(self.program.variables)
-
-    def allocate(self, count: int) -> Array:
-        """Return an array for so many tangents."""
-        return aligned(self.first + count * self.size, WIDTH)
-
-
-class _System:
-    """Equations (2) of a law: what is unknown, and where its coefficients are.
+    """Equations (2) of a law, and the array with the tangents of the flights in the lanes.
 
     A variable that is the integral of another, as a position is of a velocity, has no F of its own.
     With ``ξ' = η`` and ``η_k = η_0 + h Σ a_kj F_j`` it is
@@ -117,7 +77,13 @@ class _System:
     """
 
     def __init__(self, program: Program) -> None:
-        self.program, self.nodes = program, nodes_for(program)
+        # K: one more than the estimate above, or two more with a logarithm. Steps are shorter than
+        # half the distance to singularities of roots, but not of other functions. A logarithmic
+        # wind has one ahead of the ball, below the ground: relative errors of derivatives are
+        # 3e-12, 5e-14 and 6e-15 with K = 6, 7 and 8. For a drag crisis, whose poles are not on the
+        # real axis, they are 3e-14 and 5e-16 with K = 6 and 7.
+        self.nodes = 8 if any(node.kind == "log" for node in program.nodes) else 7
+        self.program = program
         count, sources = len(program.variables), len(program.variables) + len(program.parameters)
         slopes = with_partials(program).outputs[len(program.outputs) :]
         # of each variable that is an integral: of which
@@ -139,7 +105,16 @@ class _System:
         self.matrix = self.nodes * len(entries)
         self.block = len(self.unknown) ** 2
         self.forces = self.matrix + self.nodes**2 * self.block
-        self.size = self.forces + self.nodes * len(self.unknown)
+        used = self.forces + self.nodes * len(self.unknown)
+        # Rows of the lanes: `TIMES`, the state where the step begins, the rows above, and the
+        # tangents. Of each: dp/dx; ξ at the end of the step; and at the other times, in order
+        self.scratch = TIMES + count
+        self.first = self.scratch - (-used // PARTS)
+        self.size = len(program.parameters) + TIMES * count
+
+    def allocate(self, tangents: int) -> Array:
+        """Return an array for so many tangents."""
+        return aligned(self.first + tangents * self.size, WIDTH)
 
 
 # --- code -----------------------------------------------------------------------------------------
@@ -156,8 +131,7 @@ class _Collocation(Writer):
     def __init__(self, module: Any, program: Program) -> None:
         super().__init__(module, "tangents", LANES)
         self.array, self.memory, self.order, self.stride, self.count, times = self.arguments
-        self.program, self.layout = program, Tangents(program)
-        self.system = _System(program)
+        self.program, self.system = program, Tangents(program)
         self.nodes, self.unknown = self.system.nodes, self.system.unknown
         self.variables = len(program.variables)
         c, w, a = gauss(self.nodes)
@@ -212,13 +186,13 @@ class _Collocation(Writer):
 
     def of_tangent(self, tangent: Value, row: Value | int) -> Value:
         """Index of a row of a tangent: dp/dx, and ξ at the times."""
-        start = self.row(tangent, self.layout.size, self.layout.first)
+        start = self.row(tangent, self.system.size, self.system.first)
         row = self.index(row) if isinstance(row, int) else row
         return self.place(self.builder.add(start, row))
 
     def scratch(self, row: Value) -> Value:
-        """Index of a row of `_System`, which has the numbers of the lanes at hand alone."""
-        return self.builder.add(self.index(self.layout.scratch * PARTS), row)
+        """Index of a row of `Tangents`, which has the numbers of the lanes at hand alone."""
+        return self.builder.add(self.index(self.system.scratch * PARTS), row)
 
     def block(self, a: Value, b: Value) -> list[list[Value]]:
         """Indices of the numbers of a block of the matrix."""

@@ -23,6 +23,8 @@ class Balls(Single):
     """Real numbers as balls that contain them, written with a number of digits."""
 
     rounding = 0.0
+    exact = staticmethod(arb)
+    angle = staticmethod(arb.atan2)
 
     def __init__(self, digits: int) -> None:
         self.digits = digits
@@ -42,10 +44,6 @@ class Balls(Single):
         """The functions of traced formulas."""
         return {"sqrt": self.sqrt, "exp": arb.exp, "log": arb.log, "unit": unit}
 
-    def exact(self, value: float) -> arb:
-        """Return the double, with radius 0."""
-        return arb(value)
-
     def sqrt(self, x: arb) -> arb:
         """Return the square root of a number that is known not to be negative."""
         return x.sqrt() if x > 0 else arb(0).union(x.nonnegative_part().upper().sqrt())
@@ -53,10 +51,6 @@ class Balls(Single):
     def cos_sin(self, angle: arb) -> tuple[arb, arb]:
         """Return cosine and sine of an angle in radians."""
         return angle.cos(), angle.sin()
-
-    def angle(self, y: arb, x: arb) -> arb:
-        """Return the angle from the x axis to a vector, rad."""
-        return arb.atan2(y, x)
 
     def positive(self, x: arb, error: arb, question: str) -> bool:
         """True if ``x > 0``; see `longball.model.numbers.Numbers.positive`."""

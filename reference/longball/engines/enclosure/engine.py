@@ -11,7 +11,6 @@ from typing import Any
 import flint
 from flint import arb, arb_poly
 
-from longball.engines.digits import Proving
 from longball.engines.enclosure import lemmas
 from longball.engines.enclosure.balls import Balls
 from longball.engines.enclosure.curve import EnclosedPiece
@@ -276,7 +275,7 @@ def _guess(
 
 
 @dataclass(frozen=True)
-class Enclosure(PathEngine, Proving):
+class Enclosure(PathEngine):
     """Flights with proven bounds.
 
     Attributes
@@ -292,7 +291,7 @@ class Enclosure(PathEngine, Proving):
             raise ValueError(f"digits = {self.digits} is not between 1 and {_MOST_DIGITS}")
 
     def finer(self) -> Iterator[Enclosure]:
-        """Yield engines of more digits; see `Proving`."""
+        """Yield the same engine with more digits, and with still more; see `digits.to_digits`."""
         for more in _MORE_DIGITS:
             if self.digits + more <= _MOST_DIGITS:
                 yield Enclosure(self.digits + more)
