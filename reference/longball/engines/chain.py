@@ -73,13 +73,13 @@ class Run:
     legs: list[Leg] = field(default_factory=list)  # the flights of the scene, in order
     # Descriptions of the engines that flew the ball, in order
     engines: list[str] = field(default_factory=list)
+    numbers: Any = field(init=False)  # the number system; see `longball.model.numbers.Numbers`
+    everything: Mask = field(default=True, init=False)  # the mask of all scenes
+
+    def __post_init__(self) -> None:
+        self.numbers = self.engine.numbers
 
     # --- masks -----------------------------------------------------------------------------------
-
-    @property
-    def everything(self) -> Mask:
-        """The mask of all scenes."""
-        return True
 
     def any(self, rows: Mask) -> bool:
         """Return True if a mask has any rows."""
@@ -144,11 +144,6 @@ class Run:
             self.legs.append(Leg(begin, frame, flight))
 
     # --- the scene -------------------------------------------------------------------------------
-
-    @property
-    def numbers(self) -> Any:
-        """The number system; see `longball.model.numbers.Numbers`."""
-        return self.engine.numbers
 
     @property
     def time_limit(self) -> N:
@@ -822,13 +817,12 @@ def _foul(run: Run, position: Vector, what: str, rows: Mask) -> tuple[Mask, Mask
 
 def _cross_fence_in_plane(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> None:
     """Fly to the ground, or to the place of the fence that the ball heads for, ahead or behind."""
-    numbers, start, senses = run.numbers, ball.start, {"fence": 1, "fence_behind": -1}
+    numbers, start = run.numbers, ball.start
     error = numbers.exact(_heading_error(run))
-    stops = {
-        name: stop_at(run.scene.fence, ball.frame, start.s, sense, error, numbers)
-        for name, sense in senses.items()
-    }
-    fences = [at_stop(name, stops[name], sense, numbers) for name, sense in senses.items()]
+    stops, fences = {}, []
+    for name, sense in (("fence", 1), ("fence_behind", -1)):
+        stops[name] = stop_at(run.scene.fence, ball.frame, start.s, sense, error, numbers)
+        fences.append(at_stop(name, stops[name], sense, numbers))
     flight = fly(
         run, ball.law, start, lambda state: [run.ground(state), *fences], run.time_limit, rows
     )

@@ -472,20 +472,19 @@ class Chord:
 
     def curve(self, value: Callable[[Any], Any]) -> ChordCurve:
         """Return the value of an event along the line."""
-        return ChordCurve(self, value)
+        return ChordCurve(value(self.before), value(self.after), self.length)
 
 
-@dataclass(frozen=True)
-class ChordCurve:
+class ChordCurve(NamedTuple):
     """The value of an event as the scheme sees it: at the steps, and between them on a line."""
 
-    chord: Chord
-    value: Callable[[Any], Any]
+    before: float
+    after: float
+    length: float
 
     def __call__(self, t: float) -> float:
         """Return the value."""
-        before, after = self.value(self.chord.before), self.value(self.chord.after)
-        return float(interpolate(before, after, t / self.chord.length))
+        return float(interpolate(self.before, self.after, t / self.length))
 
     def positive(self, a: float, b: float) -> bool:
         """See `longball.engines.event.Curve.positive`: here exact, as the value is linear."""

@@ -218,6 +218,9 @@ class Shape(NamedTuple):
     spin_decay: str = "path"
     wind_acts_on: str = "both"
     forces: tuple[Callable[[Motion, Any], Vector], ...] = ()
+    # Is every exponential and logarithm that a switch may depend on an auxiliary variable? A
+    # switching event is then the zero of a polynomial in the variables.
+    polynomial: bool = False
 
 
 class Strengths:
@@ -225,10 +228,9 @@ class Strengths:
 
     sense: Node  # of a vertical flight; see `Law.straight`
 
-    def __init__(self, shape: Shape, names: tuple[str, ...], polynomial: bool = False) -> None:
+    def __init__(self, shape: Shape, names: tuple[str, ...]) -> None:
         self.shape = shape
         self.given = SimpleNamespace(**{name: trace.parameter(name) for name in names})
-        self.polynomial = polynomial
         self.auxiliary: dict[str, Node] = {}
 
     def __getattr__(self, name: str) -> Any:
@@ -239,7 +241,7 @@ class Strengths:
         """Return an exponential or a logarithm, or the auxiliary variable in its place."""
         # Events of the proofs must be polynomials of the variables. An exponential therefore
         # becomes a variable with its own equation.
-        if not self.polynomial or value.static:
+        if not self.shape.polynomial or value.static:
             return value
         name = next(
             (n for n, x in self.auxiliary.items() if x is value),
@@ -279,12 +281,12 @@ class _Traced:
 
 
 @cache
-def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool) -> _Traced:
+def _traced(shape: Shape, names: tuple[str, ...], moving: str) -> _Traced:
     """Trace the law of a ball that moves in space, in a vertical plane, or vertically.
 
-    A vertical flight is vertical relative to the air, with which it drifts. See `Law.polynomial`.
+    A vertical flight is vertical relative to the air, with which it drifts.
     """
-    p = Strengths(shape, names, polynomial)
+    p = Strengths(shape, names)
     s, y, z, u, v, w = map(trace.variable, "syzuvw")
     # In the plane of the launch, the sideways position and velocity are zero.
     if moving != "space":
@@ -329,14 +331,10 @@ _STILL = {"space": "", "plane": "yv", "vertical": "uv"}
 
 @cache
 def _program(
-    shape: Shape,
-    names: tuple[str, ...],
-    moving: str,
-    polynomial: bool,
-    variables: tuple[str, ...] = (),
+    shape: Shape, names: tuple[str, ...], moving: str, variables: tuple[str, ...] = ()
 ) -> Program | None:
     """Return the program of a law; None if a force drives the ball out of the plane or line."""
-    rates = _traced(shape, names, moving, polynomial).rates
+    rates = _traced(shape, names, moving).rates
     # The law in the plane is valid only if no force points out of it.
     if any(rates[name] is not ZERO for name in _STILL[moving]):
         return None
@@ -351,26 +349,17 @@ def _program(
     return program
 
 
-def _code(
-    shape: Shape, names: tuple[str, ...], in_space: bool = False, polynomial: bool = False
-) -> Program:
+def _code(shape: Shape, names: tuple[str, ...], in_space: bool = False) -> Program:
     """Return the program of a law: in the plane if it is valid there, unless `in_space`."""
-    program = None if in_space else _program(shape, names, "plane", polynomial)
-    program = program or _program(shape, names, "space", polynomial)
+    program = None if in_space else _program(shape, names, "plane")
+    program = program or _program(shape, names, "space")
     assert program is not None
     return program
 
 
 @lru_cache(maxsize=1024)
-def _switching_function(program: Program, top: Node, bottom: Node) -> Program:
-    # Zero where top/bottom passes the threshold, without a division.
-    value = top - trace.parameter("threshold") * bottom
-    return replace(program, outputs=(value,), parameters=(*program.parameters, "threshold"))
-
-
-@lru_cache(maxsize=1024)
-def _value(program: Program, node: Node) -> Program:
-    return replace(program, outputs=(node,))
+def _value(program: Program, node: Node, *parameters: str) -> Program:
+    return replace(program, outputs=(node,), parameters=(*program.parameters, *parameters))
 
 
 _SENSE = "sense"
@@ -420,9 +409,6 @@ class Law:
     shape: Shape  # choices with which the program was traced
     switches: tuple[Switch, ...] = ()  # parts with several branches
     form: tuple[int, ...] | None = None  # chosen branch of each switch; None if none is chosen
-    # Is every exponential and logarithm that a switch may depend on an auxiliary variable? A
-    # switching event is then the zero of a polynomial in the variables
-    polynomial: bool = False
 
     @property
     def program(self) -> Program:
@@ -464,7 +450,7 @@ class Law:
     @property
     def _traced(self) -> _Traced:
         moving = "space" if "y" in self.variables else "plane"
-        return _traced(self.shape, self.code.parameters, moving, self.polynomial)
+        return _traced(self.shape, self.code.parameters, moving)
 
     # --- other laws
 
@@ -475,14 +461,14 @@ class Law:
         strengths = {name: x for name, x in self.strengths.items() if name not in changed}
         for switch, branch in zip(self.switches, branches, strict=True):
             strengths |= switch.strengths[branch]
-        code = _code(self.shape, tuple(strengths), "y" in self.variables, self.polynomial)
+        code = _code(self.shape, tuple(strengths), "y" in self.variables)
         return replace(self, code=code, strengths=strengths, form=tuple(branches))
 
     def without(self, strength: str) -> Law:
         """Return the law without one of its strengths."""
         strengths = {name: x for name, x in self.strengths.items() if name != strength}
         names = tuple(name for name in self.code.parameters if name != strength)
-        code = _code(self.shape, names, "y" in self.variables, self.polynomial)
+        code = _code(self.shape, names, "y" in self.variables)
         return replace(self, code=code, strengths=strengths)
 
     def straight(self, sense: N) -> Law | None:
@@ -493,7 +479,7 @@ class Law:
         valid on one side of that point. The result is None if a force points sideways.
         """
         names, variables = self.program.parameters, self.variables
-        code = _program(self.shape, names, "vertical", self.polynomial, variables)
+        code = _program(self.shape, names, "vertical", variables)
         if code is None:
             return None
         return replace(self, code=code, strengths={**self.strengths, _SENSE: sense})
@@ -506,7 +492,7 @@ class Law:
         nodes = Program((), (), passed).nodes
         if all(n.static or n.kind in ("variable", "sum", "product") for n in nodes):
             return self
-        law = replace(self, polynomial=True)
+        law = replace(self, shape=self.shape._replace(polynomial=True))
         return replace(law, code=law.on(first.form or ()).code)
 
     # --- numbers
@@ -558,7 +544,9 @@ class Law:
 
         It has the law's variables and parameters, and the parameter `threshold`.
         """
-        return _switching_function(self.program, *self._traced.passed[switch.of])
+        # Zero where top/bottom passes the threshold, without a division.
+        top, bottom = self._traced.passed[switch.of]
+        return _value(self.program, top - trace.parameter("threshold") * bottom, "threshold")
 
     def beyond(self, switch: Switch, threshold: N, numbers: Numbers) -> Callable[[Any], Any]:
         """Return a function of the state that is positive beyond a threshold of a switch."""

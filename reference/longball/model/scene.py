@@ -86,21 +86,6 @@ class Launch(_Block):
     velocity: Point = Field(description="m/s")
     spin: Spin = None
 
-    @property
-    def place(self) -> Point:
-        """Position of the launch, m."""
-        return self.position
-
-    @property
-    def along(self) -> Point:
-        """A vector along the velocity."""
-        return self.velocity
-
-    @property
-    def pace(self) -> float:
-        """Velocity as a multiple of `along`."""
-        return 1.0
-
 
 class Pitch(_Block):
     """A throw towards a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
@@ -126,11 +111,6 @@ class Pitch(_Block):
         """Yield the keys of the written block: speed and aim, or the velocity."""
         instead = () if self.velocity is None else ("speed", "aim")
         yield from (key for key in super().named() if key not in instead)
-
-    @property
-    def place(self) -> Point:
-        """Position of the release, m."""
-        return self.release
 
     @property
     def along(self) -> Point:
@@ -381,16 +361,21 @@ class _FlyingScene(_Scene):
     earth: Earth | None = Field(default=None, description="by default it does not rotate")
 
     @property
-    def _start(self) -> tuple[str, Launch | Pitch]:
-        """The block with the initial state of the ball, and its name."""
-        block = "launch" if isinstance(self, FlightScene) else "pitch"
-        return block, getattr(self, block)
+    def _start(self) -> tuple[str, Point | None, Point, Point, float]:
+        """The name of the block with the initial state of the ball; its spin and position.
+
+        And its velocity, as a vector along it and a factor.
+        """
+        if isinstance(self, FlightScene):
+            ball = self.launch
+            return "launch", ball.spin, ball.position, ball.velocity, 1.0
+        pitch: Pitch = self.pitch  # type: ignore[attr-defined]
+        return "pitch", pitch.spin, pitch.release, pitch.along, pitch.pace
 
     @model_validator(mode="after")
     def _flies(self) -> Self:
-        block, start = self._start
-        air, reading, spin, z = self.air, self.reading, start.spin, start.place[2]
-        floor = landing_height(self)
+        block, spin, (_, _, z), *_ = self._start
+        air, reading, floor = self.air, self.reading, landing_height(self)
 
         # air and spin agree
         if air is not None:
@@ -413,7 +398,7 @@ class _FlyingScene(_Scene):
 
         # above ground
         if z < floor:
-            key = "position" if isinstance(start, Launch) else "release"
+            key = "position" if block == "launch" else "release"
             under = f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}"
             if not isinstance(self, FlightScene):
                 _refuse(under)
@@ -447,12 +432,12 @@ class _FlyingScene(_Scene):
 
 def _across(direction: Point, scene: _FlyingScene) -> Point:
     """Return the cross product of a direction and the velocity behind lift, at the start."""
-    _, start = scene._start
+    _, _, position, along, pace = scene._start
     wind = (0.0, 0.0, 0.0)
     if scene.air is not None and scene.reading.wind_acts_on == "both":
-        wind = scene.air.wind_at(start.place[2], start.along[2])
+        wind = scene.air.wind_at(position[2], along[2])
     # The pace multiplies the product, not the velocity: a product of exactly 0 stays 0.
-    across = scaled(start.pace, cross(direction, start.along))
+    across = scaled(pace, cross(direction, along))
     return plus(across, scaled(-1.0, cross(direction, wind)))
 
 
@@ -560,8 +545,8 @@ def may_be_mixed(scene: Scene) -> bool:
     # Columns of such scenes are validated by their smallest and largest values alone.
     if isinstance(scene, ImpactScene):
         return False
-    _, start = scene._start
-    spun = start.spin is not None and scene.air is not None and scene.air.lift_is_constant
+    _, spin, *_ = scene._start
+    spun = spin is not None and scene.air is not None and scene.air.lift_is_constant
     if scene.air is not None and scene.air.side_coefficient is not None:
         return False
     fence = None if isinstance(scene, PitchScene) else scene.fence

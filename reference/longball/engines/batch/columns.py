@@ -264,12 +264,8 @@ class Columns(Run):
     table: Table = field(kw_only=True)
     row: Callable[[int], Any] = field(kw_only=True)  # the scene of a row
 
-    numbers = NUMBERS
-
-    @property
-    def everything(self) -> Flags:
-        """See `Run`."""
-        return np.ones(len(self.table), bool)
+    def __post_init__(self) -> None:
+        self.numbers, self.everything = NUMBERS, np.ones(len(self.table), bool)
 
     def any(self, rows: Flags) -> bool:
         """See `Run`."""

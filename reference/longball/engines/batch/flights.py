@@ -698,16 +698,6 @@ def _rounding(s: _Workspace, number: Integer, lane: int) -> float:
 
 
 @inner
-def _rate(s: _Workspace, number: Integer, lane: int) -> float:
-    """Return the size of the rate of a function of the positions, as those of most events are."""
-    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
-    total = 0.0
-    for k in range(s.half):
-        total += function[k * WIDTH] * s.state[s.half + k]
-    return abs(total)
-
-
-@inner
 def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
     """True if another event, or the time limit, may be as early as what stopped the flight."""
     flight, arrival, _, lane = slot
@@ -719,8 +709,13 @@ def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
     if stop == Stop.TIME_LIMIT:
         return False
     left, late = flight[_LIMIT] - arrival[_END], flight[_ERROR] * flight[_LIMIT]
-    rate, rounding = _rate(s, stop + 1, lane), _rounding(s, stop + 1, lane)
-    return bool(left <= late or (left <= _SOON * flight[_LIMIT] and left * rate < rounding))
+    # the rate of the function, which is one of the positions, as those of most events are
+    function = shifted(s.linear, (stop + 1) * (s.variables + 2) * WIDTH + lane)
+    rate = 0.0
+    for k in range(s.half):
+        rate += function[k * WIDTH] * s.state[s.half + k]
+    soon = left <= _SOON * flight[_LIMIT] and left * abs(rate) < _rounding(s, stop + 1, lane)
+    return bool(left <= late or soon)
 
 
 # --- the bat --------------------------------------------------------------------------------------

@@ -264,7 +264,9 @@ class SlopeColumns(Columns):
     jets: ColumnJets = field(kw_only=True)
     engine: Any  # `longball.engines.batch.Batch`
 
-    numbers = property(lambda self: self.jets)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.numbers = self.jets
 
     def decide(self, x: Any, error: Any, question: str, rows: Flags) -> tuple[Flags, Flags]:
         """See `Columns`."""

@@ -103,8 +103,7 @@ class Tangents:
         # of the matrix; F
         self.entry = {place: n for n, place in enumerate(entries)}
         self.matrix = self.nodes * len(entries)
-        self.block = len(self.unknown) ** 2
-        self.forces = self.matrix + self.nodes**2 * self.block
+        self.forces = self.matrix + self.nodes**2 * len(self.unknown) ** 2
         used = self.forces + self.nodes * len(self.unknown)
         # Rows of the lanes: `TIMES`, the state where the step begins, the rows above, and the
         # tangents. Of each: dp/dx; ξ at the end of the step; and at the other times, in order
@@ -136,12 +135,23 @@ class _Collocation(Writer):
         self.variables = len(program.variables)
         c, w, a = gauss(self.nodes)
         tables = {"c": c, "w": w, "a": a, "v": w * (1 - c), "b": a @ a}  # v_k = Σ w_j a_jk
-        self.tables = {name: self.table(name, values) for name, values in tables.items()}
+        self.tables = {}
+        for name, values in tables.items():
+            kind = ir.ArrayType(DOUBLE, values.size)
+            self.tables[name] = ir.GlobalVariable(module, kind, name)
+            self.tables[name].global_constant = True
+            self.tables[name].initializer = ir.Constant(kind, values.ravel().tolist())
         last = self.builder.sub(self.builder.fptosi(times, INDEX), self.index(1))
 
         def part(chunk: Value, _: Sequence[Value]) -> list[Value]:
             self.chunk = chunk
-            given = self.static_values()
+            given: Values = {}  # the same along a flight
+            block = len(recurrence(program).rows)
+            self.evaluate(
+                (node for node in self.system.partials.nodes if node.static),
+                lambda x: self.expanded(block, self.index(program.parameters.index(x.args[0]))),
+                given,
+            )
             # the end last: it takes the place of the beginning
             self.repeat(
                 self.index(0),
@@ -155,14 +165,6 @@ class _Collocation(Writer):
         self.builder.ret(self.index(0))
 
     # --- places ---
-
-    def table(self, name: str, values: Array) -> Any:
-        """Return an array of constants."""
-        kind = ir.ArrayType(DOUBLE, values.size)
-        table = ir.GlobalVariable(self.function.module, kind, name)
-        table.global_constant = True
-        table.initializer = ir.Constant(kind, values.ravel().tolist())
-        return table
 
     def constant(self, name: str, k: Value, j: Value | None = None) -> Value:
         """Return a constant in every lane."""
@@ -217,18 +219,6 @@ class _Collocation(Writer):
         return [self.builder.add(start, self.index(i)) for i in range(len(self.unknown))]
 
     # --- the integration ---
-
-    def static_values(self) -> Values:
-        """Evaluate what is the same along a flight."""
-        values: Values = {}
-        block = len(recurrence(self.program).rows)
-
-        def given(node: Node) -> Value:
-            place = self.program.parameters.index(node.args[0])
-            return self.expanded(block, self.index(place))
-
-        self.evaluate((n for n in self.system.partials.nodes if n.static), given, values)
-        return values
 
     def advance(self, at: Value, given: Values) -> list[Value]:
         """Integrate all tangents up to one of the times, if any of the flights has it."""
