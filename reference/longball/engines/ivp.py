@@ -130,10 +130,7 @@ class Ivp(PathEngine):
             # If two terminal events occur in one step, solve_ivp keeps the first of the list.
             # `events` begins with the ground; in reverse order another event wins.
             ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
-            # A countdown in the guise of an event: `terminal` asks it once for each time, so that
-            # it returns control after so many steps.
-            left = count(_MANY_STEPS, -1)
-            ends.append(terminal("many steps", lambda _, left=left: next(left), law.state))
+            ends.append(terminal("many steps", _countdown(_MANY_STEPS), law.state))
             # A trial step may overflow; the step control then takes a shorter one or gives up.
             with np.errstate(all="ignore"):
                 solution = scipy.integrate.solve_ivp(
@@ -243,6 +240,15 @@ def terminal(
     return falls
 
 
+def _countdown(steps: int) -> Callable[[Any], int]:
+    """A countdown in the guise of an event, which returns control after so many steps.
+
+    `terminal` asks it once for each time.
+    """
+    left = count(steps, -1)
+    return lambda _: next(left)
+
+
 def meeting(bat: BatSection) -> Iterator[Event]:
     """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
 
@@ -299,13 +305,14 @@ _SETTLED = 1e-14  # of gravity
 def _uniform(law: Law, time: float, state: Array, limit: float) -> PolynomialPiece | None:
     """Uniform motion up to the limit; None if the ball has not settled to it."""
     # It may settle only under a law that is the same at all positions: height, wind, density.
-    if law.gravity is None or any(
+    gravity = law.strengths.get("gravity")
+    if gravity is None or any(
         node.kind == "variable" and node.args[0] in "syz" for node in law.program.nodes
     ):
         return None
     slopes = []
     for rate, node in zip(law.rates(DOUBLES)(*state.tolist()), law.program.outputs, strict=True):
-        if node.kind != "variable" and not abs(rate) <= _SETTLED * law.gravity:
+        if node.kind != "variable" and not abs(rate) <= _SETTLED * gravity:
             return None
         slopes.append(rate if node.kind == "variable" else 0.0)
     return PolynomialPiece(time, _length(time, limit), law.state, np.column_stack([state, slopes]))

@@ -31,7 +31,7 @@ from longball.engines.variation import RATE, variational
 from longball.model.inputs import TRACKED, launched, tracked, value_of
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers, Undecided
-from longball.model.quantities import steps_of, unknown
+from longball.model.quantities import flat, steps_of, unknown
 from longball.model.scene import InvalidScene, Scene
 
 B = TypeVar("B", bound=BaseModel)
@@ -409,28 +409,25 @@ class JetCurve:
         h = self.piece.piece.length * _APART
         shifted = []
         for t in turns:
-            curvature = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
-            step = -self._falling(t) / curvature if curvature else 0
+            before, falls, after = (self._falling(at)[0] for at in (t - h, t, t + h))
+            curvature = (after - before) / (2 * h)
+            step = -falls / curvature if curvature else 0
             shifted.append(Jet(t + step if abs(step) < h else t))
         return shifted
 
-    def _falling(self, t: Any) -> Any:
-        """Return ġ."""
+    def _falling(self, t: Any) -> tuple[Any, Any, Sequence[Any]]:
+        """Return ġ, the state and its rates."""
         inner = self.piece.piece.at(t)
         here = jets_of(inner, self.piece.state)
-        return self._falling_at(here, self.piece.rates(*inner)[: len(here)])
-
-    def _falling_at(self, here: Any, speeds: Sequence[Any]) -> Any:
+        speeds = self.piece.rates(*inner)[: len(here)]
         moved = [self._slope(here, n) * v for n, v in enumerate(speeds)]
-        return sum(moved[1:], moved[0])
+        return sum(moved[1:], moved[0]), here, speeds
 
     def zero(self, a: Jet, b: Jet) -> Jet:
         """See `Curve`: ``dt/dx = -(∂g/∂x)/ġ``."""
         t = self.inner.zero(plain_of(a), plain_of(b))
-        inner = self.piece.piece.at(t)
-        here = jets_of(inner, self.piece.state)
-        change, speeds = rate_of(self.value(here)), self.piece.rates(*inner)[: len(here)]
-        falls = self._falling_at(here, speeds)
+        falls, here, speeds = self._falling(t)
+        change = rate_of(self.value(here))
         if falls < 0:
             self._require_steep(here, falls, speeds)
         elif change != 0:
@@ -506,10 +503,11 @@ def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any
         except Shallow:
             finer = derivatives_by(scene, name, Enclosure(_DIGITS))
             return {quantity: numbers.exact(float(slope)) for quantity, slope in finer.items()}
+        named = dict(flat(jets))
         return {
             path: (numbers.exact(0.0) + jet.rate) / numbers.exact(speed)
-            for quantity, value in jets.items()
-            for path, jet in _named(quantity, value)
+            for path, jet in named.items()
+            if isinstance(jet, Jet)  # no outcomes and counts
         }
 
 
@@ -581,11 +579,3 @@ def derivatives_of(
         for quantity, row in table.items():
             row[name] = engine.numbers.report(slopes[quantity]) if quantity in slopes else math.nan
     return Derivatives(table, refused)
-
-
-def _named(quantity: str, value: Any) -> Iterator[tuple[str, Jet]]:
-    """Yield the numbers of a quantity, by name, without outcomes and counts."""
-    if isinstance(value, Jet):
-        yield quantity, value
-    elif isinstance(value, tuple):
-        yield from ((f"{quantity}[{i}]", x) for i, x in enumerate(value))

@@ -198,7 +198,7 @@ class Verlet(Stepped):
 
         def chords() -> Iterator[Chord]:
             for done, states in self._march(law, start, limit):
-                rows = [law.state(*row) for row in states.T.tolist()]
+                rows = (law.state(*row) for row in states.T.tolist())
                 for count, (before, after) in enumerate(pairwise(rows), done):
                     begin = count * self.dt
                     yield Chord(begin, (count + 1) * self.dt - begin, before, after)

@@ -431,11 +431,6 @@ class Law:
         return state_of_variables(self.variables)
 
     @property
-    def gravity(self) -> N | None:
-        """g, m/s²; None without gravity."""
-        return self.strengths.get("gravity")
-
-    @property
     def is_paper(self) -> bool:
         """True if the paper's drag, lift and gravity are the only forces."""
         return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.switches

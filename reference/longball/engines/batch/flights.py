@@ -167,49 +167,56 @@ def fly_all(
     x = layout.allocate(order)
     step, work = x[layout.step].ravel(), np.zeros((variables + _SCRATCH, 2 * order + 4))
     memory = rows.allocate(count).ravel()
+    p, slope, second, across, above, state = work[variables:]
     _fly_all(
         kernel.code.address,
         truncation,
         _Workspace(
-            half,
-            variables,
-            parameters,
-            functions,
-            order,
-            order + 1,
-            x.shape[1],
-            work.shape[1],
-            x.ravel(),
-            x[layout.parameters].ravel(),
-            step,
-            step[(variables + RANGES + half) * WIDTH :],
-            aligned(functions * (variables + 2) * WIDTH),
-            work.ravel(),
-            *work[variables:],
-            memory,
-            *np.full((2, WIDTH), _NONE),
+            half=half,
+            variables=variables,
+            parameters=parameters,
+            functions=functions,
+            order=order,
+            degree=order + 1,
+            rows=x.shape[1],
+            width=work.shape[1],
+            x=x.ravel(),
+            strengths=x[layout.parameters].ravel(),
+            step=step,
+            compensation=step[(variables + RANGES + half) * WIDTH :],
+            linear=aligned(functions * (variables + 2) * WIDTH),
+            work=work.ravel(),
+            p=p,
+            slope=slope,
+            second=second,
+            across=across,
+            above=above,
+            state=state,
+            times=memory,
+            active=np.full(WIDTH, _NONE),
+            flying=np.full(WIDTH, _NONE),
         ),
         _Records(
-            starts.itemsize // 8,
-            arrivals.itemsize // 8,
-            len(starts),
-            starts.view(np.float64),
-            arrivals.view(np.float64),
-            arrivals.view(np.int64),
-            0 if steps is None else len(steps),
-            np.empty(0) if steps is None else steps.ravel(),
+            flight_size=starts.itemsize // 8,
+            arrival_size=arrivals.itemsize // 8,
+            total=len(starts),
+            flights=starts.view(np.float64),
+            arrivals=arrivals.view(np.float64),
+            statuses=arrivals.view(np.int64),
+            recorded=0 if steps is None else len(steps),
+            steps=np.empty(0) if steps is None else steps.ravel(),
         ),
         _Tangents(
-            tangents(program).address if count else 0,
-            len(starts),
-            count,
-            variables + parameters,
-            variables,
-            rows.first,
-            rows.size,
-            memory,
-            changes.ravel(),
-            derivatives.ravel(),
+            code=tangents(program).address if count else 0,
+            flights=len(starts),
+            each=count,
+            sources=variables + parameters,
+            variables=variables,
+            first=rows.first,
+            size=rows.size,
+            memory=memory,
+            starts=changes.ravel(),
+            derivatives=derivatives.ravel(),
         ),
     )
     return arrivals.reshape(flights.shape), derivatives
@@ -264,7 +271,7 @@ class _Workspace(NamedTuple):
     flying: Any
 
 
-_SCRATCH = 6  # rows of a workspace after those of the state
+_SCRATCH = 6  # rows of a workspace after those of the state, from `p` to `state`
 
 
 class _Records(NamedTuple):
@@ -272,7 +279,7 @@ class _Records(NamedTuple):
 
     flight_size: int
     arrival_size: int
-    count: int
+    total: int
     # flights, arrivals, as doubles; statuses: the latter as integers
     flights: Any
     arrivals: Any
@@ -329,7 +336,7 @@ def _fly_all(
         # free lanes take the next flights
         busy = 0
         for lane in range(WIDTH):
-            if active[lane] == _NONE and next_one < records.count:
+            if active[lane] == _NONE and next_one < records.total:
                 _launch(s, _slot(records, next_one, lane))
                 _put_tangents(t, next_one, lane)
                 active[lane] = next_one

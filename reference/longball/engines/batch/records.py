@@ -50,7 +50,7 @@ def flies_in_lanes(law: Law) -> bool:
     """
     if not all(switch.ends_law for switch in law.switches):
         return False
-    return law.is_paper or law.gravity is not None
+    return law.is_paper or "gravity" in law.strengths
 
 
 def formed(law: Law) -> Law:
