@@ -529,12 +529,28 @@ _RESOLVED = 1e-6
 
 
 def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
-    """Return the impulse of Appendix A, or of an impact on a bat with friction; and who parts.
+    """Return the impulse of Appendix A, or of an oblique impact on a bat with friction.
 
-    The `error` is that of velocities and directions, relative, without the rounding here.
+    Parameters
+    ----------
+    run
+        The scene, or columns of them, and the engine's numbers.
+    contact
+        Ball and bat at the touching.
+    error
+        Of velocities and directions, relative, without the rounding here.
 
-    Raises `CannotSolve` or `Undecided` for one scene: no impulse parts ball and bat, or its numbers
-    leave open whether the ball slides.
+    Returns
+    -------
+    impact : Impact
+        The impulse, N s, and the velocity, m/s, and spin, rad/s, after it.
+    parted : bool or array of flags
+        The rows in which ball and bat part.
+
+    Raises
+    ------
+    CannotSolve, Undecided
+        Of one scene: no impulse parts them, or its numbers leave open whether the ball slides.
     """
     scene, numbers = run.scene, run.numbers
     pair = bats.collision_parameters(
@@ -640,10 +656,18 @@ def _rub(
 
 @dataclass(frozen=True)
 class Model:
-    """The parts of the chain that may be replaced."""
+    """The parts of the chain that may be replaced.
 
-    forces: tuple[Force, ...] = ()  # in addition to the model's own
-    collide: Callable[..., tuple[Any, Any]] = collide  # from a `ContactState` to the `Impact`
+    Attributes
+    ----------
+    forces
+        What may act on a ball in flight besides the model's own.
+    collide
+        From a `ContactState` to the `Impact`; see `collide`.
+    """
+
+    forces: tuple[Force, ...] = ()
+    collide: Callable[..., tuple[Any, Any]] = collide
 
 
 MODEL = Model()

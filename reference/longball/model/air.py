@@ -29,17 +29,33 @@ class Flow(NamedTuple):
     ω is the spin at launch, ω_T its component across the velocity u through the air, and ``U =
     |u|``. The spin parameter ``S = R ω_T/U`` is that of the decayed spin. It is a fraction, so that
     nothing is divided by the speed of a ball at rest.
+
+    Attributes
+    ----------
+    velocity
+        u, m/s.
+    speed
+        U, m/s.
+    across
+        ``ω × u``, m/s².
+    drag_spin
+        ``ω_T U`` of the decayed spin, m/s², by the reading `drag_spin`.
+    spin
+        ω_T, rad/s; this and the following fields are by the reading `spin_parameter`.
+    top, bottom
+        ``ω_T/U = top/bottom``.
+    lever
+        R times the remaining fraction of the spin, m: ``S = lever top/bottom``.
     """
 
-    velocity: Vector  # u, m/s
-    speed: Any  # U, m/s
-    across: Vector  # ω × u, m/s²
-    drag_spin: Any  # ω_T U of the decayed spin, m/s², by the reading `drag_spin`
-    spin: Any  # ω_T, rad/s; this and the following fields are by the reading `spin_parameter`
-    # ω_T/U = top/bottom
+    velocity: Vector
+    speed: Any
+    across: Vector
+    drag_spin: Any
+    spin: Any
     top: Any
     bottom: Any
-    lever: Any  # R times the remaining fraction of the spin, m: S = lever top/bottom
+    lever: Any
 
     @property
     def per_spin(self) -> Any:

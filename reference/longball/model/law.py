@@ -86,14 +86,30 @@ def in_plane(state: Any) -> bool:
 
 
 class Motion(NamedTuple):
-    """Variables of a force, in the frame of the flight."""
+    """Variables of a force, in the frame of the flight.
 
-    position: Vector  # m
-    velocity: Vector  # over the ground, m/s
-    air: Flow  # arguments of drag
-    lift: Flow  # of lift: the same, unless under the reading the wind does not act on lift
-    density: Any  # of the air, relative to that at height 0
-    spin_left: Any  # size of the spin, relative to that at launch
+    Attributes
+    ----------
+    position
+        Position, m.
+    velocity
+        Velocity over the ground, m/s.
+    air
+        Arguments of drag.
+    lift
+        Arguments of lift: the same, unless under the reading the wind does not act on lift.
+    density
+        Density of the air, relative to that at height 0.
+    spin_left
+        Size of the spin, relative to that at launch.
+    """
+
+    position: Vector
+    velocity: Vector
+    air: Flow
+    lift: Flow
+    density: Any
+    spin_left: Any
 
     @property
     def speed(self) -> Any:
@@ -196,12 +212,19 @@ def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
 
 
 class Force(NamedTuple):
-    """A force in addition to those of the model."""
+    """A force in addition to those of the model.
 
-    # From a scene, the `longball.model.frame.Frame` of a flight and a number system to the values
-    # of the parameters, by name; None if the scene has no such force
+    Attributes
+    ----------
+    strengths
+        Function of a scene, the `longball.model.frame.Frame` of a flight and a number system. It
+        returns the values of the parameters, by name, or None if the scene has no such force.
+    acceleration
+        Function of the `Motion` and an object with the parameters as attributes. It returns the
+        acceleration, m/s².
+    """
+
     strengths: Callable[[Any, Any, Numbers], Mapping[str, Any] | None]
-    # From the `Motion` and an object with the parameters as attributes to the acceleration, m/s²
     acceleration: Callable[[Motion, Any], Vector]
 
 
@@ -399,16 +422,27 @@ class Law:
 
     If it has switches, numbers are computed by `on(branches)`, with the branches that are valid in
     the present state, not by the law itself.
+
+    Attributes
+    ----------
+    code
+        Program for the rates of change of a state. Before a branch is chosen, it contains the
+        strengths of all branches, and only its variables are used.
+    strengths
+        Values of the program's parameters, by name; without branches, not those of `switches`.
+    shape
+        Choices with which the program was traced.
+    switches
+        Parts with several branches.
+    form
+        Chosen branch of each switch; None if none is chosen, or there are no switches.
     """
 
-    # Program for the rates of change of a state. Before a branch is chosen, it contains the
-    # strengths of all branches, and only its variables are used
     code: Program
-    # Values of the program's parameters, by name; without branches, not those of `switches`
     strengths: Mapping[str, N]
-    shape: Shape  # choices with which the program was traced
-    switches: tuple[Switch, ...] = ()  # parts with several branches
-    form: tuple[int, ...] | None = None  # chosen branch of each switch; None if none is chosen
+    shape: Shape
+    switches: tuple[Switch, ...] = ()
+    form: tuple[int, ...] | None = None
 
     @property
     def program(self) -> Program:
@@ -584,9 +618,22 @@ PAPER = "drag", "lift", "gravity"  # the strengths of its law
 def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = ()) -> Law:
     """Return the law of motion of a flight.
 
-    The scene may be any object with ball, air, gravity and reading, whose numbers may be arrays of
-    shape (n,), for n scenes. The law is in the vertical plane of the launch if all forces are in
-    it; otherwise it is in space.
+    Parameters
+    ----------
+    scene
+        A scene, or any object with ball, air, gravity and reading. Its numbers may be arrays of
+        shape (n,), for n scenes.
+    frame : longball.model.frame.Frame
+        Frame of the flight, with its spin.
+    numbers : longball.model.numbers.Numbers
+        Number system of the calculation.
+    forces
+        Forces in addition to those of the model.
+
+    Returns
+    -------
+    Law
+        The law in the vertical plane of the launch if all forces are in it; otherwise in space.
 
     Examples
     --------
