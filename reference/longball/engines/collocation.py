@@ -315,19 +315,18 @@ class Collocation:
             rule,
             self.context,
         )
+        # the effect of each coefficient on a velocity, m/s
         velocities = [rising[i] for i in unknown]
         sizes = [half * max(map(abs, each)) for each in zip(*velocities, strict=True)]
-        return segment, self._needed(sizes, fastest)
-
-    def _needed(self, sizes: list[Mpf], speed: Mpf) -> float:
-        """Return the number of coefficients needed, from the effect of each on a velocity, m/s."""
-        matter = [k for k, size in enumerate(sizes, start=1) if size > self.tolerance * speed]
+        matter = [k for k, size in enumerate(sizes, start=1) if size > self.tolerance * fastest]
         if not matter or matter[-1] <= self._enough:
-            return matter[-1] if matter else 0
-        last = max(sizes[-_IDLE:]) / speed
+            return segment, matter[-1] if matter else 0
+        last = max(sizes[-_IDLE:]) / fastest
+        if not last < 1:
+            return segment, math.inf
         # The number at which they reach the tolerance if they fall on as ρ^-k, k = 1, 2, …
         log = self.context.log
-        return float(len(sizes) * log(self.tolerance) / log(last)) if last < 1 else math.inf
+        return segment, float(len(sizes) * log(self.tolerance) / log(last))
 
     def _roughly(
         self, dynamics: Dynamics, start: State, half: float

@@ -168,6 +168,8 @@ class Verlet(Stepped):
     contact_force: ContactForce = "whole"
 
     numbers = DOUBLES
+    # Events are decided by the computed values; the steps' error is part of the scheme.
+    flight_error = 0.0
 
     def __post_init__(self) -> None:
         if not 0 < self.dt < math.inf:
@@ -181,11 +183,6 @@ class Verlet(Stepped):
         """Name, step and readings."""
         chosen = (f"{name}={getattr(self, name)}" for name in OPTIONS)
         return f"verlet dt={self.dt!r} {' '.join(chosen)}"
-
-    @property
-    def flight_error(self) -> float:
-        """0: events are decided by the computed values; the steps' error is part of the scheme."""
-        return 0.0
 
     @_QUIET
     def fly(self, law: Law, start: State, events: Events, limit: float) -> Flight:

@@ -286,6 +286,8 @@ class Enclosure(PathEngine):
 
     digits: int = 30
 
+    flight_error = 0.0  # balls carry their own
+
     def __post_init__(self) -> None:
         if not 1 <= self.digits <= _MOST_DIGITS:
             raise ValueError(f"digits = {self.digits} is not between 1 and {_MOST_DIGITS}")
@@ -305,11 +307,6 @@ class Enclosure(PathEngine):
     def description(self) -> str:
         """Name and digits."""
         return f"enclosure digits={self.digits}"
-
-    @property
-    def flight_error(self) -> float:
-        """Balls carry their own error."""
-        return 0.0
 
     def steps(
         self, law: Law, start: State, begin: arb, limit: arb, events: Events
