@@ -81,6 +81,11 @@ class Recurrence:
                 return node, node.args[0]
         return None
 
+    def divisor(self, node: Node) -> Node | None:
+        """Return what the coefficients of a node are divided by, at t = 0; it must not be zero."""
+        divisors: dict[str, Node] = {"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}
+        return divisors.get(node.kind)
+
     @cached_property
     def roots(self) -> tuple[Node, ...]:
         """The sizes of vectors, ``√(x x + y y + …)``: zero at rest."""

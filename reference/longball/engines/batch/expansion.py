@@ -139,10 +139,9 @@ class _Step(Writer):
         nodes = dict.fromkeys((*self.variables, *self.program.nodes))
         self.evaluate(nodes, given, self.zeroth)
         self.inverses = {
-            node: self.divide(self.number(1.0), self.zeroth[divisors[node.kind]])
+            node: self.divide(self.number(1.0), self.zeroth[divisor])
             for node in self.dynamic
-            for divisors in [{"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}]
-            if node.kind in divisors
+            if (divisor := self.recurrence.divisor(node)) is not None
         }
         # order 1 of the variables, then the other ones
         first = [self.zeroth[rate] for rate in self.rates]

@@ -206,21 +206,21 @@ class Code:
             codemodel="jitdefault",
             jit=True,
         )
-        code = stored(name, [program.source], lambda: _compiled(write, target))
+
+        def machine_code() -> bytes:
+            module = ir.Module()
+            write(module)
+            checked = binding.parse_assembly(str(module))
+            checked.verify()
+            options = binding.create_pipeline_tuning_options(speed_level=3)
+            passes = binding.create_pass_builder(target, options)
+            passes.getModulePassManager().run(checked, passes)
+            code: bytes = target.emit_object(checked)
+            return code
+
+        code = stored(name, [program.source], machine_code)
         # owns the code
         self._engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
         self._engine.add_object_file(binding.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
         self.address: int = self._engine.get_function_address(name)
-
-
-def _compiled(write: Callable[[Any], object], target: Any) -> bytes:
-    module = ir.Module()
-    write(module)
-    checked = binding.parse_assembly(str(module))
-    checked.verify()
-    options = binding.create_pipeline_tuning_options(speed_level=3)
-    passes = binding.create_pass_builder(target, options)
-    passes.getModulePassManager().run(checked, passes)
-    code: bytes = target.emit_object(checked)
-    return code
