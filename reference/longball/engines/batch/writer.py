@@ -196,7 +196,6 @@ class Code:
     """A function of machine code, compiled once per machine for what it is made of."""
 
     def __init__(self, name: str, program: Program, write: Callable[[Any], object]) -> None:
-        # The program's text says what is compiled; how it is, the sources in the name of the file.
         binding.initialize_native_target()
         binding.initialize_native_asmprinter()
         target = binding.Target.from_default_triple().create_target_machine(
@@ -218,6 +217,7 @@ class Code:
             code: bytes = target.emit_object(checked)
             return code
 
+        # The program's text says what is compiled; how it is, the sources in the name of the file.
         code = stored(name, [program.source], machine_code)
         # owns the code
         self._engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
