@@ -29,8 +29,8 @@ def to_digits(
     if none of them has the digits.
     """
     result, rest = solved(engine)
-    # Only radii can show that digits are missing.
-    if not hasattr(engine, "finer"):
+    # Only numbers that carry their own error can show that digits are missing.
+    if engine.numbers.rounding:
         return result, rest
     digits: int = engine.digits
     for finer in engine.finer():
