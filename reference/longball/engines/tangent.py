@@ -160,7 +160,7 @@ def rate_of(x: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Jets:
+class Jets(Numbers):
     """Jets of a number system; see `longball.model.numbers.Numbers`."""
 
     inner: Any  # a number system
@@ -173,7 +173,7 @@ class Jets:
         return self.jet(self.inner.pi)
 
     @property
-    def rounding(self) -> Any:
+    def rounding(self) -> Any:  # type: ignore[override]
         """See `Numbers`."""
         return self.inner.rounding
 
@@ -182,7 +182,7 @@ class Jets:
         return self.inner.arithmetic()
 
     @property
-    def functions(self) -> Mapping[str, Callable[..., Jet]]:
+    def functions(self) -> Mapping[str, Callable[..., Jet]]:  # type: ignore[override]
         """See `Numbers`."""
         of = self.inner.functions
 
@@ -206,10 +206,6 @@ class Jets:
     def absent(self, value: Any) -> bool:
         """True if a number of a scene is zero, and does not depend on x."""
         return bool(value == 0 and getattr(value, "rate", 0) == 0)
-
-    def where(self, condition: Any, x: Any, y: Any) -> Any:
-        """See `Numbers`."""
-        return x if condition else y
 
     def sqrt(self, x: Any) -> Jet:
         """Return the square root; raise `Kink` at zero, where it has a corner."""
