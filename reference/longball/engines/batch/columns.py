@@ -309,7 +309,9 @@ class Columns(Run):
         """Fly the rows of a mask; return arrivals of all rows, or a single one for all."""
         # If no number of the flight differs between rows, it is flown once.
         if rows.any():
-            _, flown = records.flown(self.engine, law, start, events, limit, bat, rows)
+            error = self.engine.flight_error
+            starts = records.records_of(law, start, events, limit, error, bat, rows)
+            flown: Records = self.engine.fly_all(starts, records.in_lanes(law).program)
             if flown.ndim == 0 or rows.all():
                 return flown
         ends = not_flown(law, start, len(rows))

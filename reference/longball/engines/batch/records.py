@@ -144,20 +144,6 @@ def records_of(
     return flight
 
 
-def flown(
-    flyer: Any,
-    law: Law,
-    start: Start,
-    events: Events,
-    limit: Any,
-    bat: Bat | None = None,
-    rows: Any = ...,
-) -> tuple[Records, Records]:
-    """Return flights that start from states, and their arrivals; see `records_of`."""
-    starts = records_of(law, start, events, limit, flyer.flight_error, bat, rows)
-    return starts, flyer.fly_all(starts, in_lanes(law).program)
-
-
 def linear(law: Law, value: Callable[[Any], Any]) -> list[Any]:
     """Return the coefficients of a linear function of the state, and its constant."""
     names = law.variables
