@@ -82,7 +82,7 @@ class Recurrence:
         return None
 
     def divisor(self, node: Node) -> Node | None:
-        """Return what the coefficients of a node are divided by, at t = 0; it must not be zero."""
+        """Return the divisor of the coefficients of a node, at t = 0, which must not be zero."""
         divisors: dict[str, Node] = {"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}
         return divisors.get(node.kind)
 
