@@ -567,7 +567,8 @@ def print_law(program: Program) -> str:
     # whose rate is the airspeed.
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
-    path = [2 * both] * (len(positions) - both)
+    numbers = [f"{name}[{i}]" for name in ("position", "velocity") for i in dimensions]
+    numbers += [f"position[{i}]" for i in range(both, len(positions))]
     paths = "".join(
         f"{name} + dt * {names[rate]}, "
         for name, rate in zip(program.variables, program.outputs, strict=True)
@@ -582,11 +583,8 @@ def print_law(program: Program) -> str:
         ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
         "write(states, k, position, velocity)": [
-            f"states[{i + shift}, k] = {name}[{i}]"
-            for name, shift in (("position", 0), ("velocity", both))
-            for i in dimensions
-        ]
-        + [f"states[{i}, k] = position[{both}]" for i in path],
+            f"states[{i}, k] = {number}" for i, number in enumerate(numbers)
+        ],
     }
     written = "".join(
         f"\n\ndef {head}:\n" + "".join(f"    {line}\n" for line in body)

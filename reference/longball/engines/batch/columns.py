@@ -305,13 +305,14 @@ class Columns(Run):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
+        fly: Callable[[Records, Program], Records] | None = None,
     ) -> Records:
         """Fly the rows of a mask; return arrivals of all rows, or a single one for all."""
         # If no number of the flight differs between rows, it is flown once.
         if rows.any():
-            error = self.engine.flight_error
+            error, fly = self.engine.flight_error, fly or self.engine.fly_all
             starts = records.records_of(law, start, events, limit, error, bat, rows)
-            flown: Records = self.engine.fly_all(starts, records.in_lanes(law).program)
+            flown = fly(starts, records.in_lanes(law).program)
             if flown.ndim == 0 or rows.all():
                 return flown
         ends = not_flown(law, start, len(rows))

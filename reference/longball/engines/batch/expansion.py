@@ -108,8 +108,7 @@ class _Step(Writer):
 
     def extra(self, block: int, row: Value | int) -> Value:
         """Index of a row of a block after those of the recurrence."""
-        row = self.index(row) if isinstance(row, int) else row
-        return self.builder.add(self.builder.mul(self.index(block), self.stride), row)
+        return self.builder.add(self.builder.mul(self.index(block), self.stride), self.index(row))
 
     def per(self, k: Value) -> Value:
         """Return 1/k."""
@@ -147,7 +146,7 @@ class _Step(Writer):
         first = [self.zeroth[rate] for rate in self.rates]
         for name, rate in zip(self.variables, first, strict=True):
             self.put(name, self.index(1), rate)
-        last = self.repeat(self.index(1), self.order, first, self.next_order)
+        last = self.repeat(1, self.order, first, self.next_order)
         per_n = self.per(self.after(self.order))
         known = dict(zip(self.variables, last, strict=True))
         for name, rate in zip(self.variables, self.rates, strict=True):
@@ -239,7 +238,7 @@ class _Step(Writer):
             return sums
 
         chains = sum(map(_chains, rows.values()))
-        totals = self.repeat(self.index(0), count, [self.number(0.0)] * chains, pair)
+        totals = self.repeat(0, count, [self.number(0.0)] * chains, pair)
         coming = iter(totals)
         merged = [
             next(coming) if a is b else self.add(next(coming), next(coming))
@@ -420,7 +419,7 @@ class _Step(Writer):
         # by Horner's rule, values and bounds in one loop, as they load the same coefficients
         begin = [upper(name, self.order) for name in self.variables]
         begin += [self.call("fabs", self.at(name, last)) for name in self.positions]
-        totals = self.repeat(self.index(0), self.order, begin, term)
+        totals = self.repeat(0, self.order, begin, term)
         # of a position, x(0) is added last: that is the sum with Kahan's compensation
         compensations = len(self.variables) + RANGES + len(self.positions)
         for i, (name, total) in enumerate(zip(self.variables, totals, strict=False)):
@@ -464,7 +463,7 @@ class _Step(Writer):
                     total = self.choose(slope, "==", zero, total, touched)
             return [self.choose(least, ">", zero, total, touched)]
 
-        (result,) = self.repeat(self.index(0), count, [clear], nearest)
+        (result,) = self.repeat(0, count, [clear], nearest)
         self.put_step(len(self.variables) + CLEARANCE, result)
 
 

@@ -153,15 +153,11 @@ class _Collocation(Writer):
                 given,
             )
             # the end last: it takes the place of the beginning
-            self.repeat(
-                self.index(0),
-                self.builder.add(last, self.index(1)),
-                [],
-                lambda i, _: self.advance(self.builder.sub(last, i), given),
-            )
+            until = self.builder.add(last, self.index(1))
+            self.repeat(0, until, [], lambda i, _: self.advance(self.builder.sub(last, i), given))
             return []
 
-        self.repeat(self.index(0), self.index(PARTS), [], part)
+        self.repeat(0, PARTS, [], part)
         self.builder.ret(self.index(0))
 
     # --- places ---
@@ -174,8 +170,7 @@ class _Collocation(Writer):
 
     def row(self, k: Value, size: int, more: Value | int = 0) -> Value:
         """Return ``k size + more``."""
-        more = self.index(more) if isinstance(more, int) else more
-        return self.builder.add(self.builder.mul(k, self.index(size)), more)
+        return self.builder.add(self.builder.mul(k, self.index(size)), self.index(more))
 
     def place(self, row: Value) -> Value:
         """Index of a row, of the lanes at hand."""
@@ -189,8 +184,7 @@ class _Collocation(Writer):
     def of_tangent(self, tangent: Value, row: Value | int) -> Value:
         """Index of a row of a tangent: dp/dx, and ξ at the times."""
         start = self.row(tangent, self.system.size, self.system.first)
-        row = self.index(row) if isinstance(row, int) else row
-        return self.place(self.builder.add(start, row))
+        return self.place(self.builder.add(start, self.index(row)))
 
     def scratch(self, row: Value) -> Value:
         """Index of a row of `Tangents`, which has the numbers of the lanes at hand alone."""
@@ -230,13 +224,12 @@ class _Collocation(Writer):
         )
 
         def go(_: Value, __: Sequence[Value]) -> list[Value]:
-            nodes = self.index(0), self.index(self.nodes)
-            self.repeat(*nodes, [], lambda k, _: self.put_slopes(k, length, dict(given)))
-            self.repeat(*nodes, [], lambda k, _: self.eliminate(k, length))
-            self.repeat(self.index(0), self.count, [], lambda i, _: self.carry(i, at, length))
+            self.repeat(0, self.nodes, [], lambda k, _: self.put_slopes(k, length, dict(given)))
+            self.repeat(0, self.nodes, [], lambda k, _: self.eliminate(k, length))
+            self.repeat(0, self.count, [], lambda i, _: self.carry(i, at, length))
             return []
 
-        return self.repeat(self.index(0), build.zext(some, INDEX), [], go)
+        return self.repeat(0, build.zext(some, INDEX), [], go)
 
     def put_slopes(self, k: Value, length: Value, values: Values) -> list[Value]:
         """Evaluate the partial derivatives at a time of the step."""
@@ -256,7 +249,7 @@ class _Collocation(Writer):
                 for i, total in zip(places, totals, strict=True)
             ]
 
-        totals = self.repeat(self.index(0), self.order, begin, term)
+        totals = self.repeat(0, self.order, begin, term)
         starts = [self.load(self.memory, self.place(self.index(TIMES + i))) for i in places]
         state = {
             node: self.fma(total, t, start)
@@ -304,7 +297,7 @@ class _Collocation(Writer):
                     for j in range(size)
                 ]
 
-            elements = self.repeat(self.index(0), until, begin, product)
+            elements = self.repeat(0, until, begin, product)
             return [elements[size * i :][:size] for i in range(size)]
 
         # row by row, so that each block is written once, when its sum is complete
@@ -317,16 +310,15 @@ class _Collocation(Writer):
             self.keep(self.block(a, b), reduced(b, a))
             return []
 
-        self.repeat(self.index(0), a, [], lower)
+        self.repeat(0, a, [], lower)
         self.keep(self.block(a, a), _inverse(self, reduced(a, a)))
-        self.repeat(build.add(a, self.index(1)), self.index(self.nodes), [], upper)
+        self.repeat(build.add(a, self.index(1)), self.nodes, [], upper)
         return []
 
     def carry(self, tangent: Value, at: Value, length: Value) -> list[Value]:
         """Solve (2) for a tangent, and write it at the time."""
         build, system = self.builder, self.system
         parameters = len(self.program.parameters)
-        nodes, zero = self.index(self.nodes), self.index(0)
 
         def known(row: int) -> Value:
             return self.load(self.memory, self.of_tangent(tangent, row))
@@ -345,7 +337,7 @@ class _Collocation(Writer):
                     source = there[j] if j < self.variables else known(j - self.variables)
                     total = self.fma(self.slope(k, i, j), source, total)
                 totals.append(total)
-            totals = self.repeat(zero, k, totals, lambda p, so_far: self.through(k, p, so_far))
+            totals = self.repeat(0, k, totals, lambda p, so_far: self.through(k, p, so_far))
             self.keep([self.forces(k)], [totals])
             return []
 
@@ -353,7 +345,9 @@ class _Collocation(Writer):
             k = build.sub(self.index(self.nodes - 1), m)
             (totals,) = self.loaded([self.forces(k)])
             after = build.add(k, self.index(1))
-            totals = self.repeat(after, nodes, totals, lambda p, so_far: self.through(k, p, so_far))
+            totals = self.repeat(
+                after, self.nodes, totals, lambda p, so_far: self.through(k, p, so_far)
+            )
             inverse = self.loaded(self.block(k, k))
             ((*force,),) = _product(self, [totals], [*map(list, zip(*inverse, strict=True))])
             self.keep([self.forces(k)], [force])
@@ -367,9 +361,9 @@ class _Collocation(Writer):
             ]
 
         # L y = A ξ_0 + b, then U F = y, and the sums of (2); v = w a, of what is integrated twice
-        self.repeat(zero, nodes, [], forwards)
+        self.repeat(0, self.nodes, [], forwards)
         none = [self.number(0.0)] * (2 * len(self.unknown))
-        sums = self.repeat(zero, nodes, none, backwards)
+        sums = self.repeat(0, self.nodes, none, backwards)
         once, twice = (
             dict(zip(self.unknown, sums[n:], strict=False)) for n in (0, len(self.unknown))
         )

@@ -72,9 +72,9 @@ class Writer:
         every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
         return self.builder.shuffle_vector(first, nothing, every)
 
-    def index(self, value: int) -> Value:
-        """Return an integer that indexes rows."""
-        return ir.Constant(INDEX, value)
+    def index(self, value: Value | int) -> Value:
+        """Return an integer that indexes rows; it may be a value already."""
+        return ir.Constant(INDEX, value) if isinstance(value, int) else value
 
     def load(self, array: Value, index: Value) -> Value:
         """Return a row of an array."""
@@ -102,8 +102,8 @@ class Writer:
 
     def repeat(
         self,
-        begin: Value,
-        end: Value,
+        begin: Value | int,
+        end: Value | int,
         carried: Sequence[Value],
         body: Callable[[Value, list[Value]], Sequence[Value]],
     ) -> list[Value]:
@@ -116,11 +116,11 @@ class Writer:
         build.branch(head)
         build.position_at_end(head)
         i = build.phi(INDEX)
-        i.add_incoming(begin, entry)
+        i.add_incoming(self.index(begin), entry)
         values = [build.phi(value.type) for value in carried]
         for phi, value in zip(values, carried, strict=True):
             phi.add_incoming(value, entry)
-        build.cbranch(build.icmp_signed("<", i, end), inside, after)
+        build.cbranch(build.icmp_signed("<", i, self.index(end)), inside, after)
         build.position_at_end(inside)
         for phi, value in zip(values, body(i, values), strict=True):
             phi.add_incoming(value, build.block)
