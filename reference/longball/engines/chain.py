@@ -329,7 +329,7 @@ def meet_bat(run: Run) -> ContactState | None:
         spin_at(frame, pitch.law, state, numbers, numbers.exact(error)),
         # Verlet's method compares the y of the first step inside the bat with the bat's end (paper,
         # Sec. III.C).
-        end_y=frame.position(touch.detected)[1],
+        end_y=frame.position(state if touch.inside is None else touch.inside)[1],
         leaving=touch.leaving,
         approach=approach,
     )

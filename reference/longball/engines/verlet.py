@@ -128,15 +128,8 @@ class SteppedTouch(Touch):
     """Contact of a pitch with the bat in steps."""
 
     step: int  # number of the step before the first one in the bat
-    # before, inside: the states at that step and at the next one
-    before: State
-    inside: State
+    before: State  # the state there
     ahead: float  # Δt', s
-
-    @property
-    def detected(self) -> State:
-        """The step in the bat: there the paper asks whether the ball is between the bat's ends."""
-        return self.inside
 
 
 Top = tuple[float, State] | None
