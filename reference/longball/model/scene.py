@@ -130,15 +130,11 @@ class Pitch(_Block):
         return x * self.pace, y * self.pace, z * self.pace
 
     @model_validator(mode="after")
-    def _thrown_one_way(self) -> Self:
+    def _thrown_one_way_in_front_of_the_plate(self) -> Self:
         # Even if speed and aim are written with their defaults: the scene would be ambiguous.
         both = sorted(self.model_fields_set & {"speed", "aim"})
         if self.velocity is not None and both:
             _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
-        return self
-
-    @model_validator(mode="after")
-    def _in_front_of_the_plate(self) -> Self:
         if self.release[0] <= 0.0:
             _refuse(f"release[0] = {self.release[0]} must be positive: in front of the plate")
         return self

@@ -315,7 +315,12 @@ class Columns(Run):
             flown = fly(starts, records.in_lanes(law).program)
             if flown.ndim == 0 or rows.all():
                 return flown
-        ends = not_flown(law, start, len(rows))
+        # the others stay where they start
+        program = records.general(law).program
+        ends = np.zeros(len(rows), flights.arrival_dtype(program))
+        ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
+        for name in program.variables:
+            ends[name] = getattr(start.state, name)
         if rows.any():
             ends[rows] = flown
         return ends
@@ -386,13 +391,3 @@ def without_size(events: Events, rows: Flags) -> Flags:
     """
     flags: Flags = rows & ~np.isfinite(sum(event.size for event in events))
     return flags
-
-
-def not_flown(law: Law, start: Start, rows: int) -> Records:
-    """Return arrivals equal to the starts, for rows that are not flown."""
-    program = records.general(law).program
-    ends = np.zeros(rows, flights.arrival_dtype(program))
-    ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
-    for name in program.variables:
-        ends[name] = getattr(start.state, name)
-    return ends
