@@ -277,7 +277,7 @@ class PathEngine(Engine, ABC):
         closest = -gap
 
         def met_at(state: State, off: N, settled: bool) -> Touch | None:
-            """Contact at the end of an approach; None to go on, as if no minimum is settled."""
+            """Decide the contact at the end of an approach, if the distance has a minimum there."""
             nonlocal closest
             margin = bat.reach - bat.distance(state, numbers)
             if margin > closest:
