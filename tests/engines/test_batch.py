@@ -21,7 +21,7 @@ from longball.engines.batch import (
     solve_columns_with_restitutions,
 )
 from longball.engines.batch.expansion import kernel
-from longball.engines.batch.jit import call, unowned_view
+from longball.engines.batch.jit import call, unowned_views
 from longball.engines.batch.roots import NEVER
 from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.chain import solve
@@ -165,7 +165,7 @@ def expand_lanes(law: Law, states: Any, order: int) -> Any:
 
     @numba.njit
     def step(address: int, x: Any, functions: Any, order: int, rows: int) -> int:
-        at = unowned_view(x), unowned_view(functions)
+        at = unowned_views((x, functions))
         return call(address, (at[0], at[1], order, rows, 1, 1e-14))
 
     step(code.code.address, x.ravel(), functions.ravel(), order, x.shape[1])

@@ -110,10 +110,10 @@ def total(xs):
 
 def test_so_are_those_of_a_module(folder: Path) -> None:
     for hits in (0, 1):
-        module = compiled._compiled.__wrapped__(SOURCE)
+        module = compiled._made.__wrapped__(SOURCE, True)
         assert module.total(np.array([3.0, 4.0])) == 14.0
         assert sum(module.total._cache_hits.values()) == hits
-    other = compiled._compiled(SOURCE.replace("2.0", "3.0"))
+    other = compiled._made(SOURCE.replace("2.0", "3.0"), True)
     assert other.total(np.array([3.0])) == 9.0
     assert len(list(folder.iterdir())) == 4
 

@@ -26,14 +26,8 @@ ENGINES: dict[Name, tuple[str, str]] = {
 def create(name: str, **options: object) -> Engine:
     """Return an engine by name.
 
-    Raises
-    ------
-    ValueError
-        If there is no such engine, or if it does not take an option or its value.
-    TypeError
-        If an option is of another type.
-    MissingExtra
-        If it needs a library that is not installed.
+    Raises `ValueError` if there is no such engine, or if it does not take an option or its value;
+    `TypeError` if an option is of another type; `MissingExtra` if a library is not installed.
     """
     if name not in ENGINES:
         raise ValueError(f"there is no engine {name!r}{one_of('the engines are', name, ENGINES)}")

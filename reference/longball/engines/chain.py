@@ -63,34 +63,23 @@ class Run:
     """State of one scene in the chain; `longball.engines.batch.columns.Columns` is for many.
 
     A chain uses masks only through the methods with the argument `rows`.
-
-    Attributes
-    ----------
-    scene
-        Has the blocks of a scene as attributes, in columns with a number or an array each.
-    engine, model
-        The engine that computes; the parts of the chain.
-    answer
-        The quantities recorded so far, by name, and the outcome.
-    legs
-        The flights of the scene, in order.
-    engines
-        Descriptions of the engines that flew the ball, in order.
     """
 
-    scene: Any
-    engine: Any
-    model: Model
+    scene: Any  # has the blocks of a scene as attributes, with a number or an array each
+    engine: Any  # computes the flights
+    model: Model  # the parts of the chain
+    # The quantities recorded so far, by name, and the outcome
     answer: dict[str, Any] = field(default_factory=dict)
-    legs: list[Leg] = field(default_factory=list)
+    legs: list[Leg] = field(default_factory=list)  # the flights of the scene, in order
+    # Descriptions of the engines that flew the ball, in order
     engines: list[str] = field(default_factory=list)
+    numbers: Any = field(init=False)  # the number system; see `longball.model.numbers.Numbers`
+    everything: Mask = field(default=True, init=False)  # the mask of all scenes
+
+    def __post_init__(self) -> None:
+        self.numbers = self.engine.numbers
 
     # --- masks -----------------------------------------------------------------------------------
-
-    @property
-    def everything(self) -> Mask:
-        """The mask of all scenes."""
-        return True
 
     def any(self, rows: Mask) -> bool:
         """Return True if a mask has any rows."""
@@ -115,10 +104,7 @@ class Run:
     # --- flights ---------------------------------------------------------------------------------
 
     def fly(self, law: Law, start: State, events: Events, limit: N, rows: Mask) -> Flight:
-        """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
-
-        In other rows the flight stays at its start, and nothing stops it.
-        """
+        """Fly until the first of several events; in other rows the flight stays at its start."""
         if not rows:
             return Flight(Path(()), "", self.numbers.exact(0.0), start)
         flight: Flight = self.engine.fly(law, start, events, limit)
@@ -160,11 +146,6 @@ class Run:
     # --- the scene -------------------------------------------------------------------------------
 
     @property
-    def numbers(self) -> Any:
-        """The number system; see `longball.model.numbers.Numbers`."""
-        return self.engine.numbers
-
-    @property
     def time_limit(self) -> N:
         """The longest time of flight, s."""
         return self.numbers.exact(self.scene.time_limit)
@@ -189,7 +170,7 @@ def fly(
     run: Run,
     law: Law,
     start: State,
-    surfaces: Callable[[State], list[Event]],
+    surfaces: Callable[[State], list[Event]],  # the events that may end a flight from a state
     limit: N,
     rows: Mask,
 ) -> Flight:
@@ -199,11 +180,6 @@ def fly(
     component of the lift drives it back from either side. It continues without lift, straight up
     and down (the sliding solution in Filippov's sense; downwards, the symmetric one of two). A ball
     at rest or with a vertical velocity is already there.
-
-    Parameters
-    ----------
-    surfaces
-        The events that may end a flight from a state.
     """
     start = law.state_of(start)
     if not lift_is_always_up(run, law):
@@ -353,7 +329,7 @@ def meet_bat(run: Run) -> ContactState | None:
         spin_at(frame, pitch.law, state, numbers, numbers.exact(error)),
         # Verlet's method compares the y of the first step inside the bat with the bat's end (paper,
         # Sec. III.C).
-        end_y=frame.position(touch.detected)[1],
+        end_y=frame.position(state if touch.inside is None else touch.inside)[1],
         leaving=touch.leaving,
         approach=approach,
     )
@@ -832,11 +808,9 @@ def _come_down(
 
 def _rise(run: Run, ball: Batted, flight: Flight, rows: Mask) -> None:
     """Record the highest point of flights, unless they only rise."""
-    top = flight.highest(run.numbers)
-    if top is not None:
-        time, state = top
-        run.record("apex.time", ball.launch.time + time, rows)
-        run.record("apex.position", ball.frame.position(state), rows)
+    if (top := flight.highest(run.numbers)) is not None:
+        run.record("apex.time", ball.launch.time + top[0], rows)
+        run.record("apex.position", ball.frame.position(top[1]), rows)
 
 
 # --- the fence ------------------------------------------------------------------------------------
@@ -867,13 +841,12 @@ def _foul(run: Run, position: Vector, what: str, rows: Mask) -> tuple[Mask, Mask
 
 def _cross_fence_in_plane(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> None:
     """Fly to the ground, or to the place of the fence that the ball heads for, ahead or behind."""
-    numbers, start, senses = run.numbers, ball.start, {"fence": 1, "fence_behind": -1}
+    numbers, start = run.numbers, ball.start
     error = numbers.exact(_heading_error(run))
-    stops = {
-        name: stop_at(run.scene.fence, ball.frame, start.s, sense, error, numbers)
-        for name, sense in senses.items()
-    }
-    fences = [at_stop(name, stops[name], sense, numbers) for name, sense in senses.items()]
+    stops, fences = {}, []
+    for name, sense in (("fence", 1), ("fence_behind", -1)):
+        stops[name] = stop_at(run.scene.fence, ball.frame, start.s, sense, error, numbers)
+        fences.append(at_stop(name, stops[name], sense, numbers))
     flight = fly(
         run, ball.law, start, lambda state: [run.ground(state), *fences], run.time_limit, rows
     )

@@ -118,19 +118,6 @@ def legendre(x: Mpf, degree: int) -> list[Mpf]:
     return values
 
 
-def _antiderivative(series: list[Mpf], half: Mpf, at_start: Mpf) -> list[Mpf]:
-    """Return the series of ``at_start + half · (integral from -1)`` of a Legendre series."""
-    padded = [*series, series[0] * 0, series[0] * 0]
-    first = at_start + half * (padded[0] - padded[1] / 3)
-    return [
-        first,
-        *(
-            half * (padded[k - 1] / (2 * k - 1) - padded[k + 1] / (2 * k + 3))
-            for k in range(1, len(series) + 1)
-        ),
-    ]
-
-
 # --- a step ---------------------------------------------------------------------------------------
 
 
@@ -231,7 +218,14 @@ class Collocation:
             # The last step is longer by its rounding, so that it does not end before the limit.
             length = min(length, (end - begin) * (1 + 4 * self.context.eps))
             segment, needed = self._step(dynamics, begin, length / 2, state, fastest)
-            change = self._change_of_length(needed)
+            # The factor to the next step. Coefficients fall as ρ^-k and reach the tolerance at k =
+            # `needed`, which determines ρ. They should reach it at the last significant one; ρ is
+            # inversely proportional to the step.
+            change = _MOST_LONGER
+            if needed:
+                decades = -float(self.context.log10(self.tolerance))
+                aim = _SAFETY * 10 ** (decades * (1 / needed - 1 / self._enough))
+                change = max(_MOST_SHORTER, min(_MOST_LONGER, aim))
             if segment is not None and needed <= self._enough:
                 yield segment
                 begin, state = begin + length, segment.end
@@ -252,18 +246,6 @@ class Collocation:
     def _enough(self) -> int:
         """Return the number of significant coefficients; the others must be negligible."""
         return len(self.rule.nodes) - _IDLE
-
-    def _change_of_length(self, needed: float) -> float:
-        """Return the factor from the length of the last step to that of the next.
-
-        Coefficients fall as ρ^-k and reach the tolerance at k = `needed`, which determines ρ. They
-        should reach it at the last significant one; ρ is inversely proportional to the step.
-        """
-        if needed == 0:
-            return _MOST_LONGER
-        decades = -float(self.context.log10(self.tolerance))
-        aim: float = _SAFETY * 10 ** (decades * (1 / needed - 1 / self._enough))
-        return max(_MOST_SHORTER, min(_MOST_LONGER, aim))
 
     def _speed(self, dynamics: Dynamics, state: Sequence[Mpf]) -> Mpf:
         """Return the size of the velocities of a state, or of their rates."""
@@ -312,32 +294,39 @@ class Collocation:
 
         # the state as Legendre series, and how many of their coefficients matter
         rising = [rule.coefficients @ row for row in rates]
-        series = tuple(_antiderivative(c, half, x) for c, x in zip(rising, start, strict=True))
+        series = []
+        for p, x in zip(rising, start, strict=True):
+            # of x + half · (integral of p from -1)
+            padded = [*p, p[0] * 0, p[0] * 0]
+            integral = [
+                half * (padded[k - 1] / (2 * k - 1) - padded[k + 1] / (2 * k + 3))
+                for k in range(1, len(p) + 1)
+            ]
+            series.append([x + half * (padded[0] - padded[1] / 3), *integral])
         segment = Segment(
             begin,
             half,
             start,
             state(*map(self.context.fsum, series)),  # P_k(1) = 1 for all k
-            series,
+            tuple(series),
             at_nodes,
             [state(*column) for column in zip(*rates, strict=True)],
             dynamics,
             rule,
             self.context,
         )
+        # the effect of each coefficient on a velocity, m/s
         velocities = [rising[i] for i in unknown]
         sizes = [half * max(map(abs, each)) for each in zip(*velocities, strict=True)]
-        return segment, self._needed(sizes, fastest)
-
-    def _needed(self, sizes: list[Mpf], speed: Mpf) -> float:
-        """Return the number of coefficients needed, from the effect of each on a velocity, m/s."""
-        matter = [k for k, size in enumerate(sizes, start=1) if size > self.tolerance * speed]
+        matter = [k for k, size in enumerate(sizes, start=1) if size > self.tolerance * fastest]
         if not matter or matter[-1] <= self._enough:
-            return matter[-1] if matter else 0
-        last = max(sizes[-_IDLE:]) / speed
+            return segment, matter[-1] if matter else 0
+        last = max(sizes[-_IDLE:]) / fastest
+        if not last < 1:
+            return segment, math.inf
         # The number at which they reach the tolerance if they fall on as ρ^-k, k = 1, 2, …
         log = self.context.log
-        return float(len(sizes) * log(self.tolerance) / log(last)) if last < 1 else math.inf
+        return segment, float(len(sizes) * log(self.tolerance) / log(last))
 
     def _roughly(
         self, dynamics: Dynamics, start: State, half: float

@@ -94,40 +94,30 @@ class Code:
         self._source, self._left = source, float(enough)
         # The module with the current functions. Its `taken` converts an array to their argument: a
         # list of numbers for Python (faster there), the array itself for compiled code.
-        self.now = _as_it_is(source)
+        self.now = _made(source, False)
 
     def count(self, work: int = 1) -> ModuleType:
         """Count work, and return the module with the current functions."""
         if self._left >= 0:
             self._left -= _HASTE * work
             if self._left < 0 and compiler() is not None:
-                self.now = _compiled(self._source)
+                self.now = _made(self._source, True)
         return self.now
 
 
-def _module(source: str, kind: str) -> ModuleType:
+@cache
+def _made(source: str, compile_all: bool) -> ModuleType:
+    """Return the module of a source, with its functions as they are or compiled."""
+    kind = "compiled" if compile_all else "printed"
     name = f"{kind}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     module = ModuleType(name)
     # numba looks up the globals of cached code here.
     sys.modules[name] = module
     exec(compile(source, f"<{name}>", "exec"), module.__dict__)
-    return module
-
-
-@cache
-def _as_it_is(source: str) -> ModuleType:
-    module = _module(source, "printed")
-    vars(module)["taken"] = np.ndarray.tolist
-    return module
-
-
-@cache
-def _compiled(source: str) -> ModuleType:
-    module = _module(source, "compiled")
-    for name, value in vars(module).copy().items():
-        if isinstance(value, FunctionType) and value.__module__ == module.__name__:
-            vars(module)[name] = compiled(value)
-    vars(module)["taken"] = np.asarray
+    for key, value in vars(module).copy().items():
+        if compile_all and isinstance(value, FunctionType) and value.__module__ == name:
+            vars(module)[key] = compiled(value)
+    vars(module)["taken"] = np.asarray if compile_all else np.ndarray.tolist
     return module
 
 

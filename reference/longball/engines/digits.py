@@ -1,15 +1,14 @@
 """The digits that an engine promises, and the check that a proven result has them.
 
 The promise is relative to the size of a quantity. Where a calculation loses digits, so that radii
-come out larger, an engine that proves them does it again with more (`Proving`).
+come out larger, an engine that proves them, and so has the method `finer`, does it again with more.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from decimal import ROUND_CEILING, Decimal, localcontext
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 from longball.model.quantities import numbers_of, replaced, vector_of
 from longball.model.result import Bounded, Result
@@ -21,21 +20,6 @@ T = TypeVar("T")
 _PREC = 1000
 
 
-class Proving(ABC):
-    """An engine that proves a number of digits."""
-
-    digits: int
-
-    @abstractmethod
-    def finer(self) -> Iterator[Self]:
-        """Yield the same engine with more digits, and with still more."""
-
-    @property
-    @abstractmethod
-    def description(self) -> str:
-        """Name and digits."""
-
-
 def to_digits(
     scene: Scene, engine: Any, solved: Callable[[Any], tuple[Result, T]]
 ) -> tuple[Result, T]:
@@ -45,10 +29,10 @@ def to_digits(
     if none of them has the digits.
     """
     result, rest = solved(engine)
-    # Only radii can show that digits are missing.
-    if not isinstance(engine, Proving):
+    # Only numbers that carry their own error can show that digits are missing.
+    if engine.numbers.rounding:
         return result, rest
-    digits = engine.digits
+    digits: int = engine.digits
     for finer in engine.finer():
         if result.code != "undecided" and not _missed(scene, result, digits):
             break

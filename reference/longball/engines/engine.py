@@ -48,11 +48,8 @@ class Touch:
     decided_by: str = field(default="", kw_only=True)
     # True if `state` is the point where the ball would leave the bat, not where it enters.
     leaving: bool = field(default=False, kw_only=True)
-
-    @property
-    def detected(self) -> State | None:
-        """The state in which the bat's ends are compared with the ball's place along the bat."""
-        return self.state
+    # The state in which the ball's place along the bat is compared with its ends; None: `state`
+    inside: State | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True)

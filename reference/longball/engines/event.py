@@ -177,12 +177,18 @@ def zero_of(curve: Curve, a: N, b: N, question: str, numbers: Numbers) -> N:
 
 def first_fall(
     curve: Curve,
-    end: N,
-    error: N,
-    question: str | None,
+    end: N,  # s since the piece begins; the search ends there
+    error: N,  # of the value
+    question: str | None,  # the event, as a clause; None if a touch within the error is no matter
     numbers: Numbers,
+    # The piece begins with the launch, whose value is exact. A launch on the surface is an arrival,
+    # at 0, unless the value rises from there
     launch: bool = False,
+    # The launch is known to lie on the surface, though its value is a ball around zero. So is a
+    # state in which a law switches
     on_surface: bool = False,
+    # A value that stays at zero is an arrival, as of a ball that rests on the ground. False for
+    # switches of a law: a ball that moves along a threshold has not crossed it
     stays: bool = True,
 ) -> N | None:
     r"""Time, s since the piece begins, at which a value first falls through zero; None if never.
@@ -199,29 +205,8 @@ def first_fall(
         --------------------\- -error
                              \       the end is below: it falls after 4
 
-    Parameters
-    ----------
-    end
-        s since the piece begins; the search ends there.
-    error
-        Of the value.
-    question
-        The event, as a clause; None if a touch within the error does not matter.
-    launch
-        The piece begins with the launch, whose value is exact. A launch on the surface is an
-        arrival, at 0, unless the value rises from there.
-    on_surface
-        The launch is known to lie on the surface, though its value is a ball around zero. So is a
-        state in which a law switches.
-    stays
-        A value that stays at zero is an arrival, as of a ball that rests on the ground. False for
-        switches of a law: a ball that moves along a threshold has not crossed it.
-
-    Raises
-    ------
-    Undecided
-        If a turning point of the value lies within its error of zero; if a ball leaves open whether
-        the piece begins above the surface, or whether the value rises from there.
+    Raises `Undecided` if a turning point of the value lies within its error of zero; if a ball
+    leaves open whether the piece begins above the surface, or whether the value rises from there.
     """
     start = numbers.exact(0.0)
     first = curve(start)
@@ -306,7 +291,17 @@ def first_met(
                     where, t = _fallen(seen, event, numbers)
                 met.append(Met(event, where.begin + t, event.place(where.at(t))))
         if met:
-            return _earliest(met, events, errors, limit, error, numbers)
+            # At the first event all other values are still positive, by more than their errors. At
+            # a launch they are exact, and the event that is listed first wins.
+            first = min(met, key=lambda each: each.time)
+            for other in events:
+                if other is not first.event and not first.time <= 0:
+                    question = f"whether {first.event.question} before {other.question}"
+                    off = errors[other.name]
+                    _require_positive(other.value(first.state), off, question, numbers)
+            question = f"whether {first.event.question} in the time limit"
+            _require_positive(limit - first.time, error * limit, question, numbers)
+            return first
         seen.append((piece, end))
         if not piece.begin + piece.length < limit:
             break
@@ -335,27 +330,6 @@ def _fallen(seen: Sequence[tuple[Piece, N]], event: Event, numbers: Numbers) -> 
             left = [start, *curve.turns(start, end)][-1]
             return piece, end if curve(end) > 0 else curve.zero(left, end)
     return seen[-1]
-
-
-def _earliest(
-    candidates: list[Met],
-    events: Events,
-    errors: dict[str, N],
-    limit: N,
-    error: float,
-    numbers: Numbers,
-) -> Met:
-    """Return the earliest event of a piece; raise `Undecided` if another coincides with it."""
-    first = min(candidates, key=lambda met: met.time)
-    # At the first event all other values are still positive, by more than their errors. At a launch
-    # they are exact, and the event that is listed first wins.
-    for other in events:
-        if other is not first.event and not first.time <= 0:
-            question = f"whether {first.event.question} before {other.question}"
-            _require_positive(other.value(first.state), errors[other.name], question, numbers)
-    question = f"whether {first.event.question} in the time limit"
-    _require_positive(limit - first.time, error * limit, question, numbers)
-    return first
 
 
 def _require_positive(x: N, error: N, question: str, numbers: Numbers) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 from longball.engines.event import Curve, Event, Piece
 from longball.model.frame import Frame
@@ -20,8 +20,7 @@ from longball.model.law import State
 from longball.model.numbers import N, Numbers, Vector
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """A place of a fence."""
 
     height: N  # of the fence's top there, m
@@ -97,8 +96,7 @@ def chords(polyline: Sequence[Sequence[float]], numbers: Numbers) -> list[Chord]
 # --- flights in a vertical plane ------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Stop:
+class Stop(NamedTuple):
     """Distance s along the flight's plane to the fence, and the place there."""
 
     s: N
@@ -113,18 +111,27 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
     """
     zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
     nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
+
+    def along(vertex: Sequence[N]) -> N:
+        return frame.cos * (vertex[0] - frame.x) + frame.sin * (vertex[1] - frame.y)
+
+    def seen(vertex: Sequence[N], is_open: bool) -> tuple[Any, N, Any]:
+        """Left of the flight or on it; the offset from it; and an open end on the flight."""
+        x, y = vertex[0] - frame.x, vertex[1] - frame.y
+        aside = sense * (frame.cos * y - frame.sin * x)
+        on = (abs(aside) > error * (abs(x) + abs(y))) ^ True
+        return (aside < 0) ^ True, aside, on & is_open
+
     if fence.polyline is None:
         # |r₀ + s h| = radius for the unit heading h: s = -r₀·h ± √((r₀·h)² + radius² - r₀²)
         radius = numbers.exact(fence.radius)
-        along = frame.x * frame.cos + frame.y * frame.sin
+        ahead = frame.x * frame.cos + frame.y * frame.sin
         inside = radius * radius - frame.x * frame.x - frame.y * frame.y
-        return Stop(numbers.sqrt(along * along + inside) * sense - along, nowhere)
+        return Stop(numbers.sqrt(ahead * ahead + inside) * sense - ahead, nowhere)
     first = Stop(sense * far, nowhere)
     for chord in chords(fence.polyline, numbers):
-        (left_a, aside_a, near_a), (left_b, aside_b, near_b) = (
-            _seen(frame, vertex, is_open, sense, error, numbers)
-            for vertex, is_open in ((chord.a, chord.open_a), (chord.b, chord.open_b))
-        )
+        left_a, aside_a, near_a = seen(chord.a, chord.open_a)
+        left_b, aside_b, near_b = seen(chord.b, chord.open_b)
         # Outwards is from right to left of the heading as the chords run: a on the left, b on the
         # right. The offsets of a and b divide the chord at the crossing, without cancellation.
         hit = left_a & (left_b ^ True)
@@ -132,7 +139,7 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
         apart = numbers.where(hit, aside_a - aside_b, one)
         fraction = numbers.where(hit, aside_a / apart, at_b)
         to_end = numbers.where(hit, -aside_b / apart, 1 - at_b)
-        there = _along(frame, chord.a) * to_end + _along(frame, chord.b) * fraction
+        there = along(chord.a) * to_end + along(chord.b) * fraction
         # Beside an open end, the offset of the heading is how far the ball passes it.
         open_a = abs(aside_a) if chord.open_a else far
         open_b = abs(aside_b) if chord.open_b else far
@@ -142,30 +149,12 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
         # Of several crossings, the nearest one ahead of s.
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
         nearer = nearer & (sense * (there - first.s) < 0)
+        parts = zip(place, first.place, strict=True)
         first = Stop(
             numbers.where(nearer, there, first.s),
-            Place(
-                *(
-                    numbers.where(nearer, getattr(place, name), getattr(first.place, name))
-                    for name in ("height", "segment", "margin", "to_break", "slope")
-                )
-            ),
+            Place(*(numbers.where(nearer, a, b) for a, b in parts)),
         )
     return first
-
-
-def _along(frame: Frame, vertex: Sequence[N]) -> N:
-    return frame.cos * (vertex[0] - frame.x) + frame.sin * (vertex[1] - frame.y)
-
-
-def _seen(
-    frame: Frame, vertex: Sequence[N], is_open: bool, sense: int, error: N, numbers: Numbers
-) -> tuple[Any, N, Any]:
-    """Classify a vertex: left of the flight or on it, its offset, and an open end on the flight."""
-    x, y = vertex[0] - frame.x, vertex[1] - frame.y
-    aside = sense * (frame.cos * y - frame.sin * x)
-    on = (abs(aside) > error * (abs(x) + abs(y))) ^ True
-    return (aside < 0) ^ True, aside, on & is_open
 
 
 def at_stop(name: str, stop: Stop, sense: int, numbers: Numbers) -> Event:
@@ -182,8 +171,7 @@ def at_stop(name: str, stop: Stop, sense: int, numbers: Numbers) -> Event:
 # --- flights in space -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Crossing:
+class Crossing(NamedTuple):
     """When, s since the launch, in what state and where a flight is first at the fence.
 
     `doubtful` if it comes within the error of the fence, and need not reach it.

@@ -25,14 +25,14 @@ import numpy as np
 import scipy.integrate
 
 from longball.engines.engine import OutOfRange, TooLong, Touch
-from longball.engines.event import BatSection, Event, Events
+from longball.engines.event import BatSection, Event, Events, Piece
 from longball.engines.path import Flight
-from longball.engines.path_engine import PathEngine, View
+from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander, Series, Taylor, right_hand_side
 from longball.model.arrays import Array
 from longball.model.law import Law, State
-from longball.model.numbers import DOUBLES, Doubles
+from longball.model.numbers import DOUBLES
 
 METHODS = ("Taylor", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
@@ -64,6 +64,8 @@ class Ivp(PathEngine):
     rtol: float | None = None
     atol: float | None = None
 
+    numbers = DOUBLES
+
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise ValueError(f"method {self.method!r} is not one of {', '.join(METHODS)}")
@@ -80,18 +82,8 @@ class Ivp(PathEngine):
     @property
     def tolerances(self) -> dict[str, float]:
         """Tolerances of solve_ivp, by name."""
-        if self.method == "Taylor":
-            return {}
-        default = 5e-14
-        return {
-            "rtol": default if self.rtol is None else self.rtol,
-            "atol": default if self.atol is None else self.atol,
-        }
-
-    @property
-    def numbers(self) -> Doubles:
-        """Double precision."""
-        return DOUBLES
+        given = {} if self.method == "Taylor" else {"rtol": self.rtol, "atol": self.atol}
+        return {name: 5e-14 if value is None else value for name, value in given.items()}
 
     @property
     def description(self) -> str:
@@ -126,13 +118,30 @@ class Ivp(PathEngine):
 
         Raises `OutOfRange` or `TooLong` if solve_ivp gives up, or the flight takes too many steps.
         """
+        rates, taylor = right_hand_side(law), self.method == "Taylor"
         time, state = begin, np.array(start, dtype=float)
         taken = 0
         while time < limit:
             if taken > 0 and (uniform := _uniform(law, time, state, limit)):
                 yield uniform
                 return
-            solution = self._integrate(law, time, state, limit, events)
+            if not taylor and not np.isfinite(rates(time, state)).all():
+                raise OutOfRange(_BEYOND)
+            # If two terminal events occur in one step, solve_ivp keeps the first of the list.
+            # `events` begins with the ground; in reverse order another event wins.
+            ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
+            ends.append(terminal("many steps", _countdown(_MANY_STEPS), law.state))
+            # A trial step may overflow; the step control then takes a shorter one or gives up.
+            with np.errstate(all="ignore"):
+                solution = scipy.integrate.solve_ivp(
+                    rates,
+                    (time, limit),
+                    state,
+                    method=Taylor if taylor else self.method,
+                    dense_output=True,
+                    events=ends,
+                    **({"law": law, "until": ends} if taylor else self.tolerances),
+                )
             for piece in _pieces(law, solution):
                 taken, time = taken + 1, piece.begin + piece.length
                 if taken > _MOST_STEPS:
@@ -144,31 +153,6 @@ class Ivp(PathEngine):
                 raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {solution.message}")
             last = solution.sol.interpolants[-1]
             time, state = float(last.t), last(last.t)
-
-    def _integrate(self, law: Law, time: float, state: Array, limit: float, events: Events) -> Any:
-        """Integrate with solve_ivp up to the first event that it sees."""
-        rates, taylor = right_hand_side(law), self.method == "Taylor"
-        if not taylor and not np.isfinite(rates(time, state)).all():
-            raise OutOfRange(_BEYOND)
-        # If two terminal events occur in one step, solve_ivp keeps the first of the list. `events`
-        # begins with the ground; in reverse order another event wins.
-        ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
-        # A countdown in the guise of an event: `terminal` asks it once for each time, so that it
-        # returns control after so many steps.
-        left = count(_MANY_STEPS, -1)
-        ends.append(terminal("many steps", lambda _: next(left), law.state))
-        options = {"law": law, "until": ends} if taylor else self.tolerances
-        # A trial step may overflow; the step control then takes a shorter one or gives up.
-        with np.errstate(all="ignore"):
-            return scipy.integrate.solve_ivp(
-                rates,
-                (time, limit),
-                state,
-                method=Taylor if taylor else self.method,
-                dense_output=True,
-                events=ends,
-                **options,
-            )
 
     def touch(
         self,
@@ -182,7 +166,9 @@ class Ivp(PathEngine):
         path = self.path(law, pitch.path.at(0.0), limit, [*events, *meeting(bat)])
         return super().touch(replace(pitch, path=path), law, bat, events, limit)
 
-    def views(self, pitch: Flight, law: Law, bat: BatSection) -> Iterator[View]:
+    def views(
+        self, pitch: Flight, law: Law, bat: BatSection
+    ) -> Iterator[tuple[Piece, float, float, float]]:
         """Yield the pieces of a pitch in which to search for the contact.
 
         Near the plate that is one Taylor expansion about the crossing. The bat's height comes from
@@ -193,7 +179,7 @@ class Ivp(PathEngine):
         error = self.flight_error * float(max(abs(bat.frame.x), abs(pitch.state.z)))
         if law.switches:
             for piece in pitch.path.pieces():
-                yield View(piece, 0.0, piece.length, error)
+                yield piece, 0.0, piece.length, error
             return
         centred = self.around(law, pitch.time, pitch.state)
         speed = math.hypot(*bat.frame.velocity(pitch.state))
@@ -205,12 +191,12 @@ class Ivp(PathEngine):
         seen = False
         for piece in pitch.path.pieces():
             if piece.begin < begin:
-                yield View(piece, 0.0, min(piece.length, begin - piece.begin), error)
+                yield piece, 0.0, min(piece.length, begin - piece.begin), error
             if piece.begin + piece.length >= begin and not seen:
                 seen = True
-                yield View(centred, begin - pitch.time, half, 0.0)
+                yield centred, begin - pitch.time, half, 0.0
             if piece.begin + piece.length > end:
-                yield View(piece, max(0.0, end - piece.begin), piece.length, error)
+                yield piece, max(0.0, end - piece.begin), piece.length, error
 
     def around(self, law: Law, time: float, state: State) -> PolynomialPiece:
         """Taylor expansion of the flight about a time, s since the launch, and its state.
@@ -254,6 +240,15 @@ def terminal(
     return falls
 
 
+def _countdown(steps: int) -> Callable[[Any], int]:
+    """A countdown in the guise of an event, which returns control after so many steps.
+
+    `terminal` asks it once for each time.
+    """
+    left = count(steps, -1)
+    return lambda _: next(left)
+
+
 def meeting(bat: BatSection) -> Iterator[Event]:
     """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
 
@@ -274,28 +269,25 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     """Yield the steps of solve_ivp as polynomials.
 
     The last one extends past the event that ended the integration. Methods other than Taylor's
-    have interpolants of low order: their steps are expanded from the states in which they begin.
+    have interpolants of low order: their steps are expanded from the states in which they begin,
+    again where a step is longer than a series reaches.
     """
+    expand = Expander(law)
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
+        time, end = float(step.t_old), float(step.t)
         if isinstance(step, Series):
             ends = [*(begin for begin, _ in step.parts[1:]), step.t]
-            for (begin, series), end in zip(step.parts, ends, strict=True):
-                yield PolynomialPiece(begin, _length(begin, end), law.state, series)
-        else:
-            yield from _expanded(law, float(step.t_old), state, float(step.t))
-
-
-def _expanded(law: Law, time: float, state: Array, end: float) -> Iterator[PolynomialPiece]:
-    """Yield the series from a state; restart where a step is longer than a series reaches."""
-    expand, make = Expander(law), law.state
-    while time < end:
-        series, reach = expand(state)
-        if not reach > 0:
-            raise OutOfRange(_BEYOND)
-        until = min(time + reach, end)
-        piece = PolynomialPiece(time, _length(time, until), make, series)
-        yield piece
-        time, state = until, np.array(piece.at(piece.length))
+            for (begin, series), until in zip(step.parts, ends, strict=True):
+                yield PolynomialPiece(begin, _length(begin, until), law.state, series)
+            continue
+        while time < end:
+            series, reach = expand(state)
+            if not reach > 0:
+                raise OutOfRange(_BEYOND)
+            until = min(time + reach, end)
+            piece = PolynomialPiece(time, _length(time, until), law.state, series)
+            yield piece
+            time, state = until, np.array(piece.at(piece.length))
 
 
 def _length(begin: float, end: float) -> float:
@@ -313,13 +305,14 @@ _SETTLED = 1e-14  # of gravity
 def _uniform(law: Law, time: float, state: Array, limit: float) -> PolynomialPiece | None:
     """Uniform motion up to the limit; None if the ball has not settled to it."""
     # It may settle only under a law that is the same at all positions: height, wind, density.
-    if law.gravity is None or any(
+    gravity = law.strengths.get("gravity")
+    if gravity is None or any(
         node.kind == "variable" and node.args[0] in "syz" for node in law.program.nodes
     ):
         return None
     slopes = []
     for rate, node in zip(law.rates(DOUBLES)(*state.tolist()), law.program.outputs, strict=True):
-        if node.kind != "variable" and not abs(rate) <= _SETTLED * law.gravity:
+        if node.kind != "variable" and not abs(rate) <= _SETTLED * gravity:
             return None
         slopes.append(rate if node.kind == "variable" else 0.0)
     return PolynomialPiece(time, _length(time, limit), law.state, np.column_stack([state, slopes]))

@@ -9,7 +9,7 @@ points of an event at once, so that none can hide between two steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -20,7 +20,7 @@ from longball.engines.engine import TooLong
 from longball.engines.event import Events
 from longball.engines.path_engine import PathEngine
 from longball.model.law import Law, State
-from longball.model.numbers import Single, ratio
+from longball.model.numbers import Numbers, ratio
 from longball.model.result import Bounded
 
 # Digits beyond those that are printed. The error of a step is 14 digits below them, that of a
@@ -35,7 +35,7 @@ _ROUNDING_GUARD = 20
 _NODES_PER_DIGIT = 1.25
 
 
-class MultiprecisionNumbers(Single):
+class MultiprecisionNumbers(Numbers):
     """Numbers of mpmath with so many digits to be printed, and some more behind them.
 
     They have a context of their own, so that engines of different precision do not meet.
@@ -46,29 +46,19 @@ class MultiprecisionNumbers(Single):
         self.context = MPContext()
         self.context.dps = digits + _ROUNDING_GUARD
         self.pi: Mpf = +self.context.pi
+        self.exact, self.sqrt = self.context.mpf, self.context.sqrt
+        self.angle = self.context.atan2
         self.rounding = 2.0**-self.context.prec
-        self.functions: Mapping[str, Callable[..., Mpf]] = {
+        self.functions = {
             "sqrt": self.context.sqrt,
             "exp": self.context.exp,
             "log": self.context.log,
             "unit": ratio,
         }
 
-    def exact(self, value: float) -> Mpf:
-        """Return the double itself."""
-        return self.context.mpf(value)
-
-    def sqrt(self, x: Mpf) -> Mpf:
-        """Return the square root."""
-        return self.context.sqrt(x)
-
     def cos_sin(self, angle: Mpf) -> tuple[Mpf, Mpf]:
         """Return cosine and sine of an angle in radians."""
         return self.context.cos(angle), self.context.sin(angle)
-
-    def angle(self, y: Mpf, x: Mpf) -> Mpf:
-        """Return the angle from the x axis to a vector, rad."""
-        return self.context.atan2(y, x)
 
     def report(self, x: Mpf) -> Bounded:
         """Return the number rounded to the digits asked for; its error is not proven."""

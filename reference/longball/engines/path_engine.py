@@ -8,8 +8,7 @@ first touching of the bat.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from types import MappingProxyType
@@ -206,7 +205,14 @@ class PathEngine(Engine, ABC):
             return
         # upwards to the apex, then downwards; or downwards at once
         if start.w > wind:
-            apex = _apex(wind)
+            # A ball that moves vertically comes to rest in air that rises at `wind`.
+            apex = Event(
+                "apex",
+                "the ball comes to rest",
+                lambda state: state.w - wind,
+                lambda state: state._replace(w=wind),
+                1.0,
+            )
             for piece in self.steps(up, start, begin, limit, [apex, *events]):
                 top = first_fall(
                     piece.curve(apex.value), piece.length, nothing, apex.question, self.numbers
@@ -229,11 +235,15 @@ class PathEngine(Engine, ABC):
             return Flight(path, "time", limit, path.at(limit))
         return Flight(path, met.event.name, met.time, met.state)
 
-    def views(self, pitch: Flight, law: Law, bat: BatSection) -> Iterator[View]:
-        """Yield the pieces of a pitch, for the search for the bat."""
+    def views(self, pitch: Flight, law: Law, bat: BatSection) -> Iterator[tuple[Piece, N, N, N]]:
+        """Yield the pieces of a pitch in which to search for the bat.
+
+        With each piece: from when until when on it to search, s, the former possibly negative; and
+        the error of the distance to the bat, m, in addition to `event.margin_error`.
+        """
         nothing = self.numbers.exact(0.0)
         for piece in pitch.path.pieces():
-            yield View(piece, nothing, piece.length, nothing)
+            yield piece, nothing, piece.length, nothing
 
     def touch(self, pitch: Flight, law: Law, bat: BatSection, events: Events, limit: N) -> Touch:
         r"""Find how a pitch that has reached the plate meets the bat; see `Engine.touch`.
@@ -260,40 +270,25 @@ class PathEngine(Engine, ABC):
             numbers.positive(gap, error, STARTS_INSIDE)
 
         # a release on the bat's surface, towards it, is the touching
-        first: tuple[N, State] | None = None
+        touching: tuple[N, State] | None = None
         if not gap > error and bat.approach(launch) < 0:
-            first = numbers.exact(0.0), launch
+            touching = numbers.exact(0.0), launch
 
-        # the minima of the distance, in order of time
         closest = -gap
-        for part in self._approaches(pitch, law, bat, events, limit, first):
-            margin = bat.reach - bat.distance(part.end, numbers)
+
+        def met_at(state: State, off: N, settled: bool) -> Touch | None:
+            """Decide the contact at the end of an approach, if the distance has a minimum there."""
+            nonlocal closest
+            margin = bat.reach - bat.distance(state, numbers)
             if margin > closest:
                 closest = margin
             elif not margin <= closest:  # of two numbers with radii neither may be the larger
                 closest = (margin + closest + abs(margin - closest)) / 2
-            if part.settled and not abs(margin) > error + part.error:
-                return Touch(
-                    margin, None, doubt=doubt(margin, error + part.error, TOUCHES, numbers)
-                )
-            if part.settled and margin > error and part.touching is not None:
-                return Touch(margin, True, *part.touching)
-        return Touch(closest, False)
-
-    def _approaches(
-        self,
-        pitch: Flight,
-        law: Law,
-        bat: BatSection,
-        events: Events,
-        limit: N,
-        touching: tuple[N, State] | None,
-    ) -> Iterator[_Approach]:
-        """Yield the parts of a pitch on which it comes closer to the bat.
-
-        `touching` is the time, s, and the state of a touching at the launch.
-        """
-        numbers = self.numbers
+            if settled and not abs(margin) > error + off:
+                return Touch(margin, None, doubt=doubt(margin, error + off, TOUCHES, numbers))
+            if settled and margin > error and touching is not None:
+                return Touch(margin, True, *touching)
+            return None
 
         # the end of the search: behind the bat, on the ground, vertical, or the time limit
         ends = [past(bat.frame, bat.reach, numbers), *events]
@@ -304,34 +299,38 @@ class PathEngine(Engine, ABC):
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach
 
-        # `pending` is a part that ends with its piece: the next piece shows whether the distance
-        # goes on falling there, or has turned.
-        pending: _Approach | None = None
-        for view in self.views(pitch, law, bat):
-            piece = view.piece
+        # `pending` is an approach that ends with its piece: the next piece shows whether the
+        # distance goes on falling there, or has turned.
+        pending: tuple[State, N] | None = None
+        for piece, since, until, off in self.views(pitch, law, bat):
             left = search_end - piece.begin
-            over = not view.until < left
-            end = left if over else view.until
+            over = not until < left
+            end = left if over else until
             curve = piece.curve(bat.depth)
             far = curve if near is bat.reach else piece.curve(partial(bat.beyond, near))
-            if far(view.since) > 0 and far.positive(view.since, end):
+            turns = []
+            if far(since) > 0 and far.positive(since, end):
                 pending = None
             else:
-                for a, b in pairwise([view.since, *curve.turns(view.since, end), end]):
-                    if not curve(b) >= curve(a):  # it falls, or balls leave that open
-                        if touching is None and curve(b) < 0:
-                            t = zero_of(curve, a, b, TOUCHES, numbers)
-                            touching = piece.begin + t, piece.at(t)
-                        settled = b is not end or over
-                        pending = _Approach(piece.at(b), touching, view.error, settled)
-                        yield pending
-                    elif pending is not None and not pending.settled:
-                        yield replace(pending, settled=True)  # it turned where the pieces join
-                        pending = None
+                turns = [since, *curve.turns(since, end), end]
+            for a, b in pairwise(turns):
+                touch = None
+                if not curve(b) >= curve(a):  # it falls, or balls leave that open
+                    if touching is None and curve(b) < 0:
+                        t = zero_of(curve, a, b, TOUCHES, numbers)
+                        touching = piece.begin + t, piece.at(t)
+                    settled = b is not end or over
+                    state = piece.at(b)
+                    touch, pending = met_at(state, off, settled), None if settled else (state, off)
+                elif pending is not None:
+                    touch, pending = met_at(*pending, True), None  # it turned where pieces join
+                if touch is not None:
+                    return touch
             if over:
                 break
         if met is not None and met.event.name == "vertical":
             raise CannotSolve(TURNS_VERTICAL)
+        return Touch(closest, False)
 
 
 # A flight passes a node of a table twice, or a few times more if it loops.
@@ -367,43 +366,6 @@ RESTS_WITH_SPIN = (
 )
 
 
-def _apex(wind: Any) -> Event:
-    """Event: a ball that moves vertically comes to rest in air that rises at `wind`, m/s."""
-    return Event(
-        "apex",
-        "the ball comes to rest",
-        lambda state: state.w - wind,
-        lambda state: state._replace(w=wind),
-        1.0,
-    )
-
-
-@dataclass(frozen=True)
-class View:
-    """A piece of a pitch, or a part of it, in which the bat is looked for."""
-
-    piece: Piece
-    # since, until: the part, s since the piece begins; `since` may be negative
-    since: N
-    until: N
-    # m; error of the distance to the bat, added to `longball.engines.event.margin_error`
-    error: N
-
-
-@dataclass(frozen=True)
-class _Approach:
-    """A part of a pitch on which it comes closer to the bat.
-
-    `end` is the state at its end; `touching` the time, s, and state of the first touching so far;
-    `settled` is True if the distance has a minimum at the end, or the search ends there.
-    """
-
-    end: State
-    touching: tuple[N, State] | None
-    error: N
-    settled: bool
-
-
 # --- the branches of a law with switches ----------------------------------------------------------
 
 
@@ -411,15 +373,35 @@ def branches_at(
     law: Law,
     state: State,
     numbers: Numbers,
-    known: Mapping[int, int] = MappingProxyType({}),
+    known: Mapping[int, int] = MappingProxyType({}),  # branches that stay, by the number of switch
+    error: N = 0.0,  # of the switching functions
+    sense: int = 1,  # on a threshold: 1 for the branch that the flight enters, -1 if it leaves it
 ) -> list[int]:
-    """Branch of each switch of a law in a state; on a threshold, the branch that is entered.
+    """Branch of each switch of a law in a state.
 
-    Branches that are `known` stay.
-
-    Raises `Undecided` if a ball leaves open on which side of a threshold a state is.
+    Raises `Undecided` if the state is within the error, or the radius of a ball, of a threshold.
     """
-    return _branches(law, state, numbers, known, range(len(law.switches)), 1, state.z * 0)
+    branches = [known.get(which, 0) for which in range(len(law.switches))]
+    # The wind's switch first: the others depend on the airspeed.
+    for which, switch in sorted(
+        enumerate(law.switches), key=lambda numbered: not numbered[1].is_wind
+    ):
+        if which in known:
+            continue
+        form = law.on(branches)
+        state = form.completed(state, numbers)
+        for threshold in switch.thresholds:
+            value = form.beyond(switch, threshold, numbers)
+            there, off = value(state), error
+            # Exactly on the threshold, the direction in which the flight passes it decides. It is
+            # exact, too: a state that lies there was put there.
+            if there == 0:
+                moving = map(Dual, state, form.rates(numbers)(*state))
+                there, off = sense * value(law.state(*moving)).rate, error * 0
+            question = f"whether {switch.question}"
+            # The thresholds rise, so that the branch is the number of those below the value.
+            branches[which] += numbers.positive(there, off, question)
+    return branches
 
 
 def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:
@@ -432,8 +414,8 @@ def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:
     """
     if not law.switches:
         return law
-    none: dict[int, int] = {}
-    return law.on(_branches(law, state, numbers, none, law.switches_of_spin, -1, error))
+    known = {n: 0 for n in range(len(law.switches)) if n not in law.switches_of_spin}
+    return law.on(branches_at(law, state, numbers, known, error, -1))
 
 
 def require_law(law: Law, branches: Sequence[Any], time: Any) -> None:
@@ -453,35 +435,3 @@ def no_direction(time: Any) -> CannotSolve:
         f"air.side_coefficient.direction, as it is {float(time):.6g} s after the ball is set free; "
         "take another direction, or a time_limit before that"
     )
-
-
-def _branches(
-    law: Law,
-    state: State,
-    numbers: Numbers,
-    known: Mapping[int, int],
-    asked: Collection[int],
-    sense: int,  # on a threshold: 1 for the branch that the flight enters, -1 for the one it leaves
-    error: N,  # of the switching functions
-) -> list[int]:
-    branches = [known.get(which, 0) for which in range(len(law.switches))]
-    # The wind's switch first: the others depend on the airspeed.
-    for which, switch in sorted(
-        enumerate(law.switches), key=lambda numbered: not numbered[1].is_wind
-    ):
-        if which in known or which not in asked:
-            continue
-        form = law.on(branches)
-        state = form.completed(state, numbers)
-        for threshold in switch.thresholds:
-            value = form.beyond(switch, threshold, numbers)
-            there, off = value(state), error
-            # Exactly on the threshold, the direction in which the flight passes it decides. It is
-            # exact, too: a state that lies there was put there.
-            if there == 0:
-                moving = map(Dual, state, form.rates(numbers)(*state))
-                there, off = sense * value(law.state(*moving)).rate, error * 0
-            question = f"whether {switch.question}"
-            # The thresholds rise, so that the branch is the number of those below the value.
-            branches[which] += numbers.positive(there, off, question)
-    return branches

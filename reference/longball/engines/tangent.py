@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from pydantic import BaseModel
 
@@ -31,7 +31,7 @@ from longball.engines.variation import RATE, variational
 from longball.model.inputs import TRACKED, launched, tracked, value_of
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers, Undecided
-from longball.model.quantities import steps_of, unknown
+from longball.model.quantities import flat, steps_of, unknown
 from longball.model.scene import InvalidScene, Scene
 
 B = TypeVar("B", bound=BaseModel)
@@ -160,7 +160,7 @@ def rate_of(x: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Jets:
+class Jets(Numbers):
     """Jets of a number system; see `longball.model.numbers.Numbers`."""
 
     inner: Any  # a number system
@@ -173,7 +173,7 @@ class Jets:
         return self.jet(self.inner.pi)
 
     @property
-    def rounding(self) -> Any:
+    def rounding(self) -> Any:  # type: ignore[override]
         """See `Numbers`."""
         return self.inner.rounding
 
@@ -182,7 +182,7 @@ class Jets:
         return self.inner.arithmetic()
 
     @property
-    def functions(self) -> Mapping[str, Callable[..., Jet]]:
+    def functions(self) -> Mapping[str, Callable[..., Jet]]:  # type: ignore[override]
         """See `Numbers`."""
         of = self.inner.functions
 
@@ -206,10 +206,6 @@ class Jets:
     def absent(self, value: Any) -> bool:
         """True if a number of a scene is zero, and does not depend on x."""
         return bool(value == 0 and getattr(value, "rate", 0) == 0)
-
-    def where(self, condition: Any, x: Any, y: Any) -> Any:
-        """See `Numbers`."""
-        return x if condition else y
 
     def sqrt(self, x: Any) -> Jet:
         """Return the square root; raise `Kink` at zero, where it has a corner."""
@@ -256,15 +252,9 @@ class Shallow(CannotSolve):
 
 @dataclass(frozen=True)
 class Tangent(PathEngine):
-    """Flights in jets.
+    """Flights in jets."""
 
-    Attributes
-    ----------
-    inner
-        Engine that integrates a law with its variational equation.
-    """
-
-    inner: PathEngine
+    inner: PathEngine  # integrates a law with its variational equation
 
     @property
     def description(self) -> str:
@@ -316,7 +306,8 @@ class Tangent(PathEngine):
         ends = [inner(event) for event in events]
         first, last = plain_of(begin), plain_of(limit)
         for piece in self.inner.steps(flown, flown.state(*now, *moved), first, last, ends):
-            yield JetPiece(piece, law.state, rates, numbers.rounding)
+            times = Jet(piece.begin), Jet(piece.length)
+            yield JetPiece(*times, piece, law.state, rates, numbers.rounding)
 
     def fly(self, law: Law, start: State, events: Events, limit: Jet) -> Flight:
         """Fly until the first of several events; see `Engine.fly`."""
@@ -355,24 +346,15 @@ def jets_of(inner: Sequence[Any], state: Callable[..., Any]) -> Any:
     return state(*map(Jet, inner[:half], inner[half:]))
 
 
-@dataclass(frozen=True)
-class JetPiece:
+class JetPiece(NamedTuple):
     """A piece of a flight in jets; see `longball.engines.event.Piece`."""
 
+    begin: Jet
+    length: Jet
     piece: Piece
     state: Callable[..., Any]
     rates: Callable[..., tuple[Any, ...]]
     rounding: float  # of the inner numbers
-
-    @property
-    def begin(self) -> Jet:
-        """Time of its beginning, s since the launch."""
-        return Jet(self.piece.begin)
-
-    @property
-    def length(self) -> Jet:
-        """Length, s."""
-        return Jet(self.piece.length)
 
     def at(self, t: Jet) -> Any:
         """Return the state at a time, s since the beginning of the piece."""
@@ -423,28 +405,25 @@ class JetCurve:
         h = self.piece.piece.length * _APART
         shifted = []
         for t in turns:
-            curvature = (self._falling(t + h) - self._falling(t - h)) / (2 * h)
-            step = -self._falling(t) / curvature if curvature else 0
+            before, falls, after = (self._falling(at)[0] for at in (t - h, t, t + h))
+            curvature = (after - before) / (2 * h)
+            step = -falls / curvature if curvature else 0
             shifted.append(Jet(t + step if abs(step) < h else t))
         return shifted
 
-    def _falling(self, t: Any) -> Any:
-        """Return ġ."""
+    def _falling(self, t: Any) -> tuple[Any, Any, Sequence[Any]]:
+        """Return ġ, the state and its rates."""
         inner = self.piece.piece.at(t)
         here = jets_of(inner, self.piece.state)
-        return self._falling_at(here, self.piece.rates(*inner)[: len(here)])
-
-    def _falling_at(self, here: Any, speeds: Sequence[Any]) -> Any:
+        speeds = self.piece.rates(*inner)[: len(here)]
         moved = [self._slope(here, n) * v for n, v in enumerate(speeds)]
-        return sum(moved[1:], moved[0])
+        return sum(moved[1:], moved[0]), here, speeds
 
     def zero(self, a: Jet, b: Jet) -> Jet:
         """See `Curve`: ``dt/dx = -(∂g/∂x)/ġ``."""
         t = self.inner.zero(plain_of(a), plain_of(b))
-        inner = self.piece.piece.at(t)
-        here = jets_of(inner, self.piece.state)
-        change, speeds = rate_of(self.value(here)), self.piece.rates(*inner)[: len(here)]
-        falls = self._falling_at(here, speeds)
+        falls, here, speeds = self._falling(t)
+        change = rate_of(self.value(here))
         if falls < 0:
             self._require_steep(here, falls, speeds)
         elif change != 0:
@@ -507,16 +486,10 @@ def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
 
 
 def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any]:
-    """Return the derivatives of all numbers of a result by one input, by name.
+    """Return the derivatives of all numbers of a result by one input, as numbers of the engine.
 
-    The derivatives are numbers of the engine.
-
-    Raises
-    ------
-    InvalidScene
-        If the scene has no such input.
-    CannotSolve, Undecided
-        If the result has no derivative, or the engine has no result.
+    Raises `InvalidScene` if the scene has no such input; `CannotSolve` or `Undecided` if the result
+    has no derivative, or the engine has no result.
     """
     marked, speed = seeded_by(scene, name)
     numbers = engine.numbers
@@ -526,10 +499,11 @@ def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any
         except Shallow:
             finer = derivatives_by(scene, name, Enclosure(_DIGITS))
             return {quantity: numbers.exact(float(slope)) for quantity, slope in finer.items()}
+        named = dict(flat(jets))
         return {
             path: (numbers.exact(0.0) + jet.rate) / numbers.exact(speed)
-            for quantity, value in jets.items()
-            for path, jet in _named(quantity, value)
+            for path, jet in named.items()
+            if isinstance(jet, Jet)  # no outcomes and counts
         }
 
 
@@ -601,11 +575,3 @@ def derivatives_of(
         for quantity, row in table.items():
             row[name] = engine.numbers.report(slopes[quantity]) if quantity in slopes else math.nan
     return Derivatives(table, refused)
-
-
-def _named(quantity: str, value: Any) -> Iterator[tuple[str, Jet]]:
-    """Yield the numbers of a quantity, by name, without outcomes and counts."""
-    if isinstance(value, Jet):
-        yield quantity, value
-    elif isinstance(value, tuple):
-        yield from ((f"{quantity}[{i}]", x) for i, x in enumerate(value))

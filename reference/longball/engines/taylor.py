@@ -17,7 +17,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
@@ -211,7 +211,7 @@ class Expander:
     """Expand states into series of a law; `rtol` of the last terms decides how far they reach."""
 
     def __init__(self, law: Law, order: int = ORDER, rtol: float = TRUNCATION) -> None:
-        self._printed = _printed(law.program)
+        self._program, self._series = law.program, recurrence(law.program)
         self._strengths = [law.strengths[name] for name in law.program.parameters]
         self._order, self._rtol = order, rtol
 
@@ -220,11 +220,12 @@ class Expander:
 
         The reach is NaN if numbers exceed the range of doubles.
         """
-        code, order = self._printed.step, self._order
+        code, order = _printed(self._program, at_rest=False), self._order
         x, length = self._expand(code, order, state)
         # From rest, the recurrence of a root divides by V_0 = 0: take the other one.
-        if not length > 0 and any(x[root][0] == 0 for root in self._printed.roots):
-            code = self._printed.step_from_rest
+        rows = self._series.rows
+        if not length > 0 and any(x[rows.index(root)][0] == 0 for root in self._series.roots):
+            code = _printed(self._program, at_rest=True)
             x, length = self._expand(code, order, state)
             if all(row[1] == 0 for row in x[: len(state)]):
                 return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
@@ -236,7 +237,7 @@ class Expander:
 
     def _expand(self, code: Code, order: int, state: Array) -> tuple[Rows, float]:
         run = code.count()
-        x: Rows = np.zeros((self._printed.rows, order + 2))
+        x: Rows = np.zeros((len(self._series.rows), order + 2))
         x[: len(state), 0] = state
         x = run.taken(x)
         try:
@@ -245,28 +246,8 @@ class Expander:
             return x, math.nan
 
 
-class _Printed(NamedTuple):
-    """The printed recurrence of a program, the number of its rows, and those of sizes."""
-
-    rows: int
-    roots: tuple[int, ...]
-    step: Code
-    step_from_rest: Code
-
-
 # A series takes 0.1 to 1 ms as it is; numba takes half a second to load, and seconds to compile.
 _ENOUGH = 2_000
-
-
-@cache
-def _printed(program: Program) -> _Printed:
-    series = recurrence(program)
-    return _Printed(
-        len(series.rows),
-        tuple(series.rows.index(root) for root in series.roots),
-        Code(_source(program, at_rest=False), _ENOUGH),
-        Code(_source(program, at_rest=True), _ENOUGH),
-    )
 
 
 # Names in printed code.
@@ -275,7 +256,8 @@ _TAKEN = re.compile(
 )
 
 
-def _source(program: Program, at_rest: bool) -> str:
+@cache
+def _printed(program: Program, at_rest: bool) -> Code:
     """Print ``step(x, order, rtol, *parameters)``, which expands and returns the reach."""
     for name in (*program.variables, *program.parameters):
         if _TAKEN.fullmatch(name):
@@ -295,16 +277,8 @@ def _source(program: Program, at_rest: bool) -> str:
         parts = tuple(series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static)
         moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
         lines.append(f"    {moving}h = reach_of_root(h, x, {i}, {parts or None})")
-    return "\n".join(
-        [
-            Path(reach.__file__).read_text("utf-8"),
-            "from math import exp, log",
-            "",
-            "",
-            series.source(at_rest),
-            "",
-            *lines,
-            "    return h",
-            "",
-        ]
+    steps = Path(reach.__file__).read_text("utf-8")
+    imports = "from math import exp, log\n\n"
+    return Code(
+        "\n".join([steps, imports, series.source(at_rest), *lines, "    return h\n"]), _ENOUGH
     )

@@ -128,15 +128,8 @@ class SteppedTouch(Touch):
     """Contact of a pitch with the bat in steps."""
 
     step: int  # number of the step before the first one in the bat
-    # before, inside: the states at that step and at the next one
-    before: State
-    inside: State
+    before: State  # the state there
     ahead: float  # Δt', s
-
-    @property
-    def detected(self) -> State:
-        """The step in the bat: there the paper asks whether the ball is between the bat's ends."""
-        return self.inside
 
 
 Top = tuple[float, State] | None
@@ -158,24 +151,18 @@ class SteppedFlight(Flight):
 
 @dataclass(frozen=True)
 class Verlet(Stepped):
-    """Flights and contacts in fixed steps.
+    """Flights and contacts in fixed steps."""
 
-    Attributes
-    ----------
-    dt
-        s, the step; 0.05 in the paper.
-    forces, landing, root, contact_force
-        Switches of the ledger: ``verlet_forces``, ``verlet_landing``, ``appendix_b_root``,
-        ``contact_force``.
-    """
-
-    dt: float = 0.05
+    dt: float = 0.05  # s, the step; the paper's
+    # Switches of the ledger: verlet_forces, verlet_landing, appendix_b_root, contact_force
     forces: VerletForces = "old_carried"
     landing: VerletLanding = "interpolated"
     root: AppendixBRoot = "first"
     contact_force: ContactForce = "whole"
 
     numbers = DOUBLES
+    # Events are decided by the computed values; the steps' error is part of the scheme.
+    flight_error = 0.0
 
     def __post_init__(self) -> None:
         if not 0 < self.dt < math.inf:
@@ -190,11 +177,6 @@ class Verlet(Stepped):
         chosen = (f"{name}={getattr(self, name)}" for name in OPTIONS)
         return f"verlet dt={self.dt!r} {' '.join(chosen)}"
 
-    @property
-    def flight_error(self) -> float:
-        """0: events are decided by the computed values; the steps' error is part of the scheme."""
-        return 0.0
-
     @_QUIET
     def fly(self, law: Law, start: State, events: Events, limit: float) -> Flight:
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`.
@@ -203,15 +185,30 @@ class Verlet(Stepped):
 
         Raises `TooLong` before the first step if there are too many up to the time limit.
         """
-        path = Path(self._chords(law, start, limit))
+
+        def chords() -> Iterator[Chord]:
+            for done, states in self._march(law, start, limit):
+                rows = (law.state(*row) for row in states.T.tolist())
+                for count, (before, after) in enumerate(pairwise(rows), done):
+                    begin = count * self.dt
+                    yield Chord(begin, (count + 1) * self.dt - begin, before, after)
+
+        path = Path(chords())
         # at once: a ball that starts on a surface, or below it, and does not rise
         for event in events:
-            if _rests_on(event, start, law):
+            if event.value(start) > 0.0:
+                continue
+            rates = law.at(start, DOUBLES).rates(DOUBLES)(*start)
+            _, acceleration = _halves(rates)
+            # Where the value neither rises nor falls, its second derivative tells.
+            changes = rates, (*acceleration, *(0.0 for _ in acceleration))
+            signs = (event.value(law.state(*map(Dual, start, x))).rate for x in changes)
+            if next((change for change in signs if change != 0.0), -1.0) < 0.0:
                 return Flight(path, event.name, 0.0, start)
 
         # the first step at whose end a value is not positive; the highest point on the way
         count, before, after = 0, start, start
-        top = None if start.w > 0.0 else (0.0, start)
+        top: Top = None if start.w > 0.0 else (0.0, start)
         for done, states in self._march(law, start, limit):
             columns = law.state(*states)
             met = np.array([event.value(columns)[1:] <= 0.0 for event in events])
@@ -219,7 +216,14 @@ class Verlet(Stepped):
             count = done + step
             before, after = (law.state(*row) for row in states.T[step - 1 : step + 1].tolist())
             self._require_finite((*before, *after))
-            top = self._higher(top, law.state(*states[:, : step + 1]), done)
+            # the highest point so far: here, or before
+            rises = columns.w[: step + 1] > 0.0
+            for k in np.flatnonzero(rises[:-1] & ~rises[1:]).tolist():
+                a, b = (law.state(*row) for row in states.T[k : k + 2].tolist())
+                fraction = _fraction_to_zero(a.w, b.w)
+                state = _between(a, b, fraction)
+                if top is None or state.z > top[1].z:
+                    top = (done + k + fraction) * self.dt, state
             if met.any():
                 stop, time, state = self.stop_between(count, before, after, events)
                 # The last step may go beyond the limit: the flight then ends with the one before.
@@ -227,17 +231,6 @@ class Verlet(Stepped):
                     stop, time, state = "time", (count - 1) * self.dt, before
                 return SteppedFlight(path, stop, time, state, top)
         return SteppedFlight(path, "time", count * self.dt, after, top)
-
-    def _higher(self, top: Top, columns: State, done: int) -> Top:
-        """Highest point of a flight so far: in these steps, from number `done` on, or before."""
-        rises = columns.w > 0.0
-        for k in np.flatnonzero(rises[:-1] & ~rises[1:]).tolist():
-            before, after = (_row(columns, i) for i in (k, k + 1))
-            fraction = _fraction_to_zero(before.w, after.w)
-            state = _between(before, after, fraction)
-            if top is None or state.z > top[1].z:
-                top = (done + k + fraction) * self.dt, state
-        return top
 
     def stop_between(
         self, count: int, before: State, after: State, events: Events
@@ -383,8 +376,17 @@ class Verlet(Stepped):
                 force = march(states, *begin, force, self.dt, *treatment, _parameters(form))
             # A step is taken on one branch of the law, whatever it passes. The first one that ends
             # on another branch is the last of the array; the next step begins on that branch.
-            turned = _reverses_side_force(form, states)
-            passed = _has_switched(law, branches, states[:, 1:]) | turned
+            turned = np.zeros(states.shape[1] - 1, bool)
+            with np.errstate(all="ignore"):
+                others = zip(_branches(law, states[:, 1:], ARRAYS), branches, strict=True)
+                passed: Any = np.any([there != now for there, now in others], axis=0)
+                if "side" in form.strengths:
+                    # The airspeed passes the direction of the side force, which turns round: its
+                    # cross products at the two ends have opposite signs.
+                    parts = form.aside(form.state(*_aloft(form, states)), ARRAYS)
+                    aside = np.array(np.broadcast_arrays(*parts))
+                    turned = np.einsum("ij,ij->j", aside[:, :-1], aside[:, 1:]) < 0.0
+            passed = passed | turned
             if np.any(passed):
                 states = states[:, : 2 + int(np.argmax(passed))]
             yield done, states
@@ -401,40 +403,12 @@ class Verlet(Stepped):
                 form = law.on(branches)
                 force = _acceleration(form, last.tolist())
 
-    def _chords(self, law: Law, start: State, limit: float) -> Iterator[Chord]:
-        for done, states in self._march(law, start, limit):
-            before = law.state(*states[:, 0].tolist())
-            for count, row in enumerate(states.T[1:], done):
-                after = law.state(*row.tolist())
-                begin = count * self.dt
-                yield Chord(begin, (count + 1) * self.dt - begin, before, after)
-                before = after
-
     def _require_finite(self, numbers: Sequence[float]) -> None:
         if not all(map(math.isfinite, numbers)):
             raise OutOfRange(
                 f"the numbers do not stay finite in steps of {self.dt!r} s, or an "
                 "implicit step does not settle: the step is too long for these forces"
             )
-
-
-@_QUIET
-def _has_switched(law: Law, branches: Sequence[Any], states: Array) -> Any:
-    """True for each column whose branches of the law differ from these."""
-    others = zip(_branches(law, states, ARRAYS), branches, strict=True)
-    return np.any([there != now for there, now in others], axis=0)
-
-
-@_QUIET
-def _reverses_side_force(form: Law, states: Array) -> Any:
-    """True for each step in which the airspeed passes the direction of the side force.
-
-    The side force then turns round between the two ends: its cross products have opposite signs.
-    """
-    if "side" not in form.strengths:
-        return np.zeros(states.shape[1] - 1, bool)
-    aside = np.array(np.broadcast_arrays(*form.aside(form.state(*_aloft(form, states)), ARRAYS)))
-    return np.einsum("ij,ij->j", aside[:, :-1], aside[:, 1:]) < 0.0
 
 
 def _branches(law: Law, state: Any, numbers: Any) -> list[Any]:
@@ -459,10 +433,6 @@ Value = TypeVar("Value", float, Array)
 def interpolate(before: Value, after: Value, fraction: float) -> Value:
     """Return the value at a fraction of the way from one step to the next."""
     return before + fraction * (after - before)
-
-
-def _row(columns: State, row: int) -> State:
-    return type(columns)(*(x[row].item() for x in columns))
 
 
 def _between(before: State, after: State, fraction: float) -> State:
@@ -492,20 +462,19 @@ class Chord:
 
     def curve(self, value: Callable[[Any], Any]) -> ChordCurve:
         """Return the value of an event along the line."""
-        return ChordCurve(self, value)
+        return ChordCurve(value(self.before), value(self.after), self.length)
 
 
-@dataclass(frozen=True)
-class ChordCurve:
+class ChordCurve(NamedTuple):
     """The value of an event as the scheme sees it: at the steps, and between them on a line."""
 
-    chord: Chord
-    value: Callable[[Any], Any]
+    before: float
+    after: float
+    length: float
 
     def __call__(self, t: float) -> float:
         """Return the value."""
-        before, after = self.value(self.chord.before), self.value(self.chord.after)
-        return float(interpolate(before, after, t / self.chord.length))
+        return float(interpolate(self.before, self.after, t / self.length))
 
     def positive(self, a: float, b: float) -> bool:
         """See `longball.engines.event.Curve.positive`: here exact, as the value is linear."""
@@ -539,20 +508,6 @@ def line_touch(before: State, bat: BatSection, root: AppendixBRoot) -> float | N
 def _distance(bat: BatSection, state: State) -> Any:
     """Return the distance from the bat's axis, m, of a state, or of states in columns."""
     return np.hypot(bat.frame.towards_x(state), state.z - bat.height)
-
-
-def _rests_on(event: Event, start: State, law: Law) -> bool:
-    """True if an event has occurred at launch and its value does not rise: it ends the flight."""
-    if event.value(start) > 0.0:
-        return False
-    rates = law.at(start, DOUBLES).rates(DOUBLES)(*start)
-    _, acceleration = _halves(rates)
-    # Where the value neither rises nor falls, its second derivative tells.
-    for changes in (rates, (*acceleration, *(0.0 for _ in acceleration))):
-        change = event.value(law.state(*map(Dual, start, changes))).rate
-        if change != 0.0:
-            return bool(change < 0.0)
-    return True
 
 
 def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
@@ -605,7 +560,8 @@ def print_law(program: Program) -> str:
     # whose rate is the airspeed.
     both = len(velocities)
     outputs = ", ".join(names[output] for output in program.outputs[both : 2 * both])
-    path = [2 * both] * (len(positions) - both)
+    numbers = [f"{name}[{i}]" for name in ("position", "velocity") for i in dimensions]
+    numbers += [f"position[{i}]" for i in range(both, len(positions))]
     paths = "".join(
         f"{name} + dt * {names[rate]}, "
         for name, rate in zip(program.variables, program.outputs, strict=True)
@@ -620,11 +576,8 @@ def print_law(program: Program) -> str:
         ],
         "largest(a)": [f"return max({each('abs(a[{i}])')})"],
         "write(states, k, position, velocity)": [
-            f"states[{i + shift}, k] = {name}[{i}]"
-            for name, shift in (("position", 0), ("velocity", both))
-            for i in dimensions
-        ]
-        + [f"states[{i}, k] = position[{both}]" for i in path],
+            f"states[{i}, k] = {number}" for i, number in enumerate(numbers)
+        ],
     }
     written = "".join(
         f"\n\ndef {head}:\n" + "".join(f"    {line}\n" for line in body)

@@ -218,14 +218,9 @@ class BySpin:
         return flow.lever * flow.lever * (flow.top * flow.top), flow.bottom * flow.bottom
 
 
-class Lines(NamedTuple):
-    """A coefficient that is linear between nodes.
-
-    There is one more line than nodes; each is given by its value at 0 and its slope.
-    """
-
-    nodes: tuple[Any, ...]
-    lines: tuple[tuple[Any, Any], ...]
+# The nodes between which a coefficient is linear, and the lines, one more than nodes: each is given
+# by its value at 0 and its slope.
+Lines = tuple[tuple[Any, ...], tuple[tuple[Any, Any], ...]]
 
 
 # Coefficients, densities and winds have several forms. The tag of a form, in <>, is not a key, and
@@ -242,8 +237,7 @@ class BilinearLift(Block):
     def lines(self, exact: Any) -> Lines:
         """Return the two lines of Am. J. Phys. 71 (2003) 1152."""
         # They meet at S = 0.1, where both are 0.15.
-        lines = (exact(0.0), exact(1.5)), (exact(0.09), exact(0.6))
-        return Lines((exact(0.1),), lines)
+        return (exact(0.1),), ((exact(0.0), exact(1.5)), (exact(0.09), exact(0.6)))
 
 
 class Table(Block):
@@ -278,7 +272,7 @@ class Table(Block):
         lines.append((values[-1], nothing))
         # Arguments are not negative, so a node at 0 has no line below it.
         first = 1 if self.at[0] == 0.0 else 0
-        return Lines(tuple(at[first:]), tuple(lines[first:]))
+        return tuple(at[first:]), tuple(lines[first:])
 
 
 def law_name(coefficient: Any) -> str:

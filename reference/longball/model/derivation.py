@@ -157,20 +157,11 @@ def restitution_equation() -> sp.Expr:
 
 @cache
 def roots() -> tuple[sp.Expr, sp.Expr]:
-    """Both values of β that satisfy the restitution relation, distinguished by what the ball does.
+    """Both values of β that satisfy the restitution relation: β₁ (A7), and β₂ (A8).
 
-    Returns
-    -------
-    penetrating : sympy.Expr
-        β₁ (A7). It leaves Ṽ'·n = ẽ Ṽ·n, of the sign it had: the ball goes on into the bat. At
-        ẽ = 1 it vanishes, and the ball would pass through as if there were no bat.
-    rebounding : sympy.Expr
-        β₂ (A8). It leaves Ṽ'·n = -ẽ Ṽ·n: the bodies separate, as they must.
-
-    Raises
-    ------
-    ValueError
-        If the roots are not one of each kind.
+    β₁ leaves Ṽ'·n = ẽ Ṽ·n, of the sign it had: the ball goes on into the bat. At ẽ = 1 it vanishes,
+    and the ball would pass through as if there were no bat. β₂ leaves Ṽ'·n = -ẽ Ṽ·n: the bodies
+    separate, as they must. Raises `ValueError` if the roots are not one of each kind.
     """
     solutions = [sp.factor(root) for root in sp.solve(restitution_equation(), BETA)]
     rebounding = [root for root in solutions if sp.expand(NORMAL_SPEED + root).is_nonnegative]

@@ -130,27 +130,20 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
     # The order of the sum is fixed: another order would change the last bits in every engine.
     total = scaled(-(motion.density * drag), air.velocity)
     total = plus(total, scaled(motion.density * magnus, lift.across))
-    total = plus(total, scaled(motion.density, side_force(p, lift)))
+    # ê is along the component of a fixed unit vector d across u, ``d - (d·u) u/U²``, of the size
+    # |d × u|/U. So U² ê = (U² d - (d·u) u) U/|d × u|.
+    sine = norm(_aside(p, lift))
+    if p.side is not ZERO and sine is not ZERO:
+        direction = p.side_s, p.side_y, p.side_z
+        whole = part_across(direction, lift.velocity, lift.speed * lift.speed)
+        side = scaled(p.side * (lift.speed / sine), whole)
+        total = plus(total, scaled(motion.density, side))
     total = plus(total, (ZERO, ZERO, -p.gravity))
     # Coriolis acts on the velocity over the ground. The centrifugal force is part of g.
     total = plus(total, scaled(-2.0, cross(earth, motion.velocity)))
     for force in p.shape.forces:
         total = plus(total, force(motion, p.given))
     return total
-
-
-def side_force(p: Strengths, flow: Flow) -> Vector:
-    """Return ``k C_S U² ê``, with ê along the component of a fixed unit vector d across u.
-
-    This component is ``d - (d·u) u/U²``; its size is ``|d × u|/U``.
-    """
-    sine = norm(_aside(p, flow))
-    if p.side is ZERO or sine is ZERO:
-        return ZERO, ZERO, ZERO
-    direction = p.side_s, p.side_y, p.side_z
-    # U² ê = (U² d - (d·u) u) U/|d × u|, since |U² d - (d·u) u| = U |d × u|.
-    whole = part_across(direction, flow.velocity, flow.speed * flow.speed)
-    return scaled(p.side * (flow.speed / sine), whole)
 
 
 def _aside(p: Strengths, flow: Flow) -> Vector:
@@ -248,6 +241,9 @@ class Shape(NamedTuple):
     spin_decay: str = "path"
     wind_acts_on: str = "both"
     forces: tuple[Callable[[Motion, Any], Vector], ...] = ()
+    # Is every exponential and logarithm that a switch may depend on an auxiliary variable? A
+    # switching event is then the zero of a polynomial in the variables.
+    polynomial: bool = False
 
 
 class Strengths:
@@ -255,10 +251,9 @@ class Strengths:
 
     sense: Node  # of a vertical flight; see `Law.straight`
 
-    def __init__(self, shape: Shape, names: tuple[str, ...], polynomial: bool = False) -> None:
+    def __init__(self, shape: Shape, names: tuple[str, ...]) -> None:
         self.shape = shape
         self.given = SimpleNamespace(**{name: trace.parameter(name) for name in names})
-        self.polynomial = polynomial
         self.auxiliary: dict[str, Node] = {}
 
     def __getattr__(self, name: str) -> Any:
@@ -269,7 +264,7 @@ class Strengths:
         """Return an exponential or a logarithm, or the auxiliary variable in its place."""
         # Events of the proofs must be polynomials of the variables. An exponential therefore
         # becomes a variable with its own equation.
-        if not self.polynomial or value.static:
+        if not self.shape.polynomial or value.static:
             return value
         name = next(
             (n for n, x in self.auxiliary.items() if x is value),
@@ -309,12 +304,12 @@ class _Traced:
 
 
 @cache
-def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool) -> _Traced:
+def _traced(shape: Shape, names: tuple[str, ...], moving: str) -> _Traced:
     """Trace the law of a ball that moves in space, in a vertical plane, or vertically.
 
-    A vertical flight is vertical relative to the air, with which it drifts. See `Law.polynomial`.
+    A vertical flight is vertical relative to the air, with which it drifts.
     """
-    p = Strengths(shape, names, polynomial)
+    p = Strengths(shape, names)
     s, y, z, u, v, w = map(trace.variable, "syzuvw")
     # In the plane of the launch, the sideways position and velocity are zero.
     if moving != "space":
@@ -353,25 +348,16 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str, polynomial: bool)
     return _Traced(rates, trace.as_node(motion.spin_left), passed, p.auxiliary, aside)
 
 
-def _is_polynomial(node: Node) -> bool:
-    nodes = Program((), (), (node,)).nodes
-    return all(n.static or n.kind in ("variable", "sum", "product") for n in nodes)
-
-
 # Components that must be constant for a law in the plane, and for a vertical one.
 _STILL = {"space": "", "plane": "yv", "vertical": "uv"}
 
 
 @cache
 def _program(
-    shape: Shape,
-    names: tuple[str, ...],
-    moving: str,
-    polynomial: bool,
-    variables: tuple[str, ...] = (),
+    shape: Shape, names: tuple[str, ...], moving: str, variables: tuple[str, ...] = ()
 ) -> Program | None:
     """Return the program of a law; None if a force drives the ball out of the plane or line."""
-    rates = _traced(shape, names, moving, polynomial).rates
+    rates = _traced(shape, names, moving).rates
     # The law in the plane is valid only if no force points out of it.
     if any(rates[name] is not ZERO for name in _STILL[moving]):
         return None
@@ -386,31 +372,17 @@ def _program(
     return program
 
 
-def _code(
-    shape: Shape, names: tuple[str, ...], in_space: bool = False, polynomial: bool = False
-) -> Program:
+def _code(shape: Shape, names: tuple[str, ...], in_space: bool = False) -> Program:
     """Return the program of a law: in the plane if it is valid there, unless `in_space`."""
-    program = None if in_space else _program(shape, names, "plane", polynomial)
-    program = program or _program(shape, names, "space", polynomial)
+    program = None if in_space else _program(shape, names, "plane")
+    program = program or _program(shape, names, "space")
     assert program is not None
     return program
 
 
 @lru_cache(maxsize=1024)
-def _switching_function(program: Program, top: Node, bottom: Node) -> Program:
-    # Zero where top/bottom passes the threshold, without a division.
-    value = top - trace.parameter("threshold") * bottom
-    return replace(program, outputs=(value,), parameters=(*program.parameters, "threshold"))
-
-
-@lru_cache(maxsize=1024)
-def _value(program: Program, node: Node) -> Program:
-    return replace(program, outputs=(node,))
-
-
-@cache
-def _jacobian(program: Program) -> Program:
-    return program.jacobian()
+def _value(program: Program, node: Node, *parameters: str) -> Program:
+    return replace(program, outputs=(node,), parameters=(*program.parameters, *parameters))
 
 
 _SENSE = "sense"
@@ -464,9 +436,6 @@ class Law:
         Parts with several branches.
     form
         Chosen branch of each switch; None if none is chosen, or there are no switches.
-    polynomial
-        True if every exponential and logarithm that a switch may depend on is an auxiliary
-        variable. A switching event is then the zero of a polynomial in the variables.
     """
 
     code: Program
@@ -474,7 +443,6 @@ class Law:
     shape: Shape
     switches: tuple[Switch, ...] = ()
     form: tuple[int, ...] | None = None
-    polynomial: bool = False
 
     @property
     def program(self) -> Program:
@@ -497,11 +465,6 @@ class Law:
         return state_of_variables(self.variables)
 
     @property
-    def gravity(self) -> N | None:
-        """g, m/s²; None without gravity."""
-        return self.strengths.get("gravity")
-
-    @property
     def is_paper(self) -> bool:
         """True if the paper's drag, lift and gravity are the only forces."""
         return self.shape == Shape() and self.strengths.keys() <= {*PAPER} and not self.switches
@@ -516,7 +479,7 @@ class Law:
     @property
     def _traced(self) -> _Traced:
         moving = "space" if "y" in self.variables else "plane"
-        return _traced(self.shape, self.code.parameters, moving, self.polynomial)
+        return _traced(self.shape, self.code.parameters, moving)
 
     # --- other laws
 
@@ -527,14 +490,14 @@ class Law:
         strengths = {name: x for name, x in self.strengths.items() if name not in changed}
         for switch, branch in zip(self.switches, branches, strict=True):
             strengths |= switch.strengths[branch]
-        code = _code(self.shape, tuple(strengths), "y" in self.variables, self.polynomial)
+        code = _code(self.shape, tuple(strengths), "y" in self.variables)
         return replace(self, code=code, strengths=strengths, form=tuple(branches))
 
     def without(self, strength: str) -> Law:
         """Return the law without one of its strengths."""
         strengths = {name: x for name, x in self.strengths.items() if name != strength}
         names = tuple(name for name in self.code.parameters if name != strength)
-        code = _code(self.shape, names, "y" in self.variables, self.polynomial)
+        code = _code(self.shape, names, "y" in self.variables)
         return replace(self, code=code, strengths=strengths)
 
     def straight(self, sense: N) -> Law | None:
@@ -545,7 +508,7 @@ class Law:
         valid on one side of that point. The result is None if a force points sideways.
         """
         names, variables = self.program.parameters, self.variables
-        code = _program(self.shape, names, "vertical", self.polynomial, variables)
+        code = _program(self.shape, names, "vertical", variables)
         if code is None:
             return None
         return replace(self, code=code, strengths={**self.strengths, _SENSE: sense})
@@ -554,10 +517,11 @@ class Law:
         """Return the law with variables for exponentials in its switches; see `completed`."""
         # The arguments of the switches contain the same functions on all branches.
         first = self.on([0] * len(self.switches))
-        passed = first._traced.passed
-        if all(_is_polynomial(node) for switch in self.switches for node in passed[switch.of]):
+        passed = tuple(node for switch in self.switches for node in first._traced.passed[switch.of])
+        nodes = Program((), (), passed).nodes
+        if all(n.static or n.kind in ("variable", "sum", "product") for n in nodes):
             return self
-        law = replace(self, polynomial=True)
+        law = replace(self, shape=self.shape._replace(polynomial=True))
         return replace(law, code=law.on(first.form or ()).code)
 
     # --- numbers
@@ -568,7 +532,7 @@ class Law:
 
     def jacobian(self, numbers: Numbers) -> Callable[..., tuple[N, ...]]:
         """Return the function from the components of a state to the rates' partial derivatives."""
-        return _jacobian(self.program).bind(self.strengths, numbers.functions)
+        return self.program.jacobian.bind(self.strengths, numbers.functions)
 
     def state_of(self, start: State) -> State:
         """Return a launch as a state of this law."""
@@ -609,7 +573,9 @@ class Law:
 
         It has the law's variables and parameters, and the parameter `threshold`.
         """
-        return _switching_function(self.program, *self._traced.passed[switch.of])
+        # Zero where top/bottom passes the threshold, without a division.
+        top, bottom = self._traced.passed[switch.of]
+        return _value(self.program, top - trace.parameter("threshold") * bottom, "threshold")
 
     def beyond(self, switch: Switch, threshold: N, numbers: Numbers) -> Callable[[Any], Any]:
         """Return a function of the state that is positive beyond a threshold of a switch."""
@@ -734,9 +700,13 @@ def _in_air(scene: Any, frame: Any, numbers: Numbers) -> tuple[Shape, list[Switc
         question = "the ball passes the height above which the wind blows"
         parts.append(Switch("wind", *wind_strengths(scene, frame, numbers), question))
     if air.side_coefficient is not None:
-        side = side_strengths(scene, frame, numbers)
-        strengths |= side
-        if side:
+        given = air.side_coefficient
+        if (side := per_metre(scene, given.value, numbers)) is not None:
+            # k C_S, 1/m, and the vector d with unit length
+            s, y, z = frame.components(given.direction, numbers)
+            size = numbers.sqrt(s * s + y * y + z * z)
+            unit = {"side_s": s / size, "side_y": y / size, "side_z": z / size}
+            strengths |= {"side": side} | present(unit, numbers)
             question = "the airspeed turns along air.side_coefficient.direction"
             parts.append(Switch("side", ({}, {}), (numbers.exact(ALONG) * ALONG,), question))
     # the spin vector in the frame, its size, and its decay
@@ -770,18 +740,6 @@ PATH_SPEEDS = {"time": 44.704, "nathan": 1.0}
 # Sine of the angle between the airspeed and the vector of a side force below which the force has no
 # direction. Doubles compute this sine to a relative error of a thousandth.
 ALONG = 2.0**-20
-
-
-def side_strengths(scene: Any, frame: Any, numbers: Numbers) -> dict[str, N]:
-    """Return ``k C_S`` of a side force, 1/m, and its vector d with unit length."""
-    given = scene.air.side_coefficient
-    strength = per_metre(scene, given.value, numbers)
-    if strength is None:
-        return {}
-    s, y, z = frame.components(given.direction, numbers)
-    size = numbers.sqrt(s * s + y * y + z * z)
-    unit = {"side_s": s / size, "side_y": y / size, "side_z": z / size}
-    return {"side": strength} | present(unit, numbers)
 
 
 def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -35,47 +35,44 @@ class Undecided(ArithmeticError):
     code: ErrorCode = "undecided"
 
 
-class Numbers(Protocol):
-    """A number system."""
+class Numbers:
+    """A number system; unless it says otherwise, of one number at a time."""
 
-    @property
-    def pi(self) -> N:
-        """The constant, as precise as the system."""
-
-    @property
-    def rounding(self) -> float:
-        """Relative error of one operation; 0 where the number carries its own error."""
+    precision: str  # for messages, such as "in double precision"
+    pi: N  # the constant, as precise as the system
+    rounding: float  # relative error of one operation; 0 where the number carries its own error
+    # Of traced formulas: `sqrt`, `exp`, `log`, and `unit` (`trace.Node`)
+    functions: Mapping[str, Callable[..., N]]
+    exact: Callable[[Any], N]  # a double as a number, not a rounded or decimal relative of it
+    sqrt: Callable[[N], N]  # of x >= 0
+    cos_sin: Callable[[N], tuple[N, N]]  # cosine and sine of an angle in radians
+    angle: Callable[[N, N], N]  # from y and x: from the x axis to the vector, rad
+    report: Callable[[N], Number]  # as a result writes it
 
     def arithmetic(self) -> AbstractContextManager[object]:
         """Return the context in which + - * / of these numbers are as precise as the system."""
-
-    @property
-    def functions(self) -> Mapping[str, Callable[..., N]]:
-        """The functions of traced formulas: `sqrt`, `exp`, `log`, and `unit` (`trace.Node`)."""
-
-    def exact(self, value: float) -> N:
-        """Return the double `value` itself, not a rounded or decimal relative of it."""
+        return nullcontext()
 
     def absent(self, value: float) -> bool:
         """True if a number of a scene is zero: its term is dropped."""
+        return value == 0.0
 
     def where(self, condition: Any, x: N, y: N) -> N:
         """Return x where a condition of `positive` holds, y elsewhere."""
-
-    def sqrt(self, x: N) -> N:
-        """Return the square root of ``x >= 0``."""
-
-    def cos_sin(self, angle: N) -> tuple[N, N]:
-        """Return cosine and sine of an angle in radians."""
-
-    def angle(self, y: N, x: N) -> N:
-        """Return the angle from the x axis to a vector, rad."""
+        return x if condition else y
 
     def positive(self, x: N, error: N, question: str) -> bool:
         """True if ``x > 0``; `Undecided`, with the question, if `x` is within its error."""
-
-    def report(self, x: N) -> Number:
-        """Return `x` as a result writes it."""
+        # An exact zero without error is decided: not positive. Other values within the error are
+        # not.
+        if abs(x) > error or x == error == 0:
+            return bool(x > 0)
+        # Three digits show how many more digits of precision would decide it.
+        value, off = (float(number) for number in (x, error))
+        raise Undecided(
+            f"{question} cannot be decided {self.precision}: "
+            f"the value {value:.3g} lies within its error {off:.3g}"
+        )
 
 
 def present(strengths: dict[str, Any], numbers: Numbers) -> dict[str, N]:
@@ -97,44 +94,14 @@ def doubt(x: N, error: N, question: str, numbers: Numbers) -> str:
     return f"{question} cannot be decided: the two coincide"
 
 
-class Single:
-    """Base of number systems that hold one number at a time."""
-
-    precision: str  # for messages, such as "in double precision"
-
-    def arithmetic(self) -> AbstractContextManager[object]:
-        """Return a context that does nothing: these numbers bring their own precision."""
-        return nullcontext()
-
-    def absent(self, value: float) -> bool:
-        """True if a number of a scene is zero."""
-        return value == 0.0
-
-    def where(self, condition: bool, x: N, y: N) -> N:
-        """Return x if a condition holds, else y."""
-        return x if condition else y
-
-    def positive(self, x: N, error: N, question: str) -> bool:
-        """True if ``x > 0``; see `Numbers.positive`."""
-        # An exact zero without error is decided: not positive. Other values within the error are
-        # not.
-        if abs(x) > error or x == error == 0:
-            return bool(x > 0)
-        # Three digits show how many more digits of precision would decide it.
-        value, off = (float(number) for number in (x, error))
-        raise Undecided(
-            f"{question} cannot be decided {self.precision}: "
-            f"the value {value:.3g} lies within its error {off:.3g}"
-        )
-
-
-class Doubles(Single):
+class Doubles(Numbers):
     """IEEE 754 double precision."""
 
     precision = "in double precision"
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
     sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
+    report = float
     functions: Mapping[str, Callable[..., float]] = MappingProxyType(
         {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "unit": ratio}
     )
@@ -150,10 +117,6 @@ class Doubles(Single):
     def angle(self, y: float, x: float) -> float:
         """Return the angle from the x axis to a vector, rad."""
         return float(np.arctan2(y, x))  # as of columns: the bits of a row are those of its scene
-
-    def report(self, x: float) -> Number:
-        """Return the double as it is."""
-        return float(x)
 
 
 DOUBLES = Doubles()

@@ -50,10 +50,7 @@ def plain(value: object, name: str = "") -> Any:
 
     Numbers become the nearest doubles. A masked value and pandas' NA become null.
 
-    Raises
-    ------
-    TypeError
-        If JSON has no form for a value, such as a complex number or a time.
+    Raises `TypeError` if JSON has no form for a value, such as a complex number or a time.
     """
     # Fast path: most values are floats, and the general test for numbers takes a hundred times
     # longer.

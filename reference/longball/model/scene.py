@@ -86,21 +86,6 @@ class Launch(_Block):
     velocity: Point = Field(description="m/s")
     spin: Spin = None
 
-    @property
-    def place(self) -> Point:
-        """Position of the launch, m."""
-        return self.position
-
-    @property
-    def along(self) -> Point:
-        """A vector along the velocity."""
-        return self.velocity
-
-    @property
-    def pace(self) -> float:
-        """Velocity as a multiple of `along`."""
-        return 1.0
-
 
 class Pitch(_Block):
     """A throw towards a point of the plane x = 0 (paper, Sec. III), or with a velocity."""
@@ -128,11 +113,6 @@ class Pitch(_Block):
         yield from (key for key in super().named() if key not in instead)
 
     @property
-    def place(self) -> Point:
-        """Position of the release, m."""
-        return self.release
-
-    @property
     def along(self) -> Point:
         """A vector along the velocity."""
         x, y, z = self.release
@@ -150,15 +130,11 @@ class Pitch(_Block):
         return x * self.pace, y * self.pace, z * self.pace
 
     @model_validator(mode="after")
-    def _thrown_one_way(self) -> Self:
+    def _thrown_one_way_in_front_of_the_plate(self) -> Self:
         # Even if speed and aim are written with their defaults: the scene would be ambiguous.
         both = sorted(self.model_fields_set & {"speed", "aim"})
         if self.velocity is not None and both:
             _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
-        return self
-
-    @model_validator(mode="after")
-    def _in_front_of_the_plate(self) -> Self:
         if self.release[0] <= 0.0:
             _refuse(f"release[0] = {self.release[0]} must be positive: in front of the plate")
         return self
@@ -381,48 +357,44 @@ class _FlyingScene(_Scene):
     earth: Earth | None = Field(default=None, description="by default it does not rotate")
 
     @property
-    def _start(self) -> tuple[str, Launch | Pitch]:
-        """The block with the initial state of the ball, and its name."""
-        block = "launch" if isinstance(self, FlightScene) else "pitch"
-        return block, getattr(self, block)
+    def _start(self) -> tuple[str, Point | None, Point, Point, float]:
+        """The name of the block with the initial state of the ball; its spin and position.
+
+        And its velocity, as a vector along it and a factor.
+        """
+        if isinstance(self, FlightScene):
+            ball = self.launch
+            return "launch", ball.spin, ball.position, ball.velocity, 1.0
+        pitch: Pitch = self.pitch  # type: ignore[attr-defined]
+        return "pitch", pitch.spin, pitch.release, pitch.along, pitch.pace
 
     @model_validator(mode="after")
-    def _air_and_spin_agree(self) -> Self:
-        block, start = self._start
-        spin = start.spin
-        if self.air is None:
-            return self
-        if spin is None and (key := self.air.needs_spin):
-            _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
-        table = getattr(self.air.lift_coefficient, "of", None)
-        # This reading changes the direction of the paper's lift, which has no spin axis.
-        beyond = (spin, self.air.wind, table, self.air.side_coefficient)
-        if self.reading.lift_direction == "always_up" and any(x is not None for x in beyond):
-            _refuse(
-                "reading.lift_direction = always_up takes neither spin nor wind nor a table nor a "
-                "side_coefficient"
-            )
-        return self
+    def _flies(self) -> Self:
+        block, spin, (_, _, z), *_ = self._start
+        air, reading, floor = self.air, self.reading, landing_height(self)
 
-    @model_validator(mode="after")
-    def _stays_above_the_roughness(self) -> Self:
-        wind = None if self.air is None else self.air.wind
-        if isinstance(wind, WindProfile):
-            floor = landing_height(self)
+        # air and spin agree
+        if air is not None:
+            if spin is None and (key := air.needs_spin):
+                _refuse(f"{key} needs a spin; give {block}.spin, in rad/s")
+            table = getattr(air.lift_coefficient, "of", None)
+            # This reading changes the direction of the paper's lift, which has no spin axis.
+            beyond = (spin, air.wind, table, air.side_coefficient)
+            if reading.lift_direction == "always_up" and any(x is not None for x in beyond):
+                _refuse(
+                    "reading.lift_direction = always_up takes neither spin nor wind nor a table "
+                    "nor a side_coefficient"
+                )
             # ln((z + z_0)/z_0) is not defined at z <= -z_0.
-            if floor <= -wind.roughness:
+            if isinstance(air.wind, WindProfile) and floor <= -air.wind.roughness:
                 _refuse(
                     f"the ball lands at {floor}, which must be above -air.wind.roughness = "
-                    f"{-wind.roughness}: heights of the wind are those of z"
+                    f"{-air.wind.roughness}: heights of the wind are those of z"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _above_ground(self) -> Self:
-        block, start = self._start
-        key = "position" if isinstance(start, Launch) else "release"
-        z, floor = start.place[2], landing_height(self)
+        # above ground
         if z < floor:
+            key = "position" if block == "launch" else "release"
             under = f"{block}.{key}[2] = {z} is underground: the ball lands at height {floor}"
             if not isinstance(self, FlightScene):
                 _refuse(under)
@@ -431,32 +403,21 @@ class _FlyingScene(_Scene):
                 _refuse(f"{under}, and launch.velocity[2] must be positive for it to rise there")
             if self.fence is not None:
                 _refuse(f"{under}, which with a fence must not be above the launch")
-        return self
 
-    @model_validator(mode="after")
-    def _side_force_has_a_direction(self) -> Self:
-        side = None if self.air is None else self.air.side_coefficient
-        if self.air is None or side is None or side.value == 0.0:
+        # forces with a direction
+        if air is None:
             return self
-        if not any(_across(side.direction, self._start[1], self.air, self.reading)):
+        side = air.side_coefficient
+        if side is not None and side.value and not any(_across(side.direction, self)):
             _refuse(
                 f"air.side_coefficient.direction = {list(side.direction)} is parallel to the "
                 "velocity through the air at the start, across which the force must act; take "
                 "another direction, or the value 0"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _lift_has_a_direction(self) -> Self:
-        block, start = self._start
-        spin, air, reading = start.spin, self.air, self.reading
-        # A law that vanishes with S has no jump where the spin is parallel to the velocity.
-        if spin is None or not any(spin) or air is None or not air.lift_is_constant:
-            return self
-        # With the total spin the force is k R (C_L/S) ω × u, which is smooth where ω × u vanishes.
-        if reading.spin_parameter == "total":
-            return self
-        if not any(_across(spin, start, air, reading)):
+        # A law that vanishes with S has no jump where the spin is parallel to the velocity. With
+        # the total spin the force is k R (C_L/S) ω × u, which is smooth where ω × u vanishes.
+        jumps = air.lift_is_constant and reading.spin_parameter != "total"
+        if jumps and spin is not None and any(spin) and not any(_across(spin, self)):
             _refuse(
                 f"air.lift_coefficient: the lift of a constant has no direction where {block}.spin "
                 "is parallel to the velocity through the air; take the law rational or linear, the "
@@ -465,13 +426,14 @@ class _FlyingScene(_Scene):
         return self
 
 
-def _across(direction: Point, start: Launch | Pitch, air: Air, reading: Reading) -> Point:
+def _across(direction: Point, scene: _FlyingScene) -> Point:
     """Return the cross product of a direction and the velocity behind lift, at the start."""
+    _, _, position, along, pace = scene._start
     wind = (0.0, 0.0, 0.0)
-    if reading.wind_acts_on == "both":
-        wind = air.wind_at(start.place[2], start.along[2])
+    if scene.air is not None and scene.reading.wind_acts_on == "both":
+        wind = scene.air.wind_at(position[2], along[2])
     # The pace multiplies the product, not the velocity: a product of exactly 0 stays 0.
-    across = scaled(start.pace, cross(direction, start.along))
+    across = scaled(pace, cross(direction, along))
     return plus(across, scaled(-1.0, cross(direction, wind)))
 
 
@@ -579,8 +541,8 @@ def may_be_mixed(scene: Scene) -> bool:
     # Columns of such scenes are validated by their smallest and largest values alone.
     if isinstance(scene, ImpactScene):
         return False
-    _, start = scene._start
-    spun = start.spin is not None and scene.air is not None and scene.air.lift_is_constant
+    _, spin, *_ = scene._start
+    spun = spin is not None and scene.air is not None and scene.air.lift_is_constant
     if scene.air is not None and scene.air.side_coefficient is not None:
         return False
     fence = None if isinstance(scene, PitchScene) else scene.fence

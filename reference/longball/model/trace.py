@@ -328,8 +328,9 @@ class Program:
             visit(output)
         return tuple(order)
 
+    @cached_property
     def jacobian(self) -> Program:
-        """Return the program whose outputs are the partial derivatives, output by output."""
+        """The program whose outputs are the partial derivatives, output by output."""
         # The derivatives of all outputs by one variable share their common nodes.
         columns = [(variable(name), dict[Node, Node]()) for name in self.variables]
         return Program(

@@ -67,6 +67,8 @@ class Elementwise:
     pi = math.pi
     rounding = DOUBLES.rounding
     sqrt = staticmethod(np.sqrt)  # correctly rounded
+    angle = staticmethod(np.arctan2)
+    missing = staticmethod(np.isnan)
     functions: Mapping[str, Callable[..., Any]] = {
         "sqrt": np.sqrt,
         "exp": _one_by_one(math.exp),
@@ -91,17 +93,9 @@ class Elementwise:
         """Return cosines and sines."""
         return _one_by_one(math.cos)(angle), _one_by_one(math.sin)(angle)
 
-    def angle(self, y: Array, x: Array) -> Array:
-        """Return the angles from the x axis to vectors, rad."""
-        return np.arctan2(y, x)
-
     def positive(self, x: Array, error: Any, question: str) -> Any:
         """Elementwise ``x > 0``, for numbers without errors."""
         return x > 0.0
-
-    def missing(self, x: Array) -> Any:
-        """Elementwise test for NaN."""
-        return np.isnan(x)
 
 
 NUMBERS: Any = Elementwise()
@@ -147,13 +141,6 @@ class Table:
         part = copy(self)
         part.rows = rows
         return part
-
-    def copy_from(self, other: Table) -> None:
-        """Copy another table with the same number of rows."""
-        self.outcome[:] = other.outcome
-        self.alone[self.rows] = other.alone[other.rows]
-        for name, column in other.columns.items():
-            self.column(name, column)[self.rows] = column[other.rows]
 
     def column(self, name: str, values: Any) -> Array:
         """Return the column of a quantity; create it for values of this type."""
@@ -277,12 +264,8 @@ class Columns(Run):
     table: Table = field(kw_only=True)
     row: Callable[[int], Any] = field(kw_only=True)  # the scene of a row
 
-    numbers = NUMBERS
-
-    @property
-    def everything(self) -> Flags:
-        """See `Run`."""
-        return np.ones(len(self.table), bool)
+    def __post_init__(self) -> None:
+        self.numbers, self.everything = NUMBERS, np.ones(len(self.table), bool)
 
     def any(self, rows: Flags) -> bool:
         """See `Run`."""
@@ -322,14 +305,22 @@ class Columns(Run):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
+        fly: Callable[[Records, Program], Records] | None = None,
     ) -> Records:
         """Fly the rows of a mask; return arrivals of all rows, or a single one for all."""
         # If no number of the flight differs between rows, it is flown once.
         if rows.any():
-            _, flown = records.flown(self.engine, law, start, events, limit, bat, rows)
+            error, fly = self.engine.flight_error, fly or self.engine.fly_all
+            starts = records.records_of(law, start, events, limit, error, bat, rows)
+            flown = fly(starts, records.in_lanes(law).program)
             if flown.ndim == 0 or rows.all():
                 return flown
-        ends = not_flown(law, start, len(rows))
+        # the others stay where they start
+        program = records.general(law).program
+        ends = np.zeros(len(rows), flights.arrival_dtype(program))
+        ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
+        for name in program.variables:
+            ends[name] = getattr(start.state, name)
         if rows.any():
             ends[rows] = flown
         return ends
@@ -360,11 +351,18 @@ class Columns(Run):
 
     def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
         """See `Run`. Rows that need another engine are left to the scalar chain."""
+
+        def cell(value: Any) -> Any:
+            if isinstance(value, tuple):
+                return tuple(map(cell, value))
+            return value.item(i) if isinstance(value, np.ndarray) else value
+
         for i in np.flatnonzero(rows).tolist():
             one = Run(self.row(i), self.engine, self.model)
             # An overflow has no answer here; the scalar chain gives its reason.
             with suppress(ArithmeticError):
-                land(one, _row_of(launch, i), outcome, True)
+                free = Launch(**{key: cell(value) for key, value in vars(launch).items()})
+                land(one, free, outcome, True)
             if "outcome" in one.answer and {*one.engines} == {self.engine.description}:
                 self.table.write(i, one.answer)
             else:
@@ -393,24 +391,3 @@ def without_size(events: Events, rows: Flags) -> Flags:
     """
     flags: Flags = rows & ~np.isfinite(sum(event.size for event in events))
     return flags
-
-
-def not_flown(law: Law, start: Start, rows: int) -> Records:
-    """Return arrivals equal to the starts, for rows that are not flown."""
-    program = records.general(law).program
-    ends = np.zeros(rows, flights.arrival_dtype(program))
-    ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
-    for name in program.variables:
-        ends[name] = getattr(start.state, name)
-    return ends
-
-
-def _row_of(launch: Launch, i: int) -> Launch:
-    """Return the launch of a row."""
-
-    def cell(value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple(map(cell, value))
-        return value.item(i) if isinstance(value, np.ndarray) else value
-
-    return Launch(**{key: cell(value) for key, value in vars(launch).items()})

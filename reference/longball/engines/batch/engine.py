@@ -116,7 +116,8 @@ class Batch(ManyAtOnce):
         """Fly until the first of several events; see `longball.engines.engine.Engine.fly`."""
         if records.flies_in_lanes(law):
             launch = Start(0.0, law.state_of(start))
-            flight, end = records.flown(self, law, launch, events, limit)
+            flight = records.records_of(law, launch, events, limit, self.flight_error)
+            end = self.fly_all(flight, records.in_lanes(law).program)
             stop = records.stops(end, events).item()
             if stop != Stop.FALLBACK:
                 names = {number: name for name, number in records.STOPS.items()}
@@ -144,7 +145,9 @@ class Batch(ManyAtOnce):
             start = pitch.mark if clear else pitch.launch
             error = margin_error(bat, pitch.state.z, self.flight_error, DOUBLES)
             ends = [past(bat.frame, bat.reach, DOUBLES), *events]
-            _, end = records.flown(self, law, start, ends, limit, records.Bat(bat, error))
+            near = records.Bat(bat, error)
+            flight = records.records_of(law, start, ends, limit, self.flight_error, near)
+            end = self.fly_all(flight, records.in_lanes(law).program)
             stop, margin = records.stops(end, ends).item(), end["margin"].item()
             if stop == Stop.TOUCH:
                 return Touch(margin, True, *_plain(records.noted(end, law)))
@@ -177,7 +180,10 @@ class Batch(ManyAtOnce):
         # The compiled code returns only the states between steps; the series are expanded again
         # here.
         code = kernel(records.in_lanes(law).program)
-        arrival, states = flights.fly_and_record(code, flight, self.order, self.truncation)
+        settings = self.order, self.truncation
+        arrival, _ = flights.fly_all(code, flight, *settings)
+        states = np.empty((arrival["steps"].item(), 1 + len(law.variables)))
+        flights.fly_all(code, flight, *settings, steps=states)
         expand = Expander(records.general(law), self.order)
         ends = [*states[1:, 0].tolist(), arrival["time"].item()]
         # A flight that ends at its launch has no step.

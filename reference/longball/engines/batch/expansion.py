@@ -13,7 +13,6 @@ says where the others are.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,26 +52,14 @@ NO_LIMIT = 1e300  # s, of a step
 LONGER = 3.0
 
 
-@dataclass(frozen=True)
 class Layout:
     """Positions of the blocks of an expansion, after the rows of the recurrence."""
 
-    program: Program
-
-    @property
-    def parameters(self) -> int:
-        """Block of the parameters, a row each."""
-        return len(recurrence(self.program).rows)
-
-    @property
-    def step(self) -> int:
-        """Block of the step: the state at its end, then LENGTH, TIME and so on."""
-        return self.parameters + 1
-
-    @property
-    def inverse(self) -> int:
-        """Block whose row k is 1/k."""
-        return self.parameters + 2
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.parameters = len(recurrence(program).rows)  # a row each
+        self.step = self.parameters + 1  # the state at the step's end, then LENGTH, TIME and so on
+        self.inverse = self.parameters + 2  # 1/k in row k
 
     def allocate(self, order: int) -> Array:
         """Return an expansion of the velocity to the power `order`, of the position to the next."""
@@ -83,28 +70,33 @@ class Layout:
         return x
 
 
-# --- the recurrence -------------------------------------------------------------------------------
+class _Step(Writer):
+    """Writes a step: the expansion of a program, how far it holds, and the state at its end.
 
-
-class _Expansion(Writer):
-    """Writes the expansion of a program, as `longball.engines.series` prints it for numbers.
-
-    The first argument is the array of the expansion, the first integers are the order and the
-    number of rows of a block.
+    The first argument is the array of the expansion, of whose blocks the first two integers are the
+    order and the number of rows. The second one is an array of shape (functions, variables + 2,
+    lanes): of linear functions of the state the coefficients, the constant, and the error. Their
+    number is the third integer. The double is the truncation.
     """
 
-    def __init__(self, module: Any, name: str, program: Program) -> None:
-        super().__init__(module, name)
-        self.program = program
-        self.recurrence = recurrence(program)
-        self.layout = Layout(program)
-        self.array, _, self.order, self.stride, *_ = self.arguments
+    def __init__(self, module: Any, program: Program) -> None:
+        super().__init__(module, "step")
+        self.program, self.recurrence, self.layout = program, recurrence(program), Layout(program)
+        self.array, self.functions, self.order, self.stride, *_ = self.arguments
+        self.variables = [*map(variable, program.variables)]
+        self.rates = program.outputs[: len(self.variables)]
+        moving = [*zip(self.variables, self.rates, strict=True)]
+        self.positions = [name for name, rate in moving if rate.kind == "variable"]
         self.dynamic = [n for n in program.nodes if not n.static and n.kind != "variable"]
         self.blocks = {
             node: self.builder.mul(self.index(i), self.stride)
             for i, node in enumerate(self.recurrence.rows)
         }
         self.zeroth: Values = {}
+        self.expand()
+        length = self.choose_length([rate for _, rate in moving if rate.kind == "variable"])
+        self.store_clearance(self.take(length))
+        self.builder.ret(self.index(0))
 
     def at(self, node: Node, k: Value) -> Value:
         """Return the coefficient k > 0 of a row."""
@@ -115,65 +107,66 @@ class _Expansion(Writer):
         self.store(self.array, self.builder.add(self.blocks[node], k), value)
 
     def extra(self, block: int, row: Value | int) -> Value:
-        """Return a row of a block after those of the recurrence."""
-        row = self.index(row) if isinstance(row, int) else row
-        start = self.builder.mul(self.index(block), self.stride)
-        return self.load(self.array, self.builder.add(start, row))
+        """Index of a row of a block after those of the recurrence."""
+        return self.builder.add(self.builder.mul(self.index(block), self.stride), self.index(row))
+
+    def per(self, k: Value) -> Value:
+        """Return 1/k."""
+        return self.load(self.array, self.extra(self.layout.inverse, k))
+
+    def put_step(self, row: int, value: Value) -> None:
+        """Write a row of the block of the step."""
+        self.store(self.array, self.extra(self.layout.step, row), value)
 
     def after(self, k: Value) -> Value:
         """Return ``k + 1``."""
         return self.builder.add(k, self.index(1))
 
-    @property
-    def outputs(self) -> list[tuple[Node, Node]]:
-        """The variables and their rates."""
-        return list(zip(map(variable, self.program.variables), self.program.outputs, strict=False))
+    # --- the recurrence ---
 
     def expand(self) -> None:
-        """Fill in the coefficients from those of t^0."""
-        self.order_zero()
-        first = [self.zeroth[rate] for _, rate in self.outputs]
-        for (name, _), rate in zip(self.outputs, first, strict=True):
-            self.put(name, self.index(1), rate)
-        last = self.repeat(self.index(1), self.order, first, self.next_order)
-        per_n = self.extra(self.layout.inverse, self.after(self.order))
-        known = dict(zip((name for name, _ in self.outputs), last, strict=True))
-        for name, rate in self.outputs:
-            if rate.kind == "variable":
-                self.put(name, self.after(self.order), self.multiply(known[rate], per_n))
-
-    def order_zero(self) -> None:
-        """Evaluate the program, and what each order divides by."""
+        """Fill in the coefficients from those of t^0, as `longball.engines.series` prints it."""
+        # order 0: the program, and what each order divides by
         place = {name: i for i, name in enumerate(self.program.parameters)}
-        state = (name for name, _ in self.outputs)
 
         def given(node: Node) -> Value:
             if node.kind == "parameter":
-                return self.extra(self.layout.parameters, place[node.args[0]])
+                row = self.extra(self.layout.parameters, place[node.args[0]])
+                return self.load(self.array, row)
             return self.load(self.array, self.blocks[node])
 
-        self.evaluate(dict.fromkeys((*state, *self.program.nodes)), given, self.zeroth)
+        nodes = dict.fromkeys((*self.variables, *self.program.nodes))
+        self.evaluate(nodes, given, self.zeroth)
         self.inverses = {
             node: self.divide(self.number(1.0), self.zeroth[divisor])
             for node in self.dynamic
-            if (divisor := _divisor(node)) is not None
+            if (divisor := self.recurrence.divisor(node)) is not None
         }
+        # order 1 of the variables, then the other ones
+        first = [self.zeroth[rate] for rate in self.rates]
+        for name, rate in zip(self.variables, first, strict=True):
+            self.put(name, self.index(1), rate)
+        last = self.repeat(1, self.order, first, self.next_order)
+        per_n = self.per(self.after(self.order))
+        known = dict(zip(self.variables, last, strict=True))
+        for name, rate in zip(self.variables, self.rates, strict=True):
+            if rate.kind == "variable":
+                self.put(name, self.after(self.order), self.multiply(known[rate], per_n))
 
     # A symmetric sum is taken by halves: of these nodes `halves` holds half the coefficient.
 
     def next_order(self, n: Value, coefficients: list[Value]) -> list[Value]:
         """From the coefficients n of the variables, return those of order n + 1."""
         sums = self.inner_sums(n)
-        names = [name for name, _ in self.outputs]
-        current: Values = dict(zip(names, coefficients, strict=True))
+        current: Values = dict(zip(self.variables, coefficients, strict=True))
         halves: Values = {}
         for node in self.dynamic:
             self.end(node, n, sums, current, halves)
             if node in self.blocks:
                 self.put(node, n, self.whole(node, current, halves))
-        per_n = self.extra(self.layout.inverse, self.after(n))
+        per_n = self.per(self.after(n))
         following = []
-        for name, rate in self.outputs:
+        for name, rate in zip(self.variables, self.rates, strict=True):
             value = self.number(0.0)
             if not rate.static:
                 value = self.multiply(self.whole(rate, current, halves), per_n)
@@ -188,17 +181,26 @@ class _Expansion(Writer):
         return current[node]
 
     def inner_sums(self, n: Value) -> Values:
-        """Return the sums over 1 … n-1: of pairs (j, n-j), symmetric ones by halves."""
+        """Return the sums over 1 … n-1: of pairs (j, n-j), symmetric ones by halves.
+
+        They are taken in loops of a few sums, which share as many rows as they can.
+        """
         rows = {
             node: factors
             for node in self.dynamic
             if (factors := self.recurrence.factors(node)) is not None
         }
-        return {
-            node: total
-            for some in _in_loops(rows)
-            for node, total in self.sums_of_pairs(n, some).items()
-        }
+        sums: Values = {}
+        while rows:
+            some: dict[Node, tuple[Node, Node]] = {}
+            free = MOST_CHAINS
+            while fitting := [node for node in rows if _chains(rows[node]) <= free]:
+                loaded = {row_of(x) for factors in some.values() for x in factors}
+                best = min(fitting, key=lambda node: len({*map(row_of, rows[node])} - loaded))
+                some[best] = rows.pop(best)
+                free -= _chains(some[best])
+            sums |= self.sums_of_pairs(n, some)
+        return sums
 
     def sums_of_pairs(self, n: Value, rows: dict[Node, tuple[Node, Node]]) -> Values:
         """Return sums over 1 … n-1 of the products of two rows, for each node, by one loop.
@@ -207,6 +209,10 @@ class _Expansion(Writer):
         """
         build = self.builder
         count = build.ashr(build.sub(n, self.index(1)), self.index(1))
+
+        def weighed(node: Node, order: Value, x: Value) -> Value:
+            weigh = node.kind in ("exp", "log")
+            return self.multiply(self.spread(order), x) if weigh else x
 
         # two terms of each sum at a time, (j, n-j) and (n-j, j): two chains of additions, which the
         # processor does at once; of a product of equal rows the two are the same
@@ -221,21 +227,18 @@ class _Expansion(Writer):
                     known[key] = self.at(node, k if side else j)
                 return known[key]
 
-            coming = iter(totals)
-            sums = []
+            coming, sums = iter(totals), []
             for node, (a, b) in rows.items():
                 if a is b:
                     sums.append(self.fma(at(a, 0), at(a, 1), next(coming)))
                     continue
                 for side, weight in ((0, j), (1, k)):
-                    x = at(a, side)
-                    if node.kind in ("exp", "log"):
-                        x = self.multiply(self.spread(weight), x)
+                    x = weighed(node, weight, at(a, side))
                     sums.append(self.fma(x, at(b, 1 - side), next(coming)))
             return sums
 
         chains = sum(map(_chains, rows.values()))
-        totals = self.repeat(self.index(0), count, [self.number(0.0)] * chains, pair)
+        totals = self.repeat(0, count, [self.number(0.0)] * chains, pair)
         coming = iter(totals)
         merged = [
             next(coming) if a is b else self.add(next(coming), next(coming))
@@ -250,10 +253,9 @@ class _Expansion(Writer):
                 x = self.at(a, middle)
                 if a is b:
                     sums.append(self.fma(self.multiply(self.number(0.5), x), x, total))
-                    continue
-                if node.kind in ("exp", "log"):
-                    x = self.multiply(self.spread(middle), x)
-                sums.append(self.fma(x, self.at(b, middle), total))
+                else:
+                    x = weighed(node, middle, x)
+                    sums.append(self.fma(x, self.at(b, middle), total))
             return sums
 
         odd = build.and_(n, self.index(1))
@@ -261,7 +263,7 @@ class _Expansion(Writer):
 
     def end(self, node: Node, n: Value, sums: Values, current: Values, halves: Values) -> None:
         """Write the coefficient n of a node, or half of it."""
-        zeroth = self.zeroth
+        zeroth, first = self.zeroth, node.args[0]
 
         def of(x: Node) -> Value:
             return self.number(0.0) if x.static else self.whole(x, current, halves)
@@ -287,76 +289,18 @@ class _Expansion(Writer):
                 rest = self.fma(of(b), zeroth[node], sums[node])
                 current[node] = self.multiply(self.subtract(of(a), rest), self.inverses[node])
             case "sqrt":
-                (a,) = node.args
-                half = halves.get(a)
+                half = halves.get(first)
                 if half is None:
-                    half = self.multiply(self.number(0.5), of(a))
+                    half = self.multiply(self.number(0.5), of(first))
                 current[node] = self.multiply(self.subtract(half, sums[node]), self.inverses[node])
             case "exp":
-                (a,) = node.args
-                inner = self.multiply(sums[node], self.extra(self.layout.inverse, n))
-                current[node] = self.fma(of(a), zeroth[node], inner)
+                inner = self.multiply(sums[node], self.per(n))
+                current[node] = self.fma(of(first), zeroth[node], inner)
             case "log":
-                (a,) = node.args
-                inner = self.multiply(sums[node], self.extra(self.layout.inverse, n))
-                current[node] = self.multiply(self.subtract(of(a), inner), self.inverses[node])
+                inner = self.multiply(sums[node], self.per(n))
+                current[node] = self.multiply(self.subtract(of(first), inner), self.inverses[node])
 
-
-def _chains(factors: tuple[Node, Node]) -> int:
-    """Return the number of partial sums of a product of two rows; a symmetric one needs half."""
-    a, b = factors
-    return 1 if a is b else 2
-
-
-def _in_loops(rows: dict[Node, tuple[Node, Node]]) -> Iterator[dict[Node, tuple[Node, Node]]]:
-    """Yield the products of rows in groups, a loop each, that share as many rows as they can."""
-    left = dict(rows)
-    while left:
-        some: dict[Node, tuple[Node, Node]] = {}
-        free = MOST_CHAINS
-        while fitting := [node for node in left if _chains(left[node]) <= free]:
-            loaded = {row_of(x) for factors in some.values() for x in factors}
-            best = min(fitting, key=lambda node: len({*map(row_of, left[node])} - loaded))
-            some[best] = left.pop(best)
-            free -= _chains(some[best])
-        yield some
-
-
-def _divisor(node: Node) -> Node | None:
-    """Return by what the coefficients of a node are divided, at t = 0."""
-    divisors: dict[str, Node] = {"quotient": node.args[-1], "sqrt": node, "log": node.args[0]}
-    return divisors.get(node.kind)
-
-
-# --- the step -------------------------------------------------------------------------------------
-
-
-class _Step(_Expansion):
-    """Writes a step: the expansion, how far it holds, and the state at its end.
-
-    The second argument is an array of shape (functions, variables + 2, lanes): of linear functions
-    of the state the coefficients, the constant, and the error. Their number is the third integer.
-    """
-
-    def __init__(self, module: Any, program: Program) -> None:
-        super().__init__(module, "step", program)
-        self.expand()
-        self.variables = [name for name, _ in self.outputs]
-        self.positions = [name for name, rate in self.outputs if rate.kind == "variable"]
-        velocities = [rate for _, rate in self.outputs if rate.kind == "variable"]
-        length = self.choose_length(velocities)
-        ranges = self.take(length)
-        self.store_clearance(ranges)
-        self.builder.ret(self.index(0))
-
-    def step_row(self, row: int) -> Value:
-        """Index of a row of the block of the step."""
-        start = self.builder.mul(self.index(self.layout.step), self.stride)
-        return self.builder.add(start, self.index(row))
-
-    def put_step(self, row: int, value: Value) -> None:
-        """Write a row of the block of the step."""
-        self.store(self.array, self.step_row(row), value)
+    # --- the step ---
 
     def larger(self, values: list[Value]) -> Value:
         """Return the largest absolute value."""
@@ -381,12 +325,11 @@ class _Step(_Expansion):
         one possible where an output behind the rates is not above zero: there the law ends.
         """
         # truncation: |x_N| t^N and |x_(N-1)| t^(N-1) are at most `allowed`
-        start = [self.zeroth[name] for name in velocities]
-        square = self.number(0.0)
-        for x in start:
+        build, square = self.builder, self.number(0.0)
+        for x in [self.zeroth[name] for name in velocities]:
             square = self.fma(x, x, square)
         allowed = self.multiply(self.spread(self.arguments[-1]), self.call("sqrt", square))
-        before = self.builder.sub(self.order, self.index(1))
+        before = build.sub(self.order, self.index(1))
         lengths = []
         total = self.number(0.0)
         for power in (self.order, before):
@@ -399,40 +342,37 @@ class _Step(_Expansion):
         order = self.spread(self.order)
         for _ in range(3):
             total = self.multiply(total, order)
-        ordinary = self.builder.fcmp_ordered("<", total, self.number(math.inf))
+        ordinary = build.fcmp_ordered("<", total, self.number(math.inf))
         # the roots: within half the distance of their singularities, and with small last terms
         has_path = len(self.variables) > len(self.positions) + len(velocities)
         longer = self.number(1.0 if has_path else LONGER)
         for node in self.recurrence.roots:
-            apart, limit = self.distance_to_zero(node)
-            ordinary = self.builder.and_(ordinary, apart)
-            last = self.call("fabs", self.at(node, before))
-            term = self.root(self.divide(allowed, last), before)
+            one, two = self.index(1), self.index(2)
+            curvature, zero = self.number(0.0), self.number(0.0)
+            # the lanes in which some square moves, and several
+            none = ir.Constant(ir.VectorType(ir.IntType(1), WIDTH), [0] * WIDTH)
+            some, several = none, none
+            for p in squares(node.args[0]):
+                p0, p1 = self.zeroth[p], self.at(p, one)
+                curvature = self.fma(p1, p1, curvature)
+                curvature = self.fma(self.add(p0, p0), self.at(p, two), curvature)
+                moves = build.fcmp_unordered("!=", self.larger([p0, p1]), zero)
+                several = build.or_(several, build.and_(some, moves))
+                some = build.or_(some, moves)
+            half = self.multiply(self.number(0.5), self.zeroth[node])
+            limit = self.divide(half, self.call("sqrt", self.call("fabs", curvature)))
+            ordinary = build.and_(ordinary, several)
+            size = self.call("fabs", self.at(node, before))
+            term = self.root(self.divide(allowed, size), before)
             length = self.choose(self.multiply(longer, term), "<", length, term, length)
             length = self.choose(limit, "<", length, limit, length)
         # the law: not where it ends
         for guard in self.program.outputs[len(self.variables) :]:
-            above = self.builder.fcmp_ordered(">", self.zeroth[guard], self.number(0.0))
-            ordinary = self.builder.and_(ordinary, above)
-        length = self.builder.select(ordinary, length, self.number(math.nan))
+            above = build.fcmp_ordered(">", self.zeroth[guard], self.number(0.0))
+            ordinary = build.and_(ordinary, above)
+        length = build.select(ordinary, length, self.number(math.nan))
         self.put_step(len(self.variables) + LENGTH, length)
         return length
-
-    def distance_to_zero(self, node: Node) -> tuple[Value, Value]:
-        """Lanes with two squares or more that are not zero; half the way to zeros of their sum."""
-        one, two = self.index(1), self.index(2)
-        curvature, zero = self.number(0.0), self.number(0.0)
-        none = ir.Constant(ir.VectorType(ir.IntType(1), WIDTH), [0] * WIDTH)
-        some, several = none, none
-        for p in squares(node.args[0]):
-            p0, p1 = self.zeroth[p], self.at(p, one)
-            curvature = self.fma(p1, p1, curvature)
-            curvature = self.fma(self.add(p0, p0), self.at(p, two), curvature)
-            moves = self.builder.fcmp_unordered("!=", self.larger([p0, p1]), zero)
-            several = self.builder.or_(several, self.builder.and_(some, moves))
-            some = self.builder.or_(some, moves)
-        half = self.multiply(self.number(0.5), self.zeroth[node])
-        return several, self.divide(half, self.call("sqrt", self.call("fabs", curvature)))
 
     def root(self, x: Value, n: Value) -> Value:
         """Return a lower estimate of the n-th root, good to a tenth: all that a step needs.
@@ -457,7 +397,6 @@ class _Step(_Expansion):
         thousand short steps would all be rounded to the same side.
         """
         last = self.after(self.order)
-        names = [*self.variables, *self.positions]
         sizes = self.call("fabs", length)
 
         def upper(name: Node, k: Value) -> Value:
@@ -480,41 +419,37 @@ class _Step(_Expansion):
         # by Horner's rule, values and bounds in one loop, as they load the same coefficients
         begin = [upper(name, self.order) for name in self.variables]
         begin += [self.call("fabs", self.at(name, last)) for name in self.positions]
-        totals = self.repeat(self.index(0), self.order, begin, term)
+        totals = self.repeat(0, self.order, begin, term)
         # of a position, x(0) is added last: that is the sum with Kahan's compensation
-        for i, (name, total) in enumerate(zip(names, totals, strict=True)):
-            if i < len(self.variables):
-                if name in self.positions:
-                    total = self.moved(i, self.zeroth[name], total, length)
-                self.put_step(i, total)
+        compensations = len(self.variables) + RANGES + len(self.positions)
+        for i, (name, total) in enumerate(zip(self.variables, totals, strict=False)):
+            if name in self.positions:
+                row, start = compensations + i, self.zeroth[name]
+                lost = self.load(self.array, self.extra(self.layout.step, row))
+                change = self.fma(total, length, lost)
+                end = self.add(start, change)
+                taken = self.subtract(end, start)
+                left = self.subtract(start, self.subtract(end, taken))
+                left = self.add(left, self.subtract(change, taken))
+                self.put_step(row + len(self.positions), left)
+                total = end
+            self.put_step(i, total)
         ranges = {}
         for i, name in enumerate(self.positions):
             ranges[name] = self.multiply(totals[len(self.variables) + i], sizes)
             self.put_step(len(self.variables) + RANGES + i, ranges[name])
         return ranges
 
-    def moved(self, i: int, start: Value, rate: Value, length: Value) -> Value:
-        """Return the i-th position at the end of the step; write what rounding takes from it."""
-        compensation = len(self.variables) + RANGES + len(self.positions) + i
-        change = self.fma(rate, length, self.load(self.array, self.step_row(compensation)))
-        end = self.add(start, change)
-        taken = self.subtract(end, start)
-        left = self.subtract(start, self.subtract(end, taken))
-        left = self.add(left, self.subtract(change, taken))
-        self.put_step(compensation + len(self.positions), left)
-        return end
-
     def store_clearance(self, ranges: dict[Node, Value]) -> None:
         """Write 1 where every linear function certainly stays above its error, -1 elsewhere."""
-        functions, count = self.arguments[1], self.arguments[4]
-        size = self.index(len(self.variables) + 2)
+        count, size = self.arguments[4], self.index(len(self.variables) + 2)
         clear, touched, zero = (self.number(value) for value in (1.0, -1.0, 0.0))
 
         def nearest(e: Value, totals: list[Value]) -> list[Value]:
             first = self.builder.mul(e, size)
 
             def part(i: int) -> Value:
-                return self.load(functions, self.builder.add(first, self.index(i)))
+                return self.load(self.functions, self.builder.add(first, self.index(i)))
 
             least = self.subtract(part(len(self.variables)), part(len(self.variables) + 1))
             total = totals[0]
@@ -528,8 +463,14 @@ class _Step(_Expansion):
                     total = self.choose(slope, "==", zero, total, touched)
             return [self.choose(least, ">", zero, total, touched)]
 
-        (result,) = self.repeat(self.index(0), count, [clear], nearest)
+        (result,) = self.repeat(0, count, [clear], nearest)
         self.put_step(len(self.variables) + CLEARANCE, result)
+
+
+def _chains(factors: tuple[Node, Node]) -> int:
+    """Return the number of partial sums of a product of two rows; a symmetric one needs half."""
+    a, b = factors
+    return 1 if a is b else 2
 
 
 # --- the code ---

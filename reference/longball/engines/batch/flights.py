@@ -34,7 +34,7 @@ from longball.engines.batch.expansion import (
     TIME_COMPENSATION,
     Kernel,
 )
-from longball.engines.batch.jit import call, fma, inner, shifted, unowned_view
+from longball.engines.batch.jit import call, fma, inner, shifted, unowned_views
 from longball.engines.batch.roots import (
     NEVER,
     curvature,
@@ -48,7 +48,7 @@ from longball.engines.batch.roots import (
 from longball.engines.batch.tangents import TIMES, Tangents, tangents
 from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.compiled import compiled
-from longball.model.arrays import Array, Integers
+from longball.model.arrays import Array
 from longball.model.trace import Program
 
 Integer = int | np.int64
@@ -143,65 +143,83 @@ def fly_all(
     flights: Records,  # of `flight_dtype`, of any shape
     order: int,  # of the series
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
+    # Derivatives of variables and parameters by some numbers: shape (sources, tangents, flights)
     changes: Array | None = None,
-    steps: Array | None = None,
+    # To be filled with time, s, and state at the beginning of each step of the one flight
+    steps: Array | None = None,  # shape (steps, 1 + variables)
 ) -> tuple[Records, Array]:
     """Fly every flight to its end, and derivatives of its state with it.
 
-    Parameters
-    ----------
-    changes : array, shape (sources, tangents, flights)
-        Derivatives of variables and parameters by some numbers; none if left out.
-    steps : array, shape (steps, 1 + variables)
-        Is filled with time, s, and state at the beginning of each step of the one flight.
-
-    Returns
-    -------
-    arrivals : array
-        Records of `arrival_dtype`, of the shape of `flights`.
-    derivatives : array, shape (times, variables, tangents, flights)
-        Derivatives of the state at the end, at the mark and where the ball is closest to the bat,
-        each at a fixed time; NaN where there is no mark, or no bat.
+    Returns records of `arrival_dtype`, of the shape of `flights`; and derivatives of the state at
+    the end, at the mark and where the ball is closest to the bat, each at a fixed time, of shape
+    (times, variables, tangents, flights), NaN where there is no mark, or no bat.
     """
-    program, layout, memory = kernel.layout.program, kernel.layout, Tangents(kernel.layout.program)
+    program, layout, rows = kernel.layout.program, kernel.layout, Tangents(kernel.layout.program)
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
+    half = variables // 2
     starts = np.ascontiguousarray(flights).reshape(-1)
     arrivals = np.empty(len(starts), arrival_dtype(program))
     if changes is None:
         changes = np.empty((0, 0, len(starts)))
     count = changes.shape[1]
     derivatives = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
-    lanes = layout.allocate(order)
-    rows, width = lanes.shape[1], 2 * order + 4
-    steps = np.empty((0, 0)) if steps is None else steps
+    x = layout.allocate(order)
+    step, work = x[layout.step].ravel(), np.zeros((variables + _SCRATCH, 2 * order + 4))
+    memory = rows.allocate(count).ravel()
+    p, slope, second, across, above, state = work[variables:]
     _fly_all(
-        (kernel.code.address, layout.parameters * rows, layout.step * rows),
-        (variables, parameters, functions, order, rows, width),
+        kernel.code.address,
         truncation,
-        (starts.view(np.float64), arrivals.view(np.float64), arrivals.view(np.int64)),
-        (starts.itemsize // 8, arrivals.itemsize // 8, len(starts)),
-        (
-            lanes.ravel(),
-            aligned(functions * (variables + 2) * WIDTH),
-            np.zeros((variables + _SCRATCH) * width),
+        _Workspace(
+            half=half,
+            variables=variables,
+            parameters=parameters,
+            functions=functions,
+            order=order,
+            degree=order + 1,
+            rows=x.shape[1],
+            width=work.shape[1],
+            x=x.ravel(),
+            strengths=x[layout.parameters].ravel(),
+            step=step,
+            compensation=step[(variables + RANGES + half) * WIDTH :],
+            linear=aligned(functions * (variables + 2) * WIDTH),
+            work=work.ravel(),
+            p=p,
+            slope=slope,
+            second=second,
+            across=across,
+            above=above,
+            state=state,
+            times=memory,
+            active=np.full(WIDTH, _NONE),
+            flying=np.full(WIDTH, _NONE),
         ),
-        np.zeros(2 * WIDTH, np.int64),
-        steps.ravel(),
-        len(steps),
-        (tangents(program).address if count else 0, count, memory.first, memory.size),
-        (memory.allocate(count).ravel(), changes.ravel(), derivatives.ravel()),
+        _Records(
+            flight_size=starts.itemsize // 8,
+            arrival_size=arrivals.itemsize // 8,
+            total=len(starts),
+            flights=starts.view(np.float64),
+            arrivals=arrivals.view(np.float64),
+            statuses=arrivals.view(np.int64),
+            recorded=0 if steps is None else len(steps),
+            steps=np.empty(0) if steps is None else steps.ravel(),
+        ),
+        _Tangents(
+            code=tangents(program).address if count else 0,
+            flights=len(starts),
+            each=count,
+            sources=variables + parameters,
+            variables=variables,
+            first=rows.first,
+            size=rows.size,
+            memory=memory,
+            starts=changes.ravel(),
+            derivatives=derivatives.ravel(),
+        ),
     )
     return arrivals.reshape(flights.shape), derivatives
-
-
-def fly_and_record(
-    kernel: Kernel, flights: Records, order: int, truncation: float
-) -> tuple[Records, Array]:
-    """Fly one ball twice: first to count the steps, then to record them."""
-    arrival, _ = fly_all(kernel, flights, order, truncation)
-    steps = np.empty((arrival["steps"].item(), 1 + len(kernel.layout.program.variables)))
-    return fly_all(kernel, flights, order, truncation, steps=steps)[0], steps
 
 
 # --- the loop -------------------------------------------------------------------------------------
@@ -225,8 +243,8 @@ class _Workspace(NamedTuple):
     # order, degree: of the velocity's polynomials, and of the position's
     order: int
     degree: int
-    # block, width: doubles between two components of the state in `x`, and in `work`
-    block: int
+    # rows, width: rows of a component of the state in `x`, and doubles of one in `work`
+    rows: int
     width: int
     # x, strengths, step: the expansion of all lanes, its block of parameters, and that of the step
     x: Any
@@ -248,9 +266,27 @@ class _Workspace(NamedTuple):
     # times, s: for each lane the end of its step, its mark, and the closest approach to the bat;
     # NaN if there is none
     times: Any
+    # Numbers of the flights in the lanes now, and in the step
+    active: Any
+    flying: Any
 
 
-_SCRATCH = 6  # rows of a workspace after those of the state
+_SCRATCH = 6  # rows of a workspace after those of the state, from `p` to `state`
+
+
+class _Records(NamedTuple):
+    """Records of all flights: their sizes in doubles, and how many there are."""
+
+    flight_size: int
+    arrival_size: int
+    total: int
+    # flights, arrivals, as doubles; statuses: the latter as integers
+    flights: Any
+    arrivals: Any
+    statuses: Any
+    # recorded: how many steps of the one flight to write into `steps`
+    recorded: int
+    steps: Any
 
 
 class _Slot(NamedTuple):
@@ -282,61 +318,12 @@ class _Tangents(NamedTuple):
 
 @compiled
 def _fly_all(
-    code: tuple[int, int, int],
-    sizes: tuple[int, int, int, int, int, int],
-    truncation: float,
-    records: tuple[Array, Array, Integers],
-    record_sizes: tuple[int, int, int],
-    memory: tuple[Array, Array, Array],
-    numbers: Integers,
-    steps: Array,
-    recorded: int,
-    tangent_sizes: tuple[int, int, int, int],
-    tangent_memory: tuple[Array, Array, Array],
+    step_code: int, truncation: float, s: _Workspace, records: _Records, t: _Tangents
 ) -> None:
     """Fill free lanes, step all lanes, locate events lane by lane, and advance, to the last end."""
-    variables, parameters, functions, order, rows, width = sizes
-    x, step = unowned_view(memory[0]), shifted(unowned_view(memory[0]), code[2] * WIDTH)
-    work = unowned_view(memory[2])
-    scratch = shifted(work, variables * width)
-    s = _Workspace(
-        variables // 2,
-        variables,
-        parameters,
-        functions,
-        order,
-        order + 1,
-        rows * WIDTH,
-        width,
-        x,
-        shifted(x, code[1] * WIDTH),
-        step,
-        shifted(step, (variables + RANGES + variables // 2) * WIDTH),
-        unowned_view(memory[1]),
-        work,
-        scratch,
-        shifted(scratch, width),
-        shifted(scratch, 2 * width),
-        shifted(scratch, 3 * width),
-        shifted(scratch, 4 * width),
-        shifted(scratch, 5 * width),
-        unowned_view(tangent_memory[0]),
-    )
-    t = _Tangents(
-        tangent_sizes[0],
-        record_sizes[2],
-        tangent_sizes[1],
-        variables + parameters,
-        variables,
-        tangent_sizes[2],
-        tangent_sizes[3],
-        s.times,
-        unowned_view(tangent_memory[1]),
-        unowned_view(tangent_memory[2]),
-    )
-    pointers = unowned_view(records[0]), unowned_view(records[1]), unowned_view(records[2])
-    active, path = unowned_view(numbers), unowned_view(steps)
-    flying = shifted(active, WIDTH)  # in the step
+    s, records, t = unowned_views(s), unowned_views(records), unowned_views(t)
+    x, step, active, flying, variables = s.x, s.step, s.active, s.flying, s.variables
+    block = s.rows * WIDTH
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
     compensation_row, farthest_row = (
         (variables + TIME_COMPENSATION) * WIDTH,
@@ -344,15 +331,13 @@ def _fly_all(
     )
     clearance_row = (variables + CLEARANCE) * WIDTH
     climb = 2 * s.half - 1  # w
-    for lane in range(WIDTH):
-        active[lane] = _NONE
     next_one = 0
     while True:
         # free lanes take the next flights
         busy = 0
         for lane in range(WIDTH):
-            if active[lane] == _NONE and next_one < record_sizes[2]:
-                _launch(s, _slot(pointers, record_sizes, next_one, lane))
+            if active[lane] == _NONE and next_one < records.total:
+                _launch(s, _slot(records, next_one, lane))
                 _put_tangents(t, next_one, lane)
                 active[lane] = next_one
                 next_one += 1
@@ -362,11 +347,11 @@ def _fly_all(
             return
 
         # one step of all lanes
-        call(code[0], (x, s.linear, order, rows, functions, truncation))
+        call(step_code, (x, s.linear, s.order, s.rows, s.functions, truncation))
         if t.each > 0:
             for k in range(variables):  # where the step begins; lanes move on before their tangents
                 for lane in range(WIDTH):
-                    t.memory[(TIMES + k) * WIDTH + lane] = x[k * s.block + lane]
+                    t.memory[(TIMES + k) * WIDTH + lane] = x[k * block + lane]
         for lane in range(WIDTH):
             for k in range(TIMES):
                 s.times[k * WIDTH + lane] = math.nan
@@ -375,22 +360,22 @@ def _fly_all(
                 continue
 
             # bookkeeping of a lane
-            slot = _slot(pointers, record_sizes, i, lane)
+            slot = _slot(records, i, lane)
             time, length = step[time_row + lane], step[length_row + lane]
-            if slot.status[_STEPS] < recorded:
-                row = shifted(path, slot.status[_STEPS] * (variables + 1))
+            if slot.status[_STEPS] < records.recorded:
+                row = shifted(records.steps, slot.status[_STEPS] * (variables + 1))
                 row[0] = time
                 for k in range(variables):
-                    row[1 + k] = x[k * s.block + lane]
+                    row[1 + k] = x[k * block + lane]
             slot.status[_STEPS] += 1
             if not length > 0.0 or slot.status[_STEPS] >= _MOST_STEPS:
                 slot.status[_STOP], active[lane] = Stop.FALLBACK, _NONE
                 continue
             # The mark is the apex only where neither a bat nor a sampling plane takes it.
-            rises = x[climb * s.block + lane] > 0.0
+            rises = x[climb * block + lane] > 0.0
             rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_BEYOND])
             for k in range(s.half):
-                coordinate = abs(x[k * s.block + lane])
+                coordinate = abs(x[k * block + lane])
                 if coordinate > step[farthest_row + lane]:
                     step[farthest_row + lane] = coordinate
 
@@ -405,7 +390,7 @@ def _fly_all(
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
                 for k in range(variables):
-                    x[k * s.block + lane] = step[k * WIDTH + lane]
+                    x[k * block + lane] = step[k * WIDTH + lane]
             else:
                 _load_step(s, lane)
                 length = _locate_first_event(s, slot, time, length)
@@ -416,7 +401,7 @@ def _fly_all(
                     active[lane] = _NONE
                     continue
                 for k in range(variables):
-                    x[k * s.block + lane] = s.state[k]
+                    x[k * block + lane] = s.state[k]
 
             # What rounding takes from positions and time is made up for at the next step: Kahan's
             # compensated sum.
@@ -435,17 +420,21 @@ def _fly_all(
                 for lane in range(WIDTH):
                     if not math.isnan(s.times[k * WIDTH + lane]):
                         wanted = k + 1.0
-            call(t.code, (x, s.times, order, rows, t.each, wanted))
+            call(t.code, (x, s.times, s.order, s.rows, t.each, wanted))
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
                     _take_tangents(t, flying[lane], lane)
 
 
 @inner
-def _slot(pointers: Any, sizes: tuple[int, int, int], number: Integer, lane: int) -> _Slot:
-    flight, arrival = number * sizes[0], number * sizes[1]
-    starts, ends, marks = pointers
-    return _Slot(shifted(starts, flight), shifted(ends, arrival), shifted(marks, arrival), lane)
+def _slot(records: _Records, number: Integer, lane: int) -> _Slot:
+    end = number * records.arrival_size
+    return _Slot(
+        shifted(records.flights, number * records.flight_size),
+        shifted(records.arrivals, end),
+        shifted(records.statuses, end),
+        lane,
+    )
 
 
 @inner
@@ -492,7 +481,7 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
     # state and strengths: a row of the lanes for each number
     source = shifted(flight, _STATE)
     for k in range(s.variables):
-        s.x[k * s.block + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
+        s.x[k * s.rows * WIDTH + lane] = arrival[_END + 1 + k] = marked[1 + k] = source[k]
     source = shifted(source, s.variables)
     for k in range(s.parameters):
         s.strengths[k * WIDTH + lane] = source[k]
@@ -526,7 +515,7 @@ def _event_value(s: _Workspace, number: Integer, lane: int, state: Any) -> float
 def _load_step(s: _Workspace, lane: int) -> None:
     """Copy the step's polynomials of a lane to the workspace."""
     for i in range(s.variables):
-        source, target = shifted(s.x, i * s.block + lane), shifted(s.work, i * s.width)
+        source, target = shifted(s.x, i * s.rows * WIDTH + lane), shifted(s.work, i * s.width)
         for k in range(s.degree + 1):
             target[k] = source[k * WIDTH]
         if i >= s.half:
@@ -716,16 +705,6 @@ def _rounding(s: _Workspace, number: Integer, lane: int) -> float:
 
 
 @inner
-def _rate(s: _Workspace, number: Integer, lane: int) -> float:
-    """Return the size of the rate of a function of the positions, as those of most events are."""
-    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
-    total = 0.0
-    for k in range(s.half):
-        total += function[k * WIDTH] * s.state[s.half + k]
-    return abs(total)
-
-
-@inner
 def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
     """True if another event, or the time limit, may be as early as what stopped the flight."""
     flight, arrival, _, lane = slot
@@ -737,8 +716,13 @@ def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
     if stop == Stop.TIME_LIMIT:
         return False
     left, late = flight[_LIMIT] - arrival[_END], flight[_ERROR] * flight[_LIMIT]
-    rate, rounding = _rate(s, stop + 1, lane), _rounding(s, stop + 1, lane)
-    return bool(left <= late or (left <= _SOON * flight[_LIMIT] and left * rate < rounding))
+    # the rate of the function, which is one of the positions, as those of most events are
+    function = shifted(s.linear, (stop + 1) * (s.variables + 2) * WIDTH + lane)
+    rate = 0.0
+    for k in range(s.half):
+        rate += function[k * WIDTH] * s.state[s.half + k]
+    soon = left <= _SOON * flight[_LIMIT] and left * abs(rate) < _rounding(s, stop + 1, lane)
+    return bool(left <= late or soon)
 
 
 # --- the bat --------------------------------------------------------------------------------------

@@ -49,13 +49,22 @@ fma = cast(Callable[[float, float, float], float], _fused)  # a b + c, rounded o
 
 
 @operation
-def unowned_view(typing: Any, array: Any) -> Any:
-    """Return a pointer to the first element of an array, which must outlive it."""
+def unowned_views(typing: Any, fields: Any) -> Any:
+    """Return a tuple, also a named one, with pointers in place of its arrays.
+
+    They point to the first elements of the arrays, which must outlive them.
+    """
+    kinds = [types.CPointer(x.dtype) if isinstance(x, types.Array) else x for x in fields.types]
+    views = types.BaseTuple.from_types(kinds, getattr(fields, "instance_class", None))
 
     def code(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return context.make_array(signature.args[0])(context, builder, args[0]).data
+        values = [builder.extract_value(args[0], i) for i in range(len(kinds))]
+        for i, kind in enumerate(fields.types):
+            if isinstance(kind, types.Array):
+                values[i] = context.make_array(kind)(context, builder, values[i]).data
+        return context.make_tuple(builder, views, values)
 
-    return types.CPointer(array.dtype)(array), code
+    return views(fields), code
 
 
 @operation

@@ -54,32 +54,17 @@ def solve_columns(
 ) -> dict[str, NDArray[Any]]:
     """Solve many scenes that differ from one in some of their numbers.
 
-    Parameters
-    ----------
-    scene
-        The scene with the numbers that are the same in all rows.
-    columns
-        Numbers that differ, as arrays of shape (n,) by name: ``pitch.speed``, ``pitch.aim[0]``,
-        ``swing.height_offset``, ``ball.restitution``, ``launch.velocity[2]``, …
-    threads
-        Number of threads. Neither this number nor the order of the scenes changes a bit.
+    The `columns` are arrays of shape (n,) by name: ``pitch.speed``, ``pitch.aim[0]``, … Neither
+    their order nor the number of threads changes a bit. Columns are not validated as scenes: an
+    invalid row may have an answer, or none.
 
-    Returns
-    -------
-    dict of str to array
-        Columns of shape (n,): ``outcome``, a string, empty if the scene has no answer
-        (`longball.engines.chain.solve` gives the reason); the quantities of the result,
-        ``plate.time``, ``contact.normal[0]``, ``landing.distance``, …, NaN if absent; and
-        ``engine``, the description of the engine that flew the ball.
+    Returns columns of shape (n,): ``outcome``, a string, empty if the scene has no answer
+    (`longball.engines.chain.solve` gives the reason); the quantities of the result,
+    ``plate.time``, ``contact.normal[0]``, ``landing.distance``, …, NaN if absent; and ``engine``,
+    the description of the engine that flew the ball.
 
-    Raises
-    ------
-    ValueError
-        If a name is not one of the scene's numbers, or a column is not one of n finite numbers.
-
-    Notes
-    -----
-    Columns are not validated as scenes: an invalid row may have an answer, or none.
+    Raises `ValueError` if a name is not one of the scene's numbers, or a column is not one of n
+    finite numbers.
     """
     flyer, known = engine or _batch(), _checked(scene, columns)
     table = _solve(scene, known, flyer, threads, model)
@@ -103,21 +88,12 @@ def solve_decided_columns(
 
 @dataclass(frozen=True)
 class Slopes:
-    """Derivatives in columns.
+    """Derivatives in columns."""
 
-    Attributes
-    ----------
-    columns
-        Derivatives of each quantity by the inputs, in order, shape (inputs, n); NaN if absent.
-    alone
-        Rows whose derivatives are from the engine ivp.
-    refused
-        Reasons for missing derivatives, by row and input.
-    """
-
+    # Of each quantity by the inputs, in order, shape (inputs, n); NaN if absent
     columns: dict[str, Array]
-    alone: list[int]
-    refused: dict[int, Mapping[str, str]]
+    alone: list[int]  # rows whose derivatives are from the engine ivp
+    refused: dict[int, Mapping[str, str]]  # reasons for missing derivatives, by row and input
 
 
 def solve_columns_with_slopes(
@@ -192,7 +168,9 @@ def solve_columns_with_restitutions(
         contact = chain.meet_bat(_run(scene, cells, flyer, MODEL, met))
         for ball, table in zip(balls, tables, strict=True):
             part = table.part(rows)
-            part.copy_from(met)
+            part.outcome[:], part.alone[rows] = met.whole, met.alone
+            for name, column in met.columns.items():
+                part.column(name, column)[rows] = column
             chain.finish(_run(ball, cells, flyer, MODEL, part), contact)
             part.withdraw_what_is_not_finite()
 

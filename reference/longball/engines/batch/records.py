@@ -50,7 +50,7 @@ def flies_in_lanes(law: Law) -> bool:
     """
     if not all(switch.ends_law for switch in law.switches):
         return False
-    return law.is_paper or law.gravity is not None
+    return law.is_paper or "gravity" in law.strengths
 
 
 def formed(law: Law) -> Law:
@@ -142,20 +142,6 @@ def records_of(
     for (name, *place), value in columns.items():
         flight[name][..., *place] = value
     return flight
-
-
-def flown(
-    flyer: Any,
-    law: Law,
-    start: Start,
-    events: Events,
-    limit: Any,
-    bat: Bat | None = None,
-    rows: Any = ...,
-) -> tuple[Records, Records]:
-    """Return flights that start from states, and their arrivals; see `records_of`."""
-    starts = records_of(law, start, events, limit, flyer.flight_error, bat, rows)
-    return starts, flyer.fly_all(starts, in_lanes(law).program)
 
 
 def linear(law: Law, value: Callable[[Any], Any]) -> list[Any]:

@@ -20,7 +20,6 @@ from longball.engines.batch.columns import (
     Columns,
     Flights,
     Table,
-    not_flown,
     without_size,
 )
 from longball.engines.batch.flights import Stop
@@ -36,6 +35,7 @@ from longball.model.law import Law, State
 from longball.model.quantities import number
 from longball.model.result import Outcome
 from longball.model.scene import FlightScene, Scene
+from longball.model.trace import Program
 
 # --- jets of columns ------------------------------------------------------------------------------
 
@@ -264,7 +264,9 @@ class SlopeColumns(Columns):
     jets: ColumnJets = field(kw_only=True)
     engine: Any  # `longball.engines.batch.Batch`
 
-    numbers = property(lambda self: self.jets)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.numbers = self.jets
 
     def decide(self, x: Any, error: Any, question: str, rows: Flags) -> tuple[Flags, Flags]:
         """See `Columns`."""
@@ -328,26 +330,24 @@ class SlopeColumns(Columns):
         """
         plain, state = _plain_law(law), start.state
         still = Start(plain_of(start.time), type(state)(*map(plain_of, state)))
-        program = records.in_lanes(plain).program
-        shape = TIMES, len(program.variables), self.table.inputs, len(rows)
-        if not rows.any():
-            return not_flown(plain, still, len(rows)), np.full(shape, math.nan)
-        error, until = self.engine.flight_error, plain_of(limit)
-        begun = records.records_of(plain, still, events, until, error, bat, rows)
-        # dp/dx of (1) in `tangents`, and ξ where the flight starts
-        strengths = records.in_lanes(law).strengths
-        sources = [*start.state, *(strengths[name] for name in program.parameters)]
-        changes = np.empty((len(sources), self.table.inputs, begun.size))
-        whole_block = begun.ndim == 0 or rows.all()
-        for change, x in zip(changes, sources, strict=True):
-            rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
-            change[...] = rate[:, : begun.size] if whole_block else rate[:, rows]
-        ends, jets = self.engine.fly_all_with_tangents(begun, program, changes)
-        if whole_block:
-            return ends, jets
-        every, whole = not_flown(plain, still, len(rows)), np.full(shape, math.nan)
-        every[rows], whole[..., rows] = ends, jets
-        return every, whole
+        shape = TIMES, len(plain.variables), self.table.inputs, len(rows)
+        jets = np.full(shape, math.nan)
+
+        def fly(begun: Any, program: Program) -> Any:
+            # dp/dx of (1) in `tangents`, and ξ where the flight starts
+            strengths = records.in_lanes(law).strengths
+            sources = [*start.state, *(strengths[name] for name in program.parameters)]
+            changes = np.empty((len(sources), self.table.inputs, begun.size))
+            flown: Any = slice(begun.size) if begun.ndim == 0 or rows.all() else rows
+            for change, x in zip(changes, sources, strict=True):
+                rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
+                change[...] = rate[:, flown]
+            ends, some = self.engine.fly_all_with_tangents(begun, program, changes)
+            jets[..., rows if flown is rows else slice(None)] = some
+            return ends
+
+        ends = self._flown(plain, still, events, plain_of(limit), rows, bat, fly)
+        return ends, jets
 
     def _noted(self, ends: Any, jets: Array, law: Law, which: int) -> Start:
         """Return time and state at the end or at a mark, which are at a fixed time."""

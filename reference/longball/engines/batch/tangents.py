@@ -21,7 +21,7 @@ error is about 18^-2K: 1e-15 with K = 6.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,15 +52,6 @@ PARTS = WIDTH // LANES
 TIMES = 3
 
 
-def nodes_for(program: Program) -> int:
-    """Return K: one more than the estimate above, or two more with a logarithm."""
-    # Steps are shorter than half the distance to singularities of roots, but not of other
-    # functions. A logarithmic wind has a singularity ahead of the ball, below the ground: relative
-    # errors of derivatives are 3e-12, 5e-14 and 6e-15 with K = 6, 7 and 8. For a drag crisis, whose
-    # poles are not on the real axis, they are 3e-14 and 5e-16 with K = 6 and 7.
-    return 8 if any(node.kind == "log" for node in program.nodes) else 7
-
-
 def gauss(nodes: int) -> tuple[Array, Array, Array]:
     """Return c, w and a of (2), on [0, 1].
 
@@ -77,39 +68,8 @@ def gauss(nodes: int) -> tuple[Array, Array, Array]:
 # --- memory ---------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Tangents:
-    """Layout of an array with the tangents of the flights in the lanes."""
-
-    program: Program  # of the law
-
-    @property
-    def sources(self) -> int:
-        """Number of the variables and parameters."""
-        return len(self.program.variables) + len(self.program.parameters)
-
-    @property
-    def scratch(self) -> int:
-        """Row of `_System`, after `TIMES` and the state where the step begins."""
-        return TIMES + len(self.program.variables)
-
-    @property
-    def first(self) -> int:
-        """Row of the first tangent, after what equations (2) are solved with."""
-        return self.scratch + -(-_System(self.program).size // PARTS)
-
-    @property
-    def size(self) -> int:
-        """Rows of one: dp/dx; ξ at the end of the step; and at the other times, in order."""
-        return len(self.program.parameters) + TIMES * len(self.program.variables)
-
-    def allocate(self, count: int) -> Array:
-        """Return an array for so many tangents."""
-        return aligned(self.first + count * self.size, WIDTH)
-
-
-class _System:
-    """Equations (2) of a law: what is unknown, and where its coefficients are.
+    """Equations (2) of a law, and the array with the tangents of the flights in the lanes.
 
     A variable that is the integral of another, as a position is of a velocity, has no F of its own.
     With ``ξ' = η`` and ``η_k = η_0 + h Σ a_kj F_j`` it is
@@ -117,7 +77,13 @@ class _System:
     """
 
     def __init__(self, program: Program) -> None:
-        self.program, self.nodes = program, nodes_for(program)
+        # K: one more than the estimate above, or two more with a logarithm. Steps are shorter than
+        # half the distance to singularities of roots, but not of other functions. A logarithmic
+        # wind has one ahead of the ball, below the ground: relative errors of derivatives are
+        # 3e-12, 5e-14 and 6e-15 with K = 6, 7 and 8. For a drag crisis, whose poles are not on the
+        # real axis, they are 3e-14 and 5e-16 with K = 6 and 7.
+        self.nodes = 8 if any(node.kind == "log" for node in program.nodes) else 7
+        self.program = program
         count, sources = len(program.variables), len(program.variables) + len(program.parameters)
         slopes = with_partials(program).outputs[len(program.outputs) :]
         # of each variable that is an integral: of which
@@ -137,9 +103,17 @@ class _System:
         # of the matrix; F
         self.entry = {place: n for n, place in enumerate(entries)}
         self.matrix = self.nodes * len(entries)
-        self.block = len(self.unknown) ** 2
-        self.forces = self.matrix + self.nodes**2 * self.block
-        self.size = self.forces + self.nodes * len(self.unknown)
+        self.forces = self.matrix + self.nodes**2 * len(self.unknown) ** 2
+        used = self.forces + self.nodes * len(self.unknown)
+        # Rows of the lanes: `TIMES`, the state where the step begins, the rows above, and the
+        # tangents. Of each: dp/dx; ξ at the end of the step; and at the other times, in order
+        self.scratch = TIMES + count
+        self.first = self.scratch - (-used // PARTS)
+        self.size = len(program.parameters) + TIMES * count
+
+    def allocate(self, tangents: int) -> Array:
+        """Return an array for so many tangents."""
+        return aligned(self.first + tangents * self.size, WIDTH)
 
 
 # --- code -----------------------------------------------------------------------------------------
@@ -156,39 +130,37 @@ class _Collocation(Writer):
     def __init__(self, module: Any, program: Program) -> None:
         super().__init__(module, "tangents", LANES)
         self.array, self.memory, self.order, self.stride, self.count, times = self.arguments
-        self.program, self.layout = program, Tangents(program)
-        self.system = _System(program)
+        self.program, self.system = program, Tangents(program)
         self.nodes, self.unknown = self.system.nodes, self.system.unknown
         self.variables = len(program.variables)
         c, w, a = gauss(self.nodes)
         tables = {"c": c, "w": w, "a": a, "v": w * (1 - c), "b": a @ a}  # v_k = Σ w_j a_jk
-        self.tables = {name: self.table(name, values) for name, values in tables.items()}
+        self.tables = {}
+        for name, values in tables.items():
+            kind = ir.ArrayType(DOUBLE, values.size)
+            self.tables[name] = ir.GlobalVariable(module, kind, name)
+            self.tables[name].global_constant = True
+            self.tables[name].initializer = ir.Constant(kind, values.ravel().tolist())
         last = self.builder.sub(self.builder.fptosi(times, INDEX), self.index(1))
 
         def part(chunk: Value, _: Sequence[Value]) -> list[Value]:
             self.chunk = chunk
-            given = self.static_values()
-            # the end last: it takes the place of the beginning
-            self.repeat(
-                self.index(0),
-                self.builder.add(last, self.index(1)),
-                [],
-                lambda i, _: self.advance(self.builder.sub(last, i), given),
+            given: Values = {}  # the same along a flight
+            block = len(recurrence(program).rows)
+            self.evaluate(
+                (node for node in self.system.partials.nodes if node.static),
+                lambda x: self.expanded(block, self.index(program.parameters.index(x.args[0]))),
+                given,
             )
+            # the end last: it takes the place of the beginning
+            until = self.builder.add(last, self.index(1))
+            self.repeat(0, until, [], lambda i, _: self.advance(self.builder.sub(last, i), given))
             return []
 
-        self.repeat(self.index(0), self.index(PARTS), [], part)
+        self.repeat(0, PARTS, [], part)
         self.builder.ret(self.index(0))
 
     # --- places ---
-
-    def table(self, name: str, values: Array) -> Any:
-        """Return an array of constants."""
-        kind = ir.ArrayType(DOUBLE, values.size)
-        table = ir.GlobalVariable(self.function.module, kind, name)
-        table.global_constant = True
-        table.initializer = ir.Constant(kind, values.ravel().tolist())
-        return table
 
     def constant(self, name: str, k: Value, j: Value | None = None) -> Value:
         """Return a constant in every lane."""
@@ -198,8 +170,7 @@ class _Collocation(Writer):
 
     def row(self, k: Value, size: int, more: Value | int = 0) -> Value:
         """Return ``k size + more``."""
-        more = self.index(more) if isinstance(more, int) else more
-        return self.builder.add(self.builder.mul(k, self.index(size)), more)
+        return self.builder.add(self.builder.mul(k, self.index(size)), self.index(more))
 
     def place(self, row: Value) -> Value:
         """Index of a row, of the lanes at hand."""
@@ -212,13 +183,12 @@ class _Collocation(Writer):
 
     def of_tangent(self, tangent: Value, row: Value | int) -> Value:
         """Index of a row of a tangent: dp/dx, and ξ at the times."""
-        start = self.row(tangent, self.layout.size, self.layout.first)
-        row = self.index(row) if isinstance(row, int) else row
-        return self.place(self.builder.add(start, row))
+        start = self.row(tangent, self.system.size, self.system.first)
+        return self.place(self.builder.add(start, self.index(row)))
 
     def scratch(self, row: Value) -> Value:
-        """Index of a row of `_System`, which has the numbers of the lanes at hand alone."""
-        return self.builder.add(self.index(self.layout.scratch * PARTS), row)
+        """Index of a row of `Tangents`, which has the numbers of the lanes at hand alone."""
+        return self.builder.add(self.index(self.system.scratch * PARTS), row)
 
     def block(self, a: Value, b: Value) -> list[list[Value]]:
         """Indices of the numbers of a block of the matrix."""
@@ -244,18 +214,6 @@ class _Collocation(Writer):
 
     # --- the integration ---
 
-    def static_values(self) -> Values:
-        """Evaluate what is the same along a flight."""
-        values: Values = {}
-        block = len(recurrence(self.program).rows)
-
-        def given(node: Node) -> Value:
-            place = self.program.parameters.index(node.args[0])
-            return self.expanded(block, self.index(place))
-
-        self.evaluate((n for n in self.system.partials.nodes if n.static), given, values)
-        return values
-
     def advance(self, at: Value, given: Values) -> list[Value]:
         """Integrate all tangents up to one of the times, if any of the flights has it."""
         build = self.builder
@@ -266,13 +224,12 @@ class _Collocation(Writer):
         )
 
         def go(_: Value, __: Sequence[Value]) -> list[Value]:
-            nodes = self.index(0), self.index(self.nodes)
-            self.repeat(*nodes, [], lambda k, _: self.put_slopes(k, length, dict(given)))
-            self.repeat(*nodes, [], lambda k, _: self.eliminate(k, length))
-            self.repeat(self.index(0), self.count, [], lambda i, _: self.carry(i, at, length))
+            self.repeat(0, self.nodes, [], lambda k, _: self.put_slopes(k, length, dict(given)))
+            self.repeat(0, self.nodes, [], lambda k, _: self.eliminate(k, length))
+            self.repeat(0, self.count, [], lambda i, _: self.carry(i, at, length))
             return []
 
-        return self.repeat(self.index(0), build.zext(some, INDEX), [], go)
+        return self.repeat(0, build.zext(some, INDEX), [], go)
 
     def put_slopes(self, k: Value, length: Value, values: Values) -> list[Value]:
         """Evaluate the partial derivatives at a time of the step."""
@@ -292,7 +249,7 @@ class _Collocation(Writer):
                 for i, total in zip(places, totals, strict=True)
             ]
 
-        totals = self.repeat(self.index(0), self.order, begin, term)
+        totals = self.repeat(0, self.order, begin, term)
         starts = [self.load(self.memory, self.place(self.index(TIMES + i))) for i in places]
         state = {
             node: self.fma(total, t, start)
@@ -340,7 +297,7 @@ class _Collocation(Writer):
                     for j in range(size)
                 ]
 
-            elements = self.repeat(self.index(0), until, begin, product)
+            elements = self.repeat(0, until, begin, product)
             return [elements[size * i :][:size] for i in range(size)]
 
         # row by row, so that each block is written once, when its sum is complete
@@ -353,16 +310,15 @@ class _Collocation(Writer):
             self.keep(self.block(a, b), reduced(b, a))
             return []
 
-        self.repeat(self.index(0), a, [], lower)
+        self.repeat(0, a, [], lower)
         self.keep(self.block(a, a), _inverse(self, reduced(a, a)))
-        self.repeat(build.add(a, self.index(1)), self.index(self.nodes), [], upper)
+        self.repeat(build.add(a, self.index(1)), self.nodes, [], upper)
         return []
 
     def carry(self, tangent: Value, at: Value, length: Value) -> list[Value]:
         """Solve (2) for a tangent, and write it at the time."""
         build, system = self.builder, self.system
         parameters = len(self.program.parameters)
-        nodes, zero = self.index(self.nodes), self.index(0)
 
         def known(row: int) -> Value:
             return self.load(self.memory, self.of_tangent(tangent, row))
@@ -381,7 +337,7 @@ class _Collocation(Writer):
                     source = there[j] if j < self.variables else known(j - self.variables)
                     total = self.fma(self.slope(k, i, j), source, total)
                 totals.append(total)
-            totals = self.repeat(zero, k, totals, lambda p, so_far: self.through(k, p, so_far))
+            totals = self.repeat(0, k, totals, lambda p, so_far: self.through(k, p, so_far))
             self.keep([self.forces(k)], [totals])
             return []
 
@@ -389,7 +345,9 @@ class _Collocation(Writer):
             k = build.sub(self.index(self.nodes - 1), m)
             (totals,) = self.loaded([self.forces(k)])
             after = build.add(k, self.index(1))
-            totals = self.repeat(after, nodes, totals, lambda p, so_far: self.through(k, p, so_far))
+            totals = self.repeat(
+                after, self.nodes, totals, lambda p, so_far: self.through(k, p, so_far)
+            )
             inverse = self.loaded(self.block(k, k))
             ((*force,),) = _product(self, [totals], [*map(list, zip(*inverse, strict=True))])
             self.keep([self.forces(k)], [force])
@@ -403,9 +361,9 @@ class _Collocation(Writer):
             ]
 
         # L y = A ξ_0 + b, then U F = y, and the sums of (2); v = w a, of what is integrated twice
-        self.repeat(zero, nodes, [], forwards)
+        self.repeat(0, self.nodes, [], forwards)
         none = [self.number(0.0)] * (2 * len(self.unknown))
-        sums = self.repeat(zero, nodes, none, backwards)
+        sums = self.repeat(0, self.nodes, none, backwards)
         once, twice = (
             dict(zip(self.unknown, sums[n:], strict=False)) for n in (0, len(self.unknown))
         )

@@ -72,9 +72,9 @@ class Writer:
         every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
         return self.builder.shuffle_vector(first, nothing, every)
 
-    def index(self, value: int) -> Value:
-        """Return an integer that indexes rows."""
-        return ir.Constant(INDEX, value)
+    def index(self, value: Value | int) -> Value:
+        """Return an integer that indexes rows; it may be a value already."""
+        return ir.Constant(INDEX, value) if isinstance(value, int) else value
 
     def load(self, array: Value, index: Value) -> Value:
         """Return a row of an array."""
@@ -102,8 +102,8 @@ class Writer:
 
     def repeat(
         self,
-        begin: Value,
-        end: Value,
+        begin: Value | int,
+        end: Value | int,
         carried: Sequence[Value],
         body: Callable[[Value, list[Value]], Sequence[Value]],
     ) -> list[Value]:
@@ -116,11 +116,11 @@ class Writer:
         build.branch(head)
         build.position_at_end(head)
         i = build.phi(INDEX)
-        i.add_incoming(begin, entry)
+        i.add_incoming(self.index(begin), entry)
         values = [build.phi(value.type) for value in carried]
         for phi, value in zip(values, carried, strict=True):
             phi.add_incoming(value, entry)
-        build.cbranch(build.icmp_signed("<", i, end), inside, after)
+        build.cbranch(build.icmp_signed("<", i, self.index(end)), inside, after)
         build.position_at_end(inside)
         for phi, value in zip(values, body(i, values), strict=True):
             phi.add_incoming(value, build.block)
@@ -196,35 +196,31 @@ class Code:
     """A function of machine code, compiled once per machine for what it is made of."""
 
     def __init__(self, name: str, program: Program, write: Callable[[Any], object]) -> None:
+        binding.initialize_native_target()
+        binding.initialize_native_asmprinter()
+        target = binding.Target.from_default_triple().create_target_machine(
+            cpu=binding.get_host_cpu_name(),
+            features=binding.get_host_cpu_features().flatten(),
+            opt=3,
+            codemodel="jitdefault",
+            jit=True,
+        )
+
+        def machine_code() -> bytes:
+            module = ir.Module()
+            write(module)
+            checked = binding.parse_assembly(str(module))
+            checked.verify()
+            options = binding.create_pipeline_tuning_options(speed_level=3)
+            passes = binding.create_pass_builder(target, options)
+            passes.getModulePassManager().run(checked, passes)
+            code: bytes = target.emit_object(checked)
+            return code
+
         # The program's text says what is compiled; how it is, the sources in the name of the file.
-        target = _target()
-        code = stored(name, [program.source], lambda: _compiled(write, target))
+        code = stored(name, [program.source], machine_code)
         # owns the code
         self._engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target)
         self._engine.add_object_file(binding.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
         self.address: int = self._engine.get_function_address(name)
-
-
-def _target() -> Any:
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-    return binding.Target.from_default_triple().create_target_machine(
-        cpu=binding.get_host_cpu_name(),
-        features=binding.get_host_cpu_features().flatten(),
-        opt=3,
-        codemodel="jitdefault",
-        jit=True,
-    )
-
-
-def _compiled(write: Callable[[Any], object], target: Any) -> bytes:
-    module = ir.Module()
-    write(module)
-    checked = binding.parse_assembly(str(module))
-    checked.verify()
-    options = binding.create_pipeline_tuning_options(speed_level=3)
-    passes = binding.create_pass_builder(target, options)
-    passes.getModulePassManager().run(checked, passes)
-    code: bytes = target.emit_object(checked)
-    return code

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from decimal import Decimal
 from typing import cast
@@ -11,7 +10,7 @@ from typing import cast
 import flint
 from flint import arb
 
-from longball.model.numbers import Single, Undecided
+from longball.model.numbers import Numbers, Undecided
 from longball.model.result import Bounded
 
 # Bits beyond the digits asked for. A flight's error is some 2¹⁴ roundings: 2⁸ a step, and 2⁵ steps.
@@ -19,32 +18,23 @@ from longball.model.result import Bounded
 _GUARD_BITS = 64
 
 
-class Balls(Single):
+class Balls(Numbers):
     """Real numbers as balls that contain them, written with a number of digits."""
 
     rounding = 0.0
+    exact = staticmethod(arb)
+    angle = staticmethod(arb.atan2)
 
     def __init__(self, digits: int) -> None:
         self.digits = digits
         self.bits = math.ceil(digits * math.log2(10)) + _GUARD_BITS
+        self.functions = {"sqrt": self.sqrt, "exp": arb.exp, "log": arb.log, "unit": unit}
+        with self.arithmetic():
+            self.pi = arb.pi()
 
     def arithmetic(self) -> AbstractContextManager[object]:
         """Return the context in which balls are as small as the digits want them."""
         return cast(AbstractContextManager[object], flint.ctx.workprec(self.bits))
-
-    @property
-    def pi(self) -> arb:
-        """The constant."""
-        return arb.pi()
-
-    @property
-    def functions(self) -> Mapping[str, Callable[..., arb]]:
-        """The functions of traced formulas."""
-        return {"sqrt": self.sqrt, "exp": arb.exp, "log": arb.log, "unit": unit}
-
-    def exact(self, value: float) -> arb:
-        """Return the double, with radius 0."""
-        return arb(value)
 
     def sqrt(self, x: arb) -> arb:
         """Return the square root of a number that is known not to be negative."""
@@ -53,10 +43,6 @@ class Balls(Single):
     def cos_sin(self, angle: arb) -> tuple[arb, arb]:
         """Return cosine and sine of an angle in radians."""
         return angle.cos(), angle.sin()
-
-    def angle(self, y: arb, x: arb) -> arb:
-        """Return the angle from the x axis to a vector, rad."""
-        return arb.atan2(y, x)
 
     def positive(self, x: arb, error: arb, question: str) -> bool:
         """True if ``x > 0``; see `longball.model.numbers.Numbers.positive`."""

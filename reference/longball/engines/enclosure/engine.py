@@ -11,7 +11,6 @@ from typing import Any
 import flint
 from flint import arb, arb_poly
 
-from longball.engines.digits import Proving
 from longball.engines.enclosure import lemmas
 from longball.engines.enclosure.balls import Balls
 from longball.engines.enclosure.curve import EnclosedPiece
@@ -276,7 +275,7 @@ def _guess(
 
 
 @dataclass(frozen=True)
-class Enclosure(PathEngine, Proving):
+class Enclosure(PathEngine):
     """Flights with proven bounds.
 
     Attributes
@@ -287,12 +286,14 @@ class Enclosure(PathEngine, Proving):
 
     digits: int = 30
 
+    flight_error = 0.0  # balls carry their own
+
     def __post_init__(self) -> None:
         if not 1 <= self.digits <= _MOST_DIGITS:
             raise ValueError(f"digits = {self.digits} is not between 1 and {_MOST_DIGITS}")
 
     def finer(self) -> Iterator[Enclosure]:
-        """Yield engines of more digits; see `Proving`."""
+        """Yield the same engine with more digits, and with still more; see `digits.to_digits`."""
         for more in _MORE_DIGITS:
             if self.digits + more <= _MOST_DIGITS:
                 yield Enclosure(self.digits + more)
@@ -306,11 +307,6 @@ class Enclosure(PathEngine, Proving):
     def description(self) -> str:
         """Name and digits."""
         return f"enclosure digits={self.digits}"
-
-    @property
-    def flight_error(self) -> float:
-        """Balls carry their own error."""
-        return 0.0
 
     def steps(
         self, law: Law, start: State, begin: arb, limit: arb, events: Events

@@ -9,7 +9,7 @@ from functools import cache
 from flint import arb
 
 from longball.engines.enclosure.balls import Balls
-from longball.engines.enclosure.defect import TRANSCENDENTAL, dynamic
+from longball.engines.enclosure.defect import dynamic
 from longball.engines.series import recurrence
 from longball.model.law import Law
 from longball.model.trace import ZERO, Node, Program, constant, squares, variable
@@ -57,12 +57,8 @@ def structure(program: Program) -> Structure:
         weights=tuple(1 / _TIME_SCALE if rates[n].kind == "variable" else 1.0 for n in names),
         quadratures=quadratures,
         resting=tuple(n for n, name in enumerate(names) if still and variable(name) in parts),
-        guarded=tuple(
-            {"sqrt": n, "quotient": n.args[-1], "log": n.args[0]}[n.kind]
-            for n in dynamic(core)
-            if n.kind in TRANSCENDENTAL and n.kind != "exp"
-        ),
-        jacobian=core.jacobian(),
+        guarded=tuple(filter(None, map(recurrence(core).divisor, dynamic(core)))),
+        jacobian=core.jacobian,
     )
 
 
