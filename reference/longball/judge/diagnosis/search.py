@@ -73,7 +73,9 @@ NEAR = 16  # edits beside which integration schemes are tried
 HALF, NEARER = 0.6, 0.97
 # Error of an edit's effect, relative to it, by long steps, and by a candidate's own steps.
 STEPS, OWN_STEPS = 1e-3, 0.05
-NEARLY = 0.05  # relative error of long steps, below which a scene may be a screening scene
+# Error of long steps, relative to the size of a number, below which a scene may be a screening
+# scene; and relative to the candidate's own error, below which it is chosen before others.
+NEARLY, SHARE = 0.05, 0.02
 LOST = 1e12  # floors: the residual of an edit whose value is not finite
 
 
@@ -238,10 +240,14 @@ class Explanation:
         is_wrong = np.isin(self.all, wrong)
         every = np.arange(len(self.all))
         coarse = self._off(stage, every, limits=COARSE)[0]
-        near = np.asarray(~(np.abs(coarse - base.off) > NEARLY * base.scale).any(axis=0))
+        missed = np.abs(coarse - base.off)
+        near = np.asarray(~(missed > NEARLY * base.scale).any(axis=0))
         near = near if near[is_wrong].any() else np.ones_like(near)
+        # At a kink of the law long steps may miss more than an edit explains.
+        shows = near & is_wrong & (missed <= SHARE * np.abs(base.off).max(axis=0)).all(axis=0)
+        shows = shows if shows.any() else near & is_wrong
         self.few = few = np.concatenate([
-            evenly(np.flatnonzero(near & is_wrong), WRONG),
+            evenly(np.flatnonzero(shows), WRONG),
             evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
         ])  # fmt: skip
         # Effects of first order say most where errors are small.
