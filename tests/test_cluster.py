@@ -102,32 +102,27 @@ def cluster(
             yield Cluster(scheduler, client)
 
 
-def test_lines_have_the_same_answers(called, cluster: Cluster) -> None:
-    scenes = b"".join(
-        b'{"id": "%d", "kind": "at-bat", "swing": {"height_offset": %f}}\n' % (i, 0.001 * i - 0.05)
-        for i in range(100)
-    )
-    here = called("solve", "-", stdin=scenes)
-    there = called("solve", "-", "--scheduler", cluster.address, stdin=scenes)
-    assert there.returncode == 0
-    assert there.stdout == here.stdout
+AT_BATS = b"".join(
+    b'{"kind": "at-bat", "swing": {"height_offset": %f}}\n' % (0.001 * i - 0.05) for i in range(100)
+)
+BALLS = b"".join(
+    b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [%d, 5, 22]}}\n' % speed
+    for speed in (30, 40)
+)
 
 
-def test_balls_are_out_in_the_same_parks(called, cluster: Cluster) -> None:
-    lines = b"".join(
-        b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [%d, 5, 22]}}\n' % speed
-        for speed in (30, 40)
-    )
-    here = called("parks", "-", "--json", stdin=lines)
-    there = called("parks", "-", "--json", "--scheduler", cluster.address, stdin=lines)
-    assert there.returncode == 0, there.stderr
-    assert there.stdout == here.stdout
-
-
-@pytest.mark.parametrize("question", ["movement", "spin"])
-def test_pitches_have_the_same_movement_and_spin(called, cluster: Cluster, question: str) -> None:
-    here = called(question, "--example", "--json")
-    there = called(question, "--example", "--json", "--scheduler", cluster.address)
+@pytest.mark.parametrize(
+    ("call", "stdin"),
+    [
+        ("solve -", AT_BATS),
+        ("parks - --json", BALLS),
+        ("movement --example --json", b""),
+        ("spin --example --json", b""),
+    ],
+)
+def test_answers_are_the_same(called, cluster: Cluster, call: str, stdin: bytes) -> None:
+    here = called(*call.split(), stdin=stdin)
+    there = called(*call.split(), "--scheduler", cluster.address, stdin=stdin)
     assert there.returncode == 0, there.stderr
     assert there.stdout == here.stdout
 

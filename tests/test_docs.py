@@ -204,7 +204,9 @@ def test_the_page_on_trust_has_the_numbers_of_the_search():
     assert f"the {ALONE.tried} that fit the errors best" in page
 
 
-def test_help_names_the_form_of_every_value(called):
+def test_help_has_an_example_and_names_the_form_of_every_value(called):
     """A reader of `--scenes TEXT` does not know that a file is meant."""
-    for command in (*COMMANDS, *(f"golden {name}" for name in golden.COMMANDS)):
-        assert " TEXT" not in called(*command.split(), "--help").stdout, command
+    for command in ("", *COMMANDS, *(f"golden {name}" for name in golden.COMMANDS)):
+        shown = called(*command.split(), "--help").stdout
+        assert "Example: " in shown, command
+        assert " TEXT" not in shown, command

@@ -185,14 +185,6 @@ def test_a_line_has_a_limit(workers: int):
     assert (long.id, flight.id, flight.failure) == ("1", "f", None)
 
 
-def test_a_line_of_just_that_length_is_read():
-    blanks = b" " * (LONGEST_LINE - len(FLIGHT) + 1)
-    (result,) = solve_lines([FLIGHT.replace(b",", b"," + blanks, 1).rstrip(b"\n")], Ivp())
-    assert result.failure is None
-    (result,) = solve_lines([FLIGHT.replace(b",", b", " + blanks, 1).rstrip(b"\n")], Ivp())
-    assert "longer than" in result.failure
-
-
 def test_ids_given_twice_are_told(called):
     run = called("solve", stdin=FLIGHT * 3 + FLIGHT.replace(b'"f"', b'"g"'))
     assert run.returncode == 0

@@ -48,17 +48,14 @@ OF_OTHERS = {
 # Without a file: nothing that they read can be wrong.
 NO_FILE = {"flight", "readings", "golden path"}
 
+# Contents of a file that is no such input; that is missing or empty, none is.
 NO_SCENES = {
-    "missing": None,
-    "empty": b"",
     "blank": b"\n\n",
     "zip": b"PK\x03\x04 and so on",
     "one object over lines": b'{\n  "kind": "pitch"\n}\n',
     "array": b'[{"kind": "pitch"},\n {"kind": "pitch"}]\n',
 }
 NO_TABLES = {
-    "missing": None,
-    "empty": b"",
     "head": EXAMPLE.read_bytes().partition(b"\n")[0],
     "other columns": b"a,b\n1,2\n",
     "zip": b"PK\x03\x04 and so on",
@@ -68,14 +65,6 @@ NO_TABLES = {
 }
 
 
-def cases(calls, contents):
-    return [
-        pytest.param(arguments, content, id=f"{name}: {what}")
-        for name, arguments in calls.items()
-        for what, content in contents.items()
-    ]
-
-
 def test_every_command_is_here():
     every = {*cli.COMMANDS, *(f"golden {name}" for name in golden.COMMANDS)} - {"golden"}
     here = {" ".join(x[: 1 + (x[0] == "golden")]) for x in
@@ -83,25 +72,23 @@ def test_every_command_is_here():
     assert here | NO_FILE == every
 
 
-@pytest.mark.parametrize(
-    ("arguments", "content"),
-    [*cases(OF_SCENES, NO_SCENES), *cases(OF_TABLES, NO_TABLES),
-     *cases(OF_OTHERS, {"missing": None, "empty": b""})],
-)  # fmt: skip
+@pytest.mark.parametrize("command", OF_SCENES | OF_TABLES | OF_OTHERS)
 def test_what_cannot_be_used_is_a_wrong_call_and_leaves_nothing(
-    called, tmp_path: Path, monkeypatch, arguments, content
+    called, tmp_path: Path, monkeypatch, command: str
 ):
     monkeypatch.chdir(tmp_path)
-    if content is not None:
-        (tmp_path / "FILE").write_bytes(content)
-    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
-    run = called(*arguments)
-    assert run.returncode == 2
-    assert run.stdout == ""
-    (sentence,) = run.stderr.splitlines()
-    assert sentence.startswith("longball: ")
-    assert "FILE" in sentence or "columns are" in sentence
-    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
+    contents = {"missing": None, "empty": b""}
+    contents |= NO_SCENES if command in OF_SCENES else NO_TABLES if command in OF_TABLES else {}
+    for what, content in contents.items():
+        if content is not None:
+            (tmp_path / "FILE").write_bytes(content)
+        before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+        run = called(*(OF_SCENES | OF_TABLES | OF_OTHERS)[command])
+        assert (run.returncode, run.stdout) == (2, ""), what
+        (sentence,) = run.stderr.splitlines()
+        assert sentence.startswith("longball: "), what
+        assert "FILE" in sentence or "columns are" in sentence, what
+        assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before, what
 
 
 BALL = b'{"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, 20]}}\n'
@@ -132,6 +119,8 @@ flight --speed 40 --angle 28 --wind out -> must be a speed and one of out, in, l
 flight --speed 40 --angle 28 --park coors -> did you mean Coors Field?
 flight --angle 28 -> --speed is missing: Exit speed
 flight --speed 40 --angle 28 --wind '10 mph' -> must be a speed and one of out, in, left, right
+flight --speed 103 mph --angle 28 -> a value with spaces needs quotes
+flight --speed 103mph --angle 28 --elevation 5,200ft -> a number has no comma
 flight --speed 40 --angle 28 --model nathn -> did you mean nathan?
 flight --speed 40 --angle 28 --bats S -> must be one of R, L
 golden chekc -> no such command 'chekc', did you mean check?
@@ -153,6 +142,7 @@ homerun --set air.density.temperature=27 -> air.density.temperature: must
 homerun --set pitch.speed=40 -> pitch.speed
 homerun --set air=null --set air.density=1 -> air
 homerun --e 0.5:0.4:0.1 -> the last value is below the first
+homerun --e 0.4:0.5 -> must be FIRST:LAST:STEP
 homerun --e 1.5 -> --e
 homerun --e 0:1:1e-9 -> --e
 homerun --e x -> --e
@@ -168,6 +158,7 @@ homerun --method quadrature --seed 1 -> --seed
 homerun --set 'pitch.velocity=[-40,0,0]' -> pitch.velocity: it varies
 homerun --set 'pitch.aim[0]=1' -> pitch.aim
 homerun --pitches /no/such/fit.json -> /no/such/fit.json
+homerun --pitches {flight} -> not the result of longball fit --json: source: is missing
 infer --unknown gravity -> either --points FILE or --measured
 infer --measured distance=1 --unknown gravity -> result has this key, did you mean landing.distance?
 infer --measured 'landing.distance=1 s' --unknown gravity -> the unit 's' does not fit; use m,
@@ -215,6 +206,7 @@ measured nowhere.csv -> nowhere.csv: cannot be read: No such file
 measured --model best -> best: must be one of vacuum, paper,
 measured --engine best -> best: must be one of ivp,
 movement nowhere.csv -> nowhere.csv
+movement {flies} -> --column NAME=COLUMN gives the table's name of a column
 movement --example --column vx0 -> NAME=VALUE
 nonsense -> nonsense
 plot :b:.jsonl -> :b:.jsonl
@@ -261,13 +253,15 @@ spin --speed fast -> --speed fast: must be a number
 
 
 def test_a_wrong_call_says_what_is_wrong(called, tmp_path: Path):
-    (tmp_path / "empty.csv").touch()
+    given = {"example": EXAMPLE, "here": __file__}
+    for name, text in (("empty", ""), ("flies", "launch_speed\n103\n"), ("flight", BALL.decode())):
+        given[name] = tmp_path / f"{name}.csv"
+        given[name].write_text(text, encoding="utf-8")
     faults = []
     for line in WRONG.strip().splitlines():
         call, _, said = line.partition(" -> ")
-        for name, file in (("{example}", EXAMPLE), ("{here}", __file__),
-                           ("{empty}", tmp_path / "empty.csv")):  # fmt: skip
-            call = call.replace(name, str(file))
+        for name, file in given.items():
+            call = call.replace(f"{{{name}}}", str(file))
         run = called(*shlex.split(call), stdin=BALL if call.startswith(("aim", "infer")) else b"")
         sentences = run.stderr.splitlines()
         right = (run.returncode, run.stdout) == (2, "") and said in run.stderr

@@ -292,12 +292,6 @@ def test_a_result_survives_being_written(result):
     assert Result.model_validate_json(line).line() == line
 
 
-@given(paper_scenes())
-def test_so_does_what_the_engine_answers(scene):
-    line = chain.solve(scene, ENGINE).line()
-    assert Result.model_validate_json(line).line() == line
-
-
 @given(scenes())
 def test_whatever_the_scene_there_is_an_answer(scene):
     """Scenes no field has seen are solved or refused with a reason, and never a traceback.

@@ -223,40 +223,6 @@ def test_what_is_no_number_is_refused_by_the_name_of_its_column(column, engine: 
 
 # --- who flew -------------------------------------------------------------------------------------
 
-LAUNCH = {"position": [0, 0, 1], "velocity": [30, 0, 25], "spin": [0, -200, 0]}
-# What the compiled code does not fly: a coefficient by straight lines.
-TABLE = {
-    "drag_coefficient": {"law": "table", "of": "speed", "at": [0.0, 90.0], "values": [0.4, 0.3]}
-}
-
-
-def engines_of(columns, engine: str = "batch") -> list[str]:
-    return [
-        name.removeprefix(f"longball {lb.__version__} ")
-        for name in lb.solve_many(columns, engine).engine
-    ]
-
-
-def test_the_engine_that_flew_is_named_alone_in_lists_and_in_columns():
-    scene = {"kind": "flight", "launch": LAUNCH, "air": TABLE}
-    flown = lb.solve(scene, "ivp").engine
-    assert lb.solve(scene, "batch").engine == flown
-    assert {one.engine for one in lb.solve_many([scene] * 20)} == {flown}
-    assert {*lb.solve_many({**scene, "gravity": [9.8, 9.9]}).engine} == {flown}
-    assert lb.solve(scene, "batch").landing == lb.solve(scene, "ivp").landing
-
-
-def test_rows_of_one_table_may_be_flown_by_different_engines():
-    columns = {
-        "kind": "flight",
-        "launch": LAUNCH,
-        "air": {"lift_coefficient": 0.0},
-        "launch.velocity[0]": [0.0, 30.0],
-    }
-    # Straight up, through rest, which the compiled code does not fly; and as balls fly.
-    assert engines_of(columns) == ["ivp Taylor", "batch tolerance=1e-13"]
-    assert engines_of(columns, "ivp") == ["ivp Taylor"] * 2
-
 
 def test_a_pitch_and_a_batted_ball_may_be_flown_by_different_engines():
     """Without gravity the compiled code flies no ball with a spin, which friction makes."""
@@ -287,12 +253,6 @@ def test_a_text_is_read_back_as_it_was_and_is_no_formula(text: str):
         float(cell)
     except ValueError:
         assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
-
-
-@pytest.mark.parametrize("number", ["-5", "+1.5e-3", "-0.25"])
-def test_numbers_stay_as_they_are(number: str):
-    assert guarded(number) == number
-    assert guarded(-5.0) == -5.0
 
 
 def test_ids_that_are_formulas_go_through_csv(tmp_path: Path):
@@ -354,6 +314,15 @@ def test_a_vector_may_be_one_column_or_one_list_for_all(velocity, position):
     scenes = [{"kind": "flight", "launch": {"position": [0.6, 0, 0.9], "velocity": v}}
               for v in LAUNCHES]  # fmt: skip
     expected = [solution.landing.distance for solution in lb.solve_many(scenes)]
+    assert table["landing.distance"].tolist() == expected
+
+
+def test_a_column_stands_for_one_component_of_a_vector_for_all():
+    columns = {"kind": "flight", "launch.position": [0, 0, 1], "launch.velocity": [30, 0, 25]}
+    table = lb.solve_many(columns | {"launch.position[2]": [1.0, 2.0]})
+    scenes = [{"kind": "flight", "launch": {"position": [0, 0, z], "velocity": [30, 0, 25]}}
+              for z in (1, 2)]  # fmt: skip
+    expected = [lb.solve(scene, "batch").landing.distance for scene in scenes]
     assert table["landing.distance"].tolist() == expected
 
 

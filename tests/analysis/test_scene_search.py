@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 from analysis.scene_search import RANGES, cover, drawn, is_ordinary
 from longball.model.quantities import flat
@@ -22,6 +23,7 @@ def test_hard_families_and_random_scenes_are_not_ordinary():
     assert is_ordinary(families).tolist() == [True, False, False, False, True]
 
 
+@pytest.mark.nightly  # of a study alone
 def test_random_scenes_have_every_number_that_is_drawn():
     lines = [scene.line() for scene in drawn(200)]
     assert lines == [scene.line() for scene in drawn(200)]

@@ -9,7 +9,6 @@ import pytest
 from analysis.reality import landings
 from analysis.seasons import (
     FENCE,
-    Estimate,
     Variant,
     fence_distance,
     measured_hits,
@@ -52,14 +51,6 @@ def test_a_livelier_ball_is_faster_by_its_share_of_the_impulse():
     assert (hits.flies.velocity[:, 0] > 0).all()
 
 
-def test_harder_balls_keep_their_direction():
-    hits = measured_hits()
-    harder = hits.harder(2.0).flies
-    assert harder.speed == pytest.approx(hits.flies.speed + 2.0)
-    assert harder.angle == pytest.approx(hits.flies.angle)
-    assert harder.bearing == pytest.approx(hits.flies.bearing)
-
-
 def test_a_bootstrap_over_games():
     variant = Variant("", measured_hits(), MODELS["nathan"], 1.0)
     games = variant.hits.flies.games
@@ -75,13 +66,6 @@ def test_a_bootstrap_over_games():
     assert set(np.round(drawn, 9)) >= {0.0, 1.0, 2.0}
     error = math.sqrt((1 - 1 / n) / len(drawn))
     assert drawn.mean() == pytest.approx(1.0, abs=4 * error)
-
-
-def test_functions_of_estimates():
-    one, two = Estimate(2.0, np.array([1.0, 3.0])), Estimate(4.0, np.array([4.0, 4.0]))
-    both = one.map(lambda x, y: x * y, two)
-    assert (both.value, both.draws.tolist()) == (8.0, [4.0, 12.0])
-    assert f"{two:.1f}" == "4.0 (4.0 to 4.0)"
 
 
 @pytest.mark.nightly

@@ -35,11 +35,6 @@ def test_the_law_of_the_air_is_that_of_the_golden_data():
     assert last == pytest.approx([float(x) for x in case.expected.landing.position], abs=1e-8)
 
 
-@pytest.mark.parametrize("simulator", SIMULATORS, ids=lambda simulator: simulator.title)
-def test_adapters_are_short(simulator):
-    assert wild.adapter_lines(simulator) < 30
-
-
 @pytest.mark.parametrize(
     ("title", "family", "knob", "error"),
     [
@@ -83,7 +78,3 @@ def test_the_page_tells_of_a_simulator_that_flies_in_a_vacuum(tmp_path, monkeypa
     assert "leaves out" in page  # the drag, or what it is made of
     assert "| freefall, leapfrog | 2 |" in page
     assert (tmp_path / "figures" / "wild_orders.png").exists()
-
-
-def test_a_simulator_that_is_not_installed_has_no_version():
-    assert replace(SIMULATORS[0], package="no-such-simulator").version is None

@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 
 import longball as lb
 from longball.convergence import ConvergenceReport, converge, studies, study
-from longball.convergence.family import _widened, phase_step
+from longball.convergence.family import phase_step
 from longball.convergence.figure import draw_convergence, save_convergence
-from longball.convergence.order import PowerLaw
 from longball.engines.chain import solve
 from longball.engines.verlet import Verlet
 from longball.model.result import Landing, Result
@@ -51,13 +50,6 @@ def test_each_number_of_an_array_has_its_order():
         "value[1, 1]": None,
     }
     assert [order.verdict for order in report.orders] == ["no expectation"] * 2 + ["exact"]
-
-
-def test_a_number_that_jumps_with_the_phase_is_averaged():
-    report = study(lambda h: 3.0 + h * (2.3 / h % 1.0), STEPS, truth=3.0, duration=2.3, phases=8)
-    (seen,) = report.orders
-    assert seen.jumps
-    assert seen.order == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize(
@@ -185,18 +177,6 @@ def test_phases_are_spread_over_the_step():
         assert behind == pytest.approx(phase * (math.sqrt(5) + 1) / 2 % 1.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("phases", [2, 8])
-def test_means_over_phases_widen_the_interval_of_an_order(phases):
-    """An error of 1/√(2 phases) in each log e is one of that over √Σ(x - mean)² in the slope."""
-    steps = np.geomspace(1.0, 1e-3, 7)
-    x = np.log(steps[1:6])
-    slope = 1 / math.sqrt(2 * phases) / math.sqrt(np.var(x) * 5)
-    wide = _widened(PowerLaw(2.0, 1.9, 2.1, 1.0, 1, 5), steps, phases)
-    half = math.sqrt(0.1**2 + (2 * slope) ** 2)  # two standard deviations
-    assert (wide.low, wide.high) == pytest.approx((2.0 - half, 2.0 + half), rel=1e-12)
-    assert wide.order == 2.0
-
-
 def test_events_at_the_start_are_no_clock():
     def at(plate, landing):
         values = {"plate.time": [plate], "landing.time": [landing], "landing.distance": [9.0]}
@@ -254,13 +234,6 @@ def test_a_limit_that_is_not_the_truth_is_found():
     assert seen.verdict == "wrong limit"
     assert "1.0" in seen.why
     assert "e-04 m" in seen.why
-
-
-def test_an_exact_implementation_has_no_order():
-    run, truth = implementation(lambda h, v: 0.0)
-    report = converge(run, SCENES, STEPS, truth, 2)
-    assert distance_of(report).verdict == "exact"
-    assert report.passed
 
 
 def test_a_floor_of_rounding_is_no_wrong_limit():
@@ -352,15 +325,6 @@ def test_the_json_is_what_its_schema_says_and_comes_back(report):
     data = json.loads(report.model_dump_json())
     jsonschema.validate(data, ConvergenceReport.model_json_schema(mode="serialization"))
     assert ConvergenceReport.model_validate_json(report.model_dump_json()) == report
-
-
-def test_the_text_has_a_line_and_a_sentence_for_each_quantity(report):
-    lines = report.text().splitlines()
-    assert lines[0].split() == (
-        ["quantity", "order", "95", "%", "expected", "C", "steps", "fitted,", "s", "verdict"]
-    )
-    assert sum(line.startswith("distance") for line in lines) == 2
-    assert any("2 in theory" in line for line in lines)
 
 
 def test_the_table_has_every_step(report):

@@ -27,18 +27,15 @@ from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import Engine
-from longball.engines.event import ground
 from longball.engines.ivp import Ivp
-from longball.engines.path import Flight
 from longball.engines.series import recurrence
 from longball.model import trace
-from longball.model.law import Law, PlaneState, law_with
+from longball.model.law import Law, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.scene import (
     Air,
     AtBatScene,
     Ball,
-    Bat,
     FlightScene,
     Launch,
     Pitch,
@@ -49,26 +46,17 @@ from longball.model.scene import (
 )
 
 # What only compiled functions can call, for Python to call.
-first_fall, two_values, curvature, downward, first_zero, differentiate, root_value = (
+first_fall, curvature, downward, differentiate = (
     numba.njit(function.py_func, error_model="numpy")  # type: ignore[attr-defined]
     for function in (
         roots.first_fall,
-        roots.two_values,
         roots.curvature,
         roots.downward,
-        roots.first_zero,
         roots.differentiate,
-        roots.value,
     )
 )
 
 PAPER = {"drag": 0.0074867, "lift": 0.0037433, "gravity": 9.8}
-
-
-def landing(strengths: dict[str, float], start: PlaneState, *forces: Any) -> Flight:
-    """Fly to the ground."""
-    surface = ground(0.0, start, DOUBLES)
-    return Batch().fly(law_with(strengths, forces), start, [surface], 60.0)
 
 
 # --- the same bits --------------------------------------------------------------------------------
@@ -107,27 +95,6 @@ def test_balls_that_share_their_pitch_have_the_bits_of_their_own() -> None:
         assert {"batted", "missed", "grounded"} <= set(table["outcome"])
         for name in table:
             np.testing.assert_array_equal(table[name], alone[name])
-
-
-def test_neither_order_nor_number_nor_threads_change_a_bit() -> None:
-    rng = np.random.default_rng(4)
-    n = 9000  # three blocks
-    columns = {
-        "pitch.speed": rng.normal(37, 2, n),
-        "pitch.aim[0]": rng.normal(0, 0.2, n),
-        "swing.height_offset": rng.normal(0, 0.0366, n),
-        "swing.tilt": rng.uniform(0, 0.17, n),
-        "ball.restitution": rng.uniform(0.41, 0.45, n),
-    }
-    scene = AtBatScene(id="any")
-    whole = solve_columns(scene, columns)
-    assert set(whole["outcome"]) >= {"batted", "missed"}
-    order = rng.permutation(n)
-    mixed = solve_columns(scene, {k: v[order] for k, v in columns.items()}, threads=2)
-    few = solve_columns(scene, {k: v[100:107] for k, v in columns.items()})
-    for name, column in whole.items():
-        assert np.array_equal(mixed[name], column[order], equal_nan=column.dtype.kind == "f"), name
-        assert np.array_equal(few[name], column[100:107], equal_nan=column.dtype.kind == "f"), name
 
 
 # --- the printed step -----------------------------------------------------------------------------
@@ -227,22 +194,6 @@ def slope_of(p: Any) -> Any:
     return slope
 
 
-def polynomial(*roots: float, scale: float = 1.0) -> tuple[Any, Any, int]:
-    """Return a polynomial of some roots, positive at 0; its derivative and degree."""
-    p = np.polynomial.polynomial.polyfromroots(roots) * scale
-    p = p if p[0] > 0 else -p
-    return p, slope_of(p), len(p) - 1
-
-
-@given(st.floats(1e-3, 0.9), st.lists(st.floats(0.05, 2.0), max_size=4))
-def test_the_first_root_is_found(first: float, further: list[float]) -> None:
-    p, slope, degree = polynomial(first, *(first + distance for distance in further))
-    for bound in (curvature, downward):
-        bend = bound(slope, degree - 1, 1.0)
-        found = first_zero(p, slope, degree, 1.0, 0.0, 0.0, 1.0, bend)
-        assert found == pytest.approx(first, abs=1e-9)
-
-
 @given(st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=6), st.floats(0.1, 2.0))
 def test_no_curvature_is_beyond_its_bounds(coefficients: list[float], end: float) -> None:
     slope = np.array(coefficients)
@@ -252,41 +203,6 @@ def test_no_curvature_is_beyond_its_bounds(coefficients: list[float], end: float
     assert np.abs(bends).max() <= curvature(slope, len(slope) - 1, end) + rounding
     assert -bends.min() <= downward(slope, len(slope) - 1, end) + rounding
     assert downward(slope, 0, end) == 0.0
-
-
-@pytest.mark.parametrize("degree", range(1, 8))
-def test_sums_of_whole_coefficients_are_exact(degree: int) -> None:
-    """Values and rates; and the bounds on p'' term by term, of which the lowest keeps its sign."""
-    p = np.array([3.0, -5.0, 2.0, 7.0, -1.0, 4.0, -6.0, 2.0])[: degree + 1]
-    series = np.polynomial.Polynomial(p)
-    slope = slope_of(p)
-    assert slope.tolist() == [*series.deriv().coef.tolist(), 0.0]
-    for t in (0.0, 0.5, 2.0):
-        assert root_value(p, degree, t) == series(t)
-        assert two_values(p, slope, degree, t) == (series(t), series.deriv()(t))
-        bends = [k * abs(slope[k]) * t ** (k - 1) for k in range(1, degree)]
-        assert curvature(slope, degree - 1, t) == sum(bends)
-        if degree > 1:
-            assert downward(slope, degree - 1, t) == sum(bends[1:]) - slope[1]
-
-
-@pytest.mark.parametrize("begin", [0.0, 0.25, 0.5])
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("level", [0.0, 0.125])
-def test_a_root_is_looked_for_from_a_time_on_and_at_a_level(
-    begin: float, sign: float, level: float
-) -> None:
-    """Of a parabola that is least at 1: ``sign p = (t - 1)² - 1/4 + level``, zero at 1/2, 3/2."""
-    p = sign * np.array([0.75 + level, -2.0, 1.0])
-    slope = slope_of(p)
-    for upper in (-2.0, -1.0, 2.0):  # -sign p'' is -2
-        found = first_zero(p, slope, 2, sign, level, begin, 3.0, upper)
-        assert found == pytest.approx(0.5, abs=1e-15)
-    # From below zero on the fall is there at once, on the rise it is none.
-    assert first_zero(p, slope, 2, sign, level, 0.75, 3.0, 2.0) == 0.75
-    assert first_zero(p, slope, 2, sign, level, 1.25, 3.0, 0.0) == NEVER
-    assert first_zero(p, slope, 2, sign, level, 1.75, 3.0, 2.0) == NEVER
-    assert first_zero(p, slope, 2, sign, level, 0.0, 0.49, 2.0) == NEVER
 
 
 @given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=7), st.floats(1e-12, 0.3))
@@ -338,34 +254,6 @@ def test_a_fall_between_turning_points_is_told_doubtful_or_none(
     else:
         roots = np.polynomial.polynomial.polyroots(p)
         assert time == pytest.approx(roots[(abs(roots.imag) < 1e-9) & (roots.real > 0)].real.min())
-
-
-@given(st.floats(0.1, 3.0), st.floats(-3.0, 3.0), st.floats(1e-12, 1e-5))
-def test_what_rises_from_zero_falls_only_later(rate: float, bend: float, error: float) -> None:
-    """As from the ground, whether it curves up or down: of ``t (rate + bend t - t²)``."""
-    p = np.array([0.0, rate, bend, -1.0])
-    zero = (bend + math.sqrt(bend * bend + 4.0 * rate)) / 2.0
-    slope = slope_of(p)
-    time = first_fall(p, slope, 3, zero + 1.0, error)
-    assert time == pytest.approx(zero, rel=1e-9)
-
-
-def test_a_root_where_the_bound_on_the_curvature_vanishes() -> None:
-    """Of ``1/10 - t + t²/2 - t³/6``, of which -p'' = t - 1 is at most 0 up to 1."""
-    p = np.array([0.1, -1.0, 0.5, -1 / 6])
-    slope = slope_of(p)
-    assert downward(slope, 2, 1.0) == 0.0
-    time = first_fall(p, slope, 3, 1.0, 1e-13)
-    truth = np.polynomial.polynomial.polyroots(p)
-    assert time == pytest.approx(truth[abs(truth.imag) < 1e-9].real.min(), rel=1e-12)
-
-
-def test_without_an_error_nothing_is_in_doubt() -> None:
-    """A value that only touches zero falls to it there; three roots in one are told as such."""
-    p, slope, degree = polynomial(0.5, 0.5)
-    assert first_fall(p, slope, degree, 1.0, 0.0) == pytest.approx(0.5, abs=1e-7)
-    p, slope, degree = polynomial(0.5, 0.5, 0.5)
-    assert math.isnan(first_fall(p, slope, degree, 1.0, 0.0))
 
 
 # --- accuracy, asked for and delivered ------------------------------------------------------------
@@ -476,19 +364,6 @@ def test_a_ball_that_sinks_slowly_at_the_time_limit_is_an_error(
     assert outcome or "in the time limit cannot be decided" in str(result.error)
 
 
-def test_a_circle_that_comes_back_to_the_ground_where_it_left_it_is_an_error() -> None:
-    """Without gravity the path is a circle, here one that the ground is a tangent to."""
-    scene = FlightScene(
-        id="circle",
-        gravity=0.0,
-        air=Air(drag_coefficient=0.0, lift_coefficient=0.7),
-        launch=Launch(position=(0.0, 0.0, 0.0), velocity=(45.0, 0.0, 0.0)),
-    )
-    (result,) = Batch().solve_all([scene])
-    assert result.error is not None
-    assert "whether the ball touches the ground cannot be decided" in result.error
-
-
 @pytest.mark.parametrize("size", [1e20, 1e30, 1e10])
 @pytest.mark.sampled(every=3)
 def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(
@@ -508,39 +383,6 @@ def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(
         AtBatScene(id="heavy", ball=Ball(mass=size)),
     ]
     assert Batch().solve_all(scenes) == [solve(scene, Batch()) for scene in scenes]
-
-
-@pytest.mark.parametrize(
-    ("scene", "error"),
-    [
-        # It flies at 79° to the bat: where it touches, it is 0.3 m from the plate's plane.
-        (AtBatScene(id="beside", pitch=Pitch(speed=60.0, release=(2.0, -10.0, 1.8))), 1e-13),
-        # The search begins 0.25 m before the plate; from 0.24 m the ball has passed that place.
-        *(
-            (AtBatScene(id="near", pitch=Pitch(release=(x, 0.0, 1.8), aim=(0.0, 1.8))), 1e-13)
-            for x in (0.24, 0.25, 0.26)
-        ),
-        # From there the square of a reach of 2e-8 m is below all roundings. A height of 1.8 m is
-        # known to 2e-16 m, which is 1e-8 of the reach; some times over.
-        (
-            AtBatScene(
-                id="thin",
-                ball=Ball(radius=1e-8),
-                bat=Bat(radius=1e-8),
-                swing=Swing(height_offset=1e-8),
-            ),
-            2e-7,
-        ),
-    ],
-)
-def test_where_the_search_for_the_bat_begins(scene: AtBatScene, error: float) -> None:
-    result, proven = solve(scene, Batch()), solve(scene, Enclosure(20))
-    found, truth = result.contact, proven.contact
-    assert result.outcome == proven.outcome
-    assert found is not None
-    assert truth is not None
-    assert found.time == pytest.approx(float(truth.time), rel=min(error, 1e-13))
-    assert found.normal == pytest.approx([*map(float, truth.normal)], abs=error)
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, 30.0), (0.0, 0.0, 0.0), (1e-30, 0.0, 20.0)])

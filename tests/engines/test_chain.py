@@ -140,6 +140,23 @@ def test_engines_are_made_by_name():
         engines.create("ivp", dt=0.1)
 
 
+@pytest.mark.parametrize(
+    ("name", "setting", "taken", "refused"),
+    [
+        ("batch", "tolerance", (1e-14, 1e-4), (0.99e-14, 1.01e-4)),
+        ("enclosure", "digits", (1, 500), (0, 501)),
+        ("multiprecision", "digits", (1, 290), (0, 291)),
+        ("verlet", "dt", (1e-300, 1e300), (0.0, math.inf)),
+    ],
+)
+def test_settings_have_limits(name, setting, taken, refused):
+    for value in taken:
+        assert getattr(engines.create(name, **{setting: value}), setting) == value
+    for value in refused:
+        with pytest.raises(ValueError, match=setting):
+            engines.create(name, **{setting: value})
+
+
 def test_a_ball_that_lands_before_the_bat_sets_it_free_has_its_spin():
     """By Verlet's scheme, in whose steps the contact force acts on; its batted flight is none."""
     scene = parse_scene(

@@ -1,29 +1,22 @@
-"""Gauss-Legendre collocation, part by part: the rule, the choice of steps, events on a segment."""
+"""Gauss-Legendre collocation: the choice of steps, and events on a segment."""
 
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
 import pytest
-from scipy.special import eval_legendre
 
-from longball.engines.collocation import Collocation, SegmentCurve, gauss_legendre, legendre
-from longball.engines.multiprecision import MultiprecisionNumbers, _collocation
+from longball.engines.collocation import Collocation, SegmentCurve
+from longball.engines.multiprecision import _collocation
 from longball.model.law import Law, PlaneState, Shape, law_with
 from longball.model.trace import Program, variable
 
 DIGITS = 10
 METHOD: Collocation = _collocation(DIGITS)
-NUMBERS = MultiprecisionNumbers(DIGITS)
 CONTEXT = METHOD.context
 exact = CONTEXT.mpf
-RULE = gauss_legendre(7, CONTEXT)
-# The rounding of sums of seven terms of size one.
-ROUNDING = 64 * CONTEXT.eps
 
 
 def plane_law(**strengths: float) -> Any:
@@ -32,58 +25,6 @@ def plane_law(**strengths: float) -> Any:
 
 def launched(z: float, u: float, w: float) -> PlaneState:
     return PlaneState(exact(0), exact(z), exact(u), exact(w))
-
-
-# --- the rule -------------------------------------------------------------------------------------
-
-
-def test_half_an_ulp_of_one_is_what_is_lost_beside_one():
-    one, rounding = NUMBERS.context.one, NUMBERS.context.mpf(NUMBERS.rounding)
-    assert one + rounding / 2 == one
-    assert one + 3 * rounding > one
-
-
-def test_legendre_polynomials_are_those_of_scipy() -> None:
-    for x in (-1.0, -0.3, 0.0, 0.7, 1.0):
-        found = legendre(exact(x), 9)
-        assert [float(p) for p in found] == pytest.approx(
-            [eval_legendre(k, x) for k in range(10)], abs=1e-15
-        )
-
-
-def test_the_nodes_are_zeros_in_rising_order() -> None:
-    for node, rough in zip(RULE.nodes, np.polynomial.legendre.leggauss(7)[0], strict=True):
-        assert abs(legendre(node, 7)[7]) < ROUNDING
-        assert float(node) == pytest.approx(rough, abs=1e-15)
-
-
-def test_the_coefficients_and_integrals_of_polynomials_are_exact() -> None:
-    """Of values P_k at the nodes: the k-th coefficient is 1; ∫P_k = (P_{k+1} - P_{k-1})/(2k+1)."""
-    values = [legendre(node, 8) for node in RULE.nodes]
-    for k in range(7):
-        there = [row[k] for row in values]
-        coefficients = RULE.coefficients @ there
-        for j, found in enumerate(coefficients):
-            assert abs(found - (j == k)) < ROUNDING
-        for node, row, found in zip(RULE.nodes, values, RULE.integrals @ there, strict=True):
-            wanted = (row[k + 1] - row[k - 1]) / (2 * k + 1) if k else 1 + node
-            assert abs(found - wanted) < ROUNDING
-        doubles = np.array([float(x) for x in there])
-        assert RULE.coefficients_in_doubles @ doubles == pytest.approx(
-            [float(j == k) for j in range(7)], abs=1e-14
-        )
-        assert RULE.integrals_in_doubles @ doubles == pytest.approx(
-            [float(x) for x in RULE.integrals @ there], abs=1e-14
-        )
-    assert RULE.coefficients @ ([exact(0)] * 7) == [0] * 7
-
-
-def test_products_in_fixed_point_are_rounded_relative_to_the_largest_entry() -> None:
-    for scale in (Fraction(1), Fraction(1, 2**200), Fraction(2**200)):
-        values = [exact(k) / 3 * exact(scale.numerator) / scale.denominator for k in range(1, 8)]
-        for row, found in zip(RULE.integrals.rows, RULE.integrals @ values, strict=True):
-            wanted = sum(exact((x, -RULE.integrals.bits)) * v for x, v in zip(row, values))  # noqa: B905
-            assert abs(found - wanted) < ROUNDING * max(values)
 
 
 # --- the choice of steps --------------------------------------------------------------------------
@@ -144,14 +85,6 @@ def test_the_turns_of_a_value_are_all_found(parabola: Any) -> None:
     assert squared.turns(exact(1.75), exact(2.25)) == []
     assert curve(parabola, lambda y: y.s).turns(zero, end) == []
     assert curve(parabola, lambda y: y.u).turns(zero, end) == []
-
-
-def test_values_and_rates_are_those_of_the_flight(parabola: Any) -> None:
-    height = curve(parabola, lambda y: y.z * y.z)
-    for t in (exact(0), exact(0.25), exact(3.5)):
-        z, w = 12 * t - 4 * t * t, 12 - 8 * t
-        assert abs(height(t) - z * z) < 1e-24
-        assert abs(height.rate(t) - 2 * z * w) < 1e-24
 
 
 def test_where_a_value_falls_through_zero(parabola: Any) -> None:

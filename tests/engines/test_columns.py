@@ -4,15 +4,11 @@ import contextlib
 import itertools
 import json
 
-import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from longball.engines.batch import Batch, solve_columns
-from longball.engines.batch.columns import Columns, Table
-from longball.engines.chain import MODEL, solve
-from longball.model.numbers import DOUBLES, Undecided
+from longball.engines.chain import solve
 from longball.model.quantities import numbers, replaced
 from longball.model.readings import LEDGER, Reading
 from longball.model.scene import AtBatScene, parse_scene
@@ -91,21 +87,6 @@ def test_columns_are_scenes(scenes):
         texts = {"outcome": result.outcome, "engine": result.engine}
         known = {n: c[i] for n, c in table.items() if c[i] == c[i]}
         assert known == texts | dict(numbers(result))
-
-
-def test_what_is_exactly_its_error_is_not_decided():
-    """Unless that is nothing: as for one scene, of which only the last four are told."""
-    x, error = np.array([1.0, -1.0, 0.0, 0.0, 1.5, -1.5, 1.0]), np.array([1, 1, 1, 0, 1, 1, 0.0])
-    run = Columns(None, None, MODEL, table=Table(len(x)), row=None)
-    positive, other = run.decide(x, error, "", run.everything)
-    assert positive.tolist() == [False, False, False, False, True, False, True]
-    assert other.tolist() == [False, False, False, True, False, True, False]
-    for i, told in enumerate(positive | other):
-        if told:
-            assert DOUBLES.positive(x[i], error[i], "") == positive[i]
-        else:
-            with pytest.raises(Undecided):
-                DOUBLES.positive(x[i], error[i], "")
 
 
 def test_rows_without_gravity_are_flown_by_the_engine_that_flies_them_alone():

@@ -131,6 +131,14 @@ def test_code_runs_as_it_is_until_it_has_worked_enough(folder: Path) -> None:
     assert code.count() is run
 
 
+def test_without_numba_code_runs_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "numba", None)
+    monkeypatch.setattr(compiled, "compiler", compiled.compiler.__wrapped__)
+    code = compiled.Code(SOURCE + "\n\n\n", 0)
+    assert code.count() is code.now
+    assert code.now.total(code.now.taken(np.array([3.0, 4.0]))) == 14.0
+
+
 def test_what_is_timed_is_compiled_at_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "_HASTE", 1.0)
     compiled.compile_at_once()

@@ -3,6 +3,8 @@
 import json
 from decimal import Decimal
 
+import flint
+import mpmath
 import pytest
 
 from longball.engines.chain import solve, solve_once, solve_with_path
@@ -13,7 +15,7 @@ from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
 from longball.model.quantities import flat, numbers_of, vector_of
 from longball.model.result import Bounded
-from longball.model.scene import parse_scene
+from longball.model.scene import AtBatScene, PitchScene, parse_scene
 
 # C_L falls by 0.4 where S grows by 0.01: a proven error grows with the force's rate of change.
 STEEP = parse_scene(
@@ -132,3 +134,15 @@ def test_a_number_that_is_cut_off_still_contains_the_truth():
         "value": "1.3",
         "radius": "0.041",
     }
+
+
+@pytest.mark.parametrize("engine", [Enclosure, Multiprecision])
+def test_engines_of_different_digits_do_not_meet(engine):
+    few, many = engine(20), engine(40)
+    scenes = [AtBatScene(id="a"), PitchScene(id="p")]
+    alone = [[solve(scene, each) for scene in scenes] for each in (few, many)]
+    before = flint.ctx.prec, mpmath.mp.prec
+    for scene, *expected in zip(scenes, *alone, strict=True):
+        assert [solve(scene, few), solve(scene, many)] == expected
+    assert (flint.ctx.prec, mpmath.mp.prec) == before
+    assert len(alone[1][1].plate.time.value) > len(alone[0][1].plate.time.value)

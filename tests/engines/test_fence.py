@@ -1,23 +1,22 @@
-"""The fence: its foot, dips beyond it, scenes, and each part of the search by itself.
+"""The fence: ways that end at it, dips beyond it, and turns within the error of a state.
 
 Outcomes, corners and ties in every engine are in the golden data (`fence`).
 """
 
 import json
-import math
 
 import numpy as np
 import pytest
 from flint import arb
 
 from longball.engines import create
-from longball.engines.chain import Model, solve_with_path
+from longball.engines.chain import solve_with_path
 from longball.engines.event import ground
-from longball.engines.fence import chords, falls, first_crossing, stop_at
+from longball.engines.fence import first_crossing
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
-from longball.model.law import Force, PlaneState, SpaceState, law_with
+from longball.model.law import PlaneState, SpaceState, law_with
 from longball.model.numbers import DOUBLES
 from longball.model.scene import parse_scene
 
@@ -51,18 +50,6 @@ def test_the_way_of_a_ball_ends_at_the_wall_and_goes_on_over_the_fence():
 
 
 # --- curved flights -------------------------------------------------------------------------------
-
-
-def pushed(left):
-    """Constant accelerations to the left and back, m/s²: a wind that pushes all the same."""
-
-    def strengths(scene, frame, numbers):
-        return {"left": numbers.exact(left), "back": numbers.exact(0.5)}
-
-    def push(motion, p):
-        return -p.back, p.left, 0
-
-    return Model(forces=(Force(strengths, push),))
 
 
 @SMOOTH
@@ -138,48 +125,6 @@ def over(piece, fence, error=1e-12, end=100.0):
     return first_crossing(scene.fence, HERE, iter([piece]), end, 0.0, error, DOUBLES)
 
 
-def test_a_line_in_space_crosses_a_chord_at_a_share_of_it():
-    met = over(line(0.0, 0.0, 10.0, 5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]])
-    assert met.time == pytest.approx(2.0 + 3.0, rel=1e-14)
-    assert (met.state.s, met.state.y) == pytest.approx((30.0, 15.0), rel=1e-14)
-    place = met.place
-    assert (place.segment, place.height) == (0, pytest.approx(7.0, rel=1e-14))
-    assert (place.margin, place.to_break) == pytest.approx((25.0, 25.0), rel=1e-13)
-    assert place.slope == pytest.approx(0.2, rel=1e-14)
-    assert over(line(0.0, 0.0, 10.0, 15.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
-    assert over(line(0.0, 0.0, 10.0, -5.0), [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0]]) is None
-
-
-@pytest.mark.parametrize("y", [40.0, -16.0])
-def test_a_crossing_at_an_end_of_the_fence_is_a_break_and_past_it_is_none(y):
-    """At x = 32 after 4 s, and within and beyond the error of the place."""
-    fence = [[32.0, 40.0, 2.0], [32.0, -16.0, 12.0]]
-    out = math.copysign(1e-9, y)
-    for off in (0.0, out / 100, -out / 100):
-        met = over(line(0.0, 0.0, 8.0, (y + off) / 4), fence, error=1e-11)
-        assert met.place.to_break == pytest.approx(0.0, abs=2e-11)
-    assert over(line(0.0, 0.0, 8.0, (y + out) / 4), fence, error=1e-11) is None
-
-
-def test_a_chord_that_goes_on_has_no_break_there():
-    park = [[30.0, 40.0, 2.0], [30.0, -10.0, 12.0], [0.0, -90.0, 12.0], [-9.0, -90.0, 4.0]]
-    met = over(line(0.0, 0.0, 10.0, 2.0), park)
-    assert met.place.to_break == pytest.approx(34.0)
-    assert met.place.margin == pytest.approx(16.0)
-    made = chords(flight((1.0, 0.0, 1.0), park).fence.polyline, DOUBLES)
-    assert [(c.segment, c.open_a, c.open_b) for c in made] == [
-        (0, True, False),
-        (1, False, False),
-        (2, False, True),
-    ]
-
-
-@pytest.mark.parametrize(("end", "found"), [(5.5, True), (4.5, False)])
-def test_a_crossing_after_the_end_is_none(end, found):
-    met = over(line(0.0, 0.0, 10.0, 0.0), {"radius": 30.0}, end=end)
-    assert (met is not None) is found
-
-
 @pytest.mark.parametrize("turned", [False, True])
 def test_the_first_of_two_chords_that_are_crossed_on_a_piece(turned):
     """Out at x = 30, in again at x = 45 and out at x = 60, whichever the fence names first."""
@@ -212,60 +157,3 @@ def test_a_turn_close_to_a_circle_may_not_reach_it(away, doubtful):
     """It turns 81 m away after 4 s; states are off by a thousandth of 1 + |x| + |y|: 0.08 m."""
     met = over(line(0.0, 80.0, 0.0, 0.5, 0.0625), {"radius": 81.0 + away}, 1e-3)
     assert (met and met.doubtful) is doubtful
-
-
-@pytest.mark.parametrize(
-    ("coefficients", "expected"),
-    [
-        ((1.0, -1.0), [(1.0, False)]),
-        ((-1.0, 1.0), []),
-        ((0.5, 0.5, -1.0), [(1.0, False)]),
-        ((9.0, -6.0, 1.0 + 1e-4), [(3.0, True)]),
-        ((9.0, -6.0, 1.0 + 1e-1), []),
-        ((5.0,), []),
-        ((0.018, -0.017, 0.0085), [(1.0, True)]),  # never below half of what it is first
-    ],
-)
-def test_falls_of_a_value(coefficients, expected):
-    rows = np.zeros((4, 3))
-    rows[1, : len(coefficients)] = coefficients
-    curve = PolynomialPiece(0.0, 4.0, PlaneState, rows).curve(lambda state: state.z)
-    found = list(falls(curve, 4.0, 1e-2, None))
-    assert [doubtful for _, doubtful in found] == [doubtful for _, doubtful in expected]
-    assert [t for t, _ in found] == pytest.approx([t for t, _ in expected], abs=0.02)
-
-
-@pytest.mark.parametrize("sense", [1, -1])
-@pytest.mark.parametrize("angle", [0.0, 0.3])
-def test_a_plane_meets_a_chord_where_the_two_lines_cross(sense, angle):
-    """From (1, 2) along the heading, or back: cut by Cramer's rule."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    fence = [[30.0, 40.0, 2.0], [30.0, -40.0, 10.0], [-30.0, -40.0, 3.0], [-30.0, 40.0, 7.0]]
-    frame = Frame(1.0, 2.0, cos, sin)
-    stop = stop_at(flight((1.0, 0.0, 1.0), fence).fence, frame, 0.0, sense, 1e-14, DOUBLES)
-    x = 30.0 * sense
-    s = (x - 1.0) / cos
-    y = 2.0 + s * sin
-    assert stop.s == pytest.approx(s, rel=1e-14)
-    share = (40.0 - y) / 80.0 if sense > 0 else (y + 40.0) / 80.0
-    low, high = (2.0, 10.0) if sense > 0 else (3.0, 7.0)
-    assert stop.place.height == pytest.approx(low + share * (high - low), rel=1e-14)
-    assert stop.place.segment == (0 if sense > 0 else 2)
-    assert stop.place.slope == pytest.approx((high - low) / 80.0, rel=1e-14)
-    assert stop.place.margin == pytest.approx(80.0 * min(share, 1 - share), rel=1e-13)
-    # The fence ends at y = 40 on both sides; seen from the flight it is that far aside.
-    ahead = 80.0 * (share if sense > 0 else 1 - share) * cos
-    assert stop.place.to_break == pytest.approx(ahead, rel=1e-13)
-
-
-def test_a_plane_leaves_a_circle_ahead_and_back():
-    """x = 1 + s cos, y = 2 + s sin: s² + 2 (cos + 2 sin) s = r² - 5."""
-    fence = flight((1.0, 0.0, 1.0), {"radius": 50.0}).fence
-    frame = Frame(1.0, 2.0, 0.6, 0.8)
-    for sense in (1, -1):
-        stop = stop_at(fence, frame, 0.0, sense, 1e-14, DOUBLES)
-        assert sense * stop.s > 0
-        away = math.hypot(1.0 + 0.6 * stop.s, 2.0 + 0.8 * stop.s)
-        assert away == pytest.approx(50.0, rel=1e-15)
-        assert (stop.place.height, stop.place.margin, stop.place.segment) == (0.0, None, 0)
-        assert stop.place.to_break > 1e20

@@ -2,17 +2,12 @@
 
 import pickle
 
-import mpmath
 import pytest
 
 from longball.engines import event
-from longball.engines.chain import solve
 from longball.engines.multiprecision import Multiprecision
-from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_with
-from longball.model.numbers import Undecided
 from longball.model.result import Bounded
-from longball.model.scene import AtBatScene
 from longball.model.trace import ZERO, exp, log
 
 ENGINE = Multiprecision(30)
@@ -37,11 +32,6 @@ def launched(z, u, w):
 
 def ground(height=0.0):
     return event.ground(exact(0.0) + height, launched(1.0, 0.0, 0.0), NUMBERS)
-
-
-def plate(distance):
-    zero, one = exact(0.0), exact(1.0)
-    return event.plate(Frame(exact(distance), zero, -one, zero), launched(1.0, 0.0, 0.0), NUMBERS)
 
 
 # ---- laws of any kind ----------------------------------------------------------------------------
@@ -103,12 +93,6 @@ def test_a_dip_is_told_from_a_miss(circle, above, stop):
     assert ENGINE.fly(law, start, [floor], exact(1.0)).stop == stop
 
 
-def test_a_tangential_landing_is_not_guessed(circle):
-    start, law, bottom = circle
-    with pytest.raises(Undecided, match="whether the ball touches the ground"):
-        ENGINE.fly(law, start, [ground(bottom)], exact(1.0))
-
-
 @pytest.mark.parametrize("depth", [1e-3, 1e-9, 1e-18, 1e-30])
 def test_a_dip_far_shorter_than_a_step_is_found(circle, depth):
     """The ball is under the ground for some sqrt(depth) of a step of about a second."""
@@ -125,17 +109,6 @@ def test_a_dip_far_shorter_than_a_step_is_found(circle, depth):
 
 def test_an_engine_travels_to_another_process():
     assert pickle.loads(pickle.dumps(ENGINE)) == ENGINE
-
-
-def test_engines_of_different_digits_do_not_meet():
-    scene = AtBatScene(id="a")
-    alone = solve(scene, Multiprecision(20))
-    few, many = Multiprecision(20), Multiprecision(40)
-    before = mpmath.mp.prec
-    between = [solve(scene, engine) for engine in (few, many, few)]
-    assert between[0] == between[2] == alone
-    assert len(between[1].plate.time.value) == len("0.") + 40
-    assert mpmath.mp.prec == before
 
 
 @pytest.mark.parametrize(

@@ -9,16 +9,12 @@ import pytest
 from longball.engines.batch import Batch
 from longball.engines.chain import solve_with_path, solve_with_points
 from longball.engines.enclosure import Enclosure
-from longball.engines.event import first_met, ground, plate, vertical
+from longball.engines.event import ground, vertical
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
-from longball.engines.path import Flight, Leg, Part, Path, Rest, Trajectory
-from longball.engines.polynomial import PolynomialPiece
+from longball.engines.path import Rest
 from longball.engines.verlet import Verlet
-from longball.model import trace
-from longball.model.frame import Frame
 from longball.model.law import PlaneState, law_with
-from longball.model.numbers import DOUBLES
 from longball.model.scene import parse_scene
 
 IVP, ENCLOSURE = Ivp(), Enclosure(30)
@@ -82,16 +78,8 @@ def test_a_path_has_the_states_of_flights_that_end_there(name, engine):
             assert ended.stop == "time"
             assert float(ended.time) == time
             assert_same(path.at(number(time)), ended.state)
-
-
-@ENGINES
-@pytest.mark.parametrize("name", FLIGHTS)
-@pytest.mark.sampled(every=3)
-def test_pieces_join(name, engine):
-    """One begins when the one before ends, in the state in which that ends."""
-    pieces = list(flown(name, engine).path.pieces())
-    number = engine.numbers.exact
-    with engine.numbers.arithmetic():
+        # A piece begins when the one before ends, in the state in which that ends.
+        pieces = list(path.pieces())
         assert float(pieces[0].begin) == 0.0
         assert float(pieces[-1].begin + pieces[-1].length) == pytest.approx(LIMIT, rel=1e-15)
         for one, following in pairwise(pieces):
@@ -137,11 +125,6 @@ def test_a_time_outside_the_flight_is_an_error(engine, time):
         path.at(engine.numbers.exact(time))
 
 
-def test_a_path_without_pieces_has_no_state():
-    with pytest.raises(ValueError, match=r"no state at t = 0\.0 s"):
-        Path(()).at(0.0)
-
-
 # --- one flight after another ---------------------------------------------------------------------
 
 
@@ -172,41 +155,6 @@ def test_a_flight_that_goes_on_as_another(engine):
         for one, following in pairwise(whole.path.pieces()):
             assert_same([one.begin + one.length], [following.begin], math.ulp(20.0))
             assert not one.begin + one.length < following.begin
-
-
-def test_a_flight_that_goes_on_has_a_state_at_its_end():
-    """Its time is a rounded sum, and so are the times of its pieces."""
-    rng = np.random.default_rng(3)
-    law, start, _ = prepared("loops", IVP)
-    for limit, speed in rng.uniform([0.5, 20.0], [20.0, 40.0], (100, 2)).tolist():
-        level = start._replace(u=speed)
-        ahead = IVP.fly(law, level, [vertical(level, DOUBLES)], 60.0)
-        whole = ahead.then(IVP.fly(law.without("lift"), ahead.state._replace(u=0.0), [], limit))
-        assert_same(whole.path.at(whole.time), whole.state, 64 * ULPS)  # up to 2 km below
-
-
-def test_three_flights_in_a_row():
-    def straight(speed, start, time):
-        rows = np.array([[start, speed], [0.0, 0.0], [speed, 0.0], [0.0, 0.0]])
-        piece = PolynomialPiece(0.0, 10.0, PlaneState, rows)
-        return Flight(Path([piece]), "time", time, piece.at(time))
-
-    whole = straight(1.0, 0.0, 2.0).then(straight(2.0, 2.0, 1.0)).then(straight(4.0, 4.0, 1.0))
-    assert whole.time == 4.0
-    ways = {1.0: 1.0, 2.0: 2.0, 2.5: 3.0, 3.0: 4.0, 3.25: 5.0, 4.0: 8.0, 6.0: 16.0}
-    assert {time: whole.path.at(time).s for time in ways} == ways
-    assert [piece.begin for piece in whole.path.pieces()] == [0.0, 2.0, 3.0]
-
-
-def test_a_part_is_the_beginning_of_a_piece_as_of_a_later_time():
-    rows = np.array([[0.0, 3.0], [5.0, -2.0], [3.0, 0.0], [-2.0, 0.0]])
-    piece = PolynomialPiece(1.0, 4.0, PlaneState, rows)
-    part, delayed = Part(piece, 2.0), Part(piece, 2.0, 0.5)
-    assert (part.begin, part.length) == (1.0, 2.0)
-    assert (delayed.begin, delayed.length) == (1.5, 2.0)
-    for each in (part, delayed):
-        assert each.at(1.0) == piece.at(1.0) == PlaneState(3.0, 3.0, 3.0, -2.0)
-        assert each.curve(lambda state: state.z).zero(0.0, 4.0) == 2.5
 
 
 def test_a_rest_is_always_the_same_state():
@@ -267,30 +215,6 @@ def test_a_trajectory_has_a_state_at_its_end():
         assert way.at(way.end)[0] == pytest.approx(wanted, abs=1e-13)  # 60 m/s over an ulp
 
 
-def test_legs_are_asked_in_their_own_frames():
-    state = PlaneState(2.0, 1.0, 3.0, 4.0)
-    rest = Flight(Path([Rest(0.0, 9.0, state)]), "time", 5.0, None)
-    turned = Frame(10.0, 20.0, 0.6, 0.8)
-    way = Trajectory((Leg(0.0, Frame(0.0, 0.0, 1.0, 0.0), rest), Leg(2.0, turned, rest)))
-    assert way.end == 7.0
-    assert way.at(1.0) == ((2.0, 0.0, 1.0), (3.0, 0.0, 4.0))
-    for time in (2.0, 7.0):
-        position, velocity = way.at(time)
-        assert position == pytest.approx((11.2, 21.6, 1.0), rel=1e-15)
-        assert velocity == pytest.approx((1.8, 2.4, 4.0), rel=1e-15)
-
-
-# --- a law with another size that is zero at rest -------------------------------------------------
-
-
-def wind(motion, p):
-    """Drag in a wind along the flight: at rest the ball has a speed in the air."""
-    u, v, w = motion.velocity
-    u = u - p.wind
-    speed = trace.sqrt(u * u + v * v + w * w)
-    return -p.blown * speed * u, -p.blown * speed * v, -p.blown * speed * w
-
-
 @pytest.mark.parametrize(
     ("engine", "error"),
     [
@@ -307,15 +231,6 @@ def test_every_engine_has_the_path(engine, error):
     for t in (0.0, 0.123, 1.0, 2.75):
         found = map(float, path.at(engine.numbers.exact(t)))
         assert_same(found, wanted.at(t), error)
-
-
-def test_a_path_is_asked_for_another_event():
-    """Beyond the event that ended the flight, too: a wall 20 m away, on the same path."""
-    flight = flown("batted", IVP)
-    ahead = plate(Frame(20.0, 0.0, -1.0, 0.0), flight.path.at(0.0), DOUBLES)
-    met = first_met(flight.path.pieces(), [ahead], LIMIT, IVP.flight_error, DOUBLES)
-    assert (met.event.name, met.state.s) == ("plate", 20.0)
-    assert_same(met.state, flight.path.at(met.time))
 
 
 NO_DRAG = '"air": {"drag_coefficient": 0.0, "lift_coefficient": 4.0},'
@@ -337,10 +252,3 @@ def test_a_ball_that_is_down_at_its_launch_has_a_path(engine):
     launch = '{"position": [0, 0, 0], "velocity": [5, 0, -5]}'
     result = solve_with_points(parse_scene(f'{{"kind": "flight", "launch": {launch}}}'), engine, 3)
     assert result.path == ((0.0, 0.0, 0.0, 0.0, 5.0, 0.0, -5.0),) * 3
-
-
-def test_points_are_spread_evenly_from_the_beginning_to_the_end():
-    state = PlaneState(1.0, 2.0, 3.0, 4.0)
-    flight = Flight(Path([Rest(0.0, 4.0, state)]), "time", 4.0, state)
-    way = Trajectory((Leg(2.0, Frame(5.0, 6.0, 1.0, 0.0), flight),))
-    assert way.evenly(3, DOUBLES) == [(t, 6.0, 6.0, 2.0, 3.0, 0.0, 4.0) for t in (2.0, 4.0, 6.0)]

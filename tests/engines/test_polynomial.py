@@ -15,7 +15,7 @@ from longball.engines.coefficients import (
     value,
     zero,
 )
-from longball.engines.polynomial import Polynomial, PolynomialPiece, advanced, values_at
+from longball.engines.polynomial import PolynomialPiece, advanced, values_at
 from longball.model.law import PlaneState
 
 
@@ -40,12 +40,6 @@ def test_between_turning_points_a_polynomial_only_rises_or_only_falls(seed):
         np.testing.assert_allclose(found, np.sort(wanted), atol=1e-8)
 
 
-def test_a_start_on_a_turning_point_is_none():
-    assert turning_points(np.array([1.0, 0.0, -1.0]), 5.0).tolist() == []
-    assert turning_points(np.array([1.0, 0.0, 0.0, -1.0, 1.0]), 5.0) == pytest.approx([0.75])
-    assert turning_points(np.array([1.0, 0.0, 0.0, 0.0]), 5.0).tolist() == []
-
-
 def test_what_stays_high_is_above_half_of_its_start():
     rng = np.random.default_rng(1)
     high = 0
@@ -57,16 +51,6 @@ def test_what_stays_high_is_above_half_of_its_start():
             high += 1
             assert least >= 0.5 * p[0] * (1 - 1e-15)
     assert high > 1000
-
-
-def test_whether_a_line_stays_high_is_told_exactly():
-    assert stays_high([1.0, -0.5], 1.0)
-    assert not stays_high([1.0, -0.5000001], 1.0)
-    assert stays_high([1.0, 2.0, -0.5], 1.0)
-    assert stays_high([1.0, 0.0, -0.5], 1.0)
-    assert not stays_high([1.0, 0.0, -0.5], 1.001)
-    assert not stays_high([0.0, 1.0], 1.0)
-    assert not stays_high([-1.0, 0.1], 1.0)
 
 
 def test_what_is_computed_of_whole_coefficients_is_exact():
@@ -89,23 +73,6 @@ def test_what_rounding_takes_from_a_sum_is_kept():
         assert Fraction(after) + Fraction(lacking) == Fraction(start) + Fraction(change)
 
 
-def test_turning_points_where_an_interval_is_cut():
-    """The slope (t - 1/4)(t - 1/2)(t - 3/4) is exactly zero where [0, 1] is halved."""
-    p = Series.fromroots([0.25, 0.5, 0.75]).integ().coef
-    assert turning_points(p, 1.0) == pytest.approx([0.25, 0.5, 0.75], abs=1e-15)
-    # Those at the ends are none: they lie in (0, end).
-    assert turning_points(p, 0.75) == pytest.approx([0.25, 0.5], abs=1e-15)
-    assert turning_points(shifted(p, 0.25), 0.5) == pytest.approx([0.25], abs=1e-15)
-    assert turning_points(np.array([0.0, -1.0, 1.0]), 0.5).tolist() == []
-
-
-def test_a_turning_point_on_a_cut_that_no_bound_has_to_spare():
-    """The slope is (t - 1/2)(3 + 12 t²): about 1/4 it is bounded by exactly its value there."""
-    p = np.array([0.0, -1.5, 1.5, -2.0, 3.0])
-    assert turning_points(p, 1.0) == pytest.approx([0.5], abs=0)
-    assert turning_points(p, 0.5).tolist() == []
-
-
 def test_zeros_at_the_ends_are_found():
     assert zero([0.0, -1.0], 0.0, 1.0) == 0.0
     assert zero([1.0, -1.0], 0.0, 1.0) == 1.0
@@ -120,20 +87,6 @@ def test_a_zero_of_any_order_is_found(order):
     p = (Series([0.7, -1.0]) ** order).coef
     # Where p is less than its rounding, some 1e-16, the place is known to the root of that order.
     assert zero(p, 0.0, 1.0) == pytest.approx(0.7, abs=1e-15 ** (1 / order))
-
-
-def test_polynomials_calculate():
-    rng = np.random.default_rng(3)
-    p, q = rng.normal(0, 1, 4), rng.normal(0, 1, 7)
-    a, b = Polynomial(p), Polynomial(q)
-    x, y = Series(p), Series(q)
-    for found, wanted in [
-        (2 * a - b * a + 3, 2 * x - y * x + 3),
-        (1 - a, 1 - x),
-        (a * a - 0.5, x * x - 0.5),
-        (b + a - (-a), y + 2 * x),
-    ]:
-        np.testing.assert_allclose(found.coefficients, wanted.coef, rtol=1e-14)
 
 
 def test_the_value_of_an_event_where_large_terms_cancel():
@@ -167,30 +120,3 @@ def test_values_do_not_overflow_where_the_states_do_not():
     assert list(curve.turns(0.0, 1e-99)) == []
     x = (np.sqrt(1 + 4 * np.sqrt(3)) - 1) / 2  # of x + x² = √3
     assert curve.zero(0.0, 1e-99) == pytest.approx(x * 1e-100, rel=1e-14, abs=0)
-
-
-@pytest.mark.parametrize("length", [1e-3, 0.125, 0.75, 1.0, 3.0, 8.0])
-def test_a_curve_from_a_later_time_is_the_same_curve(length):
-    """It turns at 1/6, 1/2 and 5/6 of the piece, and falls through zero before the last."""
-    turns = np.array([1, 3, 5]) / 6 * length
-    p = -Series.fromroots(turns).integ(lbnd=0.0)
-    p = p - 0.5 * (p(turns[1]) + p(turns[2]))
-    p = p if p(turns[1]) > 0 else -p
-    coefficients = np.zeros((4, 5))
-    coefficients[1] = p.coef
-    piece = PolynomialPiece(7.0, length, PlaneState, coefficients)
-    curve = piece.curve(lambda state: state.z)
-    assert length / 8 < curve.unit <= 8 * length
-    for a, known in ((0.0, turns), (0.25 * length, turns[1:]), (0.6 * length, turns[2:])):
-        assert list(curve.turns(a, length)) == pytest.approx(list(known), rel=1e-13)
-    assert list(curve.turns(0.25 * length, 0.6 * length)) == pytest.approx([turns[1]], rel=1e-13)
-    (fall,) = (r.real for r in p.roots() if turns[1] < r.real < turns[2] and abs(r.imag) < 1e-9)
-    assert curve.zero(turns[1], turns[2]) == pytest.approx(fall, rel=1e-13)
-    for t in (0.0, 0.3 * length, length):
-        assert curve(t) == pytest.approx(p(t), rel=1e-12, abs=1e-14)
-    high = piece.curve(lambda state: state.z + 1e4)
-    assert high.positive(0.0, length)
-    assert high.positive(0.5 * length, length)
-    assert not curve.positive(turns[1], turns[2])
-    # From where the value is not positive, the zero is there.
-    assert curve.zero(turns[2], length) == turns[2]

@@ -14,7 +14,6 @@ import pytest
 import longball as lb
 from longball.api import as_scene
 from longball.engines.batch import solve_columns, solve_columns_with_slopes
-from longball.engines.batch.tangents import gauss
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.tangent import derivatives_of
@@ -89,16 +88,6 @@ def test_a_parabola_has_the_derivatives_of_its_closed_form():
         assert found[f"landing.distance by {name}"].to_numpy() == pytest.approx(slope, rel=1e-13)
     assert found["derivatives"].str.contains("batch").all()
     assert found["refused"].isna().all()
-
-
-@pytest.mark.parametrize("nodes", [7, 8])
-def test_collocation_integrates_what_it_should(nodes):
-    """Up to each node polynomials of its degree, over the whole twice that (B(2K), C(K))."""
-    c, w, a = gauss(nodes)
-    for degree in range(2 * nodes):
-        assert w @ c**degree == pytest.approx(1 / (degree + 1), rel=1e-14)
-        if degree < nodes:
-            assert a @ c**degree == pytest.approx(c ** (degree + 1) / (degree + 1), abs=1e-15)
 
 
 def off(scene, columns, names, engine, every=1):

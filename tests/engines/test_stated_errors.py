@@ -6,7 +6,6 @@ Doubles round by 2^-53, and a state of the reference engine is off by 2e-14 of i
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -18,11 +17,8 @@ from longball.engines.batch import Batch
 from longball.engines.chain import solve
 from longball.engines.enclosure import Balls, Enclosure
 from longball.engines.engine import Engine
-from longball.engines.event import BatSection
 from longball.engines.ivp import Ivp
-from longball.model.frame import Frame
-from longball.model.law import PlaneState
-from longball.model.numbers import DOUBLES, Doubles, Undecided
+from longball.model.numbers import Doubles
 from longball.model.scene import AtBatScene, PitchScene, Scene, Swing, parse_scene
 from longball.model.scene import Pitch as PitchBlock
 from tests.scenes import cases_of
@@ -101,41 +97,6 @@ def test_a_stated_error_holds_in_scenes_of_all_kinds() -> None:
     assert {
         q: max(found) for q, found in shares({"various-real": 4}).items() if max(found) > 1
     } == {}
-
-
-# --- the bat --------------------------------------------------------------------------------------
-
-
-def test_where_the_touching_is_told_from_across() -> None:
-    """A height far above the place across leaves fewer digits of the way up than the reach does."""
-    frame = Frame(0.5, 0.0, -1.0, 0.0)
-    bat = BatSection(frame, 1e6, 0.07)
-    above = math.sqrt(0.07**2 - 0.01**2)
-    ball = PlaneState(0.49, 1e6 + above, 30.0, 0.0)
-    across, up = bat.offset(ball, DOUBLES)
-    assert across == pytest.approx(0.01, rel=1e-13, abs=0)
-    assert up == pytest.approx(above, rel=1e-13, abs=0)
-    assert up != ball.z - 1e6
-    _, down = bat.offset(ball._replace(z=1e6 - above), DOUBLES)
-    assert down == -up
-    # Not where the ball does not touch, is beside the bat, or is as well known by its height.
-    for z, s in ((1e6 + 2 * above, 0.49), (1e6 + 0.005, 0.56)):
-        other = PlaneState(s, z, 30.0, 0.0)
-        assert bat.offset(other, DOUBLES)[1] == other.z - 1e6
-    near = BatSection(Frame(18.0, 0.0, -1.0, 0.0), 1.0, 0.07)
-    ball = PlaneState(17.99, 1.0 + above, 30.0, 0.0)
-    assert near.offset(ball, DOUBLES)[1] == ball.z - 1.0
-
-
-# --- the numbers themselves -----------------------------------------------------------------------
-
-
-def test_what_lies_within_its_error_is_not_decided() -> None:
-    for x, error, wanted in ((1.0, 0.5, True), (-1.0, 0.5, False), (0.0, 0.0, False)):
-        assert DOUBLES.positive(x, error, "whether") is wanted
-    for x in (0.5, -0.5, 0.0):
-        with pytest.raises(Undecided, match=r"whether it is cannot be decided in double precision"):
-            DOUBLES.positive(x, 0.5, "whether it is")
 
 
 # --- ties, on either side of the stated error -----------------------------------------------------

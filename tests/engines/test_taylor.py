@@ -1,8 +1,6 @@
 """Taylor's method inside scipy.integrate.solve_ivp, for anybody's traced law."""
 
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ from longball.engines import taylor
 from longball.engines.taylor import Expander, Taylor, right_hand_side
 from longball.model import trace
 from longball.model.law import Law, law_with
-from tests.engines.test_ivp import fly, ground, plate
+from tests.engines.test_ivp import fly, ground
 
 BALL = law_with({"drag": 0.0075, "lift": 0.00375, "gravity": 9.8})
 START = [0.0, 1.0, 35.0, 30.0]
@@ -106,20 +104,6 @@ def test_a_step_goes_on_to_the_first_of_the_events(span, far):
     assert found.sol(times).tolist() == many.sol(times).tolist()
 
 
-def test_a_step_keeps_the_series_before_one_that_fails(monkeypatch):
-    series, advance = iter(range(2)), Taylor._advance
-
-    def fail(solver):
-        return advance(solver) if next(series, None) is not None else (False, "enough")
-
-    monkeypatch.setattr(Taylor, "_advance", fail)
-    found = by_taylor(BALL, (0, 8), START, until=[lambda t, y: 1.0], dense_output=True)
-    assert (found.status, found.message, len(found.t)) == (-1, "enough", 2)
-    monkeypatch.undo()
-    two = by_taylor(BALL, (0, 8), START).y[:, 2]
-    assert found.y[:, -1].tolist() == two.tolist()
-
-
 def test_options_of_other_methods_are_named_in_a_warning():
     with pytest.warns(UserWarning, match="Taylor does not take atol"):
         by_taylor(BALL, (0, 1), START, atol=1e-9)
@@ -159,28 +143,6 @@ def test_a_ball_that_all_but_rests(speed):
     x, reach = Expander(BALL)(np.array([0.0, 1.0, speed, 0.0]))
     assert 0 < reach <= 0.51 * speed / 9.8
     assert np.isfinite(x).all()
-
-
-def test_without_numba_it_is_the_same():
-    code = (
-        "import sys; sys.modules['numba'] = None\n"
-        "from longball.engines import compiled\n"
-        "from tests.engines.test_taylor import *\n"
-        "assert compiled.compiler() is None\n"
-        "print(float(by_taylor(BALL, (0, 60), START, events=height).y[0, -1]))\n"
-        "print(float(fly(START, BALL, plate(100.0), ground()).time))\n"
-        "print(float(fly((0.0, 50.0, 0.0, 0.0), BALL, ground()).time))\n"
-    )
-    ran = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False
-    )
-    assert ran.returncode == 0, ran.stderr
-    place, crossed, rest = map(float, ran.stdout.split())
-    # The powers that set the steps may be rounded otherwise.
-    wanted = by_taylor(BALL, (0, 60), START, events=height).y[0, -1]
-    assert place == pytest.approx(wanted, rel=1e-15)
-    assert crossed == pytest.approx(fly(START, BALL, plate(100.0), ground()).time, rel=1e-15)
-    assert rest == pytest.approx(fly((0.0, 50.0, 0.0, 0.0), BALL, ground()).time, rel=1e-15)
 
 
 def test_names_that_the_printed_code_uses_are_refused():

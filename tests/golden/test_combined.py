@@ -1,4 +1,4 @@
-"""The families of combinations: that each reading acts in them, and each edge is on both sides."""
+"""Readings in the golden data: each acts in scenes of every kind."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.model.readings import Reading
 from longball.model.scene import parse_scene
-from tests.scenes import all_cases, cases_of
+from tests.scenes import all_cases
 
-COMBINED, EDGES = cases_of("combined"), cases_of("edges")
 MOVED = 1e-4  # relative: far above the tolerance of any profile
 
 # In which kinds of scenes a switch is to move answers, twice at least, in all golden data.
@@ -65,30 +64,3 @@ def test_every_reading_moves_answers_of_every_kind():
                 answers = solve(scene, Ivp()), solve(without(scene, name), Ivp())
                 moved[name, scene.kind] += differ(*answers)
     assert {pair for pair in WANTED if moved[pair] < 2} == set()
-
-
-def test_both_ends_of_the_bat_are_met_inside_and_outside():
-    outcomes = {case.id: case.expected.outcome for case in EDGES}
-    for end in ("pivot", "tip"):
-        assert outcomes[f"edges-{end}-in"] == "batted"
-        assert outcomes[f"edges-{end}-out"] == "beyond_bat"
-
-
-def test_the_ground_under_a_pitch_is_told_by_its_height_and_by_the_reading():
-    by_name = {case.id.removeprefix("edges-"): case for case in EDGES}
-    assert by_name["ground-0.4"].expected.outcome == "grounded"
-    below = by_name["ground--1.5"].expected
-    assert below.outcome == "batted"
-    assert float(below.plate.position[2]) < 0
-    for height in ("0.72", "0.735"):
-        assert by_name[f"skims-{height}-centre"].expected.outcome == "crossed"
-        assert by_name[f"skims-{height}-surface"].expected.outcome == "grounded"
-
-
-def test_circles_and_folded_fences():
-    by_name = {case.id.removeprefix("combined-fence-"): case.expected for case in COMBINED}
-    for name in ("circle-foul-left", "circle-foul-right", "circle-behind"):
-        assert by_name[name].outcome == "home_run"
-        assert by_name[name].landing.fair is False
-    assert by_name["bay-first"].fence.segment == 0  # of three crossings of the fence
-    assert by_name["in-time"].landing is None

@@ -19,12 +19,8 @@ from longball.golden.files import CHECKSUMS, PARTIAL, write_files
 from longball.golden.reader import DATA, drafts, header, load, probabilities
 from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
-from longball.model.inputs import inputs
 from longball.model.quantities import replaced
 from longball.model.scene import parse_scene
-
-FLIGHT = '{"id":"f","kind":"flight","launch":{"position":[0,0,1],"velocity":[30,2,20]}}'
-
 
 IMPACTS = [
     Draft.model_validate_json(line) for line in (DATA / "impact.jsonl").read_bytes().splitlines()
@@ -348,11 +344,6 @@ def test_what_is_wrong_with_probabilities_is_said(
 
 
 # --- the means ------------------------------------------------------------------------------------
-
-
-def test_forces_that_a_scene_does_not_name_are_no_inputs():
-    scene = parse_scene(FLIGHT.replace('"launch"', '"air":null,"gravity":0,"launch"'))
-    assert {"gravity", "air.density"}.isdisjoint(inputs(scene))
 
 
 def test_an_outcome_that_an_ulp_decides_is_fragile():

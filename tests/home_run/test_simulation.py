@@ -7,7 +7,7 @@ import pytest
 
 from longball.engines.batch import Batch
 from longball.engines.ivp import Ivp
-from longball.home_run import BLOCK, draw, monte_carlo, paper_at_bats
+from longball.home_run import draw, monte_carlo, paper_at_bats
 from longball.home_run.simulation import COLUMNS
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
@@ -34,27 +34,6 @@ class TestMonteCarlo:
         for a, b in zip(few, many, strict=True):
             np.testing.assert_array_equal(a.x, b.x[: COLUMNS + 9])
 
-    @pytest.mark.parametrize(
-        "reading", [SamplingReading(), SamplingReading(speed_table="as_printed")]
-    )
-    @pytest.mark.sampled(every=2)
-    def test_both_engines_strike_the_same_samples(self, reading: SamplingReading, nightly: bool):
-        base, at_bats = AtBatScene(id="base"), paper_at_bats(reading)
-        count = 400 if nightly else 100
-        batch, ivp = (
-            monte_carlo(base, at_bats, (0.41, 0.45), count, seed=1, engine=engine)
-            for engine in (Batch(), Ivp())
-        )
-        for a, b in zip(batch, ivp, strict=True):
-            np.testing.assert_array_equal(a.batted, b.batted)
-            np.testing.assert_array_equal(a.failed, b.failed)
-            # The engines know a margin to some 1e-14 m. The smallest of 400 is about 2e-4 m, where
-            # the normal turns by 200 rad for a metre of margin, and D changes by up to 300 m for
-            # a radian: 6e-10 m.
-            np.testing.assert_allclose(a.x, b.x, rtol=0, atol=1e-9)
-            np.testing.assert_allclose(a.y, b.y, rtol=0, atol=1e-9)
-            assert a.batted.any()
-
     def test_a_ball_that_is_never_pitched_is_no_failure(self):
         at_bats = paper_at_bats(SamplingReading(speed_table="as_printed"))
         (struck,) = monte_carlo(BASE, at_bats, (0.42,), 200, seed=1)
@@ -72,11 +51,3 @@ class TestMonteCarlo:
         )
         assert batch.failed.any()
         np.testing.assert_array_equal(batch.failed, ivp.failed)
-
-    def test_progress_reaches_the_end(self):
-        seen: list[int] = []
-        monte_carlo(BASE, PAPER, (0.4,), COLUMNS + 1, seed=1, progress=seen.append)
-        assert seen == [COLUMNS, COLUMNS + 1]
-        seen.clear()
-        monte_carlo(BASE, PAPER, (0.4,), BLOCK + 1, seed=1, engine=Ivp(), progress=seen.append)
-        assert seen == [BLOCK, BLOCK + 1]

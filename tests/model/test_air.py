@@ -14,15 +14,7 @@ from longball.model.atmosphere import density, earth_strengths, speed_of_sound
 from longball.model.frame import Frame
 from longball.model.numbers import DOUBLES
 from longball.model.scene import AtBatScene, InvalidScene, _meet, parse_scene
-
-LAUNCH = {"position": [1, 2, 3], "velocity": [4, 5, 6]}
-INCOMING = {"position": [0.0696, 0, 1], "velocity": [-40, 0, 0], "bat_height": 1}
-LEAST: dict[str, dict[str, Any]] = {
-    "flight": {"kind": "flight", "launch": LAUNCH},
-    "pitch": {"kind": "pitch"},
-    "impact": {"kind": "impact", "incoming": INCOMING},
-    "at-bat": {"kind": "at-bat"},
-}
+from tests.model.test_scene import INCOMING, LAUNCH, LEAST
 
 
 def scene(kind: str = "flight", **blocks: Any) -> Any:
@@ -78,46 +70,6 @@ def test_the_earth_turns_once_in_a_sidereal_day_about_its_axis() -> None:
 # --- limits ---------------------------------------------------------------------------------------
 
 TABLE = {"law": "table", "of": "speed"}
-
-# A block, its key and the smallest and the largest number that it takes.
-LIMITS = [
-    ("at-bat", "ball.mass", 1e-30, 1e30),
-    ("at-bat", "ball.radius", 1e-30, 1e30),
-    ("at-bat", "ball.restitution", 0.0, 1.0),
-    ("at-bat", "ball.inertia_factor", 1e-30, 1.0),
-    ("impact", "swing.angular_speed", -1e30, 1e30),
-    ("at-bat", "bat.friction", 1e-30, 1e30),
-    ("at-bat", "pitch.speed", 1e-30, 1e30),
-    ("flight", "gravity", 0.0, 1e30),
-    ("flight", "time_limit", 1e-30, 1e30),
-    ("flight", "earth.latitude", -math.pi / 2, math.pi / 2),
-    ("flight", "air.density", 0.0, 1e30),
-    ("flight", "air.drag_coefficient", 0.0, 1e30),
-    ("flight", "air.lift_coefficient", -1e30, 1e30),
-    ("flight", "air.density.temperature", 150.0, 350.0),
-    ("flight", "air.density.humidity", 0.0, 1.0),
-    ("flight", "air.density.pressure", 1e4, 1e30),
-    ("flight", "fence.radius", None, 1e30),
-]
-
-
-def nested(name: str, value: float) -> dict[str, Any]:
-    *way, last = name.split(".")
-    found: dict[str, Any] = {last: value}
-    for key in reversed(way):
-        found = {key: found}
-    return found
-
-
-@pytest.mark.parametrize(("kind", "name", "least", "most"), LIMITS)
-def test_limits_are_taken_and_what_is_beyond_them_is_refused(
-    kind: str, name: str, least: float | None, most: float
-) -> None:
-    for limit, beyond in ((least, -math.inf), (most, math.inf)):
-        if limit is not None:
-            scene(kind, **nested(name, limit))
-            with pytest.raises(InvalidScene, match=name.split(".")[-1]):
-                scene(kind, **nested(name, math.nextafter(limit, beyond)))
 
 
 @pytest.mark.parametrize("e", [-1.0, 1.0])
@@ -251,12 +203,6 @@ def test_a_line_may_be_a_mebibyte_long() -> None:
     for longer in (longest + " ", (longest + " ").encode()):
         with pytest.raises(InvalidScene, match="longer than 1,048,576 bytes"):
             parse_scene(longer)
-
-
-def test_values_are_quoted_up_to_forty_characters() -> None:
-    for text, quoted in (("x" * 38, "x" * 38 + "'"), ("x" * 39, "x" * 36 + "...")):
-        with pytest.raises(InvalidScene, match=rf"gravity: .* \(got '{quoted}\)$"):
-            scene(gravity=text)
 
 
 def test_a_pitch_is_thrown_along_its_way() -> None:

@@ -89,12 +89,6 @@ def test_what_trackers_give_of_a_launch_changes_alone(name: str, text: str, as_l
     assert found.launch.position == expected.position
 
 
-def test_the_spins_of_a_launch_stay_where_one_changes():
-    scene = Flight(launch=launch(40.0, 0.4, backspin=200.0, side_spin=50.0))
-    found = scene.replace(**{"launch.backspin": 100.0}).launch
-    assert found.spin == pytest.approx(launch(40.0, 0.4, backspin=100.0, side_spin=50.0).spin)
-
-
 @pytest.mark.parametrize(
     ("scene", "name", "value", "said"),
     [

@@ -1,4 +1,8 @@
-"""The derivation of the impulse: each step, each law, and that no law is proved of everything."""
+"""The derivation of the impulse: each step, and what an impulse at the contact keeps.
+
+That the impulse as executed keeps momentum, and obeys the restitution relation, is asked of exact
+collisions in test_impact.py.
+"""
 
 import re
 
@@ -10,23 +14,31 @@ from analysis.writing import Report
 from longball.model import derivation
 from longball.model.derivation import (
     APPARENT_RESTITUTION,
+    AXIAL_INERTIA,
     BALL_MASS,
     BAT_MASS,
     BAT_VELOCITY,
     BETA,
+    BODIES,
+    FRICTION,
+    INERTIA,
+    INERTIA_FACTOR,
+    INVERSE_BAT_MASS,
+    INVERSE_MASS,
     MASS_RATIO,
-    NORMAL,
     NORMAL_SPEED,
     PRINTED_E,
+    RADIUS,
     REDUCED_MASS,
+    RESISTANCE,
     RESTITUTION,
+    ROTATION,
+    SLIP,
+    SPIN,
     VELOCITY,
-    After,
     collide,
-    on_unit_normal,
     plain_arithmetic,
 )
-from tests.model import impact_laws
 
 HALF = sp.Rational(1, 2)
 
@@ -83,104 +95,11 @@ def test_an_oblique_collision_worked_by_hand():
 # ---- the laws ------------------------------------------------------------------------------------
 
 
-def heavy_bat(velocity, bat_velocity, normal):
-    """A bat that nothing moves."""
-    return After(collide(velocity, bat_velocity, normal).ball, bat_velocity)
-
-
-def rough_bat(velocity, bat_velocity, normal):
-    """A bat with friction, equal and opposite."""
-    after = collide(velocity, bat_velocity, normal)
-    relative = velocity - bat_velocity
-    friction = (relative - relative.dot(normal) * normal) / 10
-    return After(after.ball - friction / BALL_MASS, after.bat + friction / BAT_MASS)
-
-
-def weak_impulse(velocity, bat_velocity, normal):
-    """Half the impulse."""
-    after = collide(velocity, bat_velocity, normal)
-    return After((after.ball + velocity) / 2, (after.bat + bat_velocity) / 2)
-
-
-def bat_speed_forgotten(velocity, bat_velocity, normal):
-    """An impulse from the ball's own velocity, instead of that relative to the bat."""
-    after = collide(velocity, sp.zeros(3, 1), normal)
-    return After(after.ball, bat_velocity + after.bat)
-
-
-def no_collision(velocity, bat_velocity, normal):
-    """Both bodies go on as they came."""
-    return After(velocity, bat_velocity)
-
-
-LAWS = {
-    "momentum": impact_laws.momentum_residual,
-    "tangential": impact_laws.tangential_residual,
-    "restitution": impact_laws.restitution_residual,
-    "galilean": impact_laws.galilean_residual,
-}
-
-
-@pytest.mark.parametrize(
-    ("rule", "broken"),
-    [
-        (collide, set()),
-        (heavy_bat, {"momentum", "restitution"}),
-        (rough_bat, {"tangential"}),
-        (weak_impulse, {"restitution"}),
-        (bat_speed_forgotten, {"restitution", "galilean"}),
-        (no_collision, {"restitution"}),
-    ],
-)
-@pytest.mark.sampled(every=3)
-def test_the_derived_rule_obeys_every_law_and_others_break_theirs(rule, broken):
-    residuals = {name: sp.Matrix([law(rule)]) for name, law in LAWS.items()}
-    assert {name for name, residual in residuals.items() if not residual.is_zero_matrix} == broken
-
-
-def disturbed(ball, bat):
-    """Build a rule that changes the velocity of one body in a way that no law allows."""
-
-    def rule(velocity, bat_velocity, normal):
-        after = collide(velocity, bat_velocity, normal)
-        return After(after.ball + ball * velocity[::-1, :], after.bat + bat * bat_velocity[::-1, :])
-
-    return rule
-
-
-@pytest.mark.parametrize("law", [impact_laws.tangential_residual, impact_laws.galilean_residual])
-@pytest.mark.parametrize(("ball", "bat"), [(1, 0), (0, 1)])
-def test_each_body_is_held_to_the_law_in_every_component(law, ball, bat):
-    """A residual of one body, or of fewer components, would prove less than it says."""
-    residual = law(disturbed(ball, bat))
-    assert [0 not in residual[:, body] for body in (0, 1)] == [bool(ball), bool(bat)]
-
-
-@pytest.mark.parametrize(("ball", "bat"), [(1, 0), (0, 1)])
-def test_momentum_is_held_to_its_law_in_every_component(ball, bat):
-    assert 0 not in impact_laws.momentum_residual(disturbed(ball, bat))
-
-
-def test_the_unit_normal_is_used_and_nothing_more():
-    nx, ny, nz = NORMAL
-    assert on_unit_normal(nx**2 + ny**2 + nz**2) == 1
-    assert on_unit_normal(nx**4 - (1 - ny**2 - nz**2) ** 2) == 0
-    assert on_unit_normal(nx**2 + ny**2) != 0
-    assert on_unit_normal(VELOCITY.dot(NORMAL) - BAT_VELOCITY.dot(NORMAL)) != 0
-
-
 def test_the_energy_balance_follows_from_the_energies_of_both_bodies():
     change = derivation.energy_change()
     expected = -REDUCED_MASS * (1 - RESTITUTION**2) * NORMAL_SPEED**2 / 2
     assert change.free_symbols == {REDUCED_MASS, RESTITUTION, NORMAL_SPEED}
     assert sp.expand(change - expected) == 0
-
-
-def test_the_energy_balance_is_factored():
-    """A factor 1 - ẽ² would lose digits to cancellation near ẽ = 1."""
-    factors = sp.Mul.make_args(derivation.energy_change())
-    assert RESTITUTION - 1 in factors
-    assert RESTITUTION + 1 in factors
 
 
 def test_energy_is_created_exactly_above_one():
@@ -210,27 +129,61 @@ def test_the_printed_restitution_exceeds_one_exactly_above_a_mass_ratio():
     assert sp.cancel(condition.rhs - (1 - e) / (1 + e)) == 0
 
 
-@pytest.mark.parametrize("e", [sp.Rational(41, 100), sp.Rational(45, 100), sp.Integer(0)])
-@pytest.mark.parametrize("nudge", [-1, 0, 1])
-def test_beyond_that_mass_ratio_and_only_there_the_energy_grows(e, nudge):
-    """The condition on r and the energy of the two bodies are computed apart, and must agree."""
-    r = (1 - e) / (1 + e) + sp.Rational(nudge, 10**9)
-    values = {PRINTED_E: e, MASS_RATIO: r}
-    restitution = derivation.printed_restitution().subs(values)
-    gain = derivation.energy_change().subs({RESTITUTION: restitution})
-    gain = gain.subs({REDUCED_MASS: 1, NORMAL_SPEED: -1})
-    assert sp.sign(gain) == nudge
-    assert bool(derivation.energy_creating_mass_ratios().subs(values)) == (nudge > 0)
-
-
 # ---- oblique impact ------------------------------------------------------------------------------
+
+
+def kinetic_energy(bodies):
+    """Return the kinetic energy of ball and free bat, w = 1/M."""
+    spin, rotation = bodies.spin, bodies.rotation
+    ball = bodies.velocity.dot(bodies.velocity) + INERTIA_FACTOR * RADIUS**2 * spin.dot(spin)
+    inertia = sp.diag(INERTIA, AXIAL_INERTIA, INERTIA)
+    bat = bodies.bat_velocity.dot(bodies.bat_velocity) / INVERSE_BAT_MASS
+    return (BALL_MASS * ball + bat + rotation.dot(inertia * rotation)) / 2
+
+
+def energy_residual():
+    """Return kinetic energy after less before less `work`: zero, for any impulse."""
+    change = kinetic_energy(derivation.pushed(BODIES)) - kinetic_energy(BODIES)
+    return sp.expand(change - derivation.work(derivation.slip(BODIES)).subs(derivation.elements()))
+
+
+def contact_momentum_residual():
+    """Return the change of β R ω + n × V, the ball's angular momentum about the contact: zero.
+
+    Its normal part says that the spin about the normal stays as it is. Any friction obeys it.
+    """
+    normal, after = sp.Matrix([1, 0, 0]), derivation.pushed(BODIES)
+    turned = INERTIA_FACTOR * RADIUS * (after.spin - SPIN)
+    return (turned + normal.cross(after.velocity - VELOCITY)).applyfunc(sp.cancel)
+
+
+def total_momentum_residual():
+    """Return the changes of momentum and angular momentum of ball and free bat: zero.
+
+    Angular momentum is about the bat's centre; two columns.
+    """
+    after = derivation.pushed(BODIES)
+    moved = BALL_MASS * (after.velocity - VELOCITY)
+    momentum = moved + (after.bat_velocity - BAT_VELOCITY) / INVERSE_BAT_MASS
+    spin = INERTIA_FACTOR * BALL_MASS * RADIUS**2 * (after.spin - SPIN)
+    bat = sp.diag(INERTIA, AXIAL_INERTIA, INERTIA) * (after.rotation - ROTATION)
+    angular = (derivation._FROM_BAT - derivation._FROM_BALL).cross(moved) + spin + bat
+    return sp.Matrix.hstack(momentum, angular).applyfunc(sp.cancel)
+
+
+def frictionless_residual():
+    """Return the sliding impulse without friction less the paper's (A10), 1/μ = K_nn: zero."""
+    resistance, found = derivation.sliding_impulse()
+    push = found.subs(RESISTANCE, resistance).subs(FRICTION, 0)
+    paper = derivation.impulse().subs({REDUCED_MASS: 1 / INVERSE_MASS[0], NORMAL_SPEED: SLIP[0]})
+    return sp.cancel(push[0] - paper) + abs(push[1]) + abs(push[2])
 
 
 def test_an_impulse_at_the_contact_keeps_what_it_must():
     """Momentum and angular momentum of both, the ball's about the contact, and the energy."""
-    assert impact_laws.total_momentum_residual().is_zero_matrix
-    assert impact_laws.contact_momentum_residual().is_zero_matrix
-    assert impact_laws.energy_residual() == 0
+    assert total_momentum_residual().is_zero_matrix
+    assert contact_momentum_residual().is_zero_matrix
+    assert energy_residual() == 0
 
 
 def test_another_push_would_show(monkeypatch):
@@ -241,9 +194,9 @@ def test_another_push_would_show(monkeypatch):
         return whole(before, push)._replace(spin=before.spin)
 
     monkeypatch.setattr(derivation, "pushed", without_moment)
-    assert not impact_laws.total_momentum_residual().is_zero_matrix
-    assert not impact_laws.contact_momentum_residual().is_zero_matrix
-    assert impact_laws.energy_residual() != 0
+    assert not total_momentum_residual().is_zero_matrix
+    assert not contact_momentum_residual().is_zero_matrix
+    assert energy_residual() != 0
 
 
 def test_a_coupled_impulse_is_not_solved_by_components(monkeypatch):
@@ -267,7 +220,7 @@ def test_gripping_and_sliding_satisfy_the_restitution_relations():
 
 
 def test_the_papers_impulse_is_the_frictionless_limit():
-    assert impact_laws.frictionless_residual() == 0
+    assert frictionless_residual() == 0
     pivot = derivation.elements()[derivation.INVERSE_MASS[0]].subs(derivation.INVERSE_BAT_MASS, 0)
     effective_mass = derivation.INERTIA / derivation.ARM**2
     assert sp.expand(pivot - derivation.inverse_reduced_mass().subs(BAT_MASS, effective_mass)) == 0
@@ -392,11 +345,3 @@ def test_a_derivation_that_goes_wrong_says_so(monkeypatch):
     monkeypatch.setattr(derivation, "restitution_equation", lambda: BETA**2)
     with pytest.raises(ValueError, match="one rebounding and one penetrating"):
         derivation.roots.__wrapped__()
-
-
-@pytest.mark.parametrize("restitution", [PRINTED_E - MASS_RATIO, PRINTED_E + MASS_RATIO**2])
-def test_a_threshold_is_not_read_off_a_restitution_that_has_none(monkeypatch, restitution):
-    """Falling or curved in r: the condition r > threshold would not be the answer."""
-    monkeypatch.setattr(derivation, "printed_restitution", lambda: restitution)
-    with pytest.raises(ValueError, match="linearly"):
-        derivation.energy_creating_mass_ratios()

@@ -1,4 +1,4 @@
-"""The exact results: proved from the equations of motion, and right in every kind of number.
+"""The exact results, proved from the equations of motion.
 
 The formulas are handed SymPy's symbols and the equations of motion as they are executed, so what
 is proved is what runs.
@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import mpmath
 import pytest
 import sympy as sp
-from flint import arb, ctx
 
 from longball.model import exact
 from longball.model.law import PlaneState, law_with
@@ -194,53 +193,3 @@ def test_scaled_strengths_accelerate_a_scaled_state_alike():
     here = accelerations(strengths)(U, W)
     assert all(vanishes(a - b) for a, b in zip(there, here, strict=True))
     assert (scaled.s, scaled.z) == (length * S, length * Z)
-
-
-# ---- every kind of number ------------------------------------------------------------------------
-
-
-def all_of_them(number, functions):
-    """Every exact result of one flight, in the numbers that `number` makes of doubles."""
-    start = PlaneState(*map(number, (1.0, 2.0, 30.0, 20.0)))
-    up = start._replace(u=number(0.0))
-    drag, lift, gravity, floor, time, wall = map(number, (0.0055, 0.0027, 9.8, 0.5, 1.25, 40.0))
-    moments = [
-        exact.parabola_to_floor(start, gravity, floor, functions),
-        exact.parabola_to_wall(start, gravity, wall),
-        exact.apex(up, drag, gravity, functions),
-        exact.fall_to_floor(up._replace(w=number(-3.0)), drag, gravity, floor, functions),
-    ]
-    states = [
-        exact.parabola(start, gravity, time),
-        exact.rise(up, drag, gravity, time, functions),
-        exact.fall(up._replace(w=number(-3.0)), drag, gravity, time, functions),
-        exact.weightless(start, drag, lift, time, functions),
-        exact.weightless(start, drag, None, time, functions),
-        exact.weightless(start, None, lift, time, functions),
-        exact.scaled_state(start, wall, functions),
-        *(moment.state for moment in moments),
-    ]
-    return [
-        *(x for state in states for x in state),
-        *(moment.time for moment in moments),
-        exact.drag_only_invariant(start, drag, gravity, functions),
-        exact.energy(start, gravity),
-        exact.phugoid(start, lift, gravity, functions),
-        exact.energy_rate(start, drag, functions),
-        exact.phugoid_rate(start, drag, lift, gravity, functions),
-    ]
-
-
-def test_doubles_mpmath_and_balls_agree():
-    """The same formulas, to the precision of each: 15, 40 and 60 digits."""
-    doubles = all_of_them(float, math)
-    with mpmath.workdps(40), ctx.workdps(60):
-        forty = all_of_them(mpmath.mpf, mpmath.mp)
-        balls = all_of_them(arb, exact.METHODS)
-        for double, precise, ball in zip(doubles, forty, balls, strict=True):
-            assert type(double) is float
-            assert isinstance(precise, mpmath.mpf)
-            assert ball.rad() < 1e-55
-            # A dozen roundings each; no difference here is much smaller than its terms.
-            assert abs(double - precise) <= 32 * 2.0**-53 * abs(precise)
-            assert abs(mpmath.mpf(ball.str(50, radius=False)) - precise) <= 1e-38 * abs(precise)

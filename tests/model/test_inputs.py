@@ -47,16 +47,6 @@ def test_one_of_them_changes_and_the_others_stay():
     assert tracked(moved) == pytest.approx(expected, rel=1e-14)
 
 
-def test_the_function_launch_has_the_same_axes():
-    scene = lb.Flight(
-        launch=lb.launch(speed=40.0, angle=0.5, direction=0.3, backspin=200.0, side_spin=-50.0)
-    )
-    parts = tracked(scene)
-    assert parts["launch.backspin"] == pytest.approx(200.0, rel=1e-14)
-    assert parts["launch.side_spin"] == pytest.approx(-50.0, rel=1e-14)
-    assert parts["launch.gyrospin"] == pytest.approx(0.0, abs=1e-13)
-
-
 @pytest.mark.parametrize(
     ("name", "sentence"),
     [

@@ -1,15 +1,13 @@
 """The law of motion: traced, it is the sum of its forces in space, and only what is named."""
 
 import itertools
-import math
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 import sympy as sp
 
 from longball.model.air import WindProfile
-from longball.model.frame import Frame, launch_frame
+from longball.model.frame import Frame
 from longball.model.law import (
     Force,
     PlaneState,
@@ -22,7 +20,7 @@ from longball.model.scene import Air, FlightScene, Launch
 from longball.model.trace import ZERO
 
 K_D, K_L, G = sp.symbols("k_D k_L g", positive=True)
-U, V, W = sp.symbols("u v w", real=True)
+U, W = sp.symbols("u w", real=True)
 ALONG_X = Frame(0.0, 0.0, 1.0, 0.0)
 SYMBOLS = SimpleNamespace(functions={"sqrt": sp.sqrt})
 
@@ -123,26 +121,6 @@ def test_a_ball_drifts_straight_in_a_wind_that_is_the_same_everywhere_alone():
     assert law_of(scene(grows), ALONG_X, DOUBLES).straight(1.0) is None
 
 
-@pytest.mark.parametrize("at", [(0.0, 20.0, 35.0), (10.0, 20.0, 35.0), (0.0, 20.0)])
-def test_a_table_is_interpolated_and_constant_beyond_its_ends(at):
-    values = (0.5, 0.4, 0.25)[: len(at)]
-    table = {"law": "table", "of": "speed", "at": at, "values": values}
-    found, unit = (
-        law_of(scene(Air(drag_coefficient=drag, lift_coefficient=0.0)), ALONG_X, DOUBLES)
-        for drag in (table, 1.0)
-    )
-    for u in (1.0, 9.0, 15.0, 24.0, 34.0, 50.0):
-        state = 0.0, 1.0, u, 0.0
-        on = found.on(found.branches(PlaneState(*state), DOUBLES))
-        share = on.rates(DOUBLES)(*state)[2] / unit.rates(DOUBLES)(*state)[2]
-        assert share == pytest.approx(np.interp(u, at, values), rel=1e-14)
-
-
-def test_the_jacobian_is_bounded_at_rest():
-    found = law_with({"drag": 0.01, "lift": 0.1}).jacobian(DOUBLES)(0.0, 0.0, 0.0, 0.0)
-    assert found[8:] == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
 ABOVE = {"velocity": (12.0, 0.0, 0.0), "above": 2.0}
 
 
@@ -168,31 +146,3 @@ def test_a_law_of_several_forms_computes_nothing_before_one_is_chosen():
         assert law.on([branch]).rates(DOUBLES)(*there) == wanted
         assert law.at(there, DOUBLES).rates(DOUBLES)(*there) == wanted
         assert law.on([branch]).drift(0.0) == (wind, 0.0, 0.0)
-
-
-def test_a_law_of_several_forms_without_a_force_keeps_its_forms():
-    table = {"law": "table", "of": "speed", "at": (10.0, 20.0), "values": (0.5, 0.3)}
-    law = law_of(scene(Air(drag_coefficient=table)), ALONG_X, DOUBLES).without("lift")
-    dragged = law_of(scene(Air(drag_coefficient=table, lift_coefficient=0.0)), ALONG_X, DOUBLES)
-    for u in (5.0, 15.0, 25.0):
-        state = 0.0, 1.0, u, 0.0
-        plain, other = (x.at(PlaneState(*state), DOUBLES).rates(DOUBLES) for x in (law, dragged))
-        assert plain(*state) == other(*state)
-
-
-def test_an_exponential_that_is_a_variable_is_that_of_the_form():
-    """The spin that is left jumps with the airspeed, where a table makes it a variable."""
-    air = Air(lift_coefficient={"law": "bilinear"}, wind=ABOVE, spin_decay_length=50.0)
-    frame, start = launch_frame((0.0, 0.0, 3.0), (20.0, 0.0, 9.0), DOUBLES, (0.0, -90.0, 0.0))
-    flight = FlightScene(
-        id="x",
-        launch=Launch(position=(0, 0, 3), velocity=(20, 0, 9), spin=(0, -90, 0)),
-        air=air,
-        reading={"spin_decay": "nathan"},
-    )
-    law = law_of(flight, frame, DOUBLES).in_polynomials()
-    state = law.state_of(start)._replace(path=2.0)  # s times 1 m/s
-    for branch, wind in ((0, 0.0), (1, 12.0)):
-        form = law.on([branch if switch.is_wind else 0 for switch in law.switches])
-        left = math.exp(-2.0 * math.hypot(20.0 - wind, 9.0) / 50.0)
-        assert form.spin_left(form.completed(state, DOUBLES), DOUBLES) == pytest.approx(left)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import warnings
 from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
-import pandas as pd
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -17,7 +15,6 @@ from hypothesis.extra import numpy as arrays
 from longball.model.plain import column_of, is_missing, is_number, plain
 
 WHOLE = st.integers() | st.integers(-(10**400), 10**400)
-EXACT = st.decimals(allow_nan=False) | st.fractions()
 
 
 def nearest(number) -> float:
@@ -65,35 +62,3 @@ def test_every_type_of_numpy_is_handled_or_refused(data):
             continue
         with pytest.raises(TypeError, match=rf"^pitch\.speed: must be .*{type(cell).__name__}"):
             plain({"pitch": {"speed": cell}})
-
-
-@pytest.mark.parametrize("cell", [True, 1j, b"1", np.timedelta64(1, "ns"), pd.Timestamp(0), "1"])
-def test_one_other_cell_makes_no_numbers_of_the_rest_and_is_none_itself(cell):
-    assert column_of([1.0, cell]).tolist()[1] is cell or column_of([1.0, cell])[1] == cell
-    assert column_of([1.0, cell]).dtype == object
-
-
-@pytest.mark.parametrize(
-    "column",
-    [
-        np.ma.array([1.0, 2.0], mask=[False, True]),
-        np.ma.array([1, 2], mask=[False, True], dtype=np.int8),
-        [1, np.ma.masked],
-        [1.0, None],
-        [1, pd.NA],
-        [Decimal(1), Decimal("NaN")],
-        pd.Series([1, None], dtype="Int64"),
-        pd.array([1.0, None], dtype="Float64"),
-    ],
-)
-def test_what_is_masked_or_missing_is_missing(column):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = column_of(column)
-    assert found.dtype == float
-    assert [is_missing(x) for x in found.tolist()] == [False, True]
-
-
-def test_masked_numbers_of_a_vector_are_null():
-    assert plain(np.ma.array([1.0, 2.0], mask=[False, True])) == [1.0, None]
-    assert plain(np.ma.masked) is None

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from longball.model.quantities import at, flat, nested, number, numbers, replaced
-from longball.model.result import Landing, Result
+from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch, PitchScene
 from tests.scenes import results, scenes
 
@@ -47,11 +47,6 @@ def test_what_is_replaced_can_be_read_back_and_nothing_else_changes(block, value
     assert dict(numbers(other)) == dict(numbers(block)) | {name: value}
 
 
-@given(scenes())
-def test_plain_data_has_the_same_names(scene):
-    assert list(numbers(json.loads(scene.line()))) == list(numbers(scene))
-
-
 @given(blocks, st.data())
 def test_an_unknown_name_is_refused_with_the_nearest(block, draw):
     name = a_name(draw, block)
@@ -65,13 +60,6 @@ def test_an_unknown_name_is_refused_with_the_nearest(block, draw):
         nearest = str(refusal.value).partition("the nearest are ")[2].split(", ")
         assert set(nearest) <= set(names)
         assert len(nearest) == min(3, len(names))
-
-
-@given(blocks, st.text(max_size=8))
-def test_no_text_leads_astray(block, text):
-    assume(text not in dict(numbers(block)))
-    with pytest.raises(ValueError, match="is not the name of a number here"):
-        number(block, text)
 
 
 AT_BAT = AtBatScene(id="a")
@@ -131,16 +119,6 @@ def test_numbers_are_put_in_together_and_validated():
         replaced(low, {"ground.height": 2.0})
     with pytest.raises(ValidationError, match="greater than or equal"):
         replaced(AT_BAT, {"ball.mass": -1.0})
-
-
-def test_names_as_they_are_written():
-    landing = Landing(
-        time=1.0, hang_time=1.0, position=(1.0, 2.0, 3.0), velocity=(0.0, 0.0, 0.0), distance=2.0
-    )
-    assert dict(numbers(Result(id="r", landing=landing)))["landing.position[2]"] == 3.0
-    names = [name for name, _ in numbers(PitchScene(id="p"))]
-    assert names[:2] == ["ball.mass", "ball.radius"]
-    assert "pitch.aim[1]" in names
 
 
 @given(blocks)

@@ -16,7 +16,7 @@ from longball.model.readings import (
     SamplingReading,
     readings_of,
 )
-from longball.model.scene import Ball, Bat, InvalidScene
+from longball.model.scene import InvalidScene
 
 MODELS = {"scene": Reading, "sampling": SamplingReading}
 SWITCHES = {entry.switch: entry for entry in LEDGER if entry.is_switch}
@@ -55,18 +55,6 @@ def test_the_switches_of_the_scheme_are_options_of_its_engine():
 def test_the_switch_of_the_figure_chooses_a_printed_curve():
     assert SWITCHES[FIGURE_SWITCH].belongs == "figure"
     assert SWITCHES[FIGURE_SWITCH].options == get_args(Fig7Parameters) == tuple(PAPER_CURVES)
-
-
-def test_the_masses_of_the_ledger_are_the_scenes():
-    (entry,) = (entry for entry in LEDGER if entry.switch == "masses")
-    assert entry.belongs == "scene"
-    assert entry.options == (f"ball.mass = {Ball().mass}, bat.mass = {Bat().mass}",)
-
-
-def test_every_entry_says_where_and_why():
-    for entry in LEDGER:
-        assert entry.place, entry.switch
-        assert entry.why.endswith((".", "?")), entry.switch
 
 
 def test_a_reading_is_written_only_if_it_differs():

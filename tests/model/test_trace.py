@@ -65,11 +65,6 @@ def test_a_traced_formula_has_its_own_value(text, x, y, k):
         assert abs(found - wanted) <= mpmath.mpf(10) ** -40 * (1 + abs(wanted))
 
 
-def test_equal_values_are_one_node():
-    assert X * Y is Y * X
-    assert trace.sqrt(X * X + Y * Y) is trace.sqrt(X * X + Y * Y)
-
-
 @pytest.mark.parametrize("absent", [X * 0, 0 * X, X - X, 0 / X, K * 0])
 def test_what_is_multiplied_by_nothing_is_gone(absent):
     assert absent is trace.ZERO
@@ -86,13 +81,6 @@ def test_static_factors_stand_before_products():
 def test_static_factors_stand_before_quotients():
     assert (K * X) / Y is K * (X / Y)
     assert X / (K * Y) is (1 / K) * (X / Y)
-
-
-def test_static_values_are_computed_once():
-    source = trace.Program(("x",), ("k",), (X * (K * K + 1),)).source
-    head, _, body = source.partition("def rates")
-    assert "k * k" in head
-    assert "k * k" not in body
 
 
 @pytest.mark.parametrize(
@@ -118,14 +106,6 @@ def test_the_derivative_of_a_size_is_bounded():
     assert slope.kind == "unit"
     assert value(slope, 3.0, 4.0) == 0.6
     assert value(slope, 0.0, 0.0) == 0.0
-
-
-def test_what_cancels_is_gone():
-    """The square of a root, and the difference of a strength and itself."""
-    root = trace.sqrt(X * X + Y * Y)
-    assert root * root is X * X + Y * Y
-    assert (2.0 * root) * (K * root) is (2.0 * K) * (X * X + Y * Y)
-    assert K - K is trace.ZERO
 
 
 def test_a_derivative_that_is_to_have_derivatives_has_plain_quotients():

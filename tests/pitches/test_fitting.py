@@ -88,16 +88,6 @@ def test_1548_pitches_give_the_printed_numbers_back_within_their_errors(columns)
         assert np.sum(np.abs(z) < 1.96) >= 32, name
 
 
-@pytest.mark.parametrize("columns", [METRES, CELLS], ids=["places", "cells"])
-@pytest.mark.nightly
-def test_a_million_pitches_give_them_back_to_three_digits(columns):
-    fitted = fit_pitches(draw(1_000_000, 1, columns), columns, KINDS, replicates=20)
-    for name, (value, error) in numbers(fitted).items():
-        # Half a unit in the third digit is up to 0.5 %.
-        assert value == pytest.approx(PRINTED[name], rel=5e-3), name
-        assert abs(value - PRINTED[name]) < 4.0 * error, name
-
-
 # ---- known answers -------------------------------------------------------------------------------
 
 

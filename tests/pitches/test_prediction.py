@@ -17,7 +17,7 @@ from longball.engines.chain import solve
 from longball.model.scene import parse_scene
 from longball.pitches import EXAMPLE
 from longball.pitches.models import ACTIVE_SHARE, MODELS
-from longball.pitches.prediction import measured, predict, scenes, summaries
+from longball.pitches.prediction import measured, predict, summaries
 from longball.pitches.statcast import read_measured
 
 FOOT, MPH = 0.3048, 0.44704
@@ -221,12 +221,6 @@ def test_a_what_if_changes_every_scene():
     assert json.loads(run.stdout)["groups"][-1]["rms"] == every.rms > 1.0
 
 
-def test_a_ball_over_the_fence_has_its_distance():
-    over = longball("-", *COMMAND, "--fence", "40", "--json", stdin=FLIES)
-    plain = longball("-", *COMMAND, "--json", stdin=FLIES)
-    assert json.loads(over.stdout)["groups"] == json.loads(plain.stdout)["groups"]
-
-
 PITCH = {
     "pitch_type": "FF", "p_throws": "R", "release_spin_rate": 2300, "spin_axis": 200,
     "release_speed": 92, "release_pos_x": -2, "release_pos_y": 54.5, "release_pos_z": 6,
@@ -300,13 +294,6 @@ def test_a_missing_column_comes_with_what_helps():
     renamed = FLIES.replace("launch_speed", "ExitSpeed")
     run = longball("-", *COMMAND, "--column", "launch_speed=ExitSpeed", stdin=renamed)
     assert run.exit_code == 0
-
-
-def test_scenes_have_the_weather_of_the_game():
-    flies = read_measured(io.StringIO(FLIES), "batted")
-    (scene, _) = scenes(flies, MODELS["constants"])
-    density = scene.air.density
-    assert (density.temperature, density.elevation) == (293.15, 0.0)
 
 
 def test_published_laws_predict_the_flies_of_a_day_to_21_feet():

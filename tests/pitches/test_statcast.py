@@ -197,14 +197,6 @@ def test_spin_of_a_fly_to_centre_field(stand, sign):
     assert regression_spin(fly, side_spin=False)[0, 2] == 0.0
 
 
-def test_a_ball_down_a_line_hooks_foul():
-    # Side spin turns a ball further to the side it is hit to, either batter's.
-    for stand in "RL":
-        left = regression_spin(flies(stand=stand, hc_x=25.42, hc_y=98.27))[0]
-        right = regression_spin(flies(stand=stand, hc_x=225.42, hc_y=98.27))[0]
-        assert left[2] > 0.0 > right[2]
-
-
 def test_what_is_no_fly_is_left_out():
     rows = [BATTED | change for change in (
         {}, {"launch_angle": 9.9}, {"launch_angle": 60.1}, {"launch_speed": 60}, {"hc_x": ""},

@@ -90,22 +90,6 @@ def test_a_landing_gives_its_launch_back(first, nightly):
         assert recovered(found, scene, unknowns) < RECOVERED
 
 
-@PIECES
-@pytest.mark.sampled(every=20)
-@pytest.mark.nightly
-def test_the_air_of_random_scenes_is_determined_by_its_products_alone(first, nightly):
-    # All forces of the air are ρ/m times something that knows neither.
-    for seed in seeds(first, nightly)[:: 1 if nightly else 2]:
-        scene = real(seed)
-        unknowns = ["launch.speed", "air.density", "launch.angle", "ball.mass"]
-        with pytest.raises(lb.CannotSolve, match="do not determine") as refused:
-            lb.fit(lb.solve(scene).path.sample(12), scene, unknowns=unknowns)
-        along = re.findall(r"([a-z.]+) ([+-][0-9.e-]+)", str(refused.value))
-        ratio = scene.ball.mass / scene.air.density
-        assert [name for name, _ in along] == ["air.density", "ball.mass"]
-        assert [float(x) for _, x in along] == pytest.approx([1.0, ratio], rel=1e-3)
-
-
 def test_errors_are_those_of_least_squares():
     # x = x₀ + u t without air: the variance of u from n points is σ²/Σ(t - t̄)²
     times = np.linspace(0.0, 1.0, 11)

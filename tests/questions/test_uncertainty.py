@@ -96,22 +96,6 @@ def test_where_the_second_order_is_small_monte_carlo_agrees(base, spread, quanti
         assert abs(mean - found.shift[name]) < 5 * found[name] / math.sqrt(n) + second
 
 
-def test_where_the_second_order_is_large_the_warning_says_what_monte_carlo_finds(nightly):
-    # Near its greatest, the distance has σ² + second² for variance, and the mean is shifted.
-    n = 1_000_000 if nightly else 20_000
-    spread = {"launch.velocity[2]": 3.0}
-    solved, scene = sampled(LAUNCH | {"launch.velocity[2]": 34.0}, spread, n)
-    name = "landing.distance"
-    with pytest.warns(UserWarning, match="the second-order term is large"):
-        found = lb.uncertainty(scene, spread, quantities=[name])
-    size = math.hypot(found[name], found.second[name])
-    assert found.second[name] > found[name]
-    # The third order and the fourth are left, a tenth of the second.
-    assert abs(solved[name].std() / size - 1) < 0.1
-    mean = solved[name].mean() - found.value[name]
-    assert abs(mean / found.shift[name] - 1) < 0.1
-
-
 def test_where_the_second_order_is_large_it_is_said():
     # At 45° the distance does not change with the angle, but for -2 d δ².
     with pytest.warns(UserWarning, match=r"landing\.distance: the second-order term is large"):

@@ -11,8 +11,6 @@ from analysis.paper.distances import (
     NEAR,
     covariance,
     distance,
-    highest,
-    histogram,
     in_cells,
     scores,
 )
@@ -78,20 +76,6 @@ def test_a_curve_fitted_to_a_thousand_samples_a_point_is_as_far_as_chi_squared_s
     assert np.mean(np.array(squared) <= NEAR) == pytest.approx(0.95, abs=0.045)
 
 
-def test_bins_of_ten_metres():
-    d = np.array([1.0, 71.0, 79.9, 80.0])
-    assert histogram(d).tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 1]
-    assert highest(d) == 75.0
-
-
-def test_samples_in_cells():
-    cells = in_cells(np.array([1.0, 4.9, 5.0, 1e6]), 0.5)
-    assert cells[0] == 2 / 8
-    assert cells[1] == 1 / 8
-    assert cells[-2:].tolist() == [1 / 8, 0.5]  # beyond the last cell, and without a distance
-    assert cells.sum() == 1.0
-
-
 # ---- both figures --------------------------------------------------------------------------------
 
 
@@ -120,20 +104,6 @@ def test_two_peaks_that_are_there_are_not_rejected_in_any_bins():
             assert score.peaks[e].ours == middle
     # In bins of 25 m, whose edges the printed peaks are, they count as the upper ones.
     assert found[25.0].peaks[0.41].p_value == pytest.approx(2 / (DRAWS + 1))
-
-
-def test_a_peak_that_is_not_there_is_as_rare_as_the_draws_can_tell():
-    score = figures({e: both[::-1] for e, both in SHARES.items()})[10.0]
-    assert score.peaks[0.41].ours == 125.0
-    # No draw has it, and the printed one is added to them.
-    assert score.peaks[0.41].p_value == pytest.approx(2 / (DRAWS + 1))
-    assert score.p_value == pytest.approx(1 / (DRAWS + 1))
-
-
-def test_of_two_equal_bins_each_is_the_highest_half_of_the_time():
-    score = figures(dict.fromkeys(PEAKS, (0.35, 0.35)))[10.0]
-    # Twice one half.
-    assert score.peaks[0.41].p_value == pytest.approx(1.0, abs=8 * 0.5 / math.sqrt(DRAWS))
 
 
 def test_papers_drawn_under_a_reading_have_uniform_p_values():

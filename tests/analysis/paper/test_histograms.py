@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from analysis.paper.histograms import INTEGRAL_AS_PRINTED, curves, normal_through, r_squared
@@ -80,39 +79,6 @@ def test_wide_bins_widen_the_histogram_fit_as_sheppard_says():
         assert fit.straight_spread.value * 3.6 == pytest.approx(expected, rel=0.01)
 
 
-def test_bins_lie_between_the_speeds_that_are_written():
-    table = draw(1548, 0, CELLS)
-    whole = table.assign(kmh=table.kmh.round())
-    columns = CELLS.model_copy(update={"speed_resolution": 1.0})
-    found = laid(whole, columns, 2.9)
-    edges = found.edges * 3.6
-    assert np.diff(edges) == pytest.approx(3.0)
-    assert edges % 1.0 == pytest.approx(0.5)
-    assert edges[0] < whole.kmh.min() < edges[1]
-    assert edges[-2] < whole.kmh.max() < edges[-1]
-    assert found.counts.sum() == 1548
-
-
 def test_r_squared_by_hand():
     assert r_squared(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 4.0])) == 0.5
     assert r_squared(np.array([1.0, 2.0, 3.0]), np.array([2.0, 2.0, 2.0])) == 0.0
-
-
-def test_a_weight_at_the_end_of_its_range_has_no_error():
-    # Few straight balls, and a gap in the speeds of the others where they lie.
-    speed = {
-        "straight": [138.0, 139.0, 140.0] * 10,
-        "breaking": [*range(120, 135), *range(144, 159)] * 12,
-    }
-    rows = [
-        (kind, kmh, 0.05 * (i % 5)) for kind, each in speed.items() for i, kmh in enumerate(each)
-    ]
-    table = pd.DataFrame(rows, columns=["kind", "kmh", "cell"])
-    weight = laid(table, METRES).speed.weight
-    assert weight.value in (0.0, 1.0)
-    assert (weight.status, weight.standard_error) == ("at_bound", None)
-
-
-def test_equal_cells_determine_no_r_squared():
-    table = draw(1000, 0, CELLS).assign(cell=[1, 2, 3, 4, 5] * 200)
-    assert laid(table, CELLS).aim.r_squared is None

@@ -11,9 +11,9 @@ from analysis.paper.argument import density_at_fence, line, width
 from analysis.paper.balls import SPACES, Base
 from analysis.paper.combinations import COLLISIONS, bases
 from analysis.paper.counterparts import Counterpart
-from analysis.paper.home_run_figures import curve_share, fit_noise, flatness, printed_ratio
+from analysis.paper.home_run_figures import curve_share, fit_noise
 from analysis.paper.numbers import PARAMETERS, drawn
-from analysis.paper.printed import PAIRS, SAMPLES
+from analysis.paper.printed import SAMPLES
 from analysis.paper.switches import options, turned_to
 from analysis.paper.variance import indices
 from longball.home_run import PAPER_CURVES, RESTITUTIONS, Curve, Estimate, fit
@@ -59,12 +59,6 @@ def test_a_normal_density_has_its_own_height_and_width_at_the_fence():
     assert width(d) == pytest.approx(45.0, rel=1e-2)
 
 
-def test_an_exponential_density_has_no_width():
-    d = 100.0 - 30.0 * np.log(1 - (np.arange(200_000) + 0.5) / 200_000)
-    assert density_at_fence(d) == pytest.approx(math.exp(-50 / 30) / 30, rel=5e-3)
-    assert not width(d) < 300.0  # NaN, or as good as none
-
-
 def test_a_line_and_its_power():
     x = np.linspace(40.0, 60.0, 21)
     straight, square = line(x, 3 * x - 30), line(x, x * x)
@@ -106,16 +100,6 @@ def test_shares_of_a_curve():
     assert curve_share(curve, 0.4, 150.0, 1e9) == pytest.approx(curve(0.4))
 
 
-def test_ratio_of_seasons():
-    ratio = printed_ratio(PAIRS[0])
-    assert ratio.value == pytest.approx(1605 / 939)
-    assert ratio.error == pytest.approx(1605 / 939 * math.sqrt(1 / 1605 + 1 / 939))
-
-
-def test_flatness_looks_at_40_to_80_metres():
-    assert flatness(np.array([9, 9, 9, 9, 4, 5, 6, 5, 9, 9])) == 1.5
-
-
 @pytest.mark.parametrize(
     ("default", "nearest", "verdict"),
     [
@@ -128,11 +112,6 @@ def test_flatness_looks_at_40_to_80_metres():
 def test_verdicts_follow_from_twice_the_noise(default, nearest, verdict):
     one = Counterpart("Fig. 0", "x", 1.0, default, nearest, 0.1, 2, "yes", "no")
     assert one.verdict == verdict
-
-
-def test_a_number_that_the_reading_was_chosen_by_is_not_called_reproduced():
-    one = Counterpart("Fig. 0", "x", 1.0, 2.0, 0.9, 0.1, 2, "yes", "no", chosen=True)
-    assert one.verdict == "fitted: the nearest reading was chosen by it; yes"
 
 
 # ---- readings ------------------------------------------------------------------------------------
