@@ -15,11 +15,11 @@ from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Se
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
-from typing import Any
 
 import numpy as np
 
 from longball.judge.diagnosis.chain import (
+    CHAIN,
     FLYING,
     IN_FLIGHT,
     INPUTS,
@@ -259,6 +259,8 @@ class Site:
         Whether the formula holds during a flight.
     left_out
         Symbols of the numbers that some scenes leave to their defaults.
+    scenes
+        Kinds of scenes that have the formula.
     """
 
     node: Node
@@ -267,11 +269,25 @@ class Site:
     defaults: Mapping[str, float | tuple[float, ...]]
     flies: bool
     left_out: frozenset[str] = frozenset()
+    scenes: tuple[str, ...] = ()
+
+    def or_itself(self, other: Node) -> Node:
+        """Another node, where a scene has it: no program takes a plate of an impact."""
+        if (have := KINDS_OF.get(other)) is None or have.issuperset(self.scenes):
+            return other
+        by = {kind: other if kind in have else self.node for kind in self.scenes}
+        return switch("kind", by)
 
     def under(self, *ops: str) -> bool:
         """True if a node of one of some operations uses it."""
         return any(parent.op in ops for parent in self.parents)
 
+
+# Kinds of scenes that have a quantity.
+KINDS_OF: dict[Node, set[str]] = {}
+for _stage in CHAIN:
+    for _quantity in _stage.quantities:
+        KINDS_OF.setdefault(OWN[_quantity], set()).update(_stage.scenes)
 
 LEFT_OUT = "left out"  # the option of a number that the scene leaves to its default
 
@@ -303,7 +319,7 @@ def _others(site: Site) -> Iterator[Option]:
             if b.dimension != a.dimension:
                 yield in_unit_of(a, b), cost, f"takes {words(b)} for {words(a)}", ()
     for b in same:
-        yield b, BITS["other"] + choice, f"takes {words(b)} for {words(a)}", ()
+        yield site.or_itself(b), BITS["other"] + choice, f"takes {words(b)} for {words(a)}", ()
         # A multiple of another input: a program may compute one number from the other.
         if a.op == b.op == "symbol" and not a.vector:
             cost = BITS["other"] + BITS["free factor"] + choice
@@ -787,7 +803,7 @@ def edits(
         flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         nodes = ordered([root], (), arguments)
-        site = Site(root, (), here, defaults, flies, left_out)
+        site = Site(root, (), here, defaults, flies, left_out, stage.scenes)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
         yield from _of_functions(root, nodes)
@@ -896,7 +912,9 @@ def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
     the root of a scalar product.
     """
 
-    def product(node: Node, number: int, slips: Any) -> Node:
+    def product(
+        node: Node, number: int, slips: Callable[[Node, Node], Iterator[tuple[Node, str]]]
+    ) -> Node:
         a, b = (node.args * 2)[:2]  # of a length, one vector twice
         found, _ = [*slips(a, b)][number]
         size = function("sqrt", found, dimension=a.dimension)
