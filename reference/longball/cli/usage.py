@@ -70,4 +70,12 @@ def _of_value(error: Any, command: Any, parameter: Any) -> str:
         known = re.findall(r"'([^']*)'", choices[2])
         given, message = f" {choices[1]}:", f"must be one of {', '.join(known)}"
         message += did_you_mean(choices[1], known)
+    # Older versions of typer convert numbers themselves.
+    if number := re.fullmatch(r"'(.*)' is not a valid (float|integer)", message):
+        whole = "whole " if number[2] == "integer" else ""
+        given, message = f" {number[1]}:", f"must be a {whole}number"
+    if outside := re.fullmatch(r"(\S+) is not in the range (?:(.+)<=)?x(?:<=(.+))?", message):
+        given, low, high = outside.groups()
+        limit = f"least {low}" if low and float(given) < float(low) else f"most {high}"
+        given, message = f" {given}:", f"must be at {limit}"
     return f"{where}{given} {message}"
