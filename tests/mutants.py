@@ -52,18 +52,10 @@ SPACE = ROOT / "build" / "mutants"
 TABLE = ROOT / "tests" / "mutants.csv"
 COLUMNS = ("module", "line", "where", "change", "code", "which", "reason")
 FOLDERS = (
-    "model",
-    "engines",
-    "convergence",
-    "home_run",
-    "golden",
-    "questions",
-    "judge/diagnosis",
-)
+    "model", "engines", "convergence", "home_run", "golden", "questions", "judge/diagnosis",
+)  # fmt: skip
 TESTS = (
-    *(f"tests/{folder}" for folder in ("model", "engines", "convergence", "home_run", "golden")),
-    "tests/questions",
-    "tests/judge",
+    *(f"tests/{folder.partition('/')[0]}" for folder in FOLDERS),
     "tests/planted",
     "tests/test_properties.py",
     "tests/test_against_oracle.py",
@@ -362,7 +354,8 @@ def _recorded(tests: str) -> Reach:
             Path(file.name).write_text(json.dumps(found), encoding="utf-8")
             return 0
 
-        _forked(run)
+        if _forked(run) != 0:
+            sys.exit(f"the tests of {tests} did not run; see {SPACE}/output-*")
         found = json.loads(Path(file.name).read_text(encoding="utf-8"))
     for test in found["failed"]:
         print(f"fails without a mutant, and is left out: {test}", flush=True)
@@ -371,7 +364,7 @@ def _recorded(tests: str) -> Reach:
 
 @dataclass(frozen=True)
 class Task:
-    """A mutant and the tests to run on it: if it survives some, those after them."""
+    """A mutant, and lists of tests; each list runs only if the mutant survives the one before."""
 
     mutant: Mutant
     tests: tuple[dict[str, float], ...]

@@ -103,7 +103,7 @@ class _Session:
         self.errors = b""
         self.status: int | None = None
         self.stopped = False
-        self.mark = uuid.uuid4().hex  # finds what it leaves behind: see `kill_marked`
+        self.mark = uuid.uuid4().hex  # `kill_marked` finds its child processes by this
         self.process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             bufsize=0, start_new_session=True, env=os.environ | {MARK: self.mark},

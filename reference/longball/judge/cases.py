@@ -134,8 +134,8 @@ def _passes_corner_within_errors(scene: FlightScene) -> bool:
 
 
 # The profile `exact` allows two digits less than attainable. The attainable error is that of inputs
-# off by half an ulp; a careful implementation adds the rounding of its own tens to hundreds of
-# steps, each subject to the same sensitivities. In 69 golden cases of all families the ivp engine,
+# off by half an ulp; a careful implementation also rounds in each of its tens to hundreds of steps,
+# with the same sensitivities. In 69 golden cases of all families the ivp engine,
 # at 1e-13, needs 30 in most and 88 at the worst, except for a ball that almost comes to rest.
 SLACK = 100.0
 

@@ -338,8 +338,8 @@ def coverage(
     unnoticed: list[tuple[Edit | Replaced, str, str]] = []
     nowhere = Values(columns)
     for done, (first, edit) in enumerate(every_edit(every), 1):
-        # An edit of a definition may be made at several stages: any of them may notice it. The key
-        # is made of what it does to all.
+        # An edit of a definition may change several stages, and any of them may notice it. The key
+        # combines its effects on all of them.
         touched = [i for i, one in stages.items() if one.has(edit)]
         edit = _settled(edit, stages[touched[0]].effects.at if touched else nowhere)
         noticed, key, why = np.zeros(len(cases), dtype=bool), 0, NO_STEP

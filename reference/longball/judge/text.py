@@ -195,7 +195,7 @@ def _joined(numbers: Sequence[str]) -> str:
 
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:
     """Yield what was not answered, or not judged."""
-    for missing in verdict.missing if verdict.judged else ():  # or else all is missing
+    for missing in verdict.missing if verdict.judged else ():  # otherwise everything is
         need = ", as it may be" if missing.quantity in OPTIONAL else ""
         where = f"in {many(missing.cases, 'answer')}: {missing.example}"
         yield f"left out{need}: {missing.quantity} {where}"

@@ -96,7 +96,7 @@ class Comparison:
 
     @property
     def counted(self) -> bool:
-        """True if it says whether the candidate is right: there is something that is judged."""
+        """True if the answer holds something that is judged."""
         return self.judged and self.answer is not None and not (self.refused or self.empty)
 
     @property

@@ -272,7 +272,7 @@ class Site:
     scenes: tuple[str, ...] = ()
 
     def or_itself(self, other: Node) -> Node:
-        """Another node, where a scene has it: no program takes a plate of an impact."""
+        """Another node; the node itself in scenes that lack the other, as impacts lack a plate."""
         if (have := KINDS_OF.get(other)) is None or have.issuperset(self.scenes):
             return other
         by = {kind: other if kind in have else self.node for kind in self.scenes}
@@ -284,10 +284,11 @@ class Site:
 
 
 # Kinds of scenes that have a quantity.
-KINDS_OF: dict[Node, set[str]] = {}
-for _stage in CHAIN:
-    for _quantity in _stage.quantities:
-        KINDS_OF.setdefault(OWN[_quantity], set()).update(_stage.scenes)
+KINDS_OF = {
+    node: {kind for stage in CHAIN if quantity in stage.quantities for kind in stage.scenes}
+    for quantity, node in OWN.items()
+    if any(quantity in stage.quantities for stage in CHAIN)
+}
 
 LEFT_OUT = "left out"  # the option of a number that the scene leaves to its default
 
@@ -445,7 +446,7 @@ def _scalar_factors(a: Node) -> Iterator[Node]:
 
 
 def _scopes(site: Site) -> Iterator[Option]:
-    """A factor of one term of a sum for both terms, or the reverse: a parenthesis that is amiss."""
+    """Misplaced parentheses: a factor of one term of a sum multiplies both, or the reverse."""
     a, cost = site.node, BITS["sum"]
     if a.op == "sum":
         for one, other in (a.args, a.args[::-1]):
@@ -461,7 +462,7 @@ def _scopes(site: Site) -> Iterator[Option]:
 
 
 def _factors_with_words(term: Node) -> Iterator[tuple[Node, str]]:
-    """The factors of a term that are bare numbers, in options too, and their names."""
+    """The dimensionless factors of a term, and their names; also those of a switch's options."""
     term = _meaning(term)
     if term.op == "switch":
         key, options = term.data
@@ -543,6 +544,7 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             yield instead(b.args[0])
         case "where", (condition, *sides):
             yield from (instead(b, at=", on both sides of its limit") for b in sides)
+            # As cheap as a wrong sign, which it often equals.
             yield where(condition, *sides[::-1]), -2.0, f"exchanges the two sides of {said}"
         case "sqrt", (b,):
             yield in_unit_of(a, b), 0.0, f"takes {words(b)} for its root"
@@ -873,7 +875,8 @@ def _of_regions(
         for arg in node.args if node.op != "switch" else ():
             if used[arg] > 1 and _meaning(arg).op in PRODUCTS:
                 regions.append((node, arg, f" in {words(node)}"))
-        if node.op == "named":  # a function of its own, with what others call or write out too
+        # A program has a function for each definition, and may err in one of them alone.
+        if node.op == "named":
             regions.append((node, node, f" in {words(node)}"))
     for region, part, at in regions:
         if region not in here or region in known:
@@ -920,14 +923,18 @@ def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
         size = function("sqrt", found, dimension=a.dimension)
         return {"norm": size, "unit": a / size}.get(node.op, found)
 
+    def read(node: Node, mode: str) -> Node:
+        return table(node.args[0], node.data[0], mode)
+
     slips: list[tuple[Sequence[str], Callable[[Node], Node], str]] = [
         (ops, partial(product, number=number, slips=slips), f"takes {text} in every {name} a, b")
         for name, ops, slips in FUNCTIONS
         for number, (_, text) in enumerate(slips(_A, _B))
     ]
-    for mode, text in TABLES.items():
-        read = partial(lambda node, mode: table(node.args[0], node.data[0], mode), mode=mode)
-        slips.append((("table",), read, text.format("every table")))
+    slips += [
+        (("table",), partial(read, mode=mode), text.format("every table"))
+        for mode, text in TABLES.items()
+    ]
     for ops, slipped, text in slips:
         if sum(node.op in ops for node in nodes) < 2:  # one alone is edited in its place
             continue

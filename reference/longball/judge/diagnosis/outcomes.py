@@ -499,10 +499,8 @@ def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
             sentence=f"{sentence}.", remedy=best.right,
         )  # fmt: skip
         left = left & ~best.fixed
-    # What is said may be so if a stage before is wrong, whose values the candidate does not give.
-    says = {said for pair in _pairs(told, left & unknown) for said in pair}
-    late = {stage for test in tree.tests if test.says in says for stage in test.after}
-    if late & told.suspect:
+    # An earlier stage that is wrong may be the reason, if the candidate does not give its values.
+    if _wrong_before(tree, told, left & unknown):
         follows, left = follows | (left & unknown), left & ~unknown
     if follows.any():
         yield _following(tree, told, follows)
@@ -602,20 +600,29 @@ def _all_positive(test: Test) -> str:
     return " and ".join(map(_is_positive, test.conditions))
 
 
-def _following(tree: Tree, told: Told, some: Bools) -> Finding:
-    """Outcomes that are right by the candidate's own values."""
+def _wrong_before(tree: Tree, told: Told, some: Bools) -> list[str]:
+    """Wrong stages on which the outcomes in some scenes may depend."""
     says = {said for pair in _pairs(told, some) for said in pair}
-    tests = [test for test in tree.tests if says & {test.says}]
-    needed = {node for test in tests for node in ordered(test.conditions)}
-    own = [name for name, node in OWN.items() if node in needed]
-    sentence = f"{outcomes_wrong(_pairs(told, some), tree.name)}"
-    if any(stage in told.before for test in tests for stage in test.after):
+    after = {stage for test in tree.tests if says & {test.says} for stage in test.after}
+    depends = bool(after & told.suspect)
+    return [stage for stage in told.before if depends and stage in after | _FLIGHTS]
+
+
+def _following(tree: Tree, told: Told, some: Bools) -> Finding:
+    """The finding that wrong outcomes follow from wrong numbers."""
+    sentence, remedy = outcomes_wrong(_pairs(told, some), tree.name), None
+    if before := _wrong_before(tree, told, some):
         sentence = sentence.replace(" wrong (", " wrong too (", 1)
         sentence += ", probably for the same reason"
+        remedy = f"see whether this is still so when {before[0]} is right"
     else:
+        says = {said for pair in _pairs(told, some) for said in pair}
+        tests = [test for test in tree.tests if says & {test.says}]
+        needed = {node for test in tests for node in ordered(test.conditions)}
+        own = [name for name, node in OWN.items() if node in needed]
         sentence += f": this follows from your own {joined(own)}, which "
         sentence += "is wrong" if len(own) == 1 else "are wrong"
-    return _finding(tree, told, some, kind="located", sentence=f"{sentence}.")
+    return _finding(tree, told, some, kind="located", sentence=f"{sentence}.", remedy=remedy)
 
 
 def _pairs(told: Told, some: Bools) -> list[tuple[object, object]]:
