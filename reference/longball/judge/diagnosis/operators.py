@@ -875,8 +875,9 @@ def _of_regions(
         for arg in node.args if node.op != "switch" else ():
             if used[arg] > 1 and _meaning(arg).op in PRODUCTS:
                 regions.append((node, arg, f" in {words(node)}"))
-        # A program has a function for each definition, and may err in one of them alone.
-        if node.op == "named":
+        # The law is long: a program has a function for each of its definitions, and may err in one
+        # alone. In short formulas such an edit would be a second form of one in a single use.
+        if node.op == "named" and whole.flies:
             regions.append((node, node, f" in {words(node)}"))
     for region, part, at in regions:
         if region not in here or region in known:
