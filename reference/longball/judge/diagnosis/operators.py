@@ -84,7 +84,7 @@ class Edit:
     Attributes
     ----------
     only
-        The stage that it is made at; None if wherever the place is used.
+        The stages that it is made at; None if wherever the place is used.
     bits
         What it costs: the operator, the place, the choice, and the digits of its free number.
     words
@@ -114,7 +114,7 @@ class Edit:
     bits: float
     words: str
     starts: tuple[float | Node, ...] = ()
-    only: Stage | None = None
+    only: tuple[Stage, ...] | None = None
     within: tuple[Node, Node] | None = None
 
     @property
@@ -135,9 +135,10 @@ class Edit:
 
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
+        only = None if self.only is None else {(stage.name, stage.kind) for stage in self.only}
         return tuple(
             stage.edited(self.place, self.new)
-            if self.only is None or (stage.name, stage.kind) == (self.only.name, self.only.kind)
+            if only is None or (stage.name, stage.kind) in only
             else stage
             for stage in chain
         )

@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -630,7 +630,7 @@ class Explanation:
 
     def _with_another(self, edit: Edit) -> Named | None:
         """Two edits that explain the stage together, each of them better than chance."""
-        chain = replace(edit, only=self.stage).apply(self.chain)
+        chain = replace(edit, only=(self.stage,)).apply(self.chain)
         (stage,) = [s for s, was in zip(chain, self.chain, strict=True) if was is self.stage]
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any() or not self._is_possible(stage):
@@ -639,7 +639,7 @@ class Explanation:
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
             return None
-        return Named((edit, *second.edits), second.evidence)
+        return Named((self._placed(edit)[1], *second.edits), second.evidence)
 
     def _named(self, adequate: Sequence[tuple[Edit, float]], unseen: Unseen | None) -> Named:
         """Choose among adequate edits: the one that breaks least elsewhere, then the cheapest.
@@ -647,30 +647,42 @@ class Explanation:
         Those that the candidate does not make in scenes that nobody has seen drop out, unless all
         do.
         """
-        ranked = []
         cheapest = min(edit.bits for edit, _ in adequate)
-        for edit, evidence in adequate:
-            if edit.bits > cheapest + RIVALS:
-                continue
-            # A definition that other stages share is edited there, too, unless more of their scenes
-            # are wrong then: the mistake is in this use of it.
-            everywhere, here = edit, replace(edit, only=self.stage)
-            touched = [
-                stage
-                for stage, other in zip(self.chain, edit.apply(self.chain), strict=True)
-                if other is not stage and stage is not self.stage
-            ]
-            before = sum(self._wrong(stage) for stage in touched)
-            after = sum(self._wrong(*edit.apply([stage])) for stage in touched)
-            chosen = everywhere if after <= before else here
-            ranked.append((min(after, before) - before, edit.bits, evidence, chosen))
-        ranked.sort(key=lambda one: one[:2])
+        ranked = [
+            (*self._placed(edit), evidence)
+            for edit, evidence in adequate
+            if edit.bits <= cheapest + RIVALS
+        ]
+        ranked.sort(key=lambda one: (one[0], one[1].bits))
         if unseen is not None and len(ranked) > 1:
             ways = self.data.ways
-            holds = [one for one in ranked if unseen.holds(self.chain, self.stage, one[3], ways)]
+            holds = [one for one in ranked if unseen.holds(self.chain, self.stage, one[1], ways)]
             ranked = holds or ranked
-        _, _, evidence, best = ranked[0]
-        return Named((best,), evidence, tuple(edit for *_, edit in ranked[1:4]))
+        _, best, evidence = ranked[0]
+        return Named((best,), evidence, tuple(edit for _, edit, _ in ranked[1:4]))
+
+    def _placed(self, edit: Edit) -> tuple[int, Edit]:
+        """The number of scenes that an edit makes wrong at other stages, and the edit.
+
+        A definition that other stages share is edited there, too, unless that makes more of their
+        scenes wrong. It is then edited in all flights, which share one law; or in those of this
+        ball; or here.
+        """
+        scopes: list[tuple[Stage, ...] | None] = [None]
+        if self.stage.kind == "flight":
+            flights = tuple(stage for stage in self.chain if stage.kind == "flight")
+            launch = self.stage.roots["velocity"]
+            scopes += [flights, tuple(s for s in flights if s.roots["velocity"] is launch)]
+        found = []
+        for only in (*scopes, (self.stage,)):
+            placed = replace(edit, only=only)
+            broken = sum(
+                self._wrong(stage) - self._wrong(before)
+                for before, stage in zip(self.chain, placed.apply(self.chain), strict=True)
+                if stage is not before and before is not self.stage
+            )
+            found.append((broken, placed))
+        return min(found, key=itemgetter(0))  # the widest of those that break least
 
     def _wrong(self, stage: Stage) -> int:
         """The number of scenes in which a stage is wrong."""
