@@ -73,7 +73,7 @@ INPUTS = (
     _input("launch.spin", "launch.spin", RATE, True),
     _input("incoming.position", "incoming.position", M, True),
     _input("incoming.velocity", "incoming.velocity", SPEED, True),
-    _input("incoming.spin", "incoming.spin", RATE, True),
+    _input("incoming.spin", "incoming.spin", RATE, True, null=0.0),
     _input("incoming.bat_height", "incoming.bat_height", M),
     _input("M", "bat.mass", KG),
     _input("L", "bat.length", M),
@@ -116,6 +116,20 @@ INPUTS = (
     _input("fence.radius", "fence.radius", M),
 )
 I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
+
+
+def _given(part: str, release: str = "") -> Node:
+    """What a scene gives of the ball, in the block of its kind.
+
+    A program has one function for the vectors of all blocks: a mistake in it is one edit.
+    """
+    pitch = I[release or f"pitch.{part}"]
+    kinds = {"flight": I[f"launch.{part}"], "impact": I[f"incoming.{part}"]}
+    return named(f"the scene's {part}", switch("kind", {"pitch": pitch, "at-bat": pitch} | kinds))
+
+
+given_position = _given("position", "release")
+given_velocity, given_spin = _given("velocity"), _given("spin")
 
 # The variables of a flight, and its launch; and the formulas that hold during it.
 MOVING = frozenset(("r", "dr/dt", "v", "t", "path"))
@@ -400,8 +414,12 @@ plate = own("plate.position", "plate.position", M, True)
 own("plate.velocity", "plate.velocity", SPEED, True)
 contact_time = own("contact.time", "contact.time", S)
 place = own("contact.position", "contact.position", M, True)
-V = own("contact.velocity", "V", SPEED, True)  # no candidate reports these two
-spin_at = own("contact.spin", "ω", RATE, True)
+# No candidate reports these two. An impact scene gives what a pitch brings.
+_brought = own("contact.velocity", "V", SPEED, True), own("contact.spin", "ω", RATE, True)
+V, spin_at = (
+    named(str(pitched.data), switch("kind", {"impact": given, "at-bat": pitched}))
+    for pitched, given in zip(_brought, (given_velocity, given_spin), strict=True)
+)
 n = own("contact.normal", "n", NONE, True)
 V_b = own("contact.bat_velocity", "V_b", SPEED, True)
 w = own("contact.normal_speed", "Ṽ·n", SPEED)
@@ -582,7 +600,7 @@ fence_side = switch(
 )
 _clear = switch("reading.fence_clearance", {"centre": constant(0.0, M), "surface": I["R"]})
 _surface = switch("reading.ground_contact", {"centre": constant(0.0, M), "surface": I["R"]})
-_launched_at = switch("kind", {"flight": I["launch.position"], "at-bat": place})
+_launched_at = switch("kind", {"flight": given_position, "at-bat": place})
 _origin = switch(
     "reading.distance_origin",
     {
@@ -603,7 +621,7 @@ _in_flight = (
     _unshifted,
 )
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
-_leaving = switch("kind", {"flight": I["launch.velocity"], "at-bat": after})
+_leaving = switch("kind", {"flight": given_velocity, "at-bat": after})
 _downrange = named(
     "the distance along the launch's heading", dot(landing - _launched_at, _heading(_leaving))
 )
@@ -713,12 +731,12 @@ class Stage:
         return "spin" if "pitch" in self.scenes or self.name == "touching" else "spin after"
 
 
-_towards = named("aim - release", vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - I["release"])
+_towards = named("aim - release", vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - given_position)
 
 
 def _released(aimed: Node) -> Node:
     """The velocity at the release, with that of an aimed pitch in one of its forms."""
-    return switch("pitch", {"aimed": aimed, "velocity": I["pitch.velocity"]})
+    return switch("pitch", {"aimed": aimed, "velocity": given_velocity})
 
 
 _thrown = _released(I["V_0"] * unit(_towards))
@@ -729,28 +747,33 @@ _no_spin = constant(0.0, RATE, True)
 _spin_reported = named("the share of the spin that is left", spin_left)
 
 
+# A program may let the path grow by another speed than that of drag.
+_speed_on_path = named("the speed along the path", U)
+
+
 def _flight(duration: Node, place: Node, velocity: Node, spinning: Node) -> dict[str, Node]:
     return {
         "place": place, "velocity": velocity, "spin": spinning, "duration": duration,
-        "rate": r_dot, "law": LAW, "spin_left": _spin_reported, "through": U,
+        "rate": r_dot, "law": LAW, "spin_left": _spin_reported,
+        "through": _speed_on_path,
     }  # fmt: skip
 
 
 def _pitched(duration: Node) -> dict[str, Node]:
-    turning = switch("spin", {"none": _no_spin, "given": I["pitch.spin"]})
-    return _flight(duration, I["release"], _thrown, turning)
+    turning = switch("spin", {"none": _no_spin, "given": given_spin})
+    return _flight(duration, given_position, _thrown, turning)
 
 
 def _batted(duration: Node) -> dict[str, Node]:
     return _flight(
         duration,
-        switch("kind", {"flight": I["launch.position"], "at-bat": place}),
-        switch("kind", {"flight": I["launch.velocity"], "at-bat": after}),
+        _launched_at,
+        _leaving,
         switch(
             "spin",
             {
                 "none": _no_spin,
-                "given": switch("kind", {"flight": I["launch.spin"], "at-bat": spin_after}),
+                "given": switch("kind", {"flight": given_spin, "at-bat": spin_after}),
             },
         ),
     )
@@ -794,7 +817,7 @@ CHAIN = (
         "touching", ("contact.position", "contact.velocity", "contact.spin"), "flight",
         _pitched(contact_time), _thrown_forms, ("at-bat",),
     ),
-    _formula("touching", "contact.position", I["incoming.position"], ("impact",)),
+    _formula("touching", "contact.position", given_position, ("impact",)),
     Stage(
         "touching", ("contact.position",), "event", {"zero": norm(offset) - reach},
         scenes=("at-bat",),

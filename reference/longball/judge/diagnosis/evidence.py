@@ -100,7 +100,7 @@ def rounded(c: float, usual: Collection[float] = ()) -> Iterator[tuple[float, fl
     People write short numbers: one of three digits is likelier than one of twelve that fits a
     little better. Whoever calls this adds the cost of what each number leaves.
     """
-    yield 0.0, NUMBER
+    yield from ((x, NUMBER) for x in (0.0, 1.0))
     for x in usual:
         if abs(x - c) < NEAR * abs(x):
             yield x, math.log2(len(usual))

@@ -801,11 +801,10 @@ def edits(
         if LEFT_OUT in columns.get(key_of(one.symbol), ())
     )  # fmt: skip
     for name, root in stage.roots.items():
-        if name == "through":  # U alone: its edits are made in the law
-            continue
         flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
-        nodes = ordered([root], (), arguments)
+        # What stands behind the name of the speed along the path is edited in the law.
+        nodes = [root] if name == "through" else ordered([root], (), arguments)
         site = Site(root, (), here, defaults, flies, left_out, stage.scenes)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
@@ -995,6 +994,8 @@ def _of_formula(
     places = math.log2(1 + len(nodes))
     for node in nodes:
         using = parents[node]
+        if node.op == "switch" and [p.op for p in using] == ["named"]:
+            continue  # its name is edited in its place
         # Operators look through a name at the operation that uses it.
         above = [q for p in using for q in ([p] if p.op != "named" else parents[p])]
         site = replace(whole, node=node, parents=tuple(above or using))

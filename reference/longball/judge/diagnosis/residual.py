@@ -818,10 +818,6 @@ def begun(data: Data) -> dict[str, Any]:
     nearer = np.abs(hang - true) <= np.abs(since - true)
     columns["hang_time"] = np.where(nearer | ~np.isfinite(since), hang, since)
     columns["landing.hang_time"] = np.where(np.isfinite(hang), hang, since)
-    # An impact scene gives what a pitch brings.
-    for part in ("position", "velocity", "spin"):
-        name, start = OWN[f"contact.{part}"].data, data.columns[f"incoming.{part}"]
-        columns[name] = np.where(np.isfinite(start), start, columns[name])
     columns["ω"] = np.where(columns["spin"] == "none", 0.0, columns["ω"])
     return columns
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from longball.judge.diagnosis.chain import Stage
-from longball.judge.diagnosis.expression import Evaluator, Node, Values, contains
+from longball.judge.diagnosis.expression import Evaluator, Node, Values, contains, depends
 from longball.judge.diagnosis.operators import FREE, Edit
 from longball.judge.diagnosis.residual import COARSE, START, Launched, flown, launched, take
 from longball.model.arrays import Array
@@ -190,7 +190,17 @@ class Response:
         self.at = on_path(slice(1, -1))
         self._at_start, self._on_path = Many(known), Many(self.at)
         self._left = Many(on_path(slice(-1, None)))
-        self._turned = Evaluator([stage.roots["law"]], self.at.columns, frozenset(("ω0",)))
+        law, spin_left = stage.roots["law"], stage.roots["spin_left"]
+        self._turned = Evaluator([law], self.at.columns, frozenset(("ω0",)))
+        # For the path through the air: the integrals from the launch to each node of the
+        # polynomials that are 1 at one node and 0 at the others.
+        basis = np.linalg.inv(np.polynomial.legendre.legvander(x, nodes - 1))
+        grown = np.polynomial.legendre.legint(basis, lbnd=-1)
+        self._until = np.polynomial.legendre.legval(x, grown) / 2.0
+        self._whole = weights / 2.0
+        self._decays = any(depends(root, frozenset(("path",))) for root in (law, spin_left))
+        self._farther = Evaluator([law], self.at.columns, frozenset(("path",)))
+        self._left_farther = Evaluator([spin_left], self._left.at.columns, frozenset(("path",)))
 
     def _pushed(self, by: Array, name: str = "law") -> Array:
         """The change of the end, shape (6, balls), by an acceleration or a speed along the path."""
@@ -211,10 +221,11 @@ class Response:
         """
         total = np.zeros((len(changes), 9, len(self._duration)))
         # Where each formula is evaluated: on the path, at the end, or else at the launch.
-        places = {"rate": self._on_path, "law": self._on_path, "spin_left": self._left}
+        on_path = dict.fromkeys(("rate", "law", "through"), self._on_path)
+        places = on_path | {"spin_left": self._left}
         share = self._left.at.of(self.stage.roots["spin_left"])
         for name, root in self.stage.roots.items():
-            if name == "through":
+            if name == "through" and not self._decays:
                 continue
             here = [
                 i
@@ -239,6 +250,15 @@ class Response:
                         turned = np.tile(change + self._spin, self._during["law"].shape[2])
                         law = self._turned(ω0=turned)[0]
                         total[i, :6] += self._pushed(law - self.at.of(self.stage.roots["law"]))
+                    case "through":
+                        # A longer path is another law, and another spin at the end.
+                        every = np.broadcast_to(change, self.at.columns["path"].shape)
+                        every = every.reshape(-1, total.shape[2]) * self._duration
+                        longer = np.einsum("jk,jn->kn", self._until, every).ravel()
+                        law = self._farther(path=self.at.columns["path"] + longer)[0]
+                        total[i, :6] += self._pushed(law - self.at.of(self.stage.roots["law"]))
+                        end = self._left.at.columns["path"] + self._whole @ every
+                        total[i, 6:] += (self._left_farther(path=end)[0] - share) * self._spin
                     case "duration":
                         total[i, :6] += self._at_end * change
         return total
