@@ -52,7 +52,7 @@ from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import Data, follow, switches
 from longball.judge.diagnosis.schemes import explain_scheme
 from longball.judge.diagnosis.search import Named
-from longball.judge.diagnosis.unseen import Solve, followed
+from longball.judge.diagnosis.unseen import Solve
 from longball.judge.verdict import compare
 from tests.planted import sources
 from tests.planted.sources import EXACT, Answers, Crashed, Subject, fresh, golden
@@ -223,8 +223,7 @@ def _holding(
     if made.outputs:
         data, converted = outputs(data, chain)
     data = replace(data, ways=made.data.ways, rough=made.data.rough)
-    located = [step.followed.stage.name for step in made.steps if not step.explained]
-    columns, every = followed(made.chain, data, located)
+    columns, every = follow(made.chain, data)
     shaken = follow(made.chain, _shaken(data))[1]
 
     def left(told: Told) -> list[int]:

@@ -199,7 +199,8 @@ class Judge:
         wrong = [c for c in comparisons if not c.passed]
         diagnosis, scheme = None, self.profile.scheme()
         if self.diagnose and (conduct or wrong):
-            diagnosis = self._diagnosis(truths, wrong, submission, conduct, ask)
+            judged = [c.case for c in comparisons if c.judged]
+            diagnosis = self._diagnosis(judged, wrong, submission, conduct, ask)
         truth = scheme.description if scheme else self.truth
         rule = self.profile.rule(self.cases)
         seconds = None if start is None else time.monotonic() - start
@@ -207,15 +208,18 @@ class Judge:
         return Evaluation(said, comparisons)
 
     def _diagnosis(
-        self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
+        self, judged: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
         conduct: list[str], ask: Ask | None,
     ) -> Diagnosis:  # fmt: skip
         """Return the diagnosis and a small scene that shows it; or the reason why there is none."""
         try:
-            diagnosis = self._diagnosed(truths, wrong, submission, conduct, ask)
+            diagnosis = self._diagnosed(judged, wrong, submission, conduct, ask)
             if not ask or conduct or self.profile.scheme() is not None:
                 return diagnosis
-            smallest = self._smallest(ask, [c.case.scene for c in wrong])
+            # It should show what is told first, not another mistake in a simpler kind of scene.
+            examples = {finding.example for finding in diagnosis.findings[:1]}
+            told = [c for c in wrong if c.case.id in examples]
+            smallest = self._smallest(ask, [c.case.scene for c in told or wrong])
             return diagnosis.model_copy(update={"smallest": smallest})
         except Exception as error:  # a defect of ours, which costs a candidate no verdict
             place = traceback.extract_tb(error.__traceback__)[-1]
@@ -228,7 +232,7 @@ class Judge:
             )
 
     def _diagnosed(
-        self, truths: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
+        self, judged: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
         conduct: list[str], ask: Ask | None,
     ) -> Diagnosis:  # fmt: skip
         def written(scenes: Iterable[Any], answers: Mapping[str, Answer]) -> dict[str, Answer]:
@@ -238,7 +242,7 @@ class Judge:
             return written(scenes, ask(scenes)) if ask else {}
 
         diagnosis = diagnose(
-            truths, written([c.scene for c in self.cases], submission.collected.answers), self.dt,
+            judged, written([c.scene for c in self.cases], submission.collected.answers), self.dt,
             scheme=self.profile.scheme(), causes=not conduct, granted=self.profile.error,
             solve=again if ask else None,
         )  # fmt: skip

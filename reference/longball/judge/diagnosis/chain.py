@@ -575,9 +575,7 @@ slide = named("P (slide)", -((1.0 + ẽ) * dot(slip, n) / dot(n, mobility(_slide
 push = named("P", where(-friction_margin, slide, grip))
 # The stages after the impulse start from the candidate's own values. P is J n along the normal; its
 # part across is the model's, since no candidate reports it. The spin takes P = m (V⁺ - V).
-_own_push = J * n + switch(
-    "bat.friction", {"none": constant(0.0, IMPULSE, True), "given": push - dot(push, n) * n}
-)
+_own_push = J * n + (push - dot(push, n) * n)
 _turned = (I["R"] / ball_inertia) * cross(n, I["m"] * (after - V))
 
 # --- fences ---------------------------------------------------------------------------------------
@@ -739,7 +737,7 @@ def _released(aimed: Node) -> Node:
     return switch("pitch", {"aimed": aimed, "velocity": given_velocity})
 
 
-_thrown = _released(I["V_0"] * unit(_towards))
+_thrown = named("the velocity at the release", _released(I["V_0"] * unit(_towards)))
 _no_spin = constant(0.0, RATE, True)
 
 # A program may report another spin than it flies with. An edit of this name spares the law, which
@@ -848,7 +846,11 @@ CHAIN = (
         "impulse", "impact.impulse",
         switch("bat.friction", {"none": -(μ * (1.0 + ẽ) * w), "given": dot(push, n)}), _STRUCK,
     ),
-    _formula("velocity after", "impact.velocity", V + _own_push / I["m"], _STRUCK),
+    _formula(
+        "velocity after", "impact.velocity",
+        switch("bat.friction", {"none": V + J / I["m"] * n, "given": V + _own_push / I["m"]}),
+        _STRUCK,
+    ),
     _formula("friction margin", "impact.friction_margin", friction_margin, _STRUCK),
     _formula(
         "spin after", "impact.spin",

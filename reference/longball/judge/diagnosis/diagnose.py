@@ -11,7 +11,7 @@ import numpy as np
 
 from longball.engines.verlet import Verlet
 from longball.judge.answers import Answer
-from longball.judge.cases import Case, decidable
+from longball.judge.cases import Case
 from longball.judge.diagnosis import sentences
 from longball.judge.diagnosis.chain import CHAIN, CHAIN_IN_STEPS, Kind, Stage
 from longball.judge.diagnosis.clocks import Scheme
@@ -25,7 +25,6 @@ from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import (
     Data,
     Followed,
-    Index,
     compared,
     data_of,
     follow,
@@ -54,7 +53,7 @@ def diagnose(
     Parameters
     ----------
     cases, answers
-        Scenes with their truth, and what the candidate says, by id.
+        Scenes with a truth that doubles can decide, and what the candidate says, by id.
     dt
         s, the candidate's time step; None if it is not known.
     scheme
@@ -66,11 +65,7 @@ def diagnose(
     solve
         Runs the candidate again: what is named has to hold in scenes that nobody has seen.
     """
-    known = [
-        case
-        for case in cases
-        if decidable(case) and (answer := answers.get(case.id)) and answer.error is None
-    ]
+    known = [case for case in cases if (answer := answers.get(case.id)) and answer.error is None]
     # Numbers are compared only where the outcome is right: a missed ball has no landing.
     same = [case for case in known if answers[case.id].outcome in (None, case.expected.outcome)]
     if not causes:
@@ -234,7 +229,6 @@ def reason(
     tried: Counter[tuple[str, str]] = Counter()
     begun: defaultdict[tuple[str, str], float] = defaultdict(float)
     located: list[Stage] = []
-    unknown: Index = np.zeros(0, dtype=int)  # scenes whose pitch does not follow
     while True:
         wrong = [
             (stage, one)
@@ -261,7 +255,7 @@ def reason(
         if (push := explain_push(stage, data, columns, one)) is not None and push.way is not None:
             steps.append(Step(one, push))
             data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
-            columns, last = follow(chain, data, unknown)
+            columns, last = follow(chain, data)
             continue
         search = Explanation(chain, stage, data, columns, one, pairs=PAIRS[stage.kind])
         found = search.explain(unseen)
@@ -270,7 +264,7 @@ def reason(
                 before, chain = chain, edit.apply(chain)
                 changed = {s.name for s, was in zip(chain, before, strict=True) if s is not was}
                 data = replace(data, rough=data.rough.union(changed if edit.rough else ()))
-            columns, last = follow(chain, data, unknown)
+            columns, last = follow(chain, data)
             # An earlier flight that is right now is where the mistake shows first.
             right, earlier = _right(last), wrong[: wrong.index((stage, one))]
             mended = next((other for s, other in earlier if (s.name, s.kind) in right), one)
@@ -295,13 +289,9 @@ def reason(
         if scheme is not None and scheme.adequate and scheme.way is not None:
             data = replace(data, ways={**data.ways, stage.name: scheme.way})
             data = _with_other_ways(scheme.way, chain, data, columns)
-            columns, last = follow(chain, data, unknown)
+            columns, last = follow(chain, data)
             continue
-        # Only located. After a pitch that does not follow, nobody knows what meets the bat.
         located.append(stage)
-        if stage.kind == "flight" and stage.name in ("pitch", "touching"):
-            unknown = np.union1d(unknown, one.some[one.wrong])
-            columns, last = follow(chain, data, unknown)
 
 
 def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]:
@@ -327,8 +317,7 @@ def _confirmed(
 ) -> tuple[Step, ...]:
     """The same steps, without the names that unseen scenes refute."""
     found = []
-    located = [step.followed.stage.name for step in steps if not step.explained]
-    refuted = unseen.refuting(chain, data, located, dt)
+    refuted = unseen.refuting(chain, data, dt)
     for step in steps:
         stage, cause = step.followed.stage, step.found
         if isinstance(cause, Named):

@@ -11,10 +11,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -262,6 +263,8 @@ class Site:
         Symbols of the numbers that some scenes leave to their defaults.
     scenes
         Kinds of scenes that have the formula.
+    kinds
+        Kinds of scenes that have a node of the pool, if not all have it.
     """
 
     node: Node
@@ -271,10 +274,12 @@ class Site:
     flies: bool
     left_out: frozenset[str] = frozenset()
     scenes: tuple[str, ...] = ()
+    kinds: Mapping[Node, Collection[str]] = field(default_factory=dict)
 
     def or_itself(self, other: Node) -> Node:
         """Another node; the node itself in scenes that lack the other, as impacts lack a plate."""
-        if (have := KINDS_OF.get(other)) is None or have.issuperset(self.scenes):
+        have = self.kinds.get(other, self.scenes)
+        if set(self.scenes) <= set(have):
             return other
         by = {kind: other if kind in have else self.node for kind in self.scenes}
         return switch("kind", by)
@@ -284,8 +289,9 @@ class Site:
         return any(parent.op in ops for parent in self.parents)
 
 
+STATE = "place", "velocity", "spin"  # of a ball at its launch
 # Kinds of scenes that have a quantity.
-KINDS_OF = {
+KINDS_OF: dict[Node, Collection[str]] = {
     node: {kind for stage in CHAIN if quantity in stage.quantities for kind in stage.scenes}
     for quantity, node in OWN.items()
     if any(quantity in stage.quantities for stage in CHAIN)
@@ -297,6 +303,14 @@ LEFT_OUT = "left out"  # the option of a number that the scene leaves to its def
 def key_of(number: Node) -> str:
     """Name of the column of scenes that omit a number: "given" or `LEFT_OUT`."""
     return f"key of {number.data}"
+
+
+ZERO = "0"  # the option of a number that is 0
+
+
+def zero_of(number: Node) -> str:
+    """Name of the column of scenes in which a number is 0: "other" or `ZERO`."""
+    return f"zero of {number.data}"
 
 
 INPUT_NAMES = frozenset(one.symbol.data for one in INPUTS)
@@ -503,7 +517,9 @@ def _shapes(site: Site) -> Iterator[Option]:
         )  # fmt: skip
     if a.op in ("symbol", "named") or site.under("switch"):
         limited = function("least", a, free(a.dimension), dimension=a.dimension)
-        yield limited, BITS["clamp"], f"limits {said} to {{c}}", (0.5 * a, 0.9 * a)
+        # Only starts between the right values and the wrong ones show which scenes it changes.
+        starts = tuple(x * a for x in (0.5, 0.9, 1.3, 1.8))
+        yield limited, BITS["clamp"], f"limits {said} to {{c}}", starts
     if a.op == "symbol":
         for digits in (0, 1, 2, 3):
             yield (
@@ -768,6 +784,13 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         found |= dict.fromkeys(component(place, i) for place in places for i in range(3))
     if stage.kind == "flight":
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
+        # A program may keep what it had before this ball was launched.
+        launch = stage.roots["velocity"]
+        before = itertools.takewhile(lambda one: one.roots.get("velocity") is not launch, chain)
+        for one in before:
+            states = one.roots if one.kind == "flight" else {}
+            kept = [*(OWN[q] for q in one.quantities), *(states[s] for s in STATE if s in states)]
+            found |= dict.fromkeys(x for x in kept if x.vector)
     if stage.kind == "formula":
         earlier = (one.quantities for one in chain[: chain.index(stage)])
         found |= dict.fromkeys(OWN[q] for quantities in earlier for q in quantities)
@@ -800,15 +823,21 @@ def edits(
         str(one.symbol.data) for one in INPUTS
         if LEFT_OUT in columns.get(key_of(one.symbol), ())
     )  # fmt: skip
+    launches = {
+        one.roots[name]: one.scenes
+        for one in chain if one.kind == "flight" for name in STATE
+    }  # fmt: skip
+    kinds = KINDS_OF | launches
     for name, root in stage.roots.items():
         flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         # What stands behind the name of the speed along the path is edited in the law.
         nodes = [root] if name == "through" else ordered([root], (), arguments)
-        site = Site(root, (), here, defaults, flies, left_out, stage.scenes)
+        site = Site(root, (), here, defaults, flies, left_out, stage.scenes, kinds)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
         yield from _of_functions(root, nodes)
+        yield from _of_zeros(root, nodes, defaults, columns)
         for form in stage.forms.get(name, ()):
             others = ordered([form], (), arguments)
             yield from _of_formula(root, form, others, frozenset(nodes), site)
@@ -907,6 +936,20 @@ def _of_regions(
                     cost = bits + places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)
                     place = region if form is root else root
                     yield Edit(place, by, cost, text + at, starts, within=(opened, hole))
+
+
+def _of_zeros(
+    root: Node, nodes: Sequence[Node], defaults: Mapping[str, Any], columns: Columns
+) -> Iterator[Edit]:
+    """The edit of a program that takes the default of a number that is 0, as by ``x or 9.8``."""
+    found = root
+    for node in nodes:
+        usual = defaults.get(node.data) if node.op == "symbol" else None
+        if usual and ZERO in columns.get(zero_of(node), ()):
+            chosen = {"other": node, ZERO: constant(usual, node.dimension)}
+            found = substitute(found, node, switch(zero_of(node), chosen))
+    if found is not root:
+        yield Edit(root, found, BITS["option"], "takes the default of each number that is 0")
 
 
 def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
@@ -1012,8 +1055,12 @@ def _of_formula(
                         continue
                     place, within = (use, None) if form is root else (root, (form, use))
                     text = f"{said} in {words(use)}"
+                    # A switch has no words that an author knows.
+                    more = 2.0 + UNNAMED["switch"] * any(arg.op == "switch" for arg in use.args)
                     new = rebuilt(use, [by if arg is node else arg for arg in use.args])
-                    yield Edit(place, new, cost + 2, text, starts, None, within)
+                    yield Edit(place, new, cost + more, text, starts, None, within)
                     if use.args.count(node) > 1:  # a square, written as a product
                         new = rebuilt(use, [by, *use.args[1:]])
-                        yield Edit(place, new, cost + 3, f"{text}, once", starts, None, within)
+                        yield Edit(
+                            place, new, cost + more + 1, f"{text}, once", starts, None, within
+                        )

@@ -45,7 +45,7 @@ from longball.judge.diagnosis.expression import (
     specialised,
     symbol,
 )
-from longball.judge.diagnosis.operators import LEFT_OUT, key_of
+from longball.judge.diagnosis.operators import LEFT_OUT, ZERO, key_of, zero_of
 from longball.judge.quantities import values_of
 from longball.model.air import Air
 from longball.model.arrays import Array
@@ -181,7 +181,8 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     # The true margin is that of the true pitch: it says nothing of another one.
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
-    columns = {**inputs(scenes), **switches(scenes), **left_out(scenes), **chords_at}
+    numbers = inputs(scenes)
+    columns = {**numbers, **switches(scenes), **left_out(scenes), **zeros(numbers), **chords_at}
     # The stage `margin` subtracts this from R + r_b again: it has no formula of its own.
     columns[str(closest.data)] = columns["R"] + columns["r_b"] - expected["contact.margin"]
     return Data(cases, columns, given, expected, errors, granted=granted)
@@ -226,6 +227,15 @@ def left_out(scenes: Sequence[Any]) -> dict[str, Array]:
     return {
         key_of(node): np.array([options[_leaves_out(scene, path)] for scene in scenes])
         for node, path, _ in INPUTS
+    }
+
+
+def zeros(numbers: Mapping[str, Array]) -> dict[str, Array]:
+    """Columns by `zero_of`: `ZERO` in scenes in which a number is 0, else "other"."""
+    return {
+        zero_of(node): np.where(numbers[str(node.data)] == 0.0, ZERO, "other")
+        for node, _, _ in INPUTS
+        if not node.vector
     }
 
 
@@ -823,8 +833,9 @@ def begun(data: Data) -> dict[str, Any]:
 
 
 # Velocity and spin of the ball that meets the bat. No candidate reports them: they follow from the
-# pitch, and are not known if that is wrong without a known cause.
-_BEFORE = frozenset(("V", "ω"))
+# pitch, and are not known where that is wrong.
+_BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin"))
+_TO_THE_BAT = "pitch", "touching"
 
 
 def seen(chain: Sequence[Stage], data: Data) -> Data:
@@ -840,25 +851,27 @@ def seen(chain: Sequence[Stage], data: Data) -> Data:
 
 
 def follow(
-    chain: Iterable[Stage], data: Data, unknown: Index | None = None, only: Index | None = None
+    chain: Iterable[Stage], data: Data, only: Index | None = None
 ) -> tuple[dict[str, Any], list[Followed]]:
     """Compute the residuals of all stages in order.
 
     Return the columns and the residuals. The columns have the candidate's values or, where it gives
-    none, those that follow from the stages before. In `unknown` scenes the velocity of the ball at
-    the bat does not follow, and stages that need it are left out. `only` some scenes are followed,
-    or all.
+    none, those that follow from the stages before. `only` some scenes are followed, or all. Stages
+    that need the ball's velocity at the bat are left out where the flight to the bat is wrong.
     """
     columns = begun(data)
     found = []
+    lost: Index = np.zeros(0, dtype=int)  # scenes in which that flight does not follow
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         if only is not None:
             some = np.intersect1d(some, only)
-        if unknown is not None and any(depends(root, _BEFORE) for root in stage.roots.values()):
-            some = np.setdiff1d(some, unknown)
+        if lost.size and any(depends(root, _BEFORE) for root in stage.roots.values()):
+            some = np.setdiff1d(some, lost)
         one, follows = compared(stage, data, columns, some)
         found.append(one)
+        if stage.kind == "flight" and stage.name in _TO_THE_BAT:
+            lost = np.union1d(lost, some[one.wrong])
         if stage.kind == "event":  # an event gives no value, only the distance from its surface
             continue
         for quantity, value in follows.items():

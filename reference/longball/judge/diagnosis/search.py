@@ -226,6 +226,7 @@ class Explanation:
     effort: Effort = ALONE
     pairs: int = 0
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
+    telling: dict[tuple[str, Kind], Index] = field(default_factory=dict)  # what `_telling` returns
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -630,16 +631,17 @@ class Explanation:
 
     def _with_another(self, edit: Edit) -> Named | None:
         """Two edits that explain the stage together, each of them better than chance."""
-        chain = replace(edit, only=(self.stage,)).apply(self.chain)
+        _, edit = self._placed(edit)
+        chain = edit.apply(self.chain)
         (stage,) = [s for s, was in zip(chain, self.chain, strict=True) if was is self.stage]
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any() or not self._is_possible(stage):
             return None
-        # The second is sought in the same way, in the stage that has the first; without pairs.
+        # The second is sought in the same way, in the chain that has the first; without pairs.
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
             return None
-        return Named((self._placed(edit)[1], *second.edits), second.evidence)
+        return Named((edit, *second.edits), second.evidence)
 
     def _named(self, adequate: Sequence[tuple[Edit, float]], unseen: Unseen | None) -> Named:
         """Choose among adequate edits: the one that breaks least elsewhere, then the cheapest.
@@ -685,9 +687,8 @@ class Explanation:
         return min(found, key=itemgetter(0))  # the widest of those that break least
 
     def _wrong(self, stage: Stage) -> int:
-        """The number of scenes in which a stage is wrong."""
-        here = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
-        some = evenly(here, MOST_WRONG)
+        """The number of scenes in which a stage is wrong, of those in `_telling`."""
+        some = self._telling(stage.name, stage.kind)
         probe = Values(_moved_at_random(stage, take(self.columns, some)))
         key = stage.name, stage.kind, _fingerprint(stage, probe)
         if key not in self.counted:
@@ -695,6 +696,17 @@ class Explanation:
                 one, _ = compared(stage, self.data, self.columns, some, limits=EQUAL)
             self.counted[key] = int(one.wrong.sum())
         return self.counted[key]
+
+    def _telling(self, name: str, kind: Kind) -> Index:
+        """Scenes in which the edits of a stage are compared: wrong ones, and right ones."""
+        key = name, kind
+        if key not in self.telling:
+            (stage,) = (one for one in self.chain if (one.name, one.kind) == key)
+            here = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
+            wrong = compared(stage, self.data, self.columns, here)[0].wrong
+            some = evenly(here[wrong], MOST_WRONG), evenly(here[~wrong], MOST_RIGHT)
+            self.telling[key] = np.concatenate(some)
+        return self.telling[key]
 
 
 # An edit that explains at least this fraction of the wrong scenes is taken as one of two.

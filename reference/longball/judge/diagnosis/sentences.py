@@ -59,13 +59,13 @@ def _row(one: Followed, data: Data) -> StageRow:
 
 
 def _worst(one: Followed) -> float:
-    return float(one.relative.max(initial=0.0))
+    return float(one.relative.max(initial=0.0, where=one.wrong))
 
 
 def _example(one: Followed, data: Data) -> str | None:
     if not one.wrong.any():
         return None
-    return data.cases[int(one.some[one.relative.argmax()])].id
+    return data.cases[int(one.some[np.where(one.wrong, one.relative, 0.0).argmax()])].id
 
 
 # --- sentences ------------------------------------------------------------------------------------

@@ -29,7 +29,6 @@ from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import (
     Data,
     Flying,
-    Followed,
     compared,
     data_of,
     evenly,
@@ -122,7 +121,7 @@ class Unseen:
         return self.data is None or follows(self._chain, self.data)
 
     def refuting(
-        self, chain: tuple[Stage, ...], known: Data, located: Iterable[str], dt: float | None
+        self, chain: tuple[Stage, ...], known: Data, dt: float | None
     ) -> Callable[[Stage, bool, Scheme | None], tuple[int, int] | None]:
         """Return a function that counts the scenes in which the explanation of a stage fails.
 
@@ -134,7 +133,7 @@ class Unseen:
         if self.data is None:
             return lambda stage, rough, scheme: None
         data = replace(self.data, ways=known.ways, rough=known.rough)
-        columns, every = followed(chain, data, located)
+        columns, every = follow(chain, data)
         of = {(f.stage.name, f.stage.kind): f for f in every}
 
         def refuted(stage: Stage, rough: bool, scheme: Scheme | None) -> tuple[int, int] | None:
@@ -151,16 +150,3 @@ class Unseen:
             return None if not checked or holds else (beyond, checked)
 
         return refuted
-
-
-def followed(
-    chain: Sequence[Stage], data: Data, located: Iterable[str]
-) -> tuple[dict[str, Any], list[Followed]]:
-    """Residuals of all stages, as `follow` has them, beside stages that are only located.
-
-    Where a pitch is wrong without a known cause, what it brings to the bat is not known.
-    """
-    columns, every = follow(chain, data)
-    pitches = {"pitch", "touching"}.intersection(located)
-    lost = [f.some[f.wrong] for f in every if f.stage.kind == "flight" and f.stage.name in pitches]
-    return follow(chain, data, np.unique(np.concatenate(lost))) if lost else (columns, every)
