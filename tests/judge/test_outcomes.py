@@ -127,7 +127,7 @@ def test_a_limit_of_the_candidates_own_lies_between_its_values():
         )
     )
     assert found.edit is not None
-    assert found.edit.startswith("says airborne if landing.hang_time > 5, not if")
+    assert found.edit.startswith("says airborne if the time of flight > 5, not if")
     low, high = found.edit.rpartition("between ")[2].rstrip(")").split(" and ")
     assert float(low) <= late <= float(high)
 

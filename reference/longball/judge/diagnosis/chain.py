@@ -607,6 +607,9 @@ _origin = switch(
     },
 )
 
+_begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
+fence_flown = fence_time - _begun
+
 # What people define otherwise: formulas that no small edit of the right one makes. Each is one more
 # node at hand at its stage (`Stage.pool`), so that the operator "another node" puts it in.
 _in_space = vector(x, y, z - bat_height)
@@ -794,7 +797,6 @@ _by_angle = _released(
     + I["V_0"] * function("sin", _rising) * e_z
 )
 _thrown_forms = _forms | {"velocity": (_by_parts, _by_angle)}
-_begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
 
 # The end of a flight has two stages. The flight computes the state at the candidate's own time; the
 # event of the same name checks that the candidate's point lies on the plate, the bat, the fence or
@@ -872,7 +874,7 @@ CHAIN = (
         _batted(flown), _forms,
     ),
     Stage(
-        "fence", ("fence.position", "fence.velocity"), "flight", _batted(fence_time - _begun),
+        "fence", ("fence.position", "fence.velocity"), "flight", _batted(fence_flown),
         _forms,
     ),
     Stage("fence", ("fence.position",), "event", {"zero": fence_side}),

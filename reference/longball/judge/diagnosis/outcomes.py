@@ -26,6 +26,7 @@ from longball.judge.diagnosis.chain import (
     I,
     Stage,
     at_fence,
+    fence_flown,
     fence_time,
     friction_margin,
     hang,
@@ -84,6 +85,7 @@ fair = named(
     switch("fence", {"a circle": constant(1.0, M), "a polyline": _fair(at_fence)}),
 )
 _place = named("place", where(fence_time, at_fence, landing))
+_flies = named("the time of flight", where(passes, where(fair, fence_flown, hang), hang))
 
 
 @dataclass(frozen=True)
@@ -129,8 +131,8 @@ OUTCOMES = Tree(
             (function("abs", y, dimension=M) - I["L"] / 2.0,), _STRUCK, _TOUCHED,
         ),
         Test("separating", (w,), _STRUCK, (*_TOUCHED, "normal", "bat velocity", "normal speed")),
-        # A ball that is over the fence at the limit has no landing, and no hang time.
-        Test("airborne", (hang - time_limit,), _FLOWN, _LEFT),
+        # A ball that is over the fence at the limit is a home run without a landing.
+        Test("airborne", (_flies - time_limit,), _FLOWN, _LEFT),
         Test("wall", (passes, -clearance), _FLOWN, (*_LEFT, "fence", "clearance")),
         Test("home_run", (passes, fair), _FLOWN, (*_LEFT, "fence", "clearance")),
     ),
@@ -324,16 +326,16 @@ class _Search:
         (c,) = {n for f in test.conditions for n in ordered([f]) if n.data == FREE}
         (at,) = (k for k, f in enumerate(test.conditions) if f is not old.conditions[k])
         edited = test.conditions[at]
-        # The condition is a + b c > 0, from its values at c = 0 and 1; that at 2 confirms it.
+        # The condition is a + b c > 0, from its values at c = 0 and 1; that at 2 confirms it. Where
+        # it does not, as of min(a, c) with a small a, the number decides nothing.
         points = []
         for x in (0.0, 1.0, 2.0):
             with np.errstate(all="ignore"):
                 f = substitute(edited, c, constant(x, c.dimension))
                 points.append(evaluate(f, self.told.columns) + np.zeros(len(self.told)))
         slopes = [b - a for a, b in pairwise(points)]
-        usable = np.isfinite(points[2])
-        first, second = (slope[usable] for slope in slopes)
-        if not usable.any() or not np.allclose(first, second, rtol=1e-9, atol=0.0):
+        usable = np.isfinite(points[2]) & np.isclose(*slopes, rtol=1e-9, atol=0.0)
+        if not usable.any():
             return None
         # Is the candidate's fact possible if the test holds? And if it does not?
         can = []
