@@ -740,7 +740,7 @@ def _released(aimed: Node) -> Node:
     return switch("pitch", {"aimed": aimed, "velocity": given_velocity})
 
 
-_thrown = named("the velocity at the release", _released(I["V_0"] * unit(_towards)))
+_thrown = _released(I["V_0"] * unit(_towards))
 _no_spin = constant(0.0, RATE, True)
 
 # A program may report another spin than it flies with. An edit of this name spares the law, which

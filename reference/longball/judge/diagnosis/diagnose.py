@@ -25,6 +25,7 @@ from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import (
     Data,
     Followed,
+    Index,
     compared,
     data_of,
     follow,
@@ -225,6 +226,7 @@ def reason(
     """
     columns, last = follow(chain, data)
     steps: list[Step] = []
+    at_first = {(one.stage.name, one.stage.kind): one.some[one.beyond] for one in last}
     # By name and kind of a stage: the explanations tried, and the largest error that it had.
     tried: Counter[tuple[str, str]] = Counter()
     begun: defaultdict[tuple[str, str], float] = defaultdict(float)
@@ -235,7 +237,7 @@ def reason(
             for stage, one in zip(chain, last, strict=True)
             if one.relative[one.beyond].max(initial=0.0) > LAST * begun[stage.name, stage.kind]
             and tried[stage.name, stage.kind] < ROUNDS
-            and not (stage.name in data.rough and is_adequate(one.off / one.floor, rough=True))
+            and not (stage.name in data.rough and _is_left(one, at_first[stage.name, stage.kind]))
         ]
         if not wrong:
             standing = _standing(steps, last)
@@ -292,6 +294,11 @@ def reason(
             columns, last = follow(chain, data)
             continue
         located.append(stage)
+
+
+def _is_left(one: Followed, wrong: Index) -> bool:
+    """True if errors are so few, beside those of scenes that were wrong, as a rough edit leaves."""
+    return is_adequate(one.off / one.floor, rough=True, wrong=np.isin(one.some, wrong))
 
 
 def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]:

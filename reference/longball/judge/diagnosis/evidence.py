@@ -12,13 +12,14 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longball.model.arrays import Array
 
 BEYOND = 1e12  # floors: errors that are larger cost no more
 ADEQUATE = 4.0  # floors: no number of any scene may be farther off
 CHANCE = 20.0  # bits beyond chance: one in a million
-ROUGH = 0.05  # of the numbers, what may be farther off where an edit has jumps or kinks
+ROUGH = 0.05  # of the numbers of wrong scenes, of an edit with jumps or kinks: as many may be off
 
 # Bits of a digit of a free number, and of the fact that it is one.
 DIGIT, NUMBER = math.log2(10), 3.0
@@ -30,11 +31,18 @@ def cost(r: Array) -> float:
     return float(np.log2(1.0 + known * known).sum()) / 2.0
 
 
-def is_adequate(r: Array, rough: bool = False) -> bool:
-    """True if errors, in units of their floors, are all within `ADEQUATE` of them."""
-    known = np.abs(r[np.isfinite(r)])
-    beyond = float(np.mean(known > ADEQUATE)) if known.size else 1.0
-    return beyond <= (ROUGH if rough else 0.0)
+def is_adequate(
+    r: Array, rough: bool = False, wrong: NDArray[np.bool_] | slice = slice(None)
+) -> bool:
+    """True if errors, in units of their floors, are all within `ADEQUATE` of them.
+
+    Those of a `rough` edit may be beyond it in `ROUGH` of as many numbers as the scenes have that
+    are `wrong` without the edit: right ones are no evidence for it.
+    """
+    known = np.isfinite(r)
+    beyond = int((np.abs(r[known]) > ADEQUATE).sum())
+    allowed = ROUGH * int(known[:, wrong].sum()) if rough else 0.0
+    return bool(known.any()) and beyond <= allowed
 
 
 def fitted(

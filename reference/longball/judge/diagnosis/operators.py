@@ -289,7 +289,6 @@ class Site:
         return any(parent.op in ops for parent in self.parents)
 
 
-STATE = "place", "velocity", "spin"  # of a ball at its launch
 # Kinds of scenes that have a quantity.
 KINDS_OF: dict[Node, Collection[str]] = {
     node: {kind for stage in CHAIN if quantity in stage.quantities for kind in stage.scenes}
@@ -786,10 +785,8 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
         # A program may keep what it had before this ball was launched.
         launch = stage.roots["velocity"]
-        before = itertools.takewhile(lambda one: one.roots.get("velocity") is not launch, chain)
-        for one in before:
-            states = one.roots if one.kind == "flight" else {}
-            kept = [*(OWN[q] for q in one.quantities), *(states[s] for s in STATE if s in states)]
+        for one in itertools.takewhile(lambda one: one.roots.get("velocity") is not launch, chain):
+            kept = (*(OWN[q] for q in one.quantities), *launches_of(one))
             found |= dict.fromkeys(x for x in kept if x.vector)
     if stage.kind == "formula":
         earlier = (one.quantities for one in chain[: chain.index(stage)])
@@ -803,6 +800,12 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     vectors = [x for x in found if x.vector and x.dimension != NONE]
     more = [y for x in vectors for y in (norm(x), unit(x))]
     return (*found, *more, *([-e_y] if stage.kind == "flight" else []))
+
+
+def launches_of(stage: Stage) -> list[Node]:
+    """Place, velocity and spin of a flight's ball at its launch; none of another stage."""
+    states = ("place", "velocity", "spin") if stage.kind == "flight" else ()
+    return [named(f"the {state} that began {stage.name}", stage.roots[state]) for state in states]
 
 
 def edits(
@@ -823,11 +826,7 @@ def edits(
         str(one.symbol.data) for one in INPUTS
         if LEFT_OUT in columns.get(key_of(one.symbol), ())
     )  # fmt: skip
-    launches = {
-        one.roots[name]: one.scenes
-        for one in chain if one.kind == "flight" for name in STATE
-    }  # fmt: skip
-    kinds = KINDS_OF | launches
+    kinds = KINDS_OF | {launch: one.scenes for one in chain for launch in launches_of(one)}
     for name, root in stage.roots.items():
         flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))

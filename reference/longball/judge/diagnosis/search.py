@@ -30,6 +30,7 @@ from longball.judge.diagnosis.evidence import (
     rounded,
 )
 from longball.judge.diagnosis.expression import (
+    JUMPS,
     Node,
     Values,
     contains,
@@ -169,6 +170,25 @@ class _Pair(NamedTuple):
     c: Array
 
 
+class _Screened(NamedTuple):
+    """A group of equal edits, and the cost that they leave in the screening scenes.
+
+    Attributes
+    ----------
+    fitted
+        True if they explain these scenes: then they are computed in all scenes, too.
+    """
+
+    left: float
+    group: list[Edit]
+    fitted: bool
+
+
+# Of an edit: "exact" if all residuals are within the noise; "rough" if it has a jump or a kink, and
+# they are within the noise of steps across that; else "partial".
+Fit = Literal["exact", "rough", "partial"]
+
+
 class _Verified(NamedTuple):
     """An edit that is better than chance in all scenes.
 
@@ -181,16 +201,13 @@ class _Verified(NamedTuple):
         Its residuals, in floors.
     evidence
         Bits beyond chance.
-    fit
-        "exact" if all residuals are within the noise; "rough" if they are so of an edit with a jump
-        or a kink, with the noise of steps across it; else "partial".
     """
 
     edit: Edit
     alike: tuple[Edit, ...]
     r: Array
     evidence: float
-    fit: Literal["exact", "rough", "partial"]
+    fit: Fit
 
     @property
     def bits(self) -> float:
@@ -227,6 +244,8 @@ class Explanation:
     pairs: int = 0
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
     telling: dict[tuple[str, Kind], Index] = field(default_factory=dict)  # what `_telling` returns
+    # Free numbers with their bits, by edit: what `settled` has fitted.
+    numbers: dict[Edit, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -390,13 +409,12 @@ class Explanation:
     def candidates(
         self, some: Sequence[Edit], responses: Sequence[tuple[Response | Direct, Array]],
         needed: float,
-    ) -> list[tuple[float, list[Edit]]]:  # fmt: skip
+    ) -> list[_Screened]:  # fmt: skip
         """Screen some edits of the stage, ranked by some of its `responses`.
 
         The search ends soon after an edit that saves the bits `needed` in the screening scenes.
 
-        Return groups of equal edits with the cost that they leave in the screening scenes, the
-        cheapest in all first.
+        Return the cheapest groups in all first.
         """
         # Random inputs, in which equal edits are found. Few wrong scenes are repeated, so that
         # their random moves give several values.
@@ -431,7 +449,7 @@ class Explanation:
                 break
             groups.setdefault(key, []).append(edit)
         # The best groups, computed in the screening scenes.
-        found, last = [], math.inf
+        found, last = list[_Screened](), math.inf
         for k, group in enumerate(groups.values()):
             if flies and k > last + FURTHER:  # flights are expensive
                 break
@@ -449,11 +467,14 @@ class Explanation:
                     continue
             else:
                 (r,), number = screened(np.zeros((1, 0))), 0.0
-            if (left := cost(r)) < NEARER * self.null:
-                found.append((left, group))
-            if is_adequate(r, edit.rough) and self.null - left - edit.bits - number > needed:
+            left = cost(r)
+            explains = is_adequate(r, edit.rough) and self.null - left - edit.bits - number > needed
+            # Few screening scenes are explained by many edits, most of which other scenes refute.
+            if explains and self._fit(self.settled(group[0])[0])[0] != "partial":
                 last = k
-        found.sort(key=lambda one: one[0] + one[1][0].bits)
+            if left < NEARER * self.null:
+                found.append(_Screened(left, group, explains))
+        found.sort(key=lambda one: one.left + one.group[0].bits)
         return found
 
     @np.errstate(all="ignore")
@@ -477,21 +498,23 @@ class Explanation:
         """Initial values of an edit's free number; the median of an expression."""
         return [_median(at.of(x)) if isinstance(x, Node) else x for x in edit.starts]
 
-    def settled(self, edit: Edit) -> tuple[Edit, Array, tuple[float, float]]:
-        """Fit the free number of an edit, and round it as far as the residuals allow.
+    def settled(self, edit: Edit) -> tuple[Edit, tuple[float, float]]:
+        """Fit the free number of an edit, if it has one, and round it as the residuals allow.
 
-        Return the edit, its residuals in all scenes, and the number with its bits.
+        Return the edit, and the number with its bits.
         """
-        stage = self.edited(edit)
-        (start,) = edit.starts  # the number that `candidates` has fitted
-        assert isinstance(start, float)
-        with np.errstate(all="ignore"):
-            c, *_ = fitted(self._residual(stage, self.few, MIDDLE), [(start,)], 2)
-            every = self._residual(stage, np.arange(len(self.all)), FINE)
-            c, r, slopes = fitted(every, c[None], 1)
-            x, bits = _roundest(c, r, slopes, 0)
-        edit = edit.settled(x, bits)
-        return edit, self._in_floors(self.edited(edit), self.all), (x, bits)
+        if not edit.starts:
+            return edit, (math.nan, 0.0)
+        if edit not in self.numbers:
+            stage = self.edited(edit)
+            (start,) = edit.starts  # the number that `candidates` has fitted
+            assert isinstance(start, float)
+            with np.errstate(all="ignore"):
+                c, *_ = fitted(self._residual(stage, self.few, MIDDLE), [(start,)], 2)
+                every = self._residual(stage, np.arange(len(self.all)), FINE)
+                c, r, slopes = fitted(every, c[None], 1)
+                self.numbers[edit] = _roundest(c, r, slopes, 0)
+        return edit.settled(*self.numbers[edit]), self.numbers[edit]
 
     def _explained_by(
         self, some: Sequence[Edit], tried: int,
@@ -507,10 +530,12 @@ class Explanation:
         # tried.
         needed = CHANCE + math.log2(1 + tried)
         found = self.candidates(some, responses, needed)
-        near = tuple(group[0] for left, group in found[:NEAR])
-        alone = min((left for left, _ in found), default=self.null)
-        found = [(left, group) for left, group in found if left <= HALF * self.null]
-        verified = [*self._verified(found[: self.effort.held], some, needed)]
+        near = tuple(one.group[0] for one in found[:NEAR])
+        alone = min((one.left for one in found), default=self.null)
+        found = [one for one in found if one.left <= HALF * self.null]
+        others = [one for one in found if not one.fitted][: self.effort.held]
+        found = [one for one in found if one.fitted or one in others]
+        verified = [*self._verified(found, some, needed)]
         # Rule 1 of docs/truth.md: an edit that needs the noise of steps across a jump comes after
         # all others that explain the stage. Rule 3 chooses among those of one kind.
         for fit in ("exact", "rough"):
@@ -532,19 +557,18 @@ class Explanation:
         return Located(best.edit, cost(best.r) / self.null_all, near)
 
     def _verified(
-        self, found: Sequence[tuple[float, list[Edit]]], some: Sequence[Edit], needed: float
+        self, found: Sequence[_Screened], some: Sequence[Edit], needed: float
     ) -> Iterator[_Verified]:
         """Compute the best of each group of `candidates` in all scenes, and yield those that hold.
 
         An edit holds if it saves the bits `needed`; `some` are all edits that were ranked.
         """
-        for i, (left, group) in enumerate(found):
+        for i, (left, group, is_fitted) in enumerate(found):
             # Only the best group is worth a verification if it leaves much.
-            if i > 0 and left > RIVAL * self.null:
+            if i > 0 and left > RIVAL * self.null and not is_fitted:
                 continue
-            edit, twins = group[0], group[1:TWINS]
-            if edit.starts:
-                edit, r, more = self.settled(edit)
+            (edit, more), twins = self.settled(group[0]), group[1:TWINS]
+            if group[0].starts:
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
                 # The number may be that of an edit that has none, such as "takes 1 for …".
                 place, same = (edit.place, edit.within), _fingerprint(self.edited(edit), self.probe)
@@ -553,17 +577,22 @@ class Explanation:
                     and _fingerprint(self.edited(e), self.probe) == same
                 ]  # fmt: skip
             else:
-                r = self._in_floors(self.edited(edit), self.all)
                 twins = [twin for twin in twins if not twin.starts]
+            fit, r = self._fit(edit)
             if self.null_all - cost(r) - edit.bits < needed:
                 continue
-            fit: Literal["exact", "rough", "partial"] = "exact"
-            if not is_adequate(r, edit.rough):
-                if edit.rough:
-                    r = self._in_floors(self.edited(edit), self.all, rough=True)
-                fit = "rough" if edit.rough and is_adequate(r, rough=True) else "partial"
             alike = tuple(e for e in (edit, *twins) if self._is_possible(self.edited(e)))
             yield _Verified(edit, alike, r, self.null_all - cost(r) - edit.bits - needed, fit)
+
+    def _fit(self, edit: Edit) -> tuple[Fit, Array]:
+        """How an edit without a free number fits in all scenes, and its residuals, in floors."""
+        stage = self.edited(edit)
+        r, wrong = self._in_floors(stage, self.all), self.base.beyond
+        if is_adequate(r, edit.rough, wrong):
+            return "exact", r
+        if edit.rough:
+            r = self._in_floors(stage, self.all, rough=True)
+        return "rough" if edit.rough and is_adequate(r, True, wrong) else "partial", r
 
     def _share(self, r: Array) -> float:
         """Fraction of the wrong scenes in which a residual, in floors, is within the noise."""
@@ -811,9 +840,11 @@ def _is_finite(stage: Stage, before: Stage, probe: Values) -> bool:
 
 def _fingerprint(stage: Stage, probe: Values) -> bytes:
     """The values of a stage on random inputs, to seven digits: those of equal formulas agree."""
-    found = []
+    found, roots = [], [*stage.roots.values()]
+    # Random inputs hardly ever lie between the places of two jumps: what decides them counts too.
+    roots += [x.args[0] for x in ordered(roots, (), probe.arguments) if x.op in JUMPS]
     with np.errstate(all="ignore"):
-        for root in stage.roots.values():
+        for root in roots:
             x = np.asarray(probe.of(root))
             # Rounded relative to the size of each vector: of a component that should be 0 there is
             # only rounding. Adding 0.0 turns -0.0 into 0.0.

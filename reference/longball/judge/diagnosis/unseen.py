@@ -112,8 +112,8 @@ class Unseen:
             self._followed = chain, follow(chain, data)[0]
         columns = self._followed[1]
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
-        f = compared(edited, data, columns, some)[0]
-        return is_adequate(f.off / f.floor, edit.rough)
+        f, without = (compared(one, data, columns, some)[0] for one in (edited, stage))
+        return is_adequate(f.off / f.floor, edit.rough, without.beyond)
 
     @cached_property
     def follows(self) -> bool:
