@@ -233,7 +233,7 @@ def test_the_first_command_says_what_is_left(called, tmp_path: Path):
     assert lines[0].startswith("PARTIAL ")
     assert "0 wrong" in lines[3]
     assert "and no at-bat, no impact, no pitch; --partial judges what there is" in lines[4]
-    assert lines[-1].startswith("further: at --profile exact, ")
+    assert lines[-1].startswith("beyond this verdict: at --profile exact, ")
     assert "are right; not tested: defaults, hard, impact-oblique, fence," in lines[-1]
 
 

@@ -180,8 +180,8 @@ def test_a_wrong_law_is_no_scheme():
 
 def test_a_law_and_a_scheme_are_found_together():
     _, *rest = wrong(flown(0.01, euler, gravity=1.1))
-    times = Edit(I["g"], 1.1 * I["g"], 5.0, "takes 1.1 g")
-    other = Edit(I["m"], 1.1 * I["m"], 5.0, "takes 1.1 m")
+    times = Edit(I["g"], 1.1 * I["g"], 5.0, "uses 1.1 g")
+    other = Edit(I["m"], 1.1 * I["m"], 5.0, "uses 1.1 m")
     found = with_edit(Steps(*rest), [other, times])
     assert found is not None
     edit, scheme = found

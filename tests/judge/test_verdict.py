@@ -406,7 +406,7 @@ def test_what_a_second_run_tells_comes_first_and_no_cause_beside_it():
     once, again = (
         list(_diagnosis(twice.model_copy(update={"conduct": c}))) for c in ([], ["it differs"])
     )
-    assert once[0] == "where first: flight"
+    assert once[0] == "first wrong step: flight"
     assert "nothing explains it" in once[-1]
     assert again[0] == "run twice: it differs"
     assert "nothing explains it" not in " ".join(again)

@@ -72,7 +72,7 @@ SEEN = ROUNDING
 
 # Why no case notices an edit.
 NO_STEP = "no scene takes this step"
-NO_NUMBER = "it takes what no scene has there, or divides by 0"
+NO_NUMBER = "it uses what no scene has there, or divides by 0"
 THE_SAME = "it comes to the same numbers"
 TOO_SMALL = "it moves numbers by too little"
 REASONS = NO_STEP, NO_NUMBER, THE_SAME, TOO_SMALL
@@ -157,9 +157,9 @@ def _durations(case: Case) -> Iterator[float]:
 
 LIMITS = (
     Replaced("cuts the time limit to whole seconds", "time_limit", math.floor),
-    Replaced("takes 60 s for the time limit", "time_limit", lambda limit: 60.0),
-    Replaced("takes half the time limit", "time_limit", lambda limit: limit / 2),
-    Replaced("takes twice the time limit", "time_limit", lambda limit: limit * 2),
+    Replaced("uses 60 s for the time limit", "time_limit", lambda limit: 60.0),
+    Replaced("uses half the time limit", "time_limit", lambda limit: limit / 2),
+    Replaced("uses twice the time limit", "time_limit", lambda limit: limit * 2),
 )
 
 
@@ -174,7 +174,7 @@ def _other_defaults() -> Iterator[Edit]:
         zero = defaults().get(name) == 0.0 and not vector
         more = constant(0.1, node.dimension) if zero else 0.1 * node
         other = switch(key_of(node), {"given": node, LEFT_OUT: node + more})
-        yield Edit(node, other, 0.0, f"takes another default for {path}")
+        yield Edit(node, other, 0.0, f"uses another default for {path}")
 
 
 def _beside() -> Iterator[Edit]:

@@ -114,7 +114,7 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     for sentence in diagnosis.conduct:
         yield f"run twice: {sentence}"
     if diagnosis.first:
-        yield f"where first: {diagnosis.first}"
+        yield f"first wrong step: {diagnosis.first}"
     yield from stage_sentences(diagnosis)
     if not (diagnosis.stages or diagnosis.findings):
         yield f"diagnosis: {diagnosis.sentence}"
@@ -128,7 +128,8 @@ def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield the stages that are wrong, given earlier values, and those that are right."""
     for row in (row for row in diagnosis.stages if row.wrong):
         where = f"in {row.wrong} of {many(row.checked, 'scene')}"
-        yield f"  {row.stage} is wrong {where} (off by up to {size(row.worst)}; {row.example})"
+        worst = f"relative error up to {size(row.worst)}; {row.example}"
+        yield f"  {row.stage} is wrong {where} ({worst})"
     if diagnosis.clean:
         yield f"  right in every scene, given your own earlier values: {', '.join(diagnosis.clean)}"
 

@@ -229,8 +229,6 @@ def event(
     evidence = bits + len(some) - CHANCE
     for text, other in (("after", sides[0]), ("before", sides[2])):
         if evidence > 0 and _mostly(other * sides[1] < 0):
-            said = (
-                f"takes {time} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
-            )
+            said = f"uses {time} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
             return Scheme(said, None, h, bits, evidence, adequate=True)
     return None

@@ -89,7 +89,7 @@ class Edit:
     bits
         What it costs: the operator, the place, the choice, and the digits of its free number.
     words
-        What the candidate does, as a clause without its subject: "takes m for μ".
+        What the candidate does, as a clause without its subject: "uses m for μ".
     starts
         Where the search for its free number begins; nothing if it has none.
     within
@@ -101,10 +101,10 @@ class Edit:
     A candidate whose ball is heavier by a factor of its own, which a search has fitted:
 
     >>> from longball.judge.diagnosis.chain import CHAIN, I
-    >>> edit = Edit(I["m"], free() * I["m"], 4.0, "takes {c} times m", starts=(1.0,))
+    >>> edit = Edit(I["m"], free() * I["m"], 4.0, "uses {c} times m", starts=(1.0,))
     >>> settled = edit.settled(2.0, cost=6.3)
     >>> settled.by, settled.words, settled.bits
-    (2·m, 'takes 2 times m', 10.3)
+    (2·m, 'uses 2 times m', 10.3)
     >>> changed = zip(CHAIN, settled.apply(CHAIN), strict=True)
     >>> [stage.name for stage, other in changed if other is not stage][:2]
     ['pitch', 'touching']
@@ -333,13 +333,13 @@ def _others(site: Site) -> Iterator[Option]:
         cost = BITS["other"] + BITS["unit"] + math.log2(1 + len(like))
         for b in like:
             if b.dimension != a.dimension:
-                yield in_unit_of(a, b), cost, f"takes {words(b)} for {words(a)}", ()
+                yield in_unit_of(a, b), cost, f"uses {words(b)} for {words(a)}", ()
     for b in same:
-        yield site.or_itself(b), BITS["other"] + choice, f"takes {words(b)} for {words(a)}", ()
+        yield site.or_itself(b), BITS["other"] + choice, f"uses {words(b)} for {words(a)}", ()
         # A multiple of another input: a program may compute one number from the other.
         if a.op == b.op == "symbol" and not a.vector:
             cost = BITS["other"] + BITS["free factor"] + choice
-            yield free() * b, cost, f"takes {{c}} times {words(b)} for {words(a)}", (a / b,)
+            yield free() * b, cost, f"uses {{c}} times {words(b)} for {words(a)}", (a / b,)
     if a.op in ("symbol", "named"):
         for b in same:
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
@@ -360,7 +360,7 @@ def _numbers(site: Site) -> Iterator[Option]:
     if a.op == "constant" and a.data and not a.vector:
         if site.under("sum"):
             yield constant(0.0, a.dimension), BITS["zero"] + 1, f"leaves out {said}", ()
-        yield free(a.dimension), BITS["free value"] + 1, f"takes {{c}} for {said}", (a.data,)
+        yield free(a.dimension), BITS["free value"] + 1, f"uses {{c}} for {said}", (a.data,)
     if a.op == "constant":
         return
     # A term of a sum can be left out, and what has a name; a factor that is left out is a 1, below.
@@ -372,19 +372,19 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield constant(0.0, a.dimension, a.vector), cost, f"leaves out {said}", ()
     whole = not site.parents and a.dimension == NONE
     if (site.under("product", "quotient", "dot", "vector") or whole) and not a.vector:
-        yield constant(1.0, a.dimension), BITS["one"], f"takes 1 for {said}", ()
+        yield constant(1.0, a.dimension), BITS["one"], f"uses 1 for {said}", ()
     if a.op == "symbol" and (usual := site.defaults.get(a.data)) is not None and not a.vector:
         assert isinstance(usual, float)
-        text = f"ignores {said}: takes {usual:.9g}, its default"
+        text = f"ignores {said}: uses {usual:.9g}, its default"
         yield constant(usual, a.dimension), BITS["default"], text, ()
     # A wrong default shows only in scenes that omit the key. The search begins beside the right
     # value, where the edit has an effect.
     if a.op == "symbol" and a.data in site.left_out:
         chosen = switch(key_of(a), {"given": a, LEFT_OUT: free(a.dimension)})
-        text = f"takes {{c}} for {said} where the scene leaves it out"
+        text = f"uses {{c}} for {said} where the scene leaves it out"
         yield chosen, BITS["free value"] + 1, text, (0.9 * a,)
     if a.op in ("symbol", "named") and not a.vector:
-        text = f"takes {{c}} for {said}, whatever the scene says"
+        text = f"uses {{c}} for {said}, whatever the scene says"
         yield free(a.dimension), BITS["free value"], text, (a,)
 
 
@@ -395,12 +395,12 @@ def _factors(site: Site) -> Iterator[Option]:
         return
     if a.op in ("product", "quotient") and site.under("product", "quotient"):
         return  # the factors of a product are edited one by one
-    yield -1.0 * a, BITS["factor"] + 1, f"takes -{said}", ()
+    yield -1.0 * a, BITS["factor"] + 1, f"uses -{said}", ()
     if a.op == "unit" and site.under("product"):
         return  # its length is that of the number beside it
     fits = a.op in ("symbol", "named", "norm") or not site.parents or site.under("switch")
     if fits:
-        yield free() * a, BITS["free factor"], f"takes {{c}} times {said}", (1.0, 3.0, 0.3)
+        yield free() * a, BITS["free factor"], f"uses {{c}} times {said}", (1.0, 3.0, 0.3)
     if not fits and site.flies:  # a flight costs more than its fit would
         return
     # A free factor, fitted from 1, 3 and 0.3, rounds to a usual one near it. Factors of an input
@@ -409,7 +409,7 @@ def _factors(site: Site) -> Iterator[Option]:
     for factor, meaning in FACTORS.items():
         if factor == -1.0 or (fits and (a.op != "symbol" or 0.09 < factor < 11)):
             continue
-        text = f"takes {factor:.9g} times {said}" + (f" ({meaning})" if meaning else "")
+        text = f"uses {factor:.9g} times {said}" + (f" ({meaning})" if meaning else "")
         yield factor * a, choice, text, ()
 
 
@@ -510,10 +510,10 @@ def _shapes(site: Site) -> Iterator[Option]:
         text = f"{ways[0]} {said} in place of {ways[1]}"
         yield in_unit_of(a, 1.0 / a), BITS["inverse"], text, ()
     if a.op not in ("norm", "abs"):
-        yield function("abs", a, dimension=a.dimension), BITS["sibling"] + 1, f"takes |{said}|", ()
+        yield function("abs", a, dimension=a.dimension), BITS["sibling"] + 1, f"uses |{said}|", ()
         yield (
             function("positive", a, dimension=a.dimension), BITS["sibling"] + 1,
-            f"takes max({said}, 0)", (),
+            f"uses max({said}, 0)", (),
         )  # fmt: skip
     if a.op in ("symbol", "named") or site.under("switch"):
         limited = function("least", a, free(a.dimension), dimension=a.dimension)
@@ -539,7 +539,7 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
     said = words(a)
 
     def instead(b: Node, more: float = 0.0, at: str = "") -> tuple[Node, float, str]:
-        return b, more, f"takes {words(b)} for {said}{at}"
+        return b, more, f"uses {words(b)} for {said}{at}"
 
     match a.op, a.args:
         case "norm", (b,):
@@ -548,15 +548,15 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
                 yield instead(function("abs", component(b, i), dimension=a.dimension), 2.0)
             for name in ("(x, y, 0)", "(x, 0, z)", "(0, y, z)"):
                 part = norm(axes(b, AXES[name], name))
-                yield part, 0.0, f"takes the length of {name} of {words(b)} for {said}"
+                yield part, 0.0, f"uses the length of {name} of {words(b)} for {said}"
             for square, text in _mixed(b, b):
                 size = function("sqrt", square, dimension=a.dimension)
-                yield size, 3.0, f"takes {text} in the length of {words(b)}"
+                yield size, 3.0, f"uses {text} in the length of {words(b)}"
         case "cross", (b, c):
-            yield from ((made, 3.0, f"takes {text}") for made, text in _slipped(b, c))
+            yield from ((made, 3.0, f"uses {text}") for made, text in _slipped(b, c))
         case "dot", (b, c):  # as programs write it out, with a slip in one index or sign
             for product, text in (*_mixed(b, c), *_mixed(c, b)):
-                yield product, 3.0, f"takes {text} in {said}"
+                yield product, 3.0, f"uses {text} in {said}"
         case "sum", (_, b) if b.op == "negative":  # such as 1 - x
             yield instead(b.args[0])
         case "where", (condition, *sides):
@@ -564,14 +564,14 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             # As cheap as a wrong sign, which it often equals.
             yield where(condition, *sides[::-1]), -2.0, f"exchanges the two sides of {said}"
         case "sqrt", (b,):
-            yield in_unit_of(a, b), 0.0, f"takes {words(b)} for its root"
+            yield in_unit_of(a, b), 0.0, f"uses {words(b)} for its root"
         case "abs", (b,):
             yield from (instead(b), instead(-b))
         case (("sin" | "cos"), (angle,)):
             of = f"for {a.op} of {words(angle)}"
             for other in ("cos" if a.op == "sin" else "sin", "tan"):
-                yield function(other, angle), 0.0, f"takes {other} {of}"
-            yield angle, 0.0, f"takes {words(angle)} for its {a.op}"
+                yield function(other, angle), 0.0, f"uses {other} {of}"
+            yield angle, 0.0, f"uses {words(angle)} for its {a.op}"
             yield instead(constant(1.0))
         case "table", (x,):
             key, _ = a.data
@@ -583,7 +583,7 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             for i, size in enumerate(factors):
                 if _meaning(size).op == "norm" and _meaning(size).args[0] is c:
                     rest = math.prod(factors[:i] + factors[i + 1 :], start=constant(1.0))
-                    text = f"takes each component's own size for {words(size)} in {said}"
+                    text = f"uses each component's own size for {words(size)} in {said}"
                     yield rest * each("by_own_size", c, c), 0.0, text
                     text = f"squares each component in {said}, without its sign"
                     yield rest * each("by_component", c, c), 1.0, text
@@ -650,15 +650,15 @@ def _directions(site: Site) -> Iterator[Option]:
         yield (
             axes(a, rows, name),
             BITS["axes"] + math.log2(len(AXES)),
-            f"takes {name} of {said}",
+            f"uses {name} of {said}",
             (),
         )
     if n in site.pool and a is not n and a.op != "unit":
         along = dot(a, n) * n
-        yield along, BITS["part"], f"takes the part of {said} along n", ()
-        yield a - along, BITS["part"], f"takes the part of {said} across n", ()
+        yield along, BITS["part"], f"uses the part of {said} along n", ()
+        yield a - along, BITS["part"], f"uses the part of {said} across n", ()
     if a.op != "unit" and a.dimension != NONE:
-        yield norm(a) * e_x, BITS["part"] + 2, f"takes |{said}| along x for {said}", ()
+        yield norm(a) * e_x, BITS["part"] + 2, f"uses |{said}| along x for {said}", ()
 
 
 def _components(site: Site) -> Iterator[Option]:
@@ -672,11 +672,11 @@ def _components(site: Site) -> Iterator[Option]:
         for b in [x for x in parts if x is not own] + others:
             x, y, z = (in_unit_of(a, b) if k == i else part for k, part in enumerate(parts))
             cost = BITS["part"] + (BITS["unit"] if b.dimension != a.dimension else 0.0)
-            text = f"takes {words(b)} for {words(own)}"
+            text = f"uses {words(b)} for {words(own)}"
             yield vector(x, y, z), cost + math.log2(3 * (2 + len(others))), text, ()
         if a.data in INPUT_NAMES:
             x, y, z = (free(a.dimension) if k == i else part for k, part in enumerate(parts))
-            text = f"takes {{c}} for {words(own)}, whatever the scene says"
+            text = f"uses {{c}} for {words(own)}, whatever the scene says"
             yield vector(x, y, z), BITS["free value"] + math.log2(3), text, (own,)
 
 
@@ -688,7 +688,7 @@ def _states(site: Site) -> Iterator[Option]:
     # Such as a lift whose axis turns with the ball, or a drag that keeps the first speed.
     now = substitute(substitute(a, v0, v), r0, r)
     if now is not a and a.op in ("symbol", "named"):
-        yield now, BITS["launch"], f"takes {said} of each moment, not of the launch", ()
+        yield now, BITS["launch"], f"uses {said} of each moment, not of the launch", ()
     if not depends(a, frozenset(("r", "v"))):
         return
     at_launch = substitute(substitute(a, v, v0), r, r0)
@@ -720,7 +720,7 @@ def _states(site: Site) -> Iterator[Option]:
 
 
 def _everywhere(key: str, option: str) -> str:
-    return f"takes {key} = {option} in every scene"
+    return f"uses {key} = {option} in every scene"
 
 
 def _options(site: Site) -> Iterator[Option]:
@@ -734,7 +734,7 @@ def _options(site: Site) -> Iterator[Option]:
             args = list(a.args)
             args[i] = a.args[options.index(other)]
             if args[i].dimension == a.dimension:
-                text = f"takes {key} = {other} where the scene says {one}"
+                text = f"uses {key} = {other} where the scene says {one}"
                 yield rebuilt(a, args), BITS["option"] + 2, text, ()
 
 
@@ -971,7 +971,7 @@ def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
         return table(node.args[0], node.data[0], mode)
 
     slips: list[tuple[Sequence[str], Callable[[Node], Node], str]] = [
-        (ops, partial(product, number=number, slips=slips), f"takes {text} in every {name} a, b")
+        (ops, partial(product, number=number, slips=slips), f"uses {text} in every {name} a, b")
         for name, ops, slips in FUNCTIONS
         for number, (_, text) in enumerate(slips(_A, _B))
     ]

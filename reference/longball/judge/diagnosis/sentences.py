@@ -79,7 +79,7 @@ def named(
     same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
     sentence = f"{stage.name}: your program {edit}. This step is wrong {_where(one)}."
     if same:
-        sentence += f" These scenes do not distinguish it from: {'; '.join(same)}."
+        sentence += f" Equivalent in these scenes: {'; '.join(same)}."
     return _finding(
         one, data, kind="named", edit=edit, sentence=sentence, scenes=scenes,
         remedy=formulas(stage, found.edits[0], data), bits=round(found.evidence, 1),
@@ -148,7 +148,7 @@ def _where(one: Followed) -> str:
         return f"{scenes}, and not finite in some of them"
     if one.stage.kind == "event":
         return scenes
-    return f"{scenes}, given your own earlier values (off by up to {size(_worst(one))})"
+    return f"{scenes}, given your own earlier values (relative error up to {size(_worst(one))})"
 
 
 # A stage's expressions in words; others are called by the quantity.
