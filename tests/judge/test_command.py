@@ -290,4 +290,4 @@ def test_six_digits_hide_no_method_of_order_one(called, step: str):
         "judge", "--golden", "flight-both", "--profile", "exact", "--partial", "--as-csv",
         "--", *EULER, step, "6",
     )  # fmt: skip
-    assert f"flight: your program errs like explicit Euler in steps of {step} s" in said.stdout
+    assert f"flight: your program behaves like explicit Euler in steps of {step} s" in said.stdout

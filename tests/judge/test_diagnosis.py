@@ -273,15 +273,15 @@ def test_a_heading_of_each_moment_is_named():
 
 
 def test_one_option_with_a_mistake_in_it_is_named():
-    words = "uses reading.bat_ball_restitution = as_printed in every scene, and uses -m/M_eff in "
-    words += "e·(1 + m/M_eff) + m/M_eff"
+    words = "uses reading.bat_ball_restitution = as_printed in every scene, and flips the sign of "
+    words += "m/M_eff in e·(1 + m/M_eff) + m/M_eff"
     assert planted(["impact"], 1, words, at="restitution") == [words]
 
 
 def test_two_mistakes_are_named_of_which_one_shows_in_a_few_scenes():
     """The profile of the wind is in three scenes of forty."""
-    sign, profile = planted(["flight-wind"], 1, "uses -W", "leaves out wind.velocity")
-    assert sign in ("uses -W", "uses -W_0")
+    sign, profile = planted(["flight-wind"], 1, "flips the sign of W", "leaves out wind.velocity")
+    assert sign in ("flips the sign of W", "flips the sign of W_0")
     assert profile in ("leaves out wind.velocity", "leaves out r_z")
 
 
@@ -362,7 +362,8 @@ def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
             values_told["contact.margin"] = tuple(-x for x in values_told["contact.margin"])
     wrong = {c.id: Answer(c.id, c.expected.outcome, told[c.id]) for c in cases}
     (found,) = diagnose(cases, wrong).findings
-    assert (found.stage, found.edit) == ("margin", "uses -R + r_b - the closest distance")
+    assert found.stage == "margin"
+    assert found.edit == "flips the sign of R + r_b - the closest distance"
 
 
 @pytest.mark.parametrize("stage", ["bat velocity", "normal speed", "velocity after"])

@@ -47,7 +47,9 @@ def evaluate(judge: Judge, program: list[str]) -> Evaluation:
     return judge.evaluate_command(program, GENEROUS)
 
 
-LAGGED = "errs like velocity Verlet with the force at the old velocity, which the next step begins"
+LAGGED = (
+    "behaves like velocity Verlet with the force at the old velocity, which the next step begins"
+)
 
 NIGHTLY = pytest.mark.nightly
 
@@ -98,7 +100,7 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
         ("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "pitch", "uses 9.81 for g"),
         ("paper_verlet.c", "L * L / 3 + rb * rb / 4", "L * L / 3", "restitution", "leaves out r_b"),
         ("paper_verlet.c", "lever = L / 2 - r.y", "lever = L / 2 + r.y",
-         "bat velocity", "uses -contact.position_y"),
+         "bat velocity", "flips the sign of contact.position_y"),
         ("paper_verlet.py",
          'floor = scene["ground"]["height"]\n    flight',
          'floor = scene["ground"]["height"] + scene["ball"]["radius"]\n    flight',

@@ -69,7 +69,7 @@ def test_an_edit_leaves_nothing_of_its_own_errors_and_much_of_another(words: str
     chain, stage, columns = stage_of("impact", "impulse")
     right = Direct(stage, Values(columns))
     edit = edit_of(chain, stage, columns, words)
-    other = edit_of(chain, stage, columns, "uses -Ṽ·n")
+    other = edit_of(chain, stage, columns, "flips the sign of Ṽ·n")
     off = right.moved([(edit, None)])[0]
     assert Effects(right, [edit], [()], off).left() == pytest.approx([0.0], abs=1e-12)
     assert Effects(right, [other], [()], off).left()[0] > 1e-4

@@ -73,7 +73,7 @@ def test_what_holds_by_chance_gives_way_to_what_holds_in_new_scenes():
     by_chance = "landing.position is given as (-x, y, z)"
     assert [found.edit for found in diagnose(cases, said).findings] == [by_chance]
     (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
-    assert (found.stage, found.edit) == ("flight", "uses (-x, y, z) of dr/dt")
+    assert (found.stage, found.edit) == ("flight", "uses the components (-x, y, z) of dr/dt")
 
 
 def test_a_name_that_new_scenes_refute_is_withdrawn():

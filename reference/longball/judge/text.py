@@ -48,8 +48,8 @@ def _head(verdict: Verdict) -> Iterator[str]:
         yield from counts(verdict)
     for reason in verdict.reasons:
         yield f"{'partial' if verdict.status == 'PARTIAL' else 'failed'} because: {reason}"
-    if verdict.would_pass_at is not None and verdict.would_pass_at <= LOOSEST:
-        yield f"nothing would be wrong at --profile converged --tolerance {verdict.would_pass_at:g}"
+    if (least := verdict.would_pass_at) is not None and least <= LOOSEST:
+        yield f"no answer would be wrong at --profile converged --tolerance {least:g}"
 
 
 def counts(verdict: Verdict) -> Iterator[str]:
@@ -121,7 +121,7 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     for finding in diagnosis.findings if not diagnosis.conduct else ():  # no cause was sought
         yield from finding_sentences(finding)
     if diagnosis.smallest:
-        yield f"a smallest scene that fails: {json.dumps(diagnosis.smallest, ensure_ascii=False)}"
+        yield f"a minimal scene that fails: {json.dumps(diagnosis.smallest, ensure_ascii=False)}"
 
 
 def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:

@@ -437,7 +437,7 @@ class Way:
     Examples
     --------
     >>> Way(VERLET[Treatment(0.0, False, False)], 0.05, chord=True).words[:65]
-    'errs like velocity Verlet with the force at the old velocity in s'
+    'behaves like velocity Verlet with the force at the old velocity i'
     >>> Way(EXACT, 0.001, chord=True).words
     'puts the end of the flight on the chord between two steps of 0.001 s'
     """
@@ -462,7 +462,7 @@ class Way:
         if self.one is EXACT:
             return f"puts the end of the flight on the chord between two steps of {self.h:.6g} s"
         end = ", and ends on the chord between two of them" if self.chord else ""
-        return f"errs like {self.one.words} in steps of {self.h:.6g} s{end}"
+        return f"behaves like {self.one.words} in steps of {self.h:.6g} s{end}"
 
     @property
     def reads(self) -> Sequence[str]:

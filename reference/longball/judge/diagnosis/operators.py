@@ -395,7 +395,7 @@ def _factors(site: Site) -> Iterator[Option]:
         return
     if a.op in ("product", "quotient") and site.under("product", "quotient"):
         return  # the factors of a product are edited one by one
-    yield -1.0 * a, BITS["factor"] + 1, f"uses -{said}", ()
+    yield -1.0 * a, BITS["factor"] + 1, f"flips the sign of {said}", ()
     if a.op == "unit" and site.under("product"):
         return  # its length is that of the number beside it
     fits = a.op in ("symbol", "named", "norm") or not site.parents or site.under("switch")
@@ -548,7 +548,7 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
                 yield instead(function("abs", component(b, i), dimension=a.dimension), 2.0)
             for name in ("(x, y, 0)", "(x, 0, z)", "(0, y, z)"):
                 part = norm(axes(b, AXES[name], name))
-                yield part, 0.0, f"uses the length of {name} of {words(b)} for {said}"
+                yield part, 0.0, f"uses the components {name} of {words(b)} in {said}"
             for square, text in _mixed(b, b):
                 size = function("sqrt", square, dimension=a.dimension)
                 yield size, 3.0, f"uses {text} in the length of {words(b)}"
@@ -650,7 +650,7 @@ def _directions(site: Site) -> Iterator[Option]:
         yield (
             axes(a, rows, name),
             BITS["axes"] + math.log2(len(AXES)),
-            f"uses {name} of {said}",
+            f"uses the components {name} of {said}",
             (),
         )
     if n in site.pool and a is not n and a.op != "unit":

@@ -411,7 +411,9 @@ class Steps:
             bits = TRIED_BITS + ROUND_BITS
             evidence = null - cost(self.left([(one, h, False)], wrong)) - bits - CHANCE
             if np.mean(after < LIKE * before) >= MOST and evidence > 0:
-                said = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
+                said = (
+                    f"behaves like a scheme of order {one.order}, such as {one.words} in steps of"
+                )
                 return Scheme(f"{said} about {h:.2g} s", one.order, h, bits, evidence, False)
         return None
 

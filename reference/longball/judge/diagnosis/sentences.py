@@ -176,6 +176,8 @@ def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
         for node in (*around, root):
             right = _body(node)
             other = _simple(substitute(right, edit.place, edit.new), stage, data)
+            if "⟨" in words(other):  # a switch, printed as its key, is no formula
+                return None
             if words(other) != words(right):
                 name = words(node) if node.op == "named" else _ROOTS.get(key, stage.quantities[0])
                 return f"{name} should be {words(right)}; yours is {words(other)}"
