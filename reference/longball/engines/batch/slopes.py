@@ -426,7 +426,7 @@ class SlopeColumns(Columns):
             *(ColumnJet(plain_of(x), rate_of(y)) for x, y in zip(noted.state, state, strict=True))
         )
         falls = section.approach(type(state)(*map(plain_of, state)))
-        change = 0.5 * rate_of(bat.depth(state))
+        change = 0.5 * rate_of(bat.outside(state))
         speed = _norm(*map(plain_of, bat.frame.velocity(state)))
         steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
         numbers.doubt(rows & (code == 1) & ~steep & np.any(change != 0, axis=0))
