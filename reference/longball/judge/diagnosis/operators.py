@@ -188,8 +188,8 @@ BITS = {
     "unit": 3.0,
 }
 
-# Factors that come from units, halves, and diameters in place of radii, with the words that a verdict
-# adds.
+# Factors that come from units, halves, and diameters in place of radii, with the words of a
+# verdict.
 FACTORS = {
     -1.0: "the sign is wrong",
     2.0: "",
