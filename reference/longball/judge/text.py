@@ -112,7 +112,7 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
 
 def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     for sentence in diagnosis.conduct:
-        yield f"run twice: {sentence}"
+        yield f"run again: {sentence}"
     if diagnosis.first:
         yield f"first wrong step: {diagnosis.first}"
     yield from stage_sentences(diagnosis)

@@ -119,9 +119,9 @@ I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
 
 
 def _given(part: str, release: str = "") -> Node:
-    """What a scene gives of the ball, in the block of its kind.
+    """Position, velocity or spin of the ball that a scene gives, from the block of its kind.
 
-    A program has one function for the vectors of all blocks: a mistake in it is one edit.
+    A program has one function for the vectors of all blocks, so that a mistake in it is one edit.
     """
     pitch = I[release or f"pitch.{part}"]
     kinds = {"flight": I[f"launch.{part}"], "impact": I[f"incoming.{part}"]}
