@@ -209,10 +209,8 @@ class Collector:
                     values[name] = value
                 else:
                     unreadable.add(name)
-                    needed = (
-                        "must be a finite number" if size == 1 else "must be three finite numbers"
-                    )
-                    fault("not a number", f"{name} is {quoted(given)}; {needed}")
+                    needed = "a finite number" if size == 1 else "three finite numbers"
+                    fault("not a number", f"{name} is {quoted(given)}; must be {needed}")
         path = None
         if (points := data.get("path")) is not None:
             try:

@@ -16,9 +16,9 @@ from longball.judge.sampling import Sampling
 from longball.judge.verdict import Fault, Row, Verdict
 from longball.text_table import aligned
 
-SHOWN = 5  # how many of each list are printed; all are in the JSON
-LOOSEST = 1.0  # a tolerance (m, s, m/s, J) by which nobody would judge says nothing
-LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
+SHOWN = 5  # entries of each list that are printed; the JSON has all
+LOOSEST = 1.0  # m, s, m/s, J: a larger tolerance that would pass is not worth printing
+LONGEST_NAME = 120  # characters of a candidate's command, which may contain a whole program
 
 
 def render(verdict: Verdict, shown: int = SHOWN, table: bool = False) -> str:
@@ -39,7 +39,8 @@ def render(verdict: Verdict, shown: int = SHOWN, table: bool = False) -> str:
 def _head(verdict: Verdict) -> Iterator[str]:
     candidate = quoted(verdict.candidate, LONGEST_NAME)
     asked = verdict.cases - len(verdict.undecidable)
-    # Beside the others a count of whole answers would be read as one of what passed or failed.
+    # Only with PARTIAL: after the other words, the count of complete answers would be read as that
+    # of right or wrong ones.
     counted = f" {verdict.complete} of {asked}" * (verdict.status == "PARTIAL")
     yield f"{verdict.status}{counted}: {candidate}"
     if verdict.status == "PASSED" and verdict.complete < asked:
@@ -169,7 +170,7 @@ def _failures(verdict: Verdict, shown: int) -> Iterator[str]:
 
 
 def flagged(name: str, flags: Sequence[str]) -> str:
-    """Return the id of a scene with its flags behind it, if it has some."""
+    """Return the id of a scene, followed by its flags."""
     return name + (f" [{', '.join(flags)}]" if flags else "")
 
 
@@ -195,7 +196,7 @@ def _joined(numbers: Sequence[str]) -> str:
 
 
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:
-    """Yield what was not answered, or not judged."""
+    """Yield lines on missing answers and quantities, refusals, and cases that are not judged."""
     for missing in verdict.missing if verdict.judged else ():  # otherwise everything is
         need = ", as it may be" if missing.quantity in OPTIONAL else ""
         where = f"in {many(missing.cases, 'answer')}: {missing.example}"

@@ -1,4 +1,4 @@
-"""The diagnosis as it is published."""
+"""The diagnosis of a verdict: models of its JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Kind = Literal["named", "nearest", "located"]
 
 
 def many(count: int, noun: str) -> str:
-    """A number of things: "1 scene", "2 scenes"."""
+    """A count with its noun: "1 scene", "2 scenes"."""
     return f"{count} {noun}{'s' * (count != 1)}"
 
 
@@ -26,7 +26,7 @@ class Finding(Frozen):
         "named" if an edit reproduces the candidate's numbers, "nearest" if one comes close, or
         "located" if only the stage is known.
     sentence, remedy
-        What is wrong, and what would be right.
+        A sentence on what is wrong, and the right formula or an instruction.
 
     Examples
     --------
