@@ -150,7 +150,8 @@ def _convergence(report: ConvergenceReport) -> Iterator[str]:
 
 
 def _sampling(sampling: Sampling) -> Iterator[str]:
-    yield f"sampling: {sampling.at_bats} different at-bats of {sampling.source}, against the paper's"
+    count, source = sampling.at_bats, sampling.source
+    yield f"sampling: {count} different at-bats of {source}, compared with the paper's"
     yield f"  they show differences of a distribution function of {sampling.sees:.2f} or more"
     for found in sampling.found:
         named = f" [{', '.join(found.named)}]" if found.named else ""
