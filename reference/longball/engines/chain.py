@@ -1029,7 +1029,7 @@ def solve_with_path(
 
 
 def solve_with_points(scene: Scene, engine: Engine, points: int) -> Result:
-    """Return the result of a scene with so many points of its path, if it has any."""
+    """Return the result of a scene with a number of points of its path, if it has a path."""
     result, flown = solve_with_path(scene, engine)
     if result.error is not None or not flown.legs:
         return result

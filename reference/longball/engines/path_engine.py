@@ -303,7 +303,7 @@ class PathEngine(Engine, ABC):
         near = at_plate if at_plate > bat.reach else bat.reach
 
         # `pending` is an approach that ends with its piece: the next piece shows whether the
-        # distance goes on falling there, or has turned.
+        # distance continues to fall there, or has turned.
         pending: tuple[State, N] | None = None
         for piece, since, until, off in self.search_pieces(pitch, law, bat):
             left = search_end - piece.begin

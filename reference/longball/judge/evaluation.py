@@ -258,6 +258,6 @@ class Judge:
 
 
 def _is_upright(scene: Any) -> bool:
-    """True if a scene is a flight straight up or down, with a lift about an axis of its own."""
+    """True if a scene is a flight straight up or down, with a lift and without a spin."""
     flies = scene.kind == "flight" and scene.air is not None and scene.launch.spin is None
     return flies and not any(scene.launch.velocity[:2]) and bool(scene.air.lift_coefficient)

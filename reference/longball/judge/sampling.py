@@ -234,7 +234,7 @@ class _Way:
 
     named: tuple[str, ...]  # the mistakes in it
     distribution: Any  # of SciPy: what is drawn from
-    scale: float = 1.0  # times so much
+    scale: float = 1.0  # factor of the drawn numbers
     positive: bool = False  # whether what is not positive is thrown away
     fitted: str = ""  # what is said of the scale, if it was fitted to the values
 

@@ -355,5 +355,5 @@ def unit_that_explains(ratio: float, unit: str) -> str | None:
 
 
 def and_more(count: int) -> str:
-    """Return the end of a message about the first of so many rows."""
+    """Return the end of a message about the first of `count` rows."""
     return "" if count == 1 else f" ({count} rows in all)"

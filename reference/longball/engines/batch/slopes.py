@@ -309,7 +309,7 @@ class SlopeColumns(Columns):
         state, mark = (self._noted(ends, jets, law, which) for which in (0, 1))
         end = self._stopped(plain, events, known, ends, state, limit)
 
-        # A flight that ends where it starts goes on by the least change: a corner.
+        # A flight that ends at its start continues after the least change: that is a corner.
         starts = (stops != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
         self.jets.doubt(rows & starts)
         self.jets.doubt(rows & (ends["steps"] > _MOST_STEPS))

@@ -386,7 +386,7 @@ def _numbers(site: Site) -> Iterator[Option]:
         assert isinstance(usual, float)
         text = f"ignores {said}: uses {usual:.9g}, its default"
         yield constant(usual, a.dimension), BITS["default"], text, ()
-    # A wrong default shows only in scenes that omit the key. The search begins beside the right
+    # A wrong default shows only in scenes that omit the key. The search begins near the right
     # value, where the edit has an effect.
     if a.op == "symbol" and a.data in site.left_out:
         chosen = switch(key_of(a), {"given": a, LEFT_OUT: free(a.dimension)})
@@ -413,7 +413,7 @@ def _factors(site: Site) -> Iterator[Option]:
     if not fits and site.flies:  # of flights, only fitted factors: a trial of each is expensive
         return
     # A free factor, fitted from 1, 3 and 0.3, rounds to a usual one near it. Factors of an input
-    # beyond 0.09 to 11 are too far for the fit, and are edits of their own.
+    # beyond 0.09 to 11 are too far for the fit, and are separate edits.
     choice = BITS["factor"] + math.log2(len(FACTORS))
     for factor, meaning in FACTORS.items():
         if factor == -1.0 or (fits and (a.op != "symbol" or 0.09 < factor < 11)):

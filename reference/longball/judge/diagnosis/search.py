@@ -91,7 +91,7 @@ class Named:
 
     edits: tuple[Edit, ...]
     evidence: float  # bits beyond chance
-    same: tuple[Edit, ...] = ()  # edits that give equal numbers in all scenes at hand
+    same: tuple[Edit, ...] = ()  # edits that give equal numbers in all scenes
 
 
 @dataclass(frozen=True)
@@ -509,7 +509,7 @@ class Explanation:
         """One or two of `some` edits that explain the stage.
 
         `tried` is the number of edits tried so far, and `pairs` that of the edits for which a
-        second one is sought; for `responses` see `candidates`.
+        second one is searched for; for `responses` see `candidates`.
         """
         # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
         # tried.
