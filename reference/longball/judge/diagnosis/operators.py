@@ -952,7 +952,7 @@ def _of_regions(
 def _of_zeros(
     root: Node, nodes: Sequence[Node], defaults: Mapping[str, Any], columns: Columns
 ) -> Iterator[Edit]:
-    """The edit of a program that takes the default of a number that is 0, as by ``x or 9.8``."""
+    """The edit of a program that uses the default of a number that is 0, as in ``x or 9.8``."""
     found = root
     for node in nodes:
         usual = defaults.get(node.data) if node.op == "symbol" else None
@@ -960,7 +960,7 @@ def _of_zeros(
             chosen = {"other": node, ZERO: constant(usual, node.dimension)}
             found = substitute(found, node, switch(zero_of(node), chosen))
     if found is not root:
-        yield Edit(root, found, BITS["option"], "takes the default of each number that is 0")
+        yield Edit(root, found, BITS["option"], "uses the default of each number that is 0")
 
 
 def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
