@@ -102,8 +102,8 @@ class TestSolve:
     @pytest.mark.parametrize(
         ("text", "said"),
         [
-            ("kind,gravity,gravity\npitch,9,9", "the column gravity is there twice"),
-            ("kind,gravity\n\npitch,9,9", "line 3: 3 cells, and the head has 2"),
+            ("kind,gravity,gravity\npitch,9,9", "the column gravity appears twice"),
+            ("kind,gravity\n\npitch,9,9", "line 3: 3 cells, but the head has 2"),
             ("kind,gravity,\npitch,9,8", "line 2: '8' is in a column without a name"),
             ("kind,pitch.aim[99999999999]\npitch,9", "no list has so many places"),
             ("kind;gravity\npitch;9,8", "head has semicolons where commas must"),

@@ -238,7 +238,7 @@ solve --digits 20 -> takes no --digits; it takes --integrator, --rtol, --atol
 solve --engine batch --landing-error 0 -> --landing-error = 0.0 m
 solve --engine enclosure --digits 501 -> --digits = 501
 solve --dt -> --dt: a value is needed: verlet: time step, s
-solve --certify=yes -> --certify: it takes no value
+solve --certify=yes -> --certify takes no value
 sovle -> no such command 'sovle', did you mean solve? The commands are solve,
 spin --example --model paper -> a constant does not depend on the spin
 spin --example --model natan -> did you mean nathan

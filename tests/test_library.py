@@ -418,7 +418,7 @@ VECTORS = {"position": (15, 0, 2), "velocity": (-40, 0, 0), "acceleration": (8, 
             "launch.velocty: unknown key, did you mean velocity",
         ),
         # keys
-        (lambda: lb.solve({"Kind": "flight"}), "is missing, and Kind is no key"),
+        (lambda: lb.solve({"Kind": "flight"}), "is missing, and Kind is not a key"),
         (
             lambda: BALL.replace(**{"air.temperature": 20}),
             "temperature is a key of air.density",

@@ -154,7 +154,7 @@ def verdict(printed: Printed, method: str, value: float, error: float | None) ->
         return "not determined by these pitches"
     # Of the nine numbers of a table, all of them right, one lies outside every other time.
     if abs(value - printed.value) < 2.0 * error:
-        return "given back"
+        return "recovered"
     if method == "least_squares" and printed.bin_width:
         widened = math.hypot(printed.value, printed.bin_width / math.sqrt(12.0))
         if abs(value - widened) < 2.0 * error:

@@ -21,7 +21,7 @@ STOPPED = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
 class _Closed(io.RawIOBase):
-    """A standard stream that is closed: whoever needs it hears of it, and nobody else."""
+    """A closed standard stream, which raises an error only if it is used."""
 
     def __init__(self, name: str) -> None:
         self.stream = name

@@ -55,15 +55,15 @@ class Alike:
 
 
 def alike(scenes: Iterable[object]) -> list[Alike]:
-    """Return those scenes that are dicts of numbers, texts, vectors and blocks, by their form.
+    """Group scenes that are dicts of numbers, texts, vectors and blocks by their form.
 
-    The others need not be scenes at all.
+    Other objects are omitted, whatever they are.
     """
     groups: dict[tuple[Any, ...], Alike] = {}
     for place, scene in enumerate(scenes):
         if type(scene) is not dict:
             continue
-        # An id is no part of the form: each scene has another.
+        # The id is not a part of the form: every scene has a different one.
         name = scene.get("id")
         if name is not None and not (type(name) is str and name and name.isprintable()):
             continue  # half of a surrogate pair is not printable

@@ -278,8 +278,8 @@ class Cut(Ivp):
             yield piece
             begin, state = end, np.array(piece.at(end - begin))
 
-    def views(self, *given):
-        return PathEngine.views(self, *given)
+    def search_pieces(self, *given):
+        return PathEngine.search_pieces(self, *given)
 
 
 @pytest.mark.parametrize("ends", [(), (0.5,), (0.25, 0.5, 0.75), (0.498,), (0.5, 0.502)])

@@ -95,7 +95,7 @@ def test_a_vertical_launch_has_no_vertical_side_force(direction):
         (
             {"value": 0.1, "direction": [0, 1, 0]},
             {"reading": {"lift_direction": "always_up"}},
-            "takes neither spin nor wind nor a table nor a side_coefficient",
+            "cannot be combined with spin, wind, a table of the lift, or a side_coefficient",
         ),
     ],
 )

@@ -73,10 +73,10 @@ def test_another_default_changes_its_cases():
     found = coverage(CASES, every=0)
     kinds: Any = [case.scene.kind for case in found.cases]
     noticed = {
-        (edit.words.removeprefix("takes another default for "), kind)
+        (edit.words.removeprefix("uses another default for "), kind)
         for edit, row in zip(found.edits, found.noticed, strict=True)
         for kind, seen in zip(kinds, row, strict=True)
-        if seen and edit.words.startswith("takes another default for ")
+        if seen and edit.words.startswith("uses another default for ")
     }
     flying = {"gravity", "air.density", "air.wind.roughness", "earth.azimuth",
               "air.drag_coefficient", "air.lift_coefficient", "ball.mass", "ball.radius",

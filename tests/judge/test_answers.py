@@ -95,7 +95,7 @@ def test_a_table(tmp_path: Path):
 
 def test_columns_that_are_not_used_are_told(tmp_path: Path):
     collected = read_results(written(tmp_path, "r.csv", "id, dist\na, 3\n"), ASKED)
-    assert "line 1: the column dist is not used: it is no key of a result" in said(collected)
+    assert "line 1: the column dist is not used: it is not a key of a result" in said(collected)
     assert collected.faults == 0
 
 

@@ -190,7 +190,7 @@ def test_rubbish_is_told_by_line_and_the_rest_judged():
         "line 2: not UTF-8 text: byte 1 is 0xff",
         "line 3: not a result, which is a JSON object",
         "line 4: not a result: it has no id",
-        "line 5: not a result: the id 7 is no text",
+        "line 5: not a result: the id 7 is not text",
         "line 7: not a result: brackets nested too deeply",
         'line 9: not JSON from character 25 on: "lan',
     ):
@@ -221,10 +221,10 @@ def test_numbers_that_are_none():
     answers = ran.collected.answers
     assert not answers["s0"].values
     assert len(answers["s0"].unreadable) == 5
-    assert "s0: landing.distance is NaN; a finite number must stand there" in said(ran)
-    assert 's0: landing.position is ["1", "2"]; three finite numbers' in said(ran)
+    assert "s0: landing.distance is NaN; must be a finite number" in said(ran)
+    assert 's0: landing.position is ["1", "2"]; must be three finite numbers' in said(ran)
     assert "s1: home run is not an outcome" in said(ran)
-    assert "s1: landing is no JSON object" in said(ran)
+    assert "s1: landing is not a JSON object" in said(ran)
     assert answers["s2"].outcome is None
     assert answers["s3"].unreadable == {"landing.distance"}
 

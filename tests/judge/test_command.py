@@ -194,14 +194,14 @@ def test_a_candidate_that_misbehaves_fails_with_a_sentence(
     assert "; it answered 0 of" in said.stdout
     assert "Traceback" not in said.stderr
     assert "\x1b" not in said.stdout
-    assert "its convergence was not looked at" not in said.stdout
+    assert "its convergence was not measured" not in said.stdout
 
 
 def test_no_other_step_is_tried_of_one_that_crashes(called):
     command = [sys.executable, "-I", "-S", "-c", CRASHING, "{dt}"]
     said = called("judge", "--golden", "pitch", "--", *command)
     assert said.returncode == 1
-    assert "its convergence was not looked at" in said.stdout
+    assert "its convergence was not measured" in said.stdout
 
 
 def test_a_step_that_hangs_is_the_last_that_is_tried(called):
@@ -233,7 +233,7 @@ def test_the_first_command_says_what_is_left(called, tmp_path: Path):
     assert lines[0].startswith("PARTIAL ")
     assert "0 wrong" in lines[3]
     assert "and no at-bat, no impact, no pitch; --partial judges what there is" in lines[4]
-    assert lines[-1].startswith("further: at --profile exact, ")
+    assert lines[-1].startswith("beyond this verdict: at --profile exact, ")
     assert "are right; not tested: defaults, hard, impact-oblique, fence," in lines[-1]
 
 
@@ -241,7 +241,7 @@ def test_nothing_is_claimed_of_answers_that_hold_nothing(called):
     """Of a program that prints the scenes that it reads, by each of the ways to count."""
     said = called("judge", "--golden", "pitch", "--", "cat").stdout
     assert "failed because: the answers hold nothing that could be judged" in said
-    assert "ball is no key of a result, but one of a scene" in said
+    assert "ball is not a key of a result, but of a scene" in said
     assert not {"right;", "further:", "left out:"} & {*said.split()}
 
 
@@ -290,4 +290,4 @@ def test_six_digits_hide_no_method_of_order_one(called, step: str):
         "judge", "--golden", "flight-both", "--profile", "exact", "--partial", "--as-csv",
         "--", *EULER, step, "6",
     )  # fmt: skip
-    assert f"flight: your program errs like explicit Euler in steps of {step} s" in said.stdout
+    assert f"flight: your program behaves like explicit Euler in steps of {step} s" in said.stdout

@@ -72,7 +72,7 @@ def test_time_limits():
     scenes = {
         "cut": ('"time_limit":5.5', "cuts the time limit to whole seconds", True),
         "whole": ('"time_limit":6.0', "cuts the time limit to whole seconds", False),
-        "late": ('"time_limit":5.1', "takes twice the time limit", True),
+        "late": ('"time_limit":5.1', "uses twice the time limit", True),
     }
     for text, words, seen in scenes.values():
         line = f'{{"kind":"flight",{text},"launch":{{"position":[0,0,1],"velocity":[30,0,25]}}}}'

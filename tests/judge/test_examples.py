@@ -47,7 +47,9 @@ def evaluate(judge: Judge, program: list[str]) -> Evaluation:
     return judge.evaluate_command(program, GENEROUS)
 
 
-LAGGED = "errs like velocity Verlet with the force at the old velocity, which the next step begins"
+LAGGED = (
+    "behaves like velocity Verlet with the force at the old velocity, which the next step begins"
+)
 
 NIGHTLY = pytest.mark.nightly
 
@@ -95,23 +97,23 @@ def test_against_the_truth_it_is_found_out(name: str, cases: list[Known], tmp_pa
 @pytest.mark.parametrize(
     ("name", "right", "wrong", "stage", "edit"),
     [
-        ("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "pitch", "takes 9.81 for g"),
+        ("paper_verlet.c", "a.z -= gravity", "a.z -= 9.81", "pitch", "uses 9.81 for g"),
         ("paper_verlet.c", "L * L / 3 + rb * rb / 4", "L * L / 3", "restitution", "leaves out r_b"),
         ("paper_verlet.c", "lever = L / 2 - r.y", "lever = L / 2 + r.y",
-         "bat velocity", "takes -contact.position_y"),
+         "bat velocity", "flips the sign of contact.position_y"),
         ("paper_verlet.py",
          'floor = scene["ground"]["height"]\n    flight',
          'floor = scene["ground"]["height"] + scene["ball"]["radius"]\n    flight',
          "landing", "R"),
-        ("paper_verlet.c", "-drag * speed, v", "-drag, v", "pitch", "takes 1 for U"),
+        ("paper_verlet.c", "-drag * speed, v", "-drag, v", "pitch", "uses 1 for U"),
         ("paper_verlet.c", 'radius = num("ball", "radius", 0)',
-         'radius = num("ball", "radius", 0) / 2', "pitch", "takes 0.5 times R"),
+         'radius = num("ball", "radius", 0) / 2', "pitch", "uses 0.5 times R"),
         ("paper_verlet.js", "{ ball, bat, swing }, r, v, height) {",
          "{ ball, bat, swing: { tilt: degrees, angular_speed } }, r, v, height) {\n"
          "  const swing = { angular_speed, tilt: (degrees * Math.PI) / 180 };",
          "bat velocity", "times θ (degrees taken for radians)"),
         ("paper_verlet.js", "bat.length ** 2 / 3", "bat.length ** 2 / 12",
-         "restitution", "takes 12 for 3"),
+         "restitution", "uses 12 for 3"),
         ("paper_verlet.js", "restitution * (1 + ratio) + ratio;", "restitution;",
          "restitution", "leaves out m/M_eff"),
     ],
@@ -166,7 +168,7 @@ OLD, NEXT = (f"acceleration({v}, to or heading({v}))" for v in ("v", "add(half, 
         (0.004, [(OLD, NEXT)], ["velocity Verlet with the force at a predicted velocity", WHOLE]),
         (0.004, [(PUSH, CARRIED)], [LAGGED, "at three steps in a row"]),
         (0.02, [("a[2] -= g", "a[2] -= 9.81"), ("rb**2 / 4)", "0)")],
-         ["takes 9.81 for g", LAGGED, "leaves out r_b", WHOLE]),
+         ["uses 9.81 for g", LAGGED, "leaves out r_b", WHOLE]),
     ],
 )  # fmt: skip
 @pytest.mark.nightly

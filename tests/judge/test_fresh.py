@@ -122,15 +122,15 @@ def test_points_off_the_path_are_told():
 @pytest.mark.parametrize(
     ("points", "why"),
     [
-        ([], "two points or more"),
-        ([[0, 0, 0, 1]], "two points or more"),
-        ([[0, 0, 0, 1], [1, 0, 0, 1], [0.5, 0, 0, 1]], "time does not go on at point 2"),
-        ([[0, 0, 0, 1], [0, 0, 0, 1]], "time does not go on"),
+        ([], "at least two points"),
+        ([[0, 0, 0, 1]], "at least two points"),
+        ([[0, 0, 0, 1], [1, 0, 0, 1], [0.5, 0, 0, 1]], "time does not increase at point 2"),
+        ([[0, 0, 0, 1], [0, 0, 0, 1]], "time does not increase"),
         ([[0, 0, 0, 1], [1, 0, math.nan, 1]], "point 1 is"),
         ([[0, 0, 0, 1], [1, 0, 1]], "point 1 is"),
         ([[0, 0, 0, 1], "x"], "point 1 is"),
         ([[float(i), 0, 0, 1] for i in range(100_001)], "100001 points"),
-        (7, "two points or more"),
+        (7, "at least two points"),
     ],
 )
 def test_what_is_no_path_is_told(points: object, why: str):
@@ -237,7 +237,10 @@ def test_state_kept_between_scenes_and_random_answers_are_told(tmp_path: Path):
         "    print(json.dumps(made), flush=True)\n"
     )
     judge = Judge(solved(pitches(), Ivp()), Converged(1e-3), partial=True)
-    for value, why in (("n / 100", "depends on the scenes before"), ("random.random()", "not det")):
+    for value, why in (
+        ("n / 100", "depend on earlier scenes"),
+        ("random.random()", "not det"),
+    ):
         source.write_text(text.replace("VALUE", value), encoding="utf-8")
         verdict = judge.evaluate_command([sys.executable, str(source)]).verdict
         assert any(why in reason for reason in verdict.reasons), verdict.reasons

@@ -44,11 +44,11 @@ def rows(stage: Stage, columns: Any) -> Any:
 @pytest.mark.parametrize(
     ("family", "name", "words"),
     [
-        ("flight-both", "flight", "takes {c} times m"),
-        ("flight-both", "flight", "takes {c} times launch.velocity"),
-        ("flight-weather", "flight", "takes {c} times T"),
-        ("pitch", "pitch", "takes {c} times V_0"),
-        ("flight-spin-lift", "flight", "takes {c} times launch.spin"),
+        ("flight-both", "flight", "uses {c} times m"),
+        ("flight-both", "flight", "uses {c} times launch.velocity"),
+        ("flight-weather", "flight", "uses {c} times T"),
+        ("pitch", "pitch", "uses {c} times V_0"),
+        ("flight-spin-lift", "flight", "uses {c} times launch.spin"),
     ],
 )
 def test_what_a_small_edit_does_is_what_its_flight_does(family: str, name: str, words: str):
@@ -64,12 +64,12 @@ def test_what_a_small_edit_does_is_what_its_flight_does(family: str, name: str, 
     assert foreseen == pytest.approx(flown, abs=2e-3 * np.abs(flown).max())
 
 
-@pytest.mark.parametrize("words", ["takes m for μ", "leaves out ẽ"])
+@pytest.mark.parametrize("words", ["uses m for μ", "leaves out ẽ"])
 def test_an_edit_leaves_nothing_of_its_own_errors_and_much_of_another(words: str):
     chain, stage, columns = stage_of("impact", "impulse")
     right = Direct(stage, Values(columns))
     edit = edit_of(chain, stage, columns, words)
-    other = edit_of(chain, stage, columns, "takes -Ṽ·n")
+    other = edit_of(chain, stage, columns, "flips the sign of Ṽ·n")
     off = right.moved([(edit, None)])[0]
     assert Effects(right, [edit], [()], off).left() == pytest.approx([0.0], abs=1e-12)
     assert Effects(right, [other], [()], off).left()[0] > 1e-4
@@ -79,7 +79,7 @@ def test_an_edit_leaves_nothing_of_its_own_errors_and_much_of_another(words: str
 def test_a_number_may_do_more_than_its_start():
     """The start changes scenes of another g alone; the candidate's number changes all."""
     chain, stage, columns = stage_of("flight-both", "flight")
-    edit = edit_of(chain, stage, columns, "takes {c} for g, whatever the scene says")
+    edit = edit_of(chain, stage, columns, "uses {c} for g, whatever the scene says")
     effects = Response(stage, Values(columns))
     off = effects.moved([(edit, 9.80665)])[0]
     assert Effects(effects, [edit], [(9.8,)], off).left() == pytest.approx([0.0], abs=1e-9)
@@ -88,9 +88,9 @@ def test_a_number_may_do_more_than_its_start():
 def test_of_a_pair_both_edits_are_found_where_neither_fits_alone():
     chain, stage, columns = stage_of("flight-both", "flight")
     effects = Response(stage, Values(columns))
-    every = [e for e in edits(chain, stage, defaults(), columns) if "takes {c} times" in e.words]
-    gravity = edit_of(chain, stage, columns, "takes {c} for g, whatever the scene says")
-    mass = edit_of(chain, stage, columns, "takes {c} times m")
+    every = [e for e in edits(chain, stage, defaults(), columns) if "uses {c} times" in e.words]
+    gravity = edit_of(chain, stage, columns, "uses {c} for g, whatever the scene says")
+    mass = edit_of(chain, stage, columns, "uses {c} times m")
     off = effects.moved([(gravity, 9.81), (mass, 1.0005)]).sum(axis=0)
     every = [gravity, *every]
     with np.errstate(all="ignore"):
@@ -99,7 +99,7 @@ def test_of_a_pair_both_edits_are_found_where_neither_fits_alone():
     pair = {edit.words for edit, _ in found.pairs(1)[0]}
     # Whatever scales both forces alike moves the ball as the mass does.
     (other,) = pair - {gravity.words}
-    assert other in {f"takes {{c}} times {name}" for name in ("m", "ρ_0", "ρ", "A", "k", "π")}
+    assert other in {f"uses {{c}} times {name}" for name in ("m", "ρ_0", "ρ", "A", "k", "π")}
 
 
 def test_a_slip_in_the_vector_product_of_a_program_shows_in_all_and_in_nothing_else():

@@ -144,7 +144,10 @@ def test_what_is_left_out_is_not_judged():
         ("{", "line 501: not JSON"),
         ("[1]", "line 501: not an at-bat"),
         ('{"kind": "flight"}', "line 501: not an at-bat"),
-        ('{"pitch": {"speed": "fast"}}', "at-bat 501: pitch.speed is fast; a finite number"),
+        (
+            '{"pitch": {"speed": "fast"}}',
+            "at-bat 501: pitch.speed is fast; must be a finite",
+        ),
         ('{"pitch": {"speed": NaN}}', "at-bat 501: pitch.speed is nan"),
         ('{"pitch": {"speed": 1' + "0" * 400 + "}}", "at-bat 501: pitch.speed is 100"),
         ('{"pitch": 7}', "at-bat 501: pitch.speed: 7 has no speed"),

@@ -113,7 +113,7 @@ def test_a_scheme_is_named_with_its_step(step, h, name, order):
     found = explain_scheme(*wrong(flown(h, step)))
     assert found is not None
     assert found.adequate
-    assert found.words.startswith(f"errs like {name} in steps of {h:.6g} s")
+    assert found.words.startswith(f"behaves like {name} in steps of {h:.6g} s")
     assert (found.order, found.step) == (order, pytest.approx(h, rel=1e-9))
 
 
@@ -145,7 +145,7 @@ def test_a_wrong_coefficient_is_named_with_its_step(h, mistake, words, order):
     found = explain_scheme(*wrong(flown(h, runge_kutta(**mistake))))
     assert found is not None
     assert found.adequate
-    assert found.words == f"errs like RK4 with {words} in steps of {h:.6g} s"
+    assert found.words == f"behaves like RK4 with {words} in steps of {h:.6g} s"
     assert found.order == order
 
 
@@ -157,7 +157,7 @@ def test_the_scheme_of_the_paper_is_named_with_its_last_step(landing):
     found = explain_scheme(*wrong(results))
     assert found is not None
     assert found.words.startswith(
-        "errs like velocity Verlet with the force at the old velocity, which"
+        "behaves like velocity Verlet with the force at the old velocity, which"
     )
     assert ("on the chord" in found.words) == (landing == "interpolated")
     if landing == "first_below":
@@ -180,13 +180,13 @@ def test_a_wrong_law_is_no_scheme():
 
 def test_a_law_and_a_scheme_are_found_together():
     _, *rest = wrong(flown(0.01, euler, gravity=1.1))
-    times = Edit(I["g"], 1.1 * I["g"], 5.0, "takes 1.1 g")
-    other = Edit(I["m"], 1.1 * I["m"], 5.0, "takes 1.1 m")
+    times = Edit(I["g"], 1.1 * I["g"], 5.0, "uses 1.1 g")
+    other = Edit(I["m"], 1.1 * I["m"], 5.0, "uses 1.1 m")
     found = with_edit(Steps(*rest), [other, times])
     assert found is not None
     edit, scheme = found
     assert edit is times
-    assert scheme.words.startswith("errs like explicit Euler in steps of 0.01 s")
+    assert scheme.words.startswith("behaves like explicit Euler in steps of 0.01 s")
 
 
 def test_a_late_clock_is_told_and_no_scheme():

@@ -73,14 +73,14 @@ def test_what_holds_by_chance_gives_way_to_what_holds_in_new_scenes():
     by_chance = "landing.position is given as (-x, y, z)"
     assert [found.edit for found in diagnose(cases, said).findings] == [by_chance]
     (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
-    assert (found.stage, found.edit) == ("flight", "takes (-x, y, z) of dr/dt")
+    assert (found.stage, found.edit) == ("flight", "uses the components (-x, y, z) of dr/dt")
 
 
 def test_a_name_that_new_scenes_refute_is_withdrawn():
     scenes = flights()
     cases, said = solved(scenes, Ivp()), answers(scenes, heavy)
     (found,) = diagnose(cases, said, solve=lambda new: answers(new, heavy)).findings
-    assert (found.kind, found.edit) == ("named", "takes 9.9 for g, whatever the scene says")
+    assert (found.kind, found.edit) == ("named", "uses 9.9 for g, whatever the scene says")
     (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
     assert (found.kind, found.edit) == ("nearest", None)
     assert "but not in" in found.sentence

@@ -208,8 +208,8 @@ def test_keys_in_another_spelling_are_told(few: list[Known]):
     verdict = tried(few, change).verdict
     assert verdict.status == "PARTIAL"
     told = render(verdict)
-    assert "landing.hangTime is no key of a result; is landing.hang_time meant?" in told
-    assert "homeRun is no key of a result" in told
+    assert "landing.hangTime is not a key of a result; did you mean landing.hang_time?" in told
+    assert "homeRun is not a key of a result" in told
 
 
 def test_the_tolerance_at_which_it_would_pass(few: list[Known]):
@@ -406,9 +406,9 @@ def test_what_a_second_run_tells_comes_first_and_no_cause_beside_it():
     once, again = (
         list(_diagnosis(twice.model_copy(update={"conduct": c}))) for c in ([], ["it differs"])
     )
-    assert once[0] == "where first: flight"
+    assert once[0] == "first wrong step: flight"
     assert "nothing explains it" in once[-1]
-    assert again[0] == "run twice: it differs"
+    assert again[0] == "run again: it differs"
     assert "nothing explains it" not in " ".join(again)
 
 

@@ -200,7 +200,7 @@ def test_a_ball_may_rise_to_the_ground_that_it_lands_on_but_not_inside_a_fence()
     }
     assert parse_scene(json.dumps(deck)).ground.height == 8.0
     told = str(refused(json.dumps(deck | {"fence": {"radius": 100}})))
-    assert "which with a fence must not be above the launch" in told
+    assert "with a fence, the launch must not be below the ground" in told
 
 
 @pytest.mark.parametrize(
@@ -211,7 +211,7 @@ def test_a_ball_may_rise_to_the_ground_that_it_lands_on_but_not_inside_a_fence()
         ("{'kind': 'pitch'}", "not JSON: at character 2 a key in double quotes is needed"),
         ("kind: pitch", "not JSON: at character 1 a value is needed"),
         ("{} {}", "from character 4 on; write one scene per line"),
-        ("[1, 2]", "a JSON object is needed, this is [1, 2]"),
+        ("[1, 2]", "a JSON object is needed, not [1, 2]"),
         (b"\xff", "not UTF-8 text: byte 1 is 0xff"),
         ('{"id": "a", "kind": "pitch", "id": "b"}', "id: the key is given twice"),
         ('{"id": "a"}', "kind: is missing"),

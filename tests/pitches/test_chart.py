@@ -120,7 +120,7 @@ WRONG_TABLES = {
     "empty": (io.StringIO(""), "table: the table is empty"),
     "ragged": (
         statcast("FF,90,0,2,3,1,7"),
-        "table: line 2: 7 cells, and the head has 6",
+        "table: line 2: 7 cells, but the head has 6",
     ),
 }  # fmt: skip
 

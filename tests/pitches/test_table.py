@@ -58,7 +58,7 @@ def test_a_stroke_says_that_nothing_was_measured():
         (b"PAR1 and nothing more", "table: "),
         (gzip.compress(TEXT.encode(), mtime=0)[:20], "cannot be read"),
         (b"a,c\n1,2\n", "b: the table has no such column; its columns are a, c"),
-        (b"a,b,b\n1,2,3\n", "the column b is there twice"),
+        (b"a,b,b\n1,2,3\n", "the column b appears twice"),
     ],
 )
 def test_a_sentence_says_what_is_wrong(data: bytes, sentence: str):

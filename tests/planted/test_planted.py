@@ -38,7 +38,7 @@ def test_wilson_interval_of_none_in_300():
 
 
 def test_name_is_right_only_within_four_floors_everywhere():
-    finding = {"stage": "flight", "kind": "named", "words": "takes 2 times lift",
+    finding = {"stage": "flight", "kind": "named", "words": "uses 2 times lift",
                "is_edit": True, "rough": False, "off": [0, 90]}  # fmt: skip
     row = {"source": "planted", "passed": False, "first": ["flight"], "everywhere": ["flight"],
            "findings": [finding]}  # fmt: skip

@@ -77,7 +77,7 @@ def write(o: Options) -> None:
 
 
 def coverage(o: Options) -> None:
-    """Count the mistakes that your own scenes would detect, beside the golden data.
+    """Count the mistakes that your own scenes and the golden data would detect.
 
     A mistake is an edit of the model, such as another symbol, a flipped sign, a factor or a missing
     term. The counts include the edits that your scenes or the golden data detect.

@@ -170,7 +170,7 @@ def as_data(
 def print_probability(
     rows: Rows, fitted: Fit | None, curves: Mapping[str, Curve], chosen: str
 ) -> None:
-    """Print P(e) beside the paper's printed curves, and its difference from one of them."""
+    """Print P(e) next to the paper's printed curves, and its difference from one of them."""
     beside = ("paper's caption", "text", "difference") if curves else ()
     table = []
     for row in rows:

@@ -89,7 +89,7 @@ def judge(o: Options) -> None:
     # In GitHub's log, the text is below the annotations.
     text = render(evaluation.verdict, table=o.table).rstrip()
     if further := further_options(o, evaluation, rule):
-        text += f"\n\nfurther: {further}"
+        text += f"\n\nbeyond this verdict: {further}"
     with failing_unless(evaluation.verdict.passed):
         match o.format:
             case "text":

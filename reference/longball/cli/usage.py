@@ -42,7 +42,7 @@ def _sentence(error: Any) -> str:
             return f"no such option {option}{did_you_mean(option, known) or see_help}"
         if "requires" in error.message:
             return f"{option}: a value is needed: {known[option].help}".rstrip(".")
-        return f"{option}: it takes no value"
+        return f"{option} takes no value"
     if extra := re.match(r"Got unexpected extra arguments? ?\(?s?\)? \((.*)\)", error.message):
         takes = " ".join(command.collect_usage_pieces(error.ctx)[1:]) or "only options"
         # The shell has split --speed 103 mph.

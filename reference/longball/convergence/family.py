@@ -39,7 +39,7 @@ JUMP = 0.15
 # Least ratio of two steps whose means over phases are subtracted: closer steps would amplify the
 # noise of the means.
 FAR = 4.0
-# Allowed difference between the observed order and theory, beside the interval of the observed
+# Allowed difference between the observed order and theory, besides the interval of the observed
 # order.
 TOLERANCE = 0.1
 # Orders are integers or halves: a wider 95 % interval does not distinguish neighbouring orders.

@@ -30,9 +30,9 @@ from longball.engines.event import (
     Event,
     Events,
     ground,
-    level,
     margin_error,
     plate,
+    risen,
     vertical,
 )
 from longball.engines.fence import Place, at_stop, first_crossing, stop_at
@@ -187,7 +187,7 @@ def fly(
 
     # First to the vertical, with lift; then on from there, without.
     turn, upright = vertical(start, run.numbers), start.u == 0
-    leaning = rows & (upright ^ True)
+    leaning = rows & (upright ^ True)  # ^ True: see `longball.model.numbers`
     first = run.fly(law, start, [*surfaces(start), turn], limit, leaning)
     upright = rows & (upright | first.stopped("vertical"))
     if not run.any(upright):
@@ -734,11 +734,11 @@ def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Ma
     under, others = run.decide(rise, rise * 0, "whether the ball starts below the ground", rows)
     if run.any(under):
         flight = fly(
-            run, ball.law, ball.start, lambda at: [level(height, at, run.numbers)], limit, under
+            run, ball.law, ball.start, lambda at: [risen(height, at, run.numbers)], limit, under
         )
-        risen = under & flight.stopped("level")
-        if run.any(risen):
-            down = _fly_down(run, ball, flight.state, limit - flight.time, risen)
+        turned = under & flight.stopped("risen")
+        if run.any(turned):
+            down = _fly_down(run, ball, flight.state, limit - flight.time, turned)
             flight = flight.then(down)
         _come_down(run, ball, flight, outcome, under)
     return others
@@ -1029,7 +1029,7 @@ def solve_with_path(
 
 
 def solve_with_points(scene: Scene, engine: Engine, points: int) -> Result:
-    """Return the result of a scene with so many points of its path, if it has any."""
+    """Return the result of a scene with a number of points of its path, if it has a path."""
     result, flown = solve_with_path(scene, engine)
     if result.error is not None or not flown.legs:
         return result

@@ -4,10 +4,10 @@ Compiling a function takes seconds, and loading numba with cached code about one
 scene takes milliseconds as Python. Code generated for a law therefore runs as Python until it has
 worked enough (`Code`), with the same results to the last bit.
 
-Compiled code is cached on disk: in the folder NUMBA_CACHE_DIR, else beside this module, or, if that
-is not writable, in the user's cache; otherwise each process compiles again. The name of a file is a
-hash of everything that the code depends on: sources, versions of the compilers, processor. Changed
-sources give another name, so that no file is out of date. A damaged file is replaced.
+Compiled code is cached on disk: in the folder NUMBA_CACHE_DIR, else next to this module, or, if
+that is not writable, in the user's cache; otherwise each process compiles again. The name of a file
+is a hash of everything that the code depends on: sources, versions of the compilers, processor.
+Changed sources give another name, so that no file is out of date. A damaged file is replaced.
 
 numba's own cache (``cache=True``) would need less code, but it checks only the age of the file with
 the function: if a called function in another file changes, the old code is used. A damaged file

@@ -37,7 +37,7 @@ def to_digits(
         if result.code != "undecided" and not _missed(scene, result, digits):
             break
         more, path = solved(finer)
-        if more.error is not None and more.code != "undecided":  # too long in so many digits
+        if more.error is not None and more.code != "undecided":  # too long with more digits
             break
         # The answer of a finer engine is cut to the digits that were asked for.
         short = {name: shortened(number, digits) for name, number in numbers_of(more)}

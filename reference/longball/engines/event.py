@@ -40,7 +40,7 @@ class Event(NamedTuple):
     # The function that falls through zero. It is built of + - * only, and so takes states of
     # numbers, of polynomials and of dual numbers alike
     value: Callable[[Any], Any]
-    place: Callable[[Any], Any]  # moves a state within rounding of the event exactly onto it
+    place: Callable[[Any], Any]  # puts a state that is at the event to rounding exactly there
     size: N  # scale of the value: its error is a state's relative error times this
     slope: N | float = 1.0  # Lipschitz constant of the value in the coordinates, per m
 
@@ -59,10 +59,10 @@ def ground(height: N, start: State, numbers: Numbers) -> Event:
     )
 
 
-def level(height: N, start: State, numbers: Numbers) -> Event:
+def risen(height: N, start: State, numbers: Numbers) -> Event:
     """Event: a ball that starts below a height, m, rises to it."""
     return Event(
-        "level",
+        "risen",
         "the ball rises to the height that it lands at",
         lambda state: height - state.z,
         lambda state: state._replace(z=height),
@@ -114,7 +114,7 @@ def past(frame: Frame, reach: N, numbers: Numbers) -> Event:
 
 
 def _size(numbers: Numbers, *lengths: N) -> N:
-    """Return the largest of some lengths, and at least 1 m."""
+    """Return the largest of several lengths, at least 1 m."""
     largest = numbers.exact(1.0)
     for length in map(abs, lengths):
         largest = numbers.where(length > largest, length, largest)
@@ -151,7 +151,7 @@ class Piece(Protocol):
 
     @property
     def begin(self) -> N:
-        """When it begins, s since the launch."""
+        """Time of the beginning, s since the launch."""
 
     @property
     def length(self) -> N:
@@ -167,7 +167,7 @@ class Piece(Protocol):
 def zero_of(curve: Curve, a: N, b: N, question: str, numbers: Numbers) -> N:
     """Locate the zero of a value that falls through zero from a to b.
 
-    Raises `Undecided` if the value at a is a ball that contains zero: it may have fallen before a.
+    Raises `Undecided` if the value at a is an interval around zero: it may have fallen before a.
     """
     there = curve(a)
     if not (there > 0 or there <= 0):
@@ -179,22 +179,22 @@ def first_fall(
     curve: Curve,
     end: N,  # s since the piece begins; the search ends there
     error: N,  # of the value
-    question: str | None,  # the event, as a clause; None if a touch within the error is no matter
+    question: str | None,  # the event, as a clause; None accepts a touch within the error
     numbers: Numbers,
     # The piece begins with the launch, whose value is exact. A launch on the surface is an arrival,
     # at 0, unless the value rises from there
     launch: bool = False,
-    # The launch is known to lie on the surface, though its value is a ball around zero. So is a
-    # state in which a law switches
+    # The launch is known to lie on the surface, though its value is an interval around zero. The
+    # same holds for a state in which a law switches
     on_surface: bool = False,
-    # A value that stays at zero is an arrival, as of a ball that rests on the ground. False for
+    # A value that stays at zero counts as an arrival: a ball may rest on the ground. False for
     # switches of a law: a ball that moves along a threshold has not crossed it
     stays: bool = True,
 ) -> N | None:
     r"""Time, s since the piece begins, at which a value first falls through zero; None if never.
 
-    Between two turning points the value is monotonic, so that its sign at the right one decides
-    about the part before it:
+    Between two turning points the value is monotonic: its sign at the right one decides whether it
+    falls through zero between them.
 
         \      2
          \    / \      4
@@ -205,8 +205,8 @@ def first_fall(
         --------------------\- -error
                              \       the end is below: it falls after 4
 
-    Raises `Undecided` if a turning point of the value lies within its error of zero; if a ball
-    leaves open whether the piece begins above the surface, or whether the value rises from there.
+    Raises `Undecided` if a turning point of the value lies within its error of zero; or if, in
+    interval arithmetic, the value at the beginning may be positive or not, or may rise or fall.
     """
     start = numbers.exact(0.0)
     first = curve(start)
@@ -215,7 +215,7 @@ def first_fall(
     for left, right in pairwise([start, *curve.turns(start, end), end]):
         value = curve(right)
         if left is start and not first > (0 if launch else error):
-            # Balls are only partially ordered: falls and rises may both be False.
+            # Intervals may overlap: falls and rises may both be False.
             falls, rises = value <= first, value > first
             if not stays:
                 falls, rises = value < first, value >= first
@@ -262,8 +262,8 @@ def first_met(
 ) -> Met | None:
     """First of several events on a flight; None if none is met in time.
 
-    Raises `Undecided` if the error leaves open whether an event is met, whether in time, or which
-    of two is first.
+    Raises `Undecided` if, within the error, an event may occur or not, may occur before or after
+    the limit, or either of two may be first.
     """
     errors = {event.name: error * event.size for event in events}
     seen: list[tuple[Piece, N]] = []
@@ -286,7 +286,8 @@ def first_met(
             t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
             if t is not None:
                 where = piece
-                # Below zero from the start: it fell on an earlier piece, within its error there.
+                # A value below zero from the start fell on an earlier piece, where it was within
+                # its error of zero.
                 if numbers.rounding and number > 0 and not t > 0:
                     where, t = _fallen(seen, event, numbers)
                 met.append(Met(event, where.begin + t, event.place(where.at(t))))
@@ -374,17 +375,17 @@ class BatSection:
         size = numbers.sqrt(numbers.where(better, squared, self.reach))
         return across, numbers.where(better, numbers.where(above > 0, size, -size), above)
 
-    def depth(self, state: Any) -> Any:
-        """Return ``d² - reach²``, m², of a state or of polynomials: negative inside the bat."""
+    def outside(self, state: Any) -> Any:
+        """Return ``d² - reach²``, m², of a state or of polynomials: positive outside the bat."""
         return self.beyond(self.reach, state)
 
     def beyond(self, distance: N, state: Any) -> Any:
-        """Return ``d² - distance²``, m²."""
+        """Return ``d² - distance²``, m²: positive beyond that distance from the bat's axis."""
         across, above = self.frame.towards_x(state), state.z - self.height
         return across * across + above * above - distance * distance
 
     def approach(self, state: State) -> N:
-        """Return d·v, m²/s, half the rate of `depth`: negative while the ball comes closer."""
+        """Return d·v, m²/s, half the rate of `outside`: negative while the ball comes closer."""
         across, above = self.frame.towards_x(state), state.z - self.height
         return across * self.frame.velocity(state)[0] + above * state.w
 
@@ -393,8 +394,8 @@ def margin_error(bat: BatSection, plate_height: N, flight_error: float, numbers:
     """Return a bound on the error of the margin at the closest approach, m.
 
     The height of the bat is that of the pitch at the plate, and the closest approach is searched
-    on the series of that same state. So an error of the state at the plate moves ball and bat
-    together, and an error of the time moves nothing. There remain
+    on the series of that same state. An error of the state at the plate therefore moves ball and
+    bat together, and an error of the time has no effect. The remaining errors are
 
     - the error of the direction of flight at the plate, times the distance from there to the
       closest approach. Where the margin is in doubt, that distance is at most the bat's offset, and
@@ -414,7 +415,7 @@ def margin_error(bat: BatSection, plate_height: N, flight_error: float, numbers:
 
 
 def inside_bat(distance: Any, reach: Any) -> InvalidScene:
-    """Return the error that a pitch cannot be released there."""
+    """Return the `InvalidScene` of a pitch that is released inside the bat."""
     return InvalidScene(
         f"the ball starts inside the bat: {float(distance):.6g} m from its axis, "
         f"where the two touch at {float(reach):.6g} m; release it farther from the plate"

@@ -21,7 +21,7 @@ from longball.model.numbers import N, Numbers, Vector
 
 
 class Place(NamedTuple):
-    """A place of a fence."""
+    """A point on a fence."""
 
     height: N  # of the fence's top there, m
     segment: Any  # number of the chord
@@ -49,7 +49,7 @@ class Chord:
         return numbers.sqrt(x * x + y * y)
 
     def place(self, fraction: N, to_end: N, to_break: N, numbers: Numbers) -> Place:
-        """Return the place at a fraction of the chord from a to b; `to_end` is the rest."""
+        """Return the point at a fraction of the chord from a to b; `to_end` is ``1 - fraction``."""
         length, rise = self.length(numbers), self.b[2] - self.a[2]
         shorter = numbers.where(to_end < fraction, to_end, fraction)
         height = self.a[2] + fraction * rise
@@ -61,7 +61,7 @@ class Chord:
         return (by - ay) * (position[0] - ax) - (bx - ax) * (position[1] - ay)
 
     def passed(self, position: Vector, slack: N, numbers: Numbers) -> Place | None:
-        """Return the place that a position on the line is at; None beyond the ends and a slack."""
+        """Return the point of the chord at a position on its line; None beyond the ends + slack."""
         (ax, ay, _), (bx, by, _), (x, y, _) = self.a, self.b, position
         length, far = self.length(numbers), numbers.exact(_FAR)
         ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
@@ -73,7 +73,7 @@ class Chord:
         return self.place(ahead / length, (length - ahead) / length, to_break, numbers)
 
 
-# m, the distance to a vertex, or to the fence, where there is none.
+# Distance to a vertex, or to the fence, where there is none, m.
 _FAR = 1e30
 
 
@@ -97,7 +97,7 @@ def chords(polyline: Sequence[Sequence[float]], numbers: Numbers) -> list[Chord]
 
 
 class Stop(NamedTuple):
-    """Distance s along the flight's plane to the fence, and the place there."""
+    """Distance s along the flight's plane to the fence, and the point of the fence there."""
 
     s: N
     place: Place
@@ -106,8 +106,9 @@ class Stop(NamedTuple):
 def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbers) -> Stop:
     """First crossing of the fence by a ball that flies from s along its heading, or against it.
 
-    The `sense` is 1 or -1. Without a crossing it is at `_FAR`. The `error` is that of directions,
-    relative. Masks in place of branches let it take columns of flights.
+    `sense` is 1 along the heading, -1 against it; `error` is the relative error of directions. If
+    there is no crossing, the distance is `_FAR`. The function uses masks in place of branches, so
+    that it accepts columns of flights.
     """
     zero, one, far = numbers.exact(0.0), numbers.exact(1.0), numbers.exact(_FAR)
     nowhere = Place(zero, 0, None if fence.polyline is None else zero, far, zero)
@@ -116,9 +117,10 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
         return frame.cos * (vertex[0] - frame.x) + frame.sin * (vertex[1] - frame.y)
 
     def seen(vertex: Sequence[N], is_open: bool) -> tuple[Any, N, Any]:
-        """Left of the flight or on it; the offset from it; and an open end on the flight."""
+        """True if left of the flight or on it; the offset from it; True for an open end on it."""
         x, y = vertex[0] - frame.x, vertex[1] - frame.y
         aside = sense * (frame.cos * y - frame.sin * x)
+        # ^ True negates a bool and an array of them alike (`longball.model.numbers`).
         on = (abs(aside) > error * (abs(x) + abs(y))) ^ True
         return (aside < 0) ^ True, aside, on & is_open
 
@@ -146,7 +148,7 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
         place = chord.place(
             fraction, to_end, numbers.where(open_b < open_a, open_b, open_a), numbers
         )
-        # Of several crossings, the nearest one ahead of s.
+        # Keep the nearest of several crossings ahead of s.
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
         nearer = nearer & (sense * (there - first.s) < 0)
         parts = zip(place, first.place, strict=True)
@@ -158,7 +160,7 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
 
 
 def at_stop(name: str, stop: Stop, sense: int, numbers: Numbers) -> Event:
-    """Return the event that a flight in its plane is at the fence."""
+    """Event: a flight in a vertical plane reaches the fence."""
     return Event(
         name,
         "the ball reaches the fence",
@@ -172,9 +174,10 @@ def at_stop(name: str, stop: Stop, sense: int, numbers: Numbers) -> Event:
 
 
 class Crossing(NamedTuple):
-    """When, s since the launch, in what state and where a flight is first at the fence.
+    """The first point at which a flight reaches the fence; the time is in s since the launch.
 
-    `doubtful` if it comes within the error of the fence, and need not reach it.
+    The crossing is `doubtful` if the ball comes within the error of the fence, and may not reach
+    it.
     """
 
     time: N
@@ -199,9 +202,9 @@ def first_crossing(
         x, y, _ = frame.position(state)
         return one + abs(x) + abs(y)
 
-    # For each chord, or the circle: a function that falls through zero where a ball crosses its
-    # line outwards, m², and what a state there is a place of. The functions are polynomials of the
-    # position, so that pieces can be searched.
+    # Each chord, or None for the circle, with a function of the state, m², that falls through zero
+    # where a ball crosses the line outwards. The functions are polynomials of the position, so that
+    # the search for events can use them.
     lines: list[tuple[Chord | None, Any]]
     if fence.polyline is None:
         radius = numbers.exact(fence.radius)
@@ -224,7 +227,7 @@ def first_crossing(
         goes_on = piece.length < left
         until = piece.length if goes_on else left
         moved: N | None = None
-        if not goes_on:  # the ball is elsewhere where it ends, as the time of that may be off
+        if not goes_on:  # an error of the time of the end moves the ball there
             u, v, _ = frame.velocity(piece.at(until))
             moved = late * (abs(u) + abs(v))
         crossings: list[Crossing] = []

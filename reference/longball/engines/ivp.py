@@ -1,11 +1,13 @@
 """The reference engine: `scipy.integrate.solve_ivp` with terminal events.
 
+One call integrates a pitch to the plate:
+
     solve_ivp(right_hand_side(law), (0, limit), start, method=Taylor, law=law, dense_output=True,
               events=[ground, plate])
 
-integrates a pitch to the plate. Its height there decides the height of the bat. A second call, with
-the events ground, contact and closest approach, integrates the same pitch to the bat. A batted ball
-is integrated to the ground.
+The height of the bat follows from the height of the pitch at the plate. A second call, with the
+events ground, contact and closest approach, integrates the same pitch to the bat. A third call
+integrates the batted ball to the ground.
 
 solve_ivp only compares the signs of an event at its steps: it misses a ball that dips and returns
 within a step. It locates the event on its interpolant, whose order may be lower than that of the
@@ -71,9 +73,9 @@ class Ivp(PathEngine):
             raise ValueError(f"method {self.method!r} is not one of {', '.join(METHODS)}")
         if self.method == "Taylor":
             if self.rtol is not None or self.atol is not None:
-                raise ValueError("method Taylor takes no rtol and no atol; DOP853, for one, does")
+                raise ValueError("method Taylor takes no rtol and no atol; use DOP853, for example")
             return
-        smallest = 100 * np.finfo(float).eps  # below this solve_ivp raises it with a warning
+        smallest = 100 * np.finfo(float).eps  # solve_ivp replaces smaller values, with a warning
         if not smallest <= self.tolerances["rtol"] < 1:
             raise ValueError(f"rtol = {self.rtol} is not between {smallest:.3g} and 1")
         if not 0 < self.tolerances["atol"] < 1:
@@ -94,13 +96,13 @@ class Ivp(PathEngine):
     def flight_error(self) -> float:
         """Relative error of a state at the end of a flight.
 
-        By Taylor's method it is a few roundings: up to 2.3e-15 in 400 batted balls at their
-        landings, 3e-16 for high and for slow flights, 1.3e-14 after some six loops, whose path is
+        Taylor's method makes a few rounding errors: up to 2.3e-15 at the landings of 400 batted
+        balls, 3e-16 for high and for slow flights, and 1.3e-14 after about six loops, whose path is
         much longer than the distance flown.
 
-        The errors of the other methods' steps add up. Over pitches of all sorts, steep ones
-        included, the plate was reached within 2.3 tolerances by one-step methods, and within 70 by
-        multistep methods, whose steps are many (`tests/engines/test_contact.py`).
+        The errors of the other methods' steps add up. In units of the tolerance, the largest errors
+        at the plate were 2.3 for one-step methods and 70 for multistep methods, which take many
+        steps; the pitches included steep ones (`tests/engines/test_contact.py`).
         """
         if self.method == "Taylor":
             return 2e-14
@@ -127,8 +129,8 @@ class Ivp(PathEngine):
                 return
             if not taylor and not np.isfinite(rates(time, state)).all():
                 raise OutOfRange(_BEYOND)
-            # If two terminal events occur in one step, solve_ivp keeps the first of the list.
-            # `events` begins with the ground; in reverse order another event wins.
+            # If two terminal events occur in one step, solve_ivp reports the first of the list.
+            # `events` lists the ground first; reversed, any other event is reported instead.
             ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
             ends.append(terminal("many steps", _countdown(_MANY_STEPS), law.state))
             # A trial step may overflow; the step control then takes a shorter one or gives up.
@@ -162,20 +164,20 @@ class Ivp(PathEngine):
         events: Events,
         limit: float,
     ) -> Touch:
-        """Fly the pitch again, to the bat: its height is known only now. See `Engine.touch`."""
+        """Fly the pitch again, to the bat, whose height is known only now. See `Engine.touch`."""
         path = self.path(law, pitch.path.at(0.0), limit, [*events, *meeting(bat)])
         return super().touch(replace(pitch, path=path), law, bat, events, limit)
 
-    def views(
+    def search_pieces(
         self, pitch: Flight, law: Law, bat: BatSection
     ) -> Iterator[tuple[Piece, float, float, float]]:
         """Yield the pieces of a pitch in which to search for the contact.
 
-        Near the plate that is one Taylor expansion about the crossing. The bat's height comes from
-        the same state, so that bat and ball share its error, and their distance has none of it. A
-        law with switches has no such expansion.
+        Near the plate, one Taylor expansion about the crossing replaces the pieces. The bat's
+        height comes from the state at the crossing, too. An error of that state therefore moves bat
+        and ball together, and cancels in their distance. A law with switches has no such expansion.
         """
-        # m, of a place near the plate
+        # error of a position near the plate, m
         error = self.flight_error * float(max(abs(bat.frame.x), abs(pitch.state.z)))
         if law.switches:
             for piece in pitch.path.pieces():
@@ -209,8 +211,8 @@ class Ivp(PathEngine):
         return PolynomialPiece(time, reach, law.state, series)
 
 
-# The expansion at the plate extends this many reaches beyond the bat: past a bat that the ball
-# misses, and so near that d² is at most a few dozen times reach².
+# The expansion at the plate extends beyond the bat by this multiple of R + r_b: far enough to pass
+# the bat in a miss, and near enough to keep d² below a few dozen times (R + r_b)².
 _NEAR = 4.0
 
 
@@ -241,9 +243,9 @@ def terminal(
 
 
 def _countdown(steps: int) -> Callable[[Any], int]:
-    """A countdown in the guise of an event, which returns control after so many steps.
+    """An event that ends the integration after a number of steps.
 
-    `terminal` asks it once for each time.
+    It counts its own calls: `terminal` calls it once for each time.
     """
     left = count(steps, -1)
     return lambda _: next(left)
@@ -252,10 +254,11 @@ def _countdown(steps: int) -> Callable[[Any], int]:
 def meeting(bat: BatSection) -> Iterator[Event]:
     """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
 
-    A ball that enters and leaves the bat within a step changes the sign only of the second.
+    If a ball enters and leaves the bat within a step, only the closest approach changes its sign
+    from one end of the step to the other.
     """
     reach, size = bat.reach, bat.reach * bat.reach
-    yield Event("contact", "the ball touches the bat", bat.depth, lambda state: state, size)
+    yield Event("contact", "the ball touches the bat", bat.outside, lambda state: state, size)
     yield Event(
         "closest approach",
         "the ball is closest to the bat",
@@ -269,8 +272,8 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     """Yield the steps of solve_ivp as polynomials.
 
     The last one extends past the event that ended the integration. Methods other than Taylor's
-    have interpolants of low order: their steps are expanded from the states in which they begin,
-    again where a step is longer than a series reaches.
+    have interpolants of low order, which are replaced by the Taylor series at the beginning of the
+    step. A step that is longer than its series converges is split.
     """
     expand = Expander(law)
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
@@ -296,15 +299,16 @@ def _length(begin: float, end: float) -> float:
     return length if begin + length >= end else math.nextafter(length, math.inf)
 
 
-# A ball that falls at its final speed V is a stiff problem if it is light: a disturbance decays
-# within V/(2 g), and an explicit step is not much longer. But then its acceleration is nothing but
-# the rounding of its forces, and its motion uniform, to rounding.
+# A light ball at its terminal speed V is a stiff problem: a disturbance decays within V/(2 g), and
+# an explicit step cannot be much longer. By then the acceleration is zero to rounding, so the rest
+# of the flight is uniform motion.
 _SETTLED = 1e-14  # of gravity
 
 
 def _uniform(law: Law, time: float, state: Array, limit: float) -> PolynomialPiece | None:
     """Uniform motion up to the limit; None if the ball has not settled to it."""
-    # It may settle only under a law that is the same at all positions: height, wind, density.
+    # Motion stays uniform only if the law is the same everywhere: a law whose wind or density
+    # depends on the position has s, y or z among its variables.
     gravity = law.strengths.get("gravity")
     if gravity is None or any(
         node.kind == "variable" and node.args[0] in "syz" for node in law.program.nodes

@@ -43,7 +43,8 @@ def solve_lines(
 ) -> Iterator[Answer]:
     """Yield the answer to each line that is not blank, in order.
 
-    With `points` each has so many points of its path, with `change` each scene is changed first.
+    With `points` each result has that number of points of its path; `change` is applied to each
+    scene first.
 
     With one worker no line waits for another one that is not there yet, so that two programs can
     talk through pipes: of a file or a pipe, what is there is taken at once; of anything else a line

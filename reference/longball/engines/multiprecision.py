@@ -36,9 +36,9 @@ _NODES_PER_DIGIT = 1.25
 
 
 class MultiprecisionNumbers(Numbers):
-    """Numbers of mpmath with so many digits to be printed, and some more behind them.
+    """Numbers of mpmath with the digits that are printed, and guard digits.
 
-    They have a context of their own, so that engines of different precision do not meet.
+    They have a separate context, so that engines of different precision do not interfere.
     """
 
     def __init__(self, digits: int) -> None:

@@ -130,7 +130,7 @@ class Part:
 
     @property
     def begin(self) -> N:
-        """When it begins, s since the launch."""
+        """Time of the beginning, s since the launch."""
         return self.piece.begin if self.delay is None else self.delay + self.piece.begin
 
     def at(self, t: N) -> State:
@@ -193,7 +193,7 @@ class Trajectory:
 
     @property
     def end(self) -> N:
-        """When it ends, s since the start of the scene."""
+        """Time of the end, s since the start of the scene."""
         return self.legs[-1].begin + self.legs[-1].flight.time
 
     def at(self, time: N) -> tuple[Vector, Vector]:

@@ -235,11 +235,14 @@ class PathEngine(Engine, ABC):
             return Flight(path, "time", limit, path.at(limit))
         return Flight(path, met.event.name, met.time, met.state)
 
-    def views(self, pitch: Flight, law: Law, bat: BatSection) -> Iterator[tuple[Piece, N, N, N]]:
-        """Yield the pieces of a pitch in which to search for the bat.
+    def search_pieces(
+        self, pitch: Flight, law: Law, bat: BatSection
+    ) -> Iterator[tuple[Piece, N, N, N]]:
+        """Yield the pieces of a pitch in which to search for the contact with the bat.
 
-        With each piece: from when until when on it to search, s, the former possibly negative; and
-        the error of the distance to the bat, m, in addition to `event.margin_error`.
+        Each piece comes with the beginning and the end of the search on it, s, of which the
+        beginning may be negative; and with the error of the distance to the bat, m, in addition to
+        `event.margin_error`.
         """
         nothing = self.numbers.exact(0.0)
         for piece in pitch.path.pieces():
@@ -300,13 +303,13 @@ class PathEngine(Engine, ABC):
         near = at_plate if at_plate > bat.reach else bat.reach
 
         # `pending` is an approach that ends with its piece: the next piece shows whether the
-        # distance goes on falling there, or has turned.
+        # distance continues to fall there, or has turned.
         pending: tuple[State, N] | None = None
-        for piece, since, until, off in self.views(pitch, law, bat):
+        for piece, since, until, off in self.search_pieces(pitch, law, bat):
             left = search_end - piece.begin
             over = not until < left
             end = left if over else until
-            curve = piece.curve(bat.depth)
+            curve = piece.curve(bat.outside)
             far = curve if near is bat.reach else piece.curve(partial(bat.beyond, near))
             turns = []
             if far(since) > 0 and far.positive(since, end):
@@ -315,7 +318,7 @@ class PathEngine(Engine, ABC):
                 turns = [since, *curve.turns(since, end), end]
             for a, b in pairwise(turns):
                 touch = None
-                if not curve(b) >= curve(a):  # it falls, or balls leave that open
+                if not curve(b) >= curve(a):  # it falls, or may fall by interval arithmetic
                     if touching is None and curve(b) < 0:
                         t = zero_of(curve, a, b, TOUCHES, numbers)
                         touching = piece.begin + t, piece.at(t)

@@ -231,7 +231,7 @@ class Jets(Numbers):
     def positive(self, x: Any, error: Any, question: str) -> bool:
         """See `Numbers`; raise `Kink` if x is on the boundary of two answers."""
         if plain_of(x) == 0 and not rate_of(x) == 0:
-            raise Kink(f"{question} changes with this number, however little it changes")
+            raise Kink(f"{question} depends on arbitrarily small changes of this number")
         return bool(self.inner.positive(plain_of(x), plain_of(error), question))
 
     def report(self, x: Any) -> Any:

@@ -496,7 +496,7 @@ def line_touch(before: State, bat: BatSection, root: AppendixBRoot) -> float | N
     """
     a = bat.frame.velocity(before)[0] ** 2 + before.w**2
     b = bat.approach(before)
-    c = bat.depth(before)
+    c = bat.outside(before)
     discriminant = b * b - a * c
     if b >= 0.0 or discriminant < 0.0:
         return None

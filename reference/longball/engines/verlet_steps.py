@@ -1,6 +1,6 @@
 """Steps of velocity Verlet, in any number of dimensions: the code that numba compiles for each law.
 
-This source runs in a namespace of its own together with functions that `longball.engines.verlet`
+This source runs in a separate namespace together with functions that `longball.engines.verlet`
 prints for a law. Vectors are tuples of as many numbers as there are dimensions.
 """
 
@@ -32,7 +32,7 @@ def step(
     position: Any,
     velocity: Any,
     force: Any,  # m/s², of the law: what the step begins with
-    # push, pushed: m/s², beside the law's at the start and at the end of the step
+    # push, pushed: m/s², in addition to the law's at the start and at the end of the step
     push: Any,
     pushed: Any,
     dt: float,  # s

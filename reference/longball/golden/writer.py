@@ -123,7 +123,7 @@ def fingerprint() -> str:
         path
         for part in parts
         for path in (package / part).rglob("*.py")
-        if PARTIAL not in path.parts  # joblib keeps a copy of the function beside its results
+        if PARTIAL not in path.parts  # joblib keeps a copy of the function with its results
     )
     digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
     for path in sources:

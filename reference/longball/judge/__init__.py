@@ -46,30 +46,30 @@ def judge(
     candidate
         A command, as a list of words, that reads scenes and writes results as lines of JSON; or a
         function from a scene to its result: a mapping with the keys of one, or what
-        `longball.solve` returns. What the function raises counts as no answer.
+        `longball.solve` returns. An exception in the function counts as a refusal.
     golden
         A family of the golden data, or "all"; the families of the paper's model if left out.
     profile
-        The accuracy required: "exact", "converged" or "paper", or one with a number of its own,
+        The accuracy required: "exact", "converged" or "paper", or one with another number,
         such as ``longball.judge.cases.Converged(1e-4)``; "exact" if left out.
     partial
-        Whether scenes and quantities may be left out.
+        True to accept missing scenes and quantities.
     dt
-        s, the candidate's time step, for the diagnosis.
+        The candidate's time step, s, for the diagnosis.
     folder
-        Of another set of golden data than the one that comes with longball.
+        Folder of a set of golden data, in place of the one that comes with longball.
 
     Returns
     -------
     Verdict
-        ``passed``, ``reasons``, ``diagnosis`` and so on; printed, it is what the command prints.
+        ``passed``, ``reasons``, ``diagnosis`` and so on; ``print`` shows it as the command does.
 
     Raises
     ------
     OSError
         If the command cannot be started.
     TypeError
-        If the candidate is neither.
+        If the candidate is neither a command nor a function.
     ValueError
         If there is no such family or profile.
     """
@@ -112,7 +112,7 @@ def assert_case(
     profile
         The accuracy required, as in `longball.judge.judge`.
     partial
-        Whether quantities may be left out that the implementation does not compute; not all.
+        True to accept results that omit quantities, but not all of them.
 
     Raises
     ------

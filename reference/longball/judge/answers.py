@@ -1,8 +1,8 @@
-"""Answers of a candidate: lines of results, of which none is trusted and none is lost.
+"""Answers of a candidate, read from lines that are not trusted.
 
-A candidate is another implementation. Its output is data: every line is either an answer to a
-scene that was asked, or an issue with the number of the line. Nothing is evaluated, no text of
-it is used as a path, and what is quoted is quoted escaped and short.
+A candidate is another implementation. Every line of its output is either an answer to a scene, or
+an issue with the number of the line. The output is never evaluated or used as a path, and messages
+quote it escaped and shortened.
 """
 
 from __future__ import annotations
@@ -36,17 +36,16 @@ CHUNK = 1 << 16  # bytes read or written at a time
 LONGEST_LINE = 1 << 24  # bytes: a path of 100,000 points with velocities takes fourteen million
 MOST_POINTS = 100_000
 
-# A program that is wrong is wrong in every line: issues of one kind beyond this many are counted,
-# and not kept.
+# A wrong program is often wrong in every line: further issues of the same kind are only counted.
 KEPT = 20
 
 Kind = Literal[
-    "rubbish",  # a line that is no result
-    "unknown id",  # an answer to what nobody asked
+    "rubbish",  # a line that is not a result
+    "unknown id",  # an answer without a scene
     "twice",  # a second answer
     "not a number",  # a quantity that is NaN, infinite, or of the wrong type
     "outcome",  # an outcome that the contract does not know
-    "path",  # points that are no path
+    "path",  # invalid points
     "unknown key",  # a key that the contract does not know: reported, and no fault by itself
     "process",  # how the candidate ran
 ]
@@ -158,7 +157,7 @@ class Collector:
         if not isinstance(data, dict):
             self.report("rubbish", f"not a result, which is a JSON object: {quoted(data)}", number)
         elif not isinstance(scene_id, str):
-            given = f"the id {named} is no text" if "id" in data else "it has no id"
+            given = f"the id {named} is not text" if "id" in data else "it has no id"
             self.report("rubbish", f"not a result: {given}", number)
         elif scene_id not in self.asked:
             self.report("unknown id", f"no scene has the id {named}", number)
@@ -183,7 +182,7 @@ class Collector:
         for key in data:
             if key not in _TOP:
                 self._report_key(number, key, _TOP)
-        # A block that cannot be read costs its own quantities alone: the rest is judged.
+        # An unreadable block only invalidates its own quantities; the rest is judged.
         values: dict[str, Value] = {}
         told: dict[str, object] = {}
         unreadable = set()
@@ -193,7 +192,7 @@ class Collector:
             held = parts[outer].get(inner)
             parts[part] = held = {} if held is None else held
             if not isinstance(held, dict):
-                fault("not a number", f"{part} is no JSON object")
+                fault("not a number", f"{part} is not a JSON object")
                 unreadable |= {name for name in QUANTITIES if name.startswith(f"{part}.")}
                 parts[part] = {}
                 continue
@@ -211,7 +210,7 @@ class Collector:
                 else:
                     unreadable.add(name)
                     needed = "a finite number" if size == 1 else "three finite numbers"
-                    fault("not a number", f"{name} is {quoted(given)}; {needed} must stand there")
+                    fault("not a number", f"{name} is {quoted(given)}; must be {needed}")
         path = None
         if (points := data.get("path")) is not None:
             try:
@@ -227,8 +226,8 @@ class Collector:
         if key not in self._unknown and len(self._unknown) < KEPT:
             self._unknown.add(key)
             # A candidate may print the scene that it reads.
-            near = ", but one of a scene" if key in _ASKED else _nearest(key, known)
-            sentence = f"{told.format(quoted(key))} is no key of a result{near}"
+            near = ", but of a scene" if key in _ASKED else _nearest(key, known)
+            sentence = f"{told.format(quoted(key))} is not a key of a result{near}"
             self.report("unknown key", sentence, number)
 
 
@@ -248,7 +247,8 @@ def _decimal(text: str) -> Decimal:
         return Decimal("NaN")
 
 
-# Numbers are read as they are written: a float would round them, and show digits nobody wrote.
+# Numbers are read as decimals, as written: a float would round them, and messages would show digits
+# that are not in the output.
 _NUMBERS: dict[str, Any] = dict.fromkeys(("parse_float", "parse_int", "parse_constant"), _decimal)
 
 
@@ -256,7 +256,7 @@ def _nearest(name: str, known: Iterable[str]) -> str:
     """Return a question with the known name that is nearest; nothing if none is near."""
     plain = {k.replace("_", "").lower(): k for k in known}
     found = difflib.get_close_matches(name.replace("_", "").lower(), plain, n=1, cutoff=0.5)
-    return f"; is {plain[found[0]]} meant?" if found else ""
+    return f"; did you mean {plain[found[0]]}?" if found else ""
 
 
 def quoted(what: Any, longest: int = 60) -> str:
@@ -309,21 +309,21 @@ def _value(given: Any, size: int) -> Value | None:
 def _points(given: Any) -> Array:
     """Return points as an array; a ValueError says why they are no path."""
     if not isinstance(given, list) or len(given) < 2:
-        raise ValueError("two points or more must stand there, [t, x, y, z] or with vx, vy, vz")
+        raise ValueError("must be at least two points [t, x, y, z] or [t, x, y, z, vx, vy, vz]")
     if len(given) > MOST_POINTS:
         raise ValueError(f"{len(given)} points; at most {MOST_POINTS} are read")
     width = len(given[0]) if isinstance(given[0], list) else 0
     for i, row in enumerate(given):
         if not isinstance(row, list) or len(row) != width or width not in (4, 7):
-            raise ValueError(f"point {i} is {quoted(row)}; 4 or 7 numbers must stand there")
+            raise ValueError(f"point {i} is {quoted(row)}; must have 4 or 7 numbers")
         if not all(isinstance(x, Decimal) and _ordinary(x) for x in row):
-            raise ValueError(f"point {i} is {quoted(row)}; finite numbers must stand there")
+            raise ValueError(f"point {i} is {quoted(row)}; numbers must be finite")
     points = np.array(given, float)
     back = np.flatnonzero(np.diff(points[:, 0]) <= 0)
     if back.size:
         i = int(back[0]) + 1
         a, b = points[i - 1 : i + 1, 0]
-        raise ValueError(f"time does not go on at point {i}: {a:g} s, then {b:g} s")
+        raise ValueError(f"time does not increase at point {i}: {a:g} s, then {b:g} s")
     return points
 
 

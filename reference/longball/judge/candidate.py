@@ -1,9 +1,9 @@
-"""Running another implementation: scenes into its standard input, results out of its output.
+"""Run another implementation: write scenes to its input, and read results from its output.
 
 The candidate is not trusted. It may answer late, in any order, twice or never; crash, hang, flood
-its output, close its input, leave processes behind. Whatever it does, this ends in bounded time
-and memory, everything it answered is kept, and a sentence says what went wrong. No shell is
-involved. Needs a POSIX system; elsewhere, judge a file of results.
+its output, close its input, or leave processes behind. In every case the run ends in bounded time
+and memory, keeps all answers, and reports what went wrong. No shell is involved. A POSIX system is
+required; elsewhere, judge a file of results.
 """
 
 from __future__ import annotations
@@ -24,31 +24,30 @@ from longball.judge.answers import CHUNK, Collector, quoted, split_lines
 from longball.judge.fresh import as_csv
 from longball.model.scene import Scene, ids_of
 
-MOST_FAULTS = 10_000  # lines of output that are no answers
-REFUSED = 1  # the status of a program that could not solve all of its scenes
+MOST_FAULTS = 10_000  # largest number of output lines that are not answers
+REFUSED = 1  # exit status of a program that could not solve all scenes
 
 
 @dataclass(frozen=True)
 class Limits:
     """Limits of a candidate's time and memory."""
 
-    # s that may pass without an answer to another scene; also what it may take to start, and to end
-    # after its last answer.
+    # Longest time without a new answer, s. The same limit applies to the start, and to the end
+    # after the last answer.
     scene_seconds: float = 10.0
-    total_seconds: float = 3600.0  # s in all
-    # Of standard output in all. Five thousand bytes are a long result; the default is fifty
-    # thousand of them.
+    total_seconds: float = 3600.0  # longest time of the run, s
+    # Largest size of the output. A long result takes 5,000 bytes: this is 50,000 of them.
     output_bytes: int = 1 << 28
-    error_bytes: int = 1 << 13  # of standard error that are kept, the last ones
+    error_bytes: int = 1 << 13  # bytes that are kept from the end of standard error
 
 
 @dataclass(frozen=True)
 class Run:
     """A candidate's run."""
 
-    collected: Collector  # its answers, and what is wrong with them and with its conduct
+    collected: Collector  # its answers, and issues with these and with its conduct
     errors: str  # the end of its standard error
-    # Its exit status; negative: the signal that ended it. None if it was stopped.
+    # Exit status; a negative one is the signal that ended the run. None if the judge stopped it.
     status: int | None
 
 
@@ -59,10 +58,10 @@ def run(
     progress: Callable[[int], None] = lambda answered: None,
     table: bool = False,
 ) -> Run:
-    """Let a candidate answer scenes as they are written; an OSError if it cannot be started.
+    """Run a candidate on scenes as they are written; raise an OSError if it cannot be started.
 
-    No shell reads the command. `progress` is called with the number of scenes answered whenever
-    that grows. A `table` is CSV with a header, of scenes, with all their defaults, and results.
+    No shell reads the command. `progress` is called with the number of answers whenever it grows.
+    If `table`, scenes (with all their defaults) and results are CSV with a header.
     """
     session = _Session(command, scenes, limits or Limits(), progress, table)
     try:
@@ -77,9 +76,8 @@ def run(
 class _Session:
     """A candidate's process, and the three pipes to it."""
 
-    # A single thread waits for whichever of the pipes is ready. Writing all scenes first would
-    # block both sides: a candidate that answers as it reads fills its output while we fill its
-    # input.
+    # One thread waits until any of the pipes is ready. Writing all scenes first would be a
+    # deadlock: a candidate that answers while it reads fills its output, and stops reading.
 
     def __init__(
         self,
@@ -130,7 +128,7 @@ class _Session:
                 self._stop(f"it wrote more than {MOST_FAULTS} lines that are no answers")
 
     def _output(self) -> Iterator[bytes]:
-        # `latest` is the time of the last new answer: output that is no answer does not buy time.
+        # `latest` is the time of the last new answer. Other output does not extend the time limit.
         limits = self.limits
         while not self.stopped and not self.stdout.closed:
             now = time.monotonic()
@@ -143,7 +141,7 @@ class _Session:
                 yield self.read
                 self.read = b""
             elif (status := self.process.poll()) is not None:
-                # The pipe stays open as long as any process holds it, such as a daemon it started.
+                # The pipe stays open while any process holds it, such as a daemon of the candidate.
                 self.stopped = True
                 held = f"held its output open, without an answer for {limits.scene_seconds:g} s"
                 self._report(f"{_end(status)}, but a process that it had started {held}")
@@ -154,12 +152,12 @@ class _Session:
                 self._stop(f"it did not end within {patient}")
 
     def finish(self) -> None:
-        """Wait for the candidate to end, and say how it did."""
+        """Wait for the candidate to end, and report how it ended."""
         if self.stopped:
             return
         self._close(self.stdin)
         until = time.monotonic() + self.limits.scene_seconds
-        # It cannot end while its standard error is full.
+        # A process cannot end while its standard error is full, so this is read meanwhile.
         while self.process.poll() is None and (left := until - time.monotonic()) > 0:
             if self.stderr.closed:
                 with suppress(subprocess.TimeoutExpired):
@@ -173,8 +171,8 @@ class _Session:
         elif self._missing() and self.status >= 0:
             early = " before it had read all scenes" if self.input_closed else ""
             self._report(f"{_end(self.status)}{early}")
-        # All is answered: a signal is a fault, and a status other than 0, unless it says that some
-        # scenes are refused.
+        # All scenes are answered. A signal is a fault, and so is a status other than 0, except for
+        # status 1 after a refusal.
         elif self.status and not (self.status == REFUSED and self._refused()):
             self._report(_end(self.status))
 
@@ -185,7 +183,7 @@ class _Session:
         self.process.wait()
         kill_marked(self.mark)
         while not self.stderr.closed and self._read_errors():
-            pass  # nobody writes any more: this ends with what the pipe holds
+            pass  # no process writes any more, so this ends when the pipe is empty
         for pipe in (self.stdin, self.stdout, self.stderr):
             self._close(pipe)
         self.selector.close()
@@ -203,7 +201,7 @@ class _Session:
                 self.sending = self.sending[sent:] or next(self.unsent, b"")
         except BlockingIOError:
             return
-        except BrokenPipeError:  # it needs no more scenes, or has ended
+        except BrokenPipeError:  # the candidate has closed its input, or has ended
             self.input_closed = True
         self._close(self.stdin)
 
@@ -261,15 +259,15 @@ def _end(status: int) -> str:
 
 # --- processes that have left their group ---------------------------------------------------------
 
-# Every process inherits its parent's environment, so this one's value finds a candidate's
-# descendants even in sessions of their own.
+# A variable with a unique value in the candidate's environment. Its descendants inherit it, so they
+# are found even if they have started their own sessions.
 MARK = "LONGBALL_JUDGE"
 
 
 def kill_marked(mark: str) -> None:
     """Kill the processes that have a mark in their environment, where /proc shows it (Linux)."""
     needle = f"{MARK}={mark}".encode()
-    # Again until none is found: one may have started while we looked.
+    # Repeat until none is found: a process may have started another one in the meantime.
     for _ in range(10):
         entries = Path("/proc").glob("[0-9]*")
         found = [int(entry.name) for entry in entries if needle in _environment(entry)]
@@ -284,5 +282,5 @@ def kill_marked(mark: str) -> None:
 def _environment(process: Path) -> list[bytes]:
     try:
         return (process / "environ").read_bytes().split(b"\0")
-    except OSError:  # gone, or somebody else's
+    except OSError:  # the process has ended, or belongs to another user
         return []

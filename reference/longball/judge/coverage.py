@@ -1,9 +1,9 @@
-"""Coverage of a set of cases: which edits of the model it notices, and which cases notice them.
+"""Coverage of a set of cases: the edits of the model that it detects, and the cases that do so.
 
-The operators of the diagnosis (`longball.judge.diagnosis.operators`) the other way round: the
-diagnosis asks which edit explains a program's errors, this asks which edits a set of cases would
-show. Every stage starts from the true values of the stages before it, so that a formula needs no
-flight, and an edited law is evaluated along the right path alone.
+This is the reverse of the diagnosis. The diagnosis searches for the edit that explains a program's
+errors; the coverage counts the edits (`longball.judge.diagnosis.operators`) that a set of cases
+would show. Every stage starts from the true values of earlier stages, so that a formula needs no
+flight, and an edited law is evaluated along the true path only.
 """
 
 from __future__ import annotations
@@ -63,16 +63,16 @@ from longball.model.scene import AtBatScene
 
 Bools = NDArray[np.bool_]
 
-# An edit is noticed where it moves a number by so many times the error that doubles cannot avoid:
-# ten times what the judge lets pass.
+# A case detects an edit that changes a number by this multiple of the unavoidable error: ten times
+# the tolerance of the judge.
 NOTICED = 1e3
-# Relative to a number, or to 1 in its unit: rounding in the difference of two formulas.
+# Rounding error in the difference of two formulas, relative to a number, or to 1 in its unit.
 SEEN = ROUNDING
 
 
-# Why no case notices an edit.
+# Reasons why no case detects an edit.
 NO_STEP = "no scene takes this step"
-NO_NUMBER = "it takes what no scene has there, or divides by 0"
+NO_NUMBER = "it uses what no scene has there, or divides by 0"
 THE_SAME = "it comes to the same numbers"
 TOO_SMALL = "it moves numbers by too little"
 REASONS = NO_STEP, NO_NUMBER, THE_SAME, TOO_SMALL
@@ -80,20 +80,21 @@ REASONS = NO_STEP, NO_NUMBER, THE_SAME, TOO_SMALL
 
 @dataclass(frozen=True)
 class Coverage:
-    """Edits of the model, and the cases that notice them.
+    """Edits of the model, and the cases that detect them.
 
     Attributes
     ----------
     cases
         The cases, in order.
     edits
-        Edits that move a number of some case; of those that move the same numbers, the cheapest.
+        Edits that change a number of some case; of those that change the same numbers, the
+        cheapest.
     stages
-        The stage that each is made at.
+        The stage of each edit.
     noticed
-        True where a case notices an edit, shape (edits, cases).
+        True where a case detects an edit, shape (edits, cases).
     unnoticed
-        Edits that no case notices, their stages, and why: one of `REASONS`.
+        Edits that no case detects, with their stages and the reason, one of `REASONS`.
     """
 
     cases: Sequence[Case]
@@ -104,28 +105,28 @@ class Coverage:
 
     @property
     def bits(self) -> list[float]:
-        """Cost of each edit, bits."""
+        """Cost of each edit in bits."""
         return [edit.bits for edit in self.edits]
 
     def by_stage(self, some: Bools) -> list[tuple[str, int, int]]:
-        """The stages, with their numbers of edits, and of `some` edits among them."""
+        """Stages with their numbers of edits, and the numbers of those flagged by `some`."""
         names = np.array(self.stages)
         order = dict.fromkeys([*(stage.name for stage in CHAIN), *self.stages])
         here = [(name, names == name) for name in order]
         return [(name, int(at.sum()), int(some[at].sum())) for name, at in here if at.any()]
 
     def told(self, i: Any) -> dict[str, str]:
-        """An edit in words, by its place, with its stage and the first case that notices it."""
+        """The words and the stage of edit `i`, and the first case that detects it."""
         case = self.cases[int(self.noticed[i].argmax())]
         return {"stage": self.stages[i], "edit": self.edits[i].words, "case": case.id}
 
 
-# --- edits that are no operator's -----------------------------------------------------------------
+# --- edits that no operator makes -----------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Replaced:
-    """A mistake that acts like another number in the scene, and shows in the outcome alone."""
+    """A mistake that has the effect of another number in the scene, and changes outcomes only."""
 
     bits = 0.0
     words: str
@@ -133,7 +134,7 @@ class Replaced:
     by: Callable[[float], float]
 
     def notices(self, case: Case) -> bool:
-        """True if it changes the outcome of a case, or leaves it without one."""
+        """True if the mistake changes the outcome of a case, or leaves it without one."""
         scene: Any = case.scene
         if self.number not in type(scene).model_fields:
             return False
@@ -157,9 +158,9 @@ def _durations(case: Case) -> Iterator[float]:
 
 LIMITS = (
     Replaced("cuts the time limit to whole seconds", "time_limit", math.floor),
-    Replaced("takes 60 s for the time limit", "time_limit", lambda limit: 60.0),
-    Replaced("takes half the time limit", "time_limit", lambda limit: limit / 2),
-    Replaced("takes twice the time limit", "time_limit", lambda limit: limit * 2),
+    Replaced("uses 60 s for the time limit", "time_limit", lambda limit: 60.0),
+    Replaced("uses half the time limit", "time_limit", lambda limit: limit / 2),
+    Replaced("uses twice the time limit", "time_limit", lambda limit: limit * 2),
 )
 
 
@@ -174,7 +175,7 @@ def _other_defaults() -> Iterator[Edit]:
         zero = defaults().get(name) == 0.0 and not vector
         more = constant(0.1, node.dimension) if zero else 0.1 * node
         other = switch(key_of(node), {"given": node, LEFT_OUT: node + more})
-        yield Edit(node, other, 0.0, f"takes another default for {path}")
+        yield Edit(node, other, 0.0, f"uses another default for {path}")
 
 
 def _beside() -> Iterator[Edit]:
@@ -182,21 +183,21 @@ def _beside() -> Iterator[Edit]:
     yield from _other_defaults()
     above_ground = substitute(rise, component(r, 2), component(r, 2) - I["ground"])
     yield Edit(rise, above_ground, 0.0, "counts the heights of a wind profile from the ground")
-    # A program that tests the size of the spin, not its key, gives a ball of spin 0 the paper's
-    # lift.
+    # A program that tests the size of the spin, and not its key, uses the paper's lift for a ball
+    # with a spin of 0.
     (lift,) = (n for n in ordered([LAW]) if n.op == "switch" and n.data[0] == "spin")
     paper, _ = lift.args
     yield Edit(lift, where(norm(spin0), lift, paper), 0.0, "lifts a ball of spin 0 as one without")
 
 
-# --- what they do ---------------------------------------------------------------------------------
+# --- effects of edits -----------------------------------------------------------------------------
 
-# Nodes of the rule over the time of flight. Effects of first order are right to a factor near 1;
-# edits are noticed by many powers of ten or not at all.
+# Nodes of the Gauss-Legendre rule over the time of flight. Few are enough: first-order effects are
+# right to a factor near 1, and most edits are above or below the limit by many powers of ten.
 NODES = 4
 
 
-# Flights that are a part of another one, by one law.
+# Flights that are parts of another flight under the same law.
 PARTS = "touching", "fence"
 
 
@@ -206,36 +207,36 @@ class _Effects:
 
     stage: Stage
     some: Index
-    nodes: Mapping[str, frozenset[Node]]  # of each of its formulas
+    nodes: Mapping[str, frozenset[Node]]  # of each formula of the stage
     effects: Response | Direct
-    allowed: Array  # what passes unnoticed of each number
+    allowed: Array  # largest undetected change of each number
 
     def has(self, edit: Edit) -> bool:
-        """True if an edit can be made there."""
+        """True if the stage uses the node that an edit replaces."""
         return any(
             edit.place in nodes and self.stage.takes(name, edit.new)
             for name, nodes in self.nodes.items()
         )
 
     def of(self, edit: Edit) -> Array:
-        """The changes of numbers by an edit, NaN where there is no number."""
+        """The changes of the stage's numbers by an edit; NaN where there is no number."""
         moved = self.effects.moved([(edit, None)])[0, : len(self.allowed)]
         moved = np.where(np.isfinite(self.allowed) & np.isfinite(moved), moved, np.nan)
         return np.broadcast_to(moved, self.allowed.shape)
 
 
 def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
-    """The effects at a stage; None if no scene has it."""
+    """The effects at a stage; None if no scene has the stage."""
     here = np.isin(columns["kind"], stage.scenes)
     first = np.atleast_2d(data.expected[stage.quantities[0]])
     some = np.flatnonzero(here & np.isfinite(first).all(axis=0))
     if not len(some):
         return None
-    # What passes unnoticed of each number: infinitely much where a result does not have it.
+    # The largest undetected change of each number; infinite where a result lacks the number.
     rows = []
     for quantity in stage.quantities:
-        # The ball that meets the bat is not reported: its spin is that of an impact without
-        # friction, and its velocity is nowhere wrong where its place is right.
+        # Results do not contain the spin at the contact. It equals that after an impact without
+        # friction. The velocity there needs no limit: it is right if the position is.
         told = {"contact.spin": "impact.spin"}.get(quantity, quantity)
         known = np.isfinite(np.atleast_2d(data.expected[told])).all(axis=0)
         errors = np.where(known, data.attainable[told], np.inf)[some]
@@ -246,8 +247,8 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     own["spin"] = own[stage.spins]
     flies = stage.kind == "flight"
     at = Values(own)
-    # The end of a flight moves as that of a ball without forces: right to a factor, see `NODES`.
-    # The law of a part of a flight is that of the whole, which notices its edits.
+    # The sensitivity of a ball without forces is right to a factor, which is enough (`NODES`).
+    # Edits of the law are tried on whole flights only, not again on their parts.
     effects = Response(stage, at, sensitivity=free, nodes=NODES) if flies else Direct(stage, at)
     passed = {"through", "law"} if stage.name in PARTS else {"through"}
     nodes = {
@@ -257,7 +258,7 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
 
 
 def _settled(edit: Edit, at: Values) -> Edit:
-    """An edit with a value for its free number: one of a mistake that many scenes would show."""
+    """An edit with a typical value of its free number: a factor of 1.1, or a starting value."""
     if not edit.starts:
         return edit
     x = edit.starts[len(edit.starts) // 2]
@@ -271,24 +272,24 @@ def _settled(edit: Edit, at: Values) -> Edit:
 
 
 def _why(moved: Array, allowed: Array) -> str:
-    """Why changes are not noticed, as if none were."""
+    """The reason why changes are not detected."""
     if np.isnan(moved).all():
         return NO_NUMBER
-    # Rounding leaves less than a thousandth of what is noticed: see `SEEN`.
+    # Changes below a thousandth of the limit are rounding errors (`SEEN`): the edit has no effect.
     return TOO_SMALL if (np.abs(moved) > allowed / 1e3).any() else THE_SAME
 
 
 def _hash(moved: Array) -> int:
-    """Key that is equal for numbers that agree to three digits."""
-    # Of the 23 bits of a float32's mantissa the upper ten are kept, rounded.
+    """Hash of numbers, equal if they agree to three digits."""
+    # Keep the upper 10 of the 23 bits of a float32's mantissa, rounded.
     bits = moved.astype(np.float32).view(np.int32)
     return hash((((bits + 0x1000) >> 13) * (moved != 0)).tobytes())
 
 
 def every_edit(every: int = 1) -> Iterator[tuple[Stage, Edit]]:
-    """Edits of the model, each once, with the first stage that it is made at.
+    """Edits of the model, each once, with the first stage that uses the edited node.
 
-    Of those that the operators make, one of so many, or none for 0; and all others.
+    `every` selects one of so many edits of the operators, 0 none of them; all other edits follow.
     """
     seen = set[tuple[int, int]]()  # digests, since a million nodes would take gigabytes
     for stage in CHAIN if every else ():
@@ -307,17 +308,17 @@ def coverage(
     every: int = 1,
     progress: Callable[[int], None] = lambda done: None,
 ) -> Coverage:
-    """Find out which edits of the model cases notice.
+    """Determine the edits of the model that cases detect.
 
     Parameters
     ----------
     cases
-        Golden cases, or others with their truth; those without an outcome notice nothing.
+        Golden cases, or others with their truth; those without an outcome are dropped.
     every
-        How many edits the operators make for each that is tried: 1 for all, which take some minutes
-        for a thousand cases; 0 if none is.
+        Try one of so many edits of the operators: 1 tries all, which takes minutes for a thousand
+        cases; 0 tries none.
     progress
-        Called now and then with the number of edits that have been tried.
+        Called from time to time with the number of edits that were tried.
 
     Returns
     -------
@@ -338,8 +339,8 @@ def coverage(
     unnoticed: list[tuple[Edit | Replaced, str, str]] = []
     nowhere = Values(columns)
     for done, (first, edit) in enumerate(every_edit(every), 1):
-        # An edit of a definition may change several stages, and any of them may notice it. The key
-        # combines its effects on all of them.
+        # An edit of a definition may change several stages, each of which may detect it. The key
+        # combines the effects on all stages, so that equal edits have equal keys.
         touched = [i for i, one in stages.items() if one.has(edit)]
         edit = _settled(edit, stages[touched[0]].effects.at if touched else nowhere)
         noticed, key, why = np.zeros(len(cases), dtype=bool), 0, NO_STEP

@@ -30,12 +30,12 @@ from longball.model.scene import Scene, written_out
 # Runs a candidate again: from scenes to answers by id.
 Ask = Callable[[Sequence[Scene]], Mapping[str, Answer]]
 
-AGAIN = 12  # scenes that are run twice
+AGAIN = 12  # scenes that are run again in reverse order
 
 # The beginning of the sentence in place of a diagnosis that failed.
 DEFECT = "the search for causes ended with an error of its own"
 
-# Larger numbers are of no use to a diagnosis: a double cannot hold the product of three of them.
+# A diagnosis cannot use larger numbers: the product of three of them may overflow.
 BEYOND = Decimal("1e100")
 
 
@@ -81,10 +81,10 @@ class Judge:
     ) -> Evaluation:
         """Run a candidate and judge it; see `longball.judge.candidate.run`.
 
-        If {dt} is in the command, `dt` goes there. With the time steps of `sweep` it is run again,
-        if it ends well, to see how it converges to the golden truth, whatever the profile; these
-        runs together have the same limit of time. `sampling` tells how it draws at-bats, and
-        `table` whether scenes and results are CSV.
+        `dt` replaces {dt} in the command. If the run ends well and there is a `sweep`, the
+        candidate is run again with its time steps, to measure its convergence to the golden truth,
+        whatever the profile; the same limit of time applies to these runs together. `sampling` is
+        the judgement of the at-bats that it draws. If `table`, scenes and results are CSV.
         """
         start = time.monotonic()
         stepped = filled(command, "dt", repr(self.dt)) if self.dt else command
@@ -101,7 +101,7 @@ class Judge:
             for issue in issues:
                 collected.report("process", issue)
         elif sweep:
-            collected.report("process", "for that, its convergence was not looked at")
+            collected.report("process", "because of that, its convergence was not measured")
 
         def ask(scenes: Sequence[Scene]) -> Mapping[str, Answer]:
             return run(whole, scenes, limits, table=table).collected.answers
@@ -112,11 +112,12 @@ class Judge:
     def _again(self, ask: Ask, answers: Mapping[str, Answer]) -> list[str]:
         """Run some scenes again, backwards, and return what is wrong if the answers differ.
 
-        Differences within the tolerance are allowed: sums by several threads have them.
+        Differences within the tolerance are allowed: the order of sums may vary between threads.
         """
         known = [case for case in self.cases if case.id in answers and decidable(case)]
-        # A ball that flies straight up has no heading, which gives the axis of the lift. A program
-        # that keeps the axis of the scene before has another answer after another scene.
+        # The axis of the lift follows from the heading, which a ball that flies straight up does
+        # not have. A program that keeps the axis of the last scene depends on the order of scenes,
+        # so such a scene is always among those that run again.
         upright = [case for case in known if _is_upright(case.scene)][:1]
         some = [*upright, *known[:: max(1, len(known) // AGAIN)][:AGAIN]]
         chosen = [*{case.id: case for case in some}.values()][::-1]
@@ -126,15 +127,17 @@ class Judge:
         def differing(a: Mapping[str, Answer], b: Mapping[str, Answer]) -> list[str]:
             return [c.id for c in chosen if self._differ(c, a.get(c.id), b.get(c.id))]
 
+        # Twice in reverse order: if the two reverse runs agree, the order is the cause; otherwise
+        # the candidate is random.
         backwards = ask([case.scene for case in chosen])
         if not (differ := differing(answers, backwards)):
             return []
         if random := differing(backwards, ask([case.scene for case in chosen])):
-            return ["it is not deterministic: the same scenes in the same order give other "
-                    f"numbers, {random[0]} for one"]  # fmt: skip
-        return [f"its answer depends on the scenes before it: {len(differ)} of {len(chosen)} "
-                f"scenes give other numbers in another order, {differ[0]} for one; state is kept "
-                "between them"]  # fmt: skip
+            return ["the program is not deterministic: the same scenes in the same order give "
+                    f"different numbers, for example {random[0]}"]  # fmt: skip
+        return [f"answers depend on earlier scenes: {len(differ)} of {len(chosen)} scenes give "
+                f"different numbers in another order, for example {differ[0]}; the program keeps "
+                "state between scenes"]  # fmt: skip
 
     def _differ(self, case: Case, a: Answer | None, b: Answer | None) -> bool:
         """True if two answers differ by more than the profile allows."""
@@ -153,7 +156,7 @@ class Judge:
         return False
 
     def _smallest(self, ask: Ask, failing: Sequence[Any]) -> dict[str, Any]:
-        """Return the smallest scene that the candidate fails still."""
+        """Return a minimal scene that the candidate still fails."""
         order = ("flight", "impact", "pitch", "at-bat")
         start = min(failing, key=lambda s: (order.index(s.kind), len(str(s.model_dump()))))
 
@@ -174,7 +177,7 @@ class Judge:
         for number, case in enumerate(self.cases, 1):
             try:
                 line = line_of(case.id, solve(case.scene))
-            except Exception as error:  # whatever it is, the candidate has no answer
+            except Exception as error:  # any error counts as a refusal
                 line = line_of(case.id, {"error": f"{type(error).__name__}: {error}"})
             collected.take_line(number, line)
         name = getattr(solve, "__name__", type(solve).__name__)
@@ -221,11 +224,12 @@ class Judge:
             told = [c for c in wrong if c.case.id in examples]
             smallest = self._smallest(ask, [c.case.scene for c in told or wrong])
             return diagnosis.model_copy(update={"smallest": smallest})
-        except Exception as error:  # a defect of ours, which costs a candidate no verdict
+        # A defect of the diagnosis must not cost the candidate its verdict.
+        except Exception as error:
             place = traceback.extract_tb(error.__traceback__)[-1]
             sentence = (
                 f"{DEFECT}: {type(error).__name__}: {error} ({Path(place.filename).name}, line "
-                f"{place.lineno}); what is right and wrong is not touched by that, please report it"
+                f"{place.lineno}); answers are counted nevertheless; please report it"
             )
             return Diagnosis(
                 sentence=sentence, first=None, stages=[], clean=[], findings=[], conduct=conduct
@@ -249,11 +253,11 @@ class Judge:
         more: dict[str, Any] = {"conduct": conduct}
         if wrong and not diagnosis.findings:
             what = ", ".join(sorted({fault.what for c in wrong for fault in c.faults}))
-            more["sentence"] = f"no cause is known; what is wrong is {what}"
+            more["sentence"] = f"no cause is known; wrong: {what}"
         return diagnosis.model_copy(update=more)
 
 
 def _is_upright(scene: Any) -> bool:
-    """True if a scene is a flight straight up or down, with a lift about an axis of its own."""
+    """True if a scene is a flight straight up or down, with a lift and without a spin."""
     flies = scene.kind == "flight" and scene.air is not None and scene.launch.spin is None
     return flies and not any(scene.launch.velocity[:2]) and bool(scene.air.lift_coefficient)

@@ -128,8 +128,8 @@ def worst_flight(comparisons: Sequence[Comparison]) -> Comparison | None:
 
 
 def draw_flight(figure: Figure, comparison: Comparison) -> None:
-    """Draw a true flight from the side and from above, and a candidate's points beside it."""
-    # The errors have a panel of their own: nobody sees a centimetre beside a hundred metres.
+    """Draw a true flight from the side and from above, with a candidate's points."""
+    # The errors have a separate panel: a centimetre is invisible in a hundred metres.
     assert comparison.answer is not None
     side, above, off = figure.subplots(3, 1, height_ratios=(3, 2, 2))
     above.sharex(side)

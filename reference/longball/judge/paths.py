@@ -1,10 +1,10 @@
-"""Answers that are points: judged at their own times, and landed by longball.
+"""Answers that are points of a path: judged at their times, and completed with a landing.
 
 A simulator that returns the path of its ball, and no landing, answers with ``path``. Its points are
-compared with the true path at their own times. The landing, or the plate of a pitch, is the root of
-a polynomial through the eight points next to it. Velocities, if there are some, have a polynomial
-of their own, since those of many integrators are not the slope of their positions; or positions and
-velocities of four points make one polynomial, if it agrees better with that of three.
+compared with the true path at their times. The landing, or the crossing of the plate, is the root
+of a polynomial through the eight nearest points. Velocities have a separate polynomial, because
+those of many integrators are not the derivatives of their positions; or one polynomial fits
+positions and velocities of four points, if it agrees better with that of three points.
 
 A ball is airborne if its points end in the air at the scene's time limit. A pitch is grounded if
 its points reach the ground before the plate.
@@ -32,14 +32,14 @@ from longball.model.scene import ImpactScene, landing_height
 
 Met = dict[str, Array]
 
-# Numbers that a polynomial at a crossing goes through. The difference of both is the error of the
-# interpolation, which the tolerance is increased by.
+# Numbers that the polynomials at a crossing interpolate. The difference of the two polynomials
+# estimates the error of the interpolation, which is added to the tolerance.
 POINTS = 8, 6
 MOST_JUDGED = 2_000  # points, evenly chosen
 
 
 def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
-    """Return the worst point, and the worst velocity, each beside the truth at its time."""
+    """Return the true and the given value of the worst point and of the worst velocity."""
     if isinstance(scene, ImpactScene):
         return {}
     _, truth = solve_with_path(scene, Ivp())
@@ -63,7 +63,8 @@ def worst_points(scene: Any, path: Array) -> dict[str, tuple[Value, Value]]:
 def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
     """Return an answer, completed with the landing or the plate of its points.
 
-    What it says itself stays. Return also the error of the interpolation by quantity, in its unit.
+    Quantities that the answer gives are unchanged. Return also the error of the interpolation by
+    quantity, in its unit.
     """
     path = answer.path
     assert path is not None
@@ -85,10 +86,11 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
     if pitched and ground is not None and (crossing is None or ground < crossing):
         return ended("grounded"), {}
     if crossing is None:
-        # The next step would be beyond the limit, to within the rounding of times.
+        # If one more step would exceed the time limit, the points end in the air.
         in_the_air = 2 * path[-1, 0] - path[-2, 0] > limit * (1 - 1e-9)
         return (ended("airborne") if in_the_air else answer), {}
-    # Places and velocities may make one polynomial; both are tried where that can be seen.
+    # Try separate polynomials, and one for positions and velocities together, as far as there are
+    # points.
     together = [False] if path.shape[1] == 4 or len(path) >= POINTS[0] else []
     together += [True] if path.shape[1] > 4 else []
     axis, level = (0, 0.0) if pitched else (2, floor)
@@ -114,14 +116,14 @@ def _off(fine: Met, coarse: Met) -> dict[str, float]:
     return {name: float(np.linalg.norm(fine[name] - coarse[name])) for name in fine}
 
 
-MANY = 10  # decimals: positions with as many are doubles, since even nanometres have nine
+MANY = 10  # positions with so many decimals count as unrounded: nanometres have nine
 
 
 def as_written(scene: Any, answer: Answer) -> Answer:
-    """Return an answer, completed from its points, with as many decimals as their positions have.
+    """Return an answer completed from its points, with as many decimals as the positions have.
 
-    The diagnosis then sees that the numbers are rounded (`diagnosis.digits`), and does not take the
-    rounding for a mistake.
+    The diagnosis then recognises rounded numbers (`diagnosis.digits`), and does not report their
+    rounding as a mistake.
     """
     if answer.path is None:
         return answer
@@ -138,9 +140,10 @@ def as_written(scene: Any, answer: Answer) -> Answer:
 
 
 def _crossing(heights: Array) -> int | None:
-    """Return the number of the point behind the crossing.
+    """Return the index of the first point after the crossing.
 
-    The last point, if the crossing lies less than a step beyond it; None without a crossing.
+    It is that of the last point if the crossing lies less than a step beyond it. None without a
+    crossing.
     """
     fallen = np.flatnonzero((heights[1:] <= 0) & (heights[:-1] > 0))
     if fallen.size:
@@ -151,11 +154,11 @@ def _crossing(heights: Array) -> int | None:
 def _met(
     path: Array, crossing: int, order: int, together: bool, axis: int, level: float
 ) -> Met | None:
-    """Return time, position and velocity where a polynomial by a crossing reaches a level.
+    """Return time, position and velocity where a polynomial at a crossing reaches a height.
 
-    It goes through `order` numbers: positions alone, or positions and velocities `together`.
+    It interpolates `order` numbers: positions alone, or positions and velocities `together`.
     """
-    # As many points before the crossing as behind it, or the last ones of the path.
+    # Use as many points before the crossing as after it, or the last ones of the path.
     count = order // 2 if together else order
     low = max(0, min(crossing - count // 2, len(path) - count))
     near = path[low : low + count]
@@ -173,7 +176,7 @@ def _met(
     def height(t: float) -> float:
         return float(curve(t)[axis]) - level
 
-    if height(after) > 0:  # the path ends above the ground: at most one step goes on
+    if height(after) > 0:  # the path ends above the ground: extrapolate by at most one step
         before, after = after, after + (after - before)
     if not height(before) >= 0 >= height(after):
         return None

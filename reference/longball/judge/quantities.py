@@ -1,8 +1,8 @@
 """The quantities of a result that are judged: their names, units and components.
 
 A quantity is a number or a vector of a result's block: ``landing.distance``, ``plate.position``.
-Values are held as decimals, exactly as they were written: neither the truth's thirty digits nor a
-candidate's seventeen are rounded before they are compared.
+Values are decimals, exactly as written: neither the truth's thirty digits nor a candidate's
+seventeen are rounded before the comparison.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from longball.model.result import Result
 
 Value = tuple[Decimal, ...]
 
-# Differences of thirty-digit numbers, and of doubles written out (at most 53 binary places after
-# a leading digit near 1), lose nothing in this many digits.
+# With this many digits, differences of 30-digit numbers and of doubles are exact: a double near 1,
+# written out, has at most 53 decimals.
 ARITHMETIC = decimal.Context(prec=80)
 
 
@@ -61,13 +61,13 @@ QUANTITIES: dict[str, QuantitySpec] = _specs()
 
 BLOCKS = tuple(MODELS)
 
-# Rows of a verdict for candidates that answer with points: each is the worst point of a path.
+# Rows of a verdict for candidates that answer with points. Each row has the worst point of a path.
 PATH = {name: QuantitySpec(name, unit, 3) for name, unit in
         (("path.position", "m"), ("path.velocity", "m/s"))}  # fmt: skip
 
 
 def values_of(result: Result) -> dict[str, Value]:
-    """Return every quantity that a result holds."""
+    """Return all quantities of a result, by name."""
     found: dict[str, Value] = {}
     for name, x in numbers(result):
         if isinstance(x, int):  # the number of a chord
@@ -78,7 +78,7 @@ def values_of(result: Result) -> dict[str, Value]:
     return found
 
 
-AT_VERTEX = 1e-9  # m: a ball that passes a corner of the fence so closely is on either chord
+AT_VERTEX = 1e-9  # m: nearer to a corner of the fence, either of its chords is right
 # A candidate may omit these: most programs do not compute them.
 OPTIONAL = (
     "impact.recontact",
@@ -106,22 +106,22 @@ def told_by(result: Result) -> dict[str, object]:
 
 def untrue(result: Result, told: Mapping[str, object]) -> list[tuple[str, object, object]]:
     """Return wrong flags, texts and counts: the name, the right value, the given one."""
-    # A fact that the truth does not have is not judged, except `impact.recontact`: its absence says
-    # that ball and bat do not meet again.
+    # A fact that is missing in the truth is not judged, except `impact.recontact`: if this is
+    # absent, ball and bat do not meet again.
     right = told_by(result)
     known = {name: given for name, given in told.items() if name in right or name in OPTIONAL}
     return [(n, right.get(n), given) for n, given in known.items() if given != right.get(n)]
 
 
-# Quantities of a contact only if the ball touches the bat, and only if it does so between the bat's
-# ends. By outcome, those that it does not have although it has the block.
+# Quantities that require a contact, and those that require one between the bat's ends. `WITHOUT`
+# are the quantities that an outcome with a `contact` block does not have.
 MET = ("contact.time", "contact.position")
 STRUCK = ("contact.normal", "contact.bat_velocity", "contact.normal_speed")
 WITHOUT = {"missed": (*MET, *STRUCK), "beyond_bat": STRUCK}
 
 
 def superfluous(outcome: str | None, expected: Iterable[str], given: Iterable[str]) -> list[str]:
-    """Return the blocks given that the truth has not, and quantities that no such outcome has."""
+    """Return given blocks that the truth lacks, and quantities that the outcome cannot have."""
     blocks = {name.partition(".")[0] for name in expected}
     own = {name: name.partition(".")[0] for name in given if name not in OPTIONAL}
     named = {block for block in own.values() if block not in blocks}
@@ -130,7 +130,7 @@ def superfluous(outcome: str | None, expected: Iterable[str], given: Iterable[st
 
 
 def radius_of(result: Result, quantity: str) -> Value:
-    """Return the proven radius of a quantity that a result holds; 0 where none is proven."""
+    """Return the proven radius of a quantity of a result; 0 where none is proven."""
     held = (number(result, name) for name in QUANTITIES[quantity].names)
     return tuple(Decimal(getattr(x, "radius", None) or 0) for x in held)
 

@@ -1,9 +1,9 @@
 """Known mistakes in the random at-bats that a candidate draws.
 
-Some mistakes are made before a scene is solved: the columns of Table II taken as printed, a spread
-with or without its 2, a diameter for a radius. No answer to a golden scene can show them; the
-scenes that a candidate draws do. Every combination of readings of the sampling is a distribution,
-and the likelihood of the drawn numbers distinguishes them.
+Some mistakes are made before a scene is solved: the columns of Table II as printed, a standard
+deviation with a wrong factor √2, a diameter in place of a radius. Answers to golden scenes cannot
+show them, but the scenes that a candidate draws can. Every combination of readings of the sampling
+is a distribution, and the likelihood of the drawn numbers distinguishes them.
 """
 
 from __future__ import annotations
@@ -30,25 +30,25 @@ from longball.model.quantities import at
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
-# Kolmogorov's statistic √n D exceeds this once in a hundred thousand samples of the right
-# distribution (2 exp(-2 x²) = 1e-5); four quantities are tested.
+# Critical value of Kolmogorov's statistic √n D. Samples of the right distribution exceed it with
+# the probability 2 exp(-2 x²) = 1e-5; four quantities are tested.
 CRITICAL = 2.47
 
-# A mistake is named only if the numbers are this much likelier with it (a natural logarithm): a
-# hundred thousand times, too. With a number fitted it must be as much likelier again.
+# A mistake is named only if the drawn numbers are 1e5 times as likely with it; natural logarithm. A
+# fitted number must increase the likelihood by this factor once more.
 LIKELIER = math.log(1e5)
 
-# The mistake that is hardest to see, the speed's spread without its 2, is named from 500 at-bats in
-# 995 of 1,000 trials, from 400 in 974, from 300 in 857. Of 2,000 right samplings none was called
-# wrong.
+# The mistake that is hardest to detect is a standard deviation of the speed that is too small by
+# √2. With 500 at-bats it is named in 995 of 1,000 trials, with 400 in 974, with 300 in 857. None of
+# 2,000 right samplings was called wrong.
 FEWEST = 500
 
-# A rank correlation times √n is nearly normal. It exceeds this once in 10⁸ samples of independent
-# numbers; forty are computed.
+# A rank correlation times √n is nearly normally distributed. For independent numbers it exceeds
+# this value with a probability of 1e-8; forty are computed.
 TOO_ALIKE = 5.7
 
-# Repetitions of each draw beyond which a stream repeats itself: a program that tries several
-# restitutions with each at-bat has fewer.
+# A stream repeats itself if each draw occurs more often than this. A program that tries several
+# restitutions with each at-bat repeats each draw, too, but fewer times.
 MANY_TIMES = 20
 LONGEST_SCENE = 1 << 16  # bytes
 
@@ -152,7 +152,7 @@ def _number(scene: Mapping[str, Any], path: str) -> float | None:
         return None
     known = isinstance(held, int | float) and not isinstance(held, bool)
     if not (known and abs(held) <= sys.float_info.max):  # NaN is not; some integers are too large
-        raise BadSamples(f"{path} is {quoted(held)}; a finite number must stand there")
+        raise BadSamples(f"{path} is {quoted(held)}; must be a finite number")
     return float(held)
 
 
@@ -181,7 +181,7 @@ def judge_samples(scenes: Iterable[Mapping[str, Any]], source: str = "given") ->
     repeats = 0 < most < FEWEST <= total and total > MANY_TIMES * len(draws)
     if most < FEWEST and not repeats:
         raise BadSamples(
-            f"{source}: {most} different at-bats; {FEWEST} are needed to tell how they are drawn"
+            f"{source}: {most} different at-bats; {FEWEST} are needed to test their distributions"
         )
     repeating = Dependence(
         quantity="at-bats",
@@ -234,7 +234,7 @@ class _Way:
 
     named: tuple[str, ...]  # the mistakes in it
     distribution: Any  # of SciPy: what is drawn from
-    scale: float = 1.0  # times so much
+    scale: float = 1.0  # factor of the drawn numbers
     positive: bool = False  # whether what is not positive is thrown away
     fitted: str = ""  # what is said of the scale, if it was fitted to the values
 

@@ -16,9 +16,9 @@ from longball.judge.sampling import Sampling
 from longball.judge.verdict import Fault, Row, Verdict
 from longball.text_table import aligned
 
-SHOWN = 5  # how many of each list are printed; all are in the JSON
-LOOSEST = 1.0  # a tolerance (m, s, m/s, J) by which nobody would judge says nothing
-LONGEST_NAME = 120  # of a candidate: its command may hold a whole program
+SHOWN = 5  # entries of each list that are printed; the JSON has all
+LOOSEST = 1.0  # m, s, m/s, J: a larger tolerance that would pass is not worth printing
+LONGEST_NAME = 120  # characters of a candidate's command, which may contain a whole program
 
 
 def render(verdict: Verdict, shown: int = SHOWN, table: bool = False) -> str:
@@ -39,7 +39,8 @@ def render(verdict: Verdict, shown: int = SHOWN, table: bool = False) -> str:
 def _head(verdict: Verdict) -> Iterator[str]:
     candidate = quoted(verdict.candidate, LONGEST_NAME)
     asked = verdict.cases - len(verdict.undecidable)
-    # Beside the others a count of whole answers would be read as one of what passed or failed.
+    # Only with PARTIAL: after the other words, the count of complete answers would be read as that
+    # of right or wrong ones.
     counted = f" {verdict.complete} of {asked}" * (verdict.status == "PARTIAL")
     yield f"{verdict.status}{counted}: {candidate}"
     if verdict.status == "PASSED" and verdict.complete < asked:
@@ -48,8 +49,8 @@ def _head(verdict: Verdict) -> Iterator[str]:
         yield from counts(verdict)
     for reason in verdict.reasons:
         yield f"{'partial' if verdict.status == 'PARTIAL' else 'failed'} because: {reason}"
-    if verdict.would_pass_at is not None and verdict.would_pass_at <= LOOSEST:
-        yield f"nothing would be wrong at --profile converged --tolerance {verdict.would_pass_at:g}"
+    if (least := verdict.would_pass_at) is not None and least <= LOOSEST:
+        yield f"no answer would be wrong at --profile converged --tolerance {least:g}"
 
 
 def counts(verdict: Verdict) -> Iterator[str]:
@@ -112,23 +113,24 @@ def _contacts(verdict: Verdict) -> Iterator[str]:
 
 def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     for sentence in diagnosis.conduct:
-        yield f"run twice: {sentence}"
+        yield f"run again: {sentence}"
     if diagnosis.first:
-        yield f"where first: {diagnosis.first}"
+        yield f"first wrong step: {diagnosis.first}"
     yield from stage_sentences(diagnosis)
     if not (diagnosis.stages or diagnosis.findings):
         yield f"diagnosis: {diagnosis.sentence}"
     for finding in diagnosis.findings if not diagnosis.conduct else ():  # no cause was sought
         yield from finding_sentences(finding)
     if diagnosis.smallest:
-        yield f"a smallest scene that fails: {json.dumps(diagnosis.smallest, ensure_ascii=False)}"
+        yield f"a minimal scene that fails: {json.dumps(diagnosis.smallest, ensure_ascii=False)}"
 
 
 def stage_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield the stages that are wrong, given earlier values, and those that are right."""
     for row in (row for row in diagnosis.stages if row.wrong):
         where = f"in {row.wrong} of {many(row.checked, 'scene')}"
-        yield f"  {row.stage} is wrong {where} (off by up to {size(row.worst)}; {row.example})"
+        worst = f"relative error up to {size(row.worst)}; {row.example}"
+        yield f"  {row.stage} is wrong {where} ({worst})"
     if diagnosis.clean:
         yield f"  right in every scene, given your own earlier values: {', '.join(diagnosis.clean)}"
 
@@ -148,8 +150,9 @@ def _convergence(report: ConvergenceReport) -> Iterator[str]:
 
 
 def _sampling(sampling: Sampling) -> Iterator[str]:
-    yield f"sampling: {sampling.at_bats} different at-bats of {sampling.source}, beside the paper's"
-    yield f"  so many show differences of a distribution function of {sampling.sees:.2f} or more"
+    count, source = sampling.at_bats, sampling.source
+    yield f"sampling: {count} different at-bats of {source}, compared with the paper's"
+    yield f"  they show differences of a distribution function of {sampling.sees:.2f} or more"
     for found in sampling.found:
         named = f" [{', '.join(found.named)}]" if found.named else ""
         yield f"  {'right' if found.right else 'WRONG'}  {found.sentence}{named}"
@@ -168,7 +171,7 @@ def _failures(verdict: Verdict, shown: int) -> Iterator[str]:
 
 
 def flagged(name: str, flags: Sequence[str]) -> str:
-    """Return the id of a scene with its flags behind it, if it has some."""
+    """Return the id of a scene, followed by its flags."""
     return name + (f" [{', '.join(flags)}]" if flags else "")
 
 
@@ -194,7 +197,7 @@ def _joined(numbers: Sequence[str]) -> str:
 
 
 def silence(verdict: Verdict, shown: int) -> Iterator[str]:
-    """Yield what was not answered, or not judged."""
+    """Yield lines on missing answers and quantities, refusals, and cases that are not judged."""
     for missing in verdict.missing if verdict.judged else ():  # otherwise everything is
         need = ", as it may be" if missing.quantity in OPTIONAL else ""
         where = f"in {many(missing.cases, 'answer')}: {missing.example}"

@@ -117,8 +117,8 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         judged = False
     if answer is None or answer.error is not None or not judged:
         return Comparison(case, answer, judged)
-    # Points: `slack` is the error of the interpolation, by quantity, which the candidate is not
-    # charged with.
+    # Points: the interpolation to the landing has an error, `slack` by quantity, which is added to
+    # the tolerance, because it is not the candidate's.
     slack: Mapping[str, float] = {}
     points: Mapping[str, tuple[Value, Value]] = {}
     if answer.path is not None:
@@ -131,6 +131,7 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
     wrong = answer.outcome not in (None, truth.outcome)
     if wrong and FRAGILE in case.flags:
         return Comparison(case, answer, judged=False)
+    # numbers that the truth and the answer have
     expected, given = values_of(truth), answer.values
     measured = [
         Measured(
@@ -141,7 +142,7 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         for name, true in expected.items()
         if name in given and name not in answer.unreadable
     ]  # fmt: skip
-    # A point in flight has no sensitivity of its own: it may be as far off as the landing.
+    # The sensitivity of a point in flight is not known. It gets the tolerance of the landing.
     for name, (true, point) in points.items():
         allowed = profile.allowed(size := length(true))
         if "landing.position" in expected:
@@ -150,8 +151,8 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
             Measured(name, true, (Decimal(0),) * 3, point, difference(point, true), allowed,
                      Exact().allowed(size), size)
         )  # fmt: skip
-    # What is missing is counted apart: a program may compute a part of the model (`--partial`).
-    # What is unreadable was meant as an answer, and is wrong.
+    # Missing quantities are counted separately, because a program may compute a part of the model
+    # (`--partial`). Unreadable ones were meant as answers, and are wrong.
     missing = [] if answer.outcome else ["outcome"]
     missing += [n for n in expected if n not in given and n not in answer.unreadable]
     missing += [n for n in told_by(truth) if n not in answer.told]
@@ -167,6 +168,7 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         for m in measured
         if not m.passed
     ]
+    # The worst come first: a verdict shows only a few faults of each case.
     faults += sorted(failed, key=lambda fault: -fault.excess)
     return Comparison(
         case, answer, True, tuple(measured), () if wrong else tuple(missing), tuple(faults)
@@ -364,6 +366,7 @@ def verdict(
     collected = submission.collected
     convergence, sampling = submission.convergence, submission.sampling
     reasons = []
+    # Without any answer that can be judged, nothing is wrong, and yet nothing is shown to be right.
     if comparisons and not judged:
         empty = any(c.empty for c in comparisons)
         what = "the answers hold nothing that could" if empty else "no answer could"
@@ -419,12 +422,12 @@ def _would_pass_at(judged: Sequence[Comparison]) -> float | None:
     return float(f"{math.ceil(worst / place) * place:.2g}")
 
 
-# Outcomes that say whether ball and bat touch. Others, such as `landed`, leave it open.
+# Outcomes that show if ball and bat touch. Others, such as `landed`, leave it open.
 _MET = {"batted": True, "separating": True, "missed": False, "beyond_bat": False}
 
 
 def _met(comparison: Comparison) -> tuple[bool | None, bool | None]:
-    """Return if ball and bat touch by the case, and by the answer; None where that is open."""
+    """Return two flags, from the case and the answer, for contact; None where that is open."""
     assert comparison.answer is not None
     truth = comparison.case.expected
     expected = _MET.get(truth.outcome or "", True if truth.impact else None)
@@ -465,8 +468,8 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
     # JSON has no infinity.
     ulps = [min(m.error / math.ulp(m.size), sys.float_info.max) for m in measured if m.size]
     known = [m for m in measured if m.size]
-    # Digits of the case that falls most short of what it could have, not of the worst error: a
-    # graze has few right digits in any program.
+    # The digits are those of the case with the largest gap to what is attainable, not those of the
+    # worst error: a graze has few right digits in any program.
     digits = [[right_digits(x, m.size) for x in (m.error, m.attainable)] for m in known]
     lost = [(attainable - right, right, attainable) for right, attainable in digits]
     _, digits_right, digits_attainable = max(lost, default=(None, None, None))
@@ -480,11 +483,11 @@ def _row(family: str, name: str, unit: str, group: list[tuple[Comparison, Measur
 
 
 def _median(values: Sequence[float]) -> float:
-    """Return the median, also of values so large that the sum of two overflows."""
+    """Return the median, even if the sum of two values would overflow."""
     return median(x / 2 for x in values) * 2 if max(values) > 1e300 else median(values)
 
 
-_MOST_DIGITS = 17.0  # a double holds no more than this
+_MOST_DIGITS = 17.0  # of a double
 
 
 def right_digits(error: float, size: float) -> float:

@@ -41,7 +41,7 @@ def read_rows(data: bytes, knows: Callable[[str], bool]) -> tuple[list[str], Ite
         raise ValueError(f"not a table in CSV{hint}")
     for name in filter(knows, head):
         if head.count(name) > 1:
-            raise ValueError(f"the column {name} is there twice")
+            raise ValueError(f"the column {name} appears twice")
     return head, _fitting(head, chain(first[above + 1 :], rows))
 
 
@@ -66,7 +66,7 @@ def _fitting(head: Sequence[str], rows: Iterable[Row]) -> Iterator[Row]:
     # Shorter rows are allowed, because programs drop empty cells at the end.
     for number, cells in rows:
         if len(cells) > len(head) and any(cells[len(head) :]):
-            raise ValueError(f"line {number}: {len(cells)} cells, and the head has {len(head)}")
+            raise ValueError(f"line {number}: {len(cells)} cells, but the head has {len(head)}")
         yield number, cells
 
 

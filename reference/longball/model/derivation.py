@@ -160,7 +160,7 @@ def restitution_equation() -> sp.Expr:
 def roots() -> tuple[sp.Expr, sp.Expr]:
     """Both values of β that satisfy the restitution relation: β₁ (A7), and β₂ (A8).
 
-    β₁ leaves Ṽ'·n = ẽ Ṽ·n, of the sign it had: the ball goes on into the bat. At ẽ = 1 it vanishes,
+    β₁ leaves Ṽ'·n = ẽ Ṽ·n, with the same sign: the ball continues into the bat. At ẽ = 1, β₁ is 0,
     and the ball would pass through as if there were no bat. β₂ leaves Ṽ'·n = -ẽ Ṽ·n: the bodies
     separate, as they must. Raises `ValueError` if the roots are not one of each kind.
     """
@@ -248,7 +248,7 @@ def apparent_restitution() -> sp.Expr:
 
 
 def restitution_from_apparent() -> sp.Expr:
-    """Coefficient of restitution that a measured e_A stands for: `apparent_restitution` inverted.
+    """Coefficient of restitution from a measured e_A, the inverse of `apparent_restitution`.
 
     e_A (1 + r) + r: Eq. 10, with e_A where the paper has e.
     """

@@ -1,6 +1,6 @@
 """The law of motion: what accelerates a ball in flight.
 
-A flight has a frame of its own: s along the horizontal direction of the launch, y to the left of
+Each flight has its own frame: s along the horizontal direction of the launch, y to the left of
 it, z up; u, v, w are the components of the velocity. The law is one function, `acceleration`,
 traced into straight-line code (`longball.model.trace`): what the scene does not name is not in it,
 and neither is a direction in which nothing moves the ball. A flight whose forces lie in the

@@ -1,7 +1,6 @@
 """Number systems: doubles, mpmath, balls.
 
-The chain of an at-bat and every formula of the model are written over these two protocols,
-so that they stand once for doubles, for mpmath and for ball arithmetic.
+The chain of an at-bat and every formula of the model are written once, for any of these systems.
 """
 
 from __future__ import annotations
@@ -17,15 +16,18 @@ import numpy as np
 from longball.model.result import ErrorCode, Number
 
 # A number: float, mpf, ball, jet, a column of these, a node of a traced formula. It can be added,
-# subtracted, multiplied, divided and compared. A comparison of balls is true only if it is certain;
-# columns compare element by element.
+# subtracted, multiplied, divided and compared. A ball is an interval, a value with a radius; its
+# comparisons are true only if they are certain. Columns compare element by element.
+#
+# A condition is therefore a bool or an array of them. Conditions are combined by & and |, and
+# negated by ``^ True``: ``not`` fails for arrays, and ``~True`` is -2.
 N = Any
 
 Vector = tuple[N, N, N]
 
 
 def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[float, ...]:
-    """Return ``a + factor b`` of as many numbers as there are."""
+    """Return ``a + factor b``, component by component."""
     return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
 
 
@@ -36,7 +38,7 @@ class Undecided(ArithmeticError):
 
 
 class Numbers:
-    """A number system; unless it says otherwise, of one number at a time."""
+    """A number system. The methods take single numbers; systems of columns override them."""
 
     precision: str  # for messages, such as "in double precision"
     pi: N  # the constant, as precise as the system
@@ -76,17 +78,17 @@ class Numbers:
 
 
 def present(strengths: dict[str, Any], numbers: Numbers) -> dict[str, N]:
-    """Return strengths without those that are zero: what they multiply is not there."""
+    """Return the strengths that are not zero: a term whose strength is zero is dropped."""
     return {name: value for name, value in strengths.items() if not numbers.absent(value)}
 
 
 def ratio(part: Any, whole: Any) -> Any:
-    """Return ``part / whole`` for a part of a vector's size, and 0 for a vector of no size."""
+    """Return ``part / whole``, the component of a unit vector; 0 if the vector is zero."""
     return part / whole if whole != 0 else part * 0
 
 
 def doubt(x: N, error: N, question: str, numbers: Numbers) -> str:
-    """Return the sentence on an undecided question, whether ``x > 0``."""
+    """Return the message of `Undecided` for the question whether ``x > 0``."""
     try:
         numbers.positive(x, error, question)
     except Undecided as undecided:

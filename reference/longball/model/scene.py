@@ -134,7 +134,7 @@ class Pitch(_Block):
         # Even if speed and aim are written with their defaults: the scene would be ambiguous.
         both = sorted(self.model_fields_set & {"speed", "aim"})
         if self.velocity is not None and both:
-            _refuse(f"velocity stands instead of speed and aim; leave out {' and '.join(both)}")
+            _refuse(f"velocity replaces speed and aim; remove {' and '.join(both)}")
         if self.release[0] <= 0.0:
             _refuse(f"release[0] = {self.release[0]} must be positive: in front of the plate")
         return self
@@ -238,7 +238,7 @@ class Fence(_Block):
     @model_validator(mode="after")
     def _is_a_fence(self) -> Self:
         if (self.radius is None) == (self.polyline is None):
-            _refuse("a fence has a radius or a polyline, one of the two")
+            _refuse("a fence needs either a radius or a polyline")
         if self.polyline is not None:
             _require_polyline([(x, y) for x, y, _ in self.polyline])
         return self
@@ -261,8 +261,8 @@ def _require_polyline(vertices: list[tuple[float, float]]) -> None:
     # Sum of the angles of the chords as seen from the plate: negative from left to right.
     if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
         _refuse(
-            "polyline goes the wrong way round the plate: it runs from the left pole (y > 0) to "
-            "the right one; turn the order of its vertices round"
+            "polyline runs the wrong way round the plate: it must go from the left pole (y > 0) to "
+            "the right pole; reverse the order of its vertices"
         )
 
 
@@ -382,14 +382,14 @@ class _FlyingScene(_Scene):
             beyond = (spin, air.wind, table, air.side_coefficient)
             if reading.lift_direction == "always_up" and any(x is not None for x in beyond):
                 _refuse(
-                    "reading.lift_direction = always_up takes neither spin nor wind nor a table "
-                    "nor a side_coefficient"
+                    "reading.lift_direction = always_up cannot be combined with spin, wind, a "
+                    "table of the lift, or a side_coefficient"
                 )
             # ln((z + z_0)/z_0) is not defined at z <= -z_0.
             if isinstance(air.wind, WindProfile) and floor <= -air.wind.roughness:
                 _refuse(
                     f"the ball lands at {floor}, which must be above -air.wind.roughness = "
-                    f"{-air.wind.roughness}: heights of the wind are those of z"
+                    f"{-air.wind.roughness}, because the wind has no value below that"
                 )
 
         # above ground
@@ -400,9 +400,9 @@ class _FlyingScene(_Scene):
                 _refuse(under)
             # A sinking ball would never rise through the landing height, and so never land.
             if not self.launch.velocity[2] > 0.0:
-                _refuse(f"{under}, and launch.velocity[2] must be positive for it to rise there")
+                _refuse(f"{under}, so launch.velocity[2] must be positive for it to rise there")
             if self.fence is not None:
-                _refuse(f"{under}, which with a fence must not be above the launch")
+                _refuse(f"{under}; with a fence, the launch must not be below the ground")
 
         # forces with a direction
         if air is None:
@@ -411,16 +411,16 @@ class _FlyingScene(_Scene):
         if side is not None and side.value and not any(_across(side.direction, self)):
             _refuse(
                 f"air.side_coefficient.direction = {list(side.direction)} is parallel to the "
-                "velocity through the air at the start, across which the force must act; take "
-                "another direction, or the value 0"
+                "velocity through the air at the start, but the force must be perpendicular to it; "
+                "choose another direction, or the value 0"
             )
         # A law that vanishes with S has no jump where the spin is parallel to the velocity. With
         # the total spin the force is k R (C_L/S) ω × u, which is smooth where ω × u vanishes.
         jumps = air.lift_is_constant and reading.spin_parameter != "total"
         if jumps and spin is not None and any(spin) and not any(_across(spin, self)):
             _refuse(
-                f"air.lift_coefficient: the lift of a constant has no direction where {block}.spin "
-                "is parallel to the velocity through the air; take the law rational or linear, the "
+                f"air.lift_coefficient: a constant lift has no direction where {block}.spin is "
+                "parallel to the velocity through the air; use the law rational or linear, the "
                 "number 0, or the reading spin_parameter = total"
             )
         return self
@@ -489,7 +489,7 @@ class ImpactScene(_Scene):
             where = "inside the bat" if distance < reach else "away from the bat"
             _refuse(
                 f"incoming.position is {where}: its distance from the bat's axis is "
-                f"{distance} m, and the two touch at R + r_b = {reach} m"
+                f"{distance} m, and must be R + r_b = {reach} m"
             )
         _require_support(self)
         return self
@@ -522,8 +522,8 @@ def _require_inside(fence: Fence | None, what: str, distance: float) -> None:
 def _require_support(scene: ImpactScene | AtBatScene) -> None:
     if scene.bat.support == "free" and scene.reading.effective_mass == "as_printed":
         _refuse(
-            "bat.support = free has no distance from a pivot, which the reading effective_mass = "
-            "as_printed asks for; take effective_mass = inertia_over_r_squared, or support = pivot"
+            "bat.support = free has no pivot, but the reading effective_mass = as_printed needs "
+            "the distance from it; use effective_mass = inertia_over_r_squared, or support = pivot"
         )
 
 
@@ -569,7 +569,7 @@ def parse_scene(
     text = _text(line)
     data = _json(text)
     if not isinstance(data, dict):
-        raise InvalidScene(f"not a scene: a JSON object is needed, this is {short(data)}")
+        raise InvalidScene(f"not a scene: a JSON object is needed, not {short(data)}")
     if change:
         return scene_of(change(data))
     return _validated(data, text)
@@ -587,7 +587,7 @@ def _validated(data: dict[str, Any], text: str) -> Scene:
     kind = data.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
         like = next((key for key in data if did_you_mean(key, ["kind"])), None)
-        given = f"is missing, and {like} is no key" if like else "is missing"
+        given = f"is missing, and {like} is not a key" if like else "is missing"
         given = f"{short(kind)} is not a kind of scene" if "kind" in data else given
         raise InvalidScene(f"kind: {given}{one_of('the kinds are', kind, KINDS)}", scene_id)
     try:
@@ -604,7 +604,7 @@ def _text(line: str | bytes) -> str:
         raise InvalidScene(f"longer than {LONGEST_LINE:,} bytes")
     if isinstance(line, str):
         if not _is_text(line):
-            raise InvalidScene("not Unicode text: it holds half of a surrogate pair")
+            raise InvalidScene("not Unicode text: it contains half of a surrogate pair")
         return line
     try:
         return line.decode("utf-8-sig")
@@ -619,12 +619,12 @@ def _json(text: str) -> Any:
         fault = _JSON_FAULTS.get(error.msg, f"{error.msg} at character {{at}}")
         raise InvalidScene(f"not JSON: {fault.replace('{at}', str(error.pos + 1))}") from None
     except RecursionError:
-        raise InvalidScene("not a scene: its brackets are nested too deeply") from None
+        raise InvalidScene("not a scene: the brackets are nested too deeply") from None
 
 
 # Frequent messages of Python's parser, and ours.
 _JSON_FAULTS = {
-    "Extra data": "text after its end, from character {at} on; write one scene per line",
+    "Extra data": "text after the scene, from character {at} on; write one scene per line",
     "Expecting value": 'at character {at} a value is needed, such as {"kind": "at-bat"} or 9.8',
     "Expecting property name enclosed in double quotes": "at character {at} a key in double quotes "
     "is needed",

@@ -20,7 +20,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any, cast
 
-Scalar = float  # Python's numbers; they stand for themselves, exactly
+Scalar = float  # Python's numbers, which are exact
 
 
 class Node:

@@ -112,7 +112,7 @@ def read_table(
     source, head, frame = _frame(table, wanted.values())
     for name in wanted.values():
         if head.count(name) > 1:
-            raise TableError(f"{source}: the column {name} is there twice")
+            raise TableError(f"{source}: the column {name} appears twice")
     # A column that the user names must exist, even if it is optional.
     if missing := [x for name, x in wanted.items() if x not in head and name in needed | its]:
         shown = ", ".join(head[:20]) + (", …" if len(head) > 20 else "")
@@ -355,5 +355,5 @@ def unit_that_explains(ratio: float, unit: str) -> str | None:
 
 
 def and_more(count: int) -> str:
-    """Return the end of a message about the first of so many rows."""
+    """Return the end of a message about the first of `count` rows."""
     return "" if count == 1 else f" ({count} rows in all)"

@@ -45,8 +45,9 @@ _DETERMINED = 1e-10
 # Relative step below which the search ends: a smaller one is rounding.
 _CONVERGED = 1e-15
 _MOST_STEPS = 100
-# Relative error allowed in a fit with as many unknowns as measurements, which is exact to 1e-10.
-_MET = 1e-6
+# With as many unknowns as measurements, a fit reproduces these to 1e-10, or no scene fits: a larger
+# relative error than this means that none does.
+_REPRODUCED = 1e-6
 
 _POINT = ("t", "x", "y", "z")
 
@@ -74,7 +75,7 @@ class Fit:
         Degrees of freedom: measurements minus unknowns.
     """
 
-    scene: Any  # of the kind that was given
+    scene: Any  # of the same kind as the given one
     value: Mapping[str, float]
     sigma: Mapping[str, float]
     covariance: Array
@@ -102,10 +103,11 @@ class _Measured:
     """Measured values, and the function that predicts them from a scene."""
 
     values: Array  # shape (m,)
-    names: tuple[str, ...]  # of each
-    shape: tuple[int, ...]  # of the residuals
-    place: NDArray[np.intp]  # where each stands among these
-    # From a scene, unknowns and an engine to what is measured, and its derivatives, shape (m, n)
+    names: tuple[str, ...]  # names of the values, for messages
+    shape: tuple[int, ...]  # shape of `Fit.residuals`, which has NaN where nothing is measured
+    place: NDArray[np.intp]  # index of each value among the flattened residuals
+    # A function of a scene, the n unknowns and an engine. It returns the computed values, shape
+    # (m,), and their derivatives, shape (m, n)
     model: Callable[[Scene, Sequence[str], PathEngine], tuple[Array, Array]]
 
 
@@ -124,10 +126,10 @@ def fit(
     ----------
     measured
         Points of a path: rows of t (s since the start of the scene), x, y, z (m), or a data frame
-        with these columns; NaN is not measured. Or numbers of the result by name, such as
-        ``{"landing.distance": 118.2, "landing.hang_time": 5.3}``.
+        with these columns; NaN for a coordinate that was not measured. Or numbers of the result by
+        name, such as ``{"landing.distance": 118.2, "landing.hang_time": 5.3}``.
     scene
-        As `solve` takes it, with what is known, and values of the unknowns to start from.
+        As for `solve`: the known values, and starting values of the unknowns.
     unknowns
         Numbers of the scene, such as ``air.drag_coefficient``; or ``launch.`` and an argument of
         `longball.launch`, such as ``launch.speed``.
@@ -135,18 +137,19 @@ def fit(
         Standard deviations of the measurements, in their units: one number, one for each of x, y
         and z, or by name. If left out, they are taken as equal, and estimated from the residuals.
     engine, options
-        As `solve` takes them.
+        As for `solve`.
 
     Raises
     ------
     InvalidScene
         If `scene` is not a valid scene.
     ValueError
-        If the scene has no number of a name; if there are fewer measurements than unknowns; if
-        `measured` or `sigma` has another form.
+        If the scene has no number with the name of an unknown; if there are fewer measurements than
+        unknowns; if `measured` or `sigma` has the wrong form.
     CannotSolve
-        If the measurements do not determine the unknowns: the message gives the direction in which
-        these are free. If the scene to start from has no such result, or no scene near it fits.
+        If the measurements do not determine the unknowns; the message gives the combination of
+        unknowns that remains free. If the result of the starting scene lacks a measured number, or
+        no scene near it fits.
 
     Examples
     --------
@@ -174,7 +177,7 @@ def fit(
     # With as many measurements as unknowns, either the fit is exact or no scene fits.
     if len(names) == len(data.values):
         missed = np.abs(residuals * deviations)
-        if (missed > _MET * np.maximum(np.abs(data.values), 1.0)).any():
+        if (missed > _REPRODUCED * np.maximum(np.abs(data.values), 1.0)).any():
             worst = int(np.argmax(missed))
             near = ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, x, strict=True))
             raise CannotSolve(
@@ -185,7 +188,7 @@ def fit(
     # Covariance: (Jᵀ J)⁻¹, with J in standard deviations of the measurements. If these are not
     # given, the scatter about the fit estimates them: the scale makes χ² equal to the degrees of
     # freedom.
-    root = _determined(names, jacobian)
+    root = _covariance_root(names, jacobian)
     freedom = len(data.values) - len(names)
     chi_squared = float(residuals @ residuals)
     scale = 1.0 if sigma is not None else (chi_squared / freedom if freedom else math.nan)
@@ -229,8 +232,9 @@ def _least_squares(
             # The step was too long: SciPy shortens a step whose residuals are NaN.
             return np.full(len(deviations), math.nan)
 
-    # The start is solved outside `residuals`, which would hide its error.
-    _lengths(names, solved(start)[1])
+    # The start is solved outside `residuals`, which would hide an error as NaN. An unknown without
+    # effect is an error of the start, too.
+    _column_norms(names, solved(start)[1])
     # Unknowns have different units, so steps are scaled by the columns of J. The search ends by the
     # size of its step alone: with noise in the measurements, the size of the residual says nothing
     # about the digits of the unknowns.
@@ -244,8 +248,8 @@ def _least_squares(
         xtol=_CONVERGED,
         max_nfev=_MOST_STEPS,
     )
-    # After the last step the gradient may be zero to rounding, relative to |J| |r|: also a
-    # solution.
+    # Status 0: the last of the steps was not yet short. The result is still a solution if the
+    # gradient is zero to rounding, relative to |J| |r|.
     slopes = np.linalg.norm(fitted.jac, axis=0) * max(np.linalg.norm(fitted.fun), 1e-12)
     if fitted.status == 0 and not (np.abs(fitted.grad) <= 1e-6 * slopes).all():
         raise CannotSolve(
@@ -254,12 +258,12 @@ def _least_squares(
     return (fitted.x.tolist(), *solved(fitted.x))
 
 
-def _determined(names: list[str], jacobian: Array) -> Array:
-    """Return R with R Rᵀ = (Jᵀ J)⁻¹, if measurements determine the unknowns."""
-    lengths = _lengths(names, jacobian)
+def _covariance_root(names: list[str], jacobian: Array) -> Array:
+    """Return R with R Rᵀ = (Jᵀ J)⁻¹; raise if the measurements do not determine the unknowns."""
+    lengths = _column_norms(names, jacobian)
     _, sizes, axes = np.linalg.svd(jacobian / lengths, full_matrices=False)
-    # Singular vectors belong to columns of length 1. Divided by the lengths they are steps of the
-    # unknowns in their own units.
+    # The columns were scaled to length 1. Dividing the singular vectors by the lengths turns them
+    # into steps of the unknowns in their units.
     open_ = axes[sizes <= _DETERMINED * sizes[0]] / lengths
     if len(open_):
         directions = "; and ".join(_direction(names, axis) for axis in open_)
@@ -271,8 +275,8 @@ def _determined(names: list[str], jacobian: Array) -> Array:
     return root
 
 
-def _lengths(names: list[str], jacobian: Array) -> Array:
-    """Return the sizes of the columns of J; raise if measurements do not depend on an unknown."""
+def _column_norms(names: list[str], jacobian: Array) -> Array:
+    """Return the norms of the columns of J; raise if measurements do not depend on an unknown."""
     lengths: Array = np.linalg.norm(jacobian, axis=0)
     if without := [name for name, x in zip(names, lengths, strict=True) if not x > 0]:
         raise CannotSolve(
@@ -283,9 +287,9 @@ def _lengths(names: list[str], jacobian: Array) -> Array:
 
 
 def _direction(names: list[str], axis: Array) -> str:
-    """Return a direction in the unknowns as a text, the largest component first."""
+    """Describe a direction in the space of the unknowns, the largest component first."""
     order = [i for i in np.argsort(-np.abs(axis)) if abs(axis[i]) > 1e-6 * np.abs(axis).max()]
-    # Relative to the largest component: the text gives the change of the others per unit of it.
+    # Divided by the largest component, the others are their changes per unit of that one.
     axis = axis / axis[order[0]]
     return ", ".join(f"{names[i]} {axis[i]:+.4g}" for i in order)
 
@@ -295,7 +299,7 @@ def _direction(names: list[str], axis: Array) -> str:
 
 def _measured(given: Any) -> _Measured:
     if isinstance(given, Mapping) and not set(_POINT) & set(given):
-        return _of_result(given)
+        return _measured_results(given)
     if hasattr(given, "columns") or isinstance(given, Mapping):
         if missing := [name for name in _POINT if name not in given]:
             raise ValueError(
@@ -320,14 +324,14 @@ def _measured(given: Any) -> _Measured:
     place = np.flatnonzero(seen)
 
     def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
-        states, slopes = of_path(scene, times, unknowns, engine)
+        states, slopes = path_with_derivatives(scene, times, unknowns, engine)
         return states.reshape(-1)[place], slopes.reshape(-1, len(unknowns))[place]
 
     shown = tuple(names[i] for i in place)
     return _Measured(points.reshape(-1)[place], shown, points.shape, place, model)
 
 
-def of_path(
+def path_with_derivatives(
     scene: Scene, times: Array, unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return points of a path, shape (times, 3), and derivatives, (times, 3, unknowns)."""
@@ -368,7 +372,7 @@ def _position(trajectory: Trajectory, time: Any) -> Any:
     return leg.frame.position(leg.flight.path.at(time - leg.begin))
 
 
-def _of_result(given: Mapping[Any, Any]) -> _Measured:
+def _measured_results(given: Mapping[Any, Any]) -> _Measured:
     names = tuple(map(str, given))
     for name, value in given.items():
         if not (is_number(value) and math.isfinite(value)):
@@ -376,7 +380,7 @@ def _of_result(given: Mapping[Any, Any]) -> _Measured:
     values = np.array([*given.values()], float)
 
     def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
-        return of_result(scene, names, unknowns, engine)
+        return result_with_derivatives(scene, names, unknowns, engine)
 
     return _Measured(values, names, values.shape, np.arange(len(values)), model)
 
@@ -400,7 +404,7 @@ def _deviations(sigma: Any, data: _Measured) -> Array:
     return table
 
 
-def of_result(
+def result_with_derivatives(
     scene: Scene, quantities: Sequence[str], unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return numbers of a result, shape (m,), and their derivatives, shape (m, unknowns)."""

@@ -30,7 +30,7 @@ from longball.pitches.table import DATA
 
 FENCES = DATA / "fences.csv"
 
-# Cosine and sine of 45°: those of the library may differ in the last bit, and put a pole beside the
+# Cosine and sine of 45°: those of the library may differ in the last bit, and put a pole off the
 # foul line.
 _POLE = math.sqrt(0.5)
 

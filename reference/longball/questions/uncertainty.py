@@ -149,12 +149,12 @@ def uncertainty(
     second = dict(zip(value, size.tolist(), strict=True))
     for name in value:
         largest = max(abs(shift[name]), second[name])
-        # The 1 stands for the size of a number that is exactly zero, such as a sideways landing.
+        # The 1 is the scale of a number that is exactly zero, such as a sideways landing.
         if largest > _LARGE * sigma[name] + _ROUNDED * (1.0 + abs(value[name])):
             warned.append(
                 f"{name}: the second-order term is large: it shifts the mean by {shift[name]:.2g} "
-                f"and has a standard deviation of {second[name]:.2g}, beside {sigma[name]:.2g} to "
-                "first order"
+                f"and has a standard deviation of {second[name]:.2g}, compared with "
+                f"{sigma[name]:.2g} to first order"
             )
     for sentence in warned:
         warnings.warn(sentence, stacklevel=2)

@@ -377,8 +377,8 @@ class _Step(Writer):
     def root(self, x: Value, n: Value) -> Value:
         """Return a lower estimate of the n-th root, good to a tenth: all that a step needs.
 
-        The logarithm of a double to base 2, times 2^52, is its bits read as an integer, but for a
-        constant and to within 2^52 / 11: the mantissa stands for the fraction of the logarithm.
+        The logarithm of a double to base 2, times 2^52, is its bits read as an integer, up to a
+        constant and to within 2^52 / 11: the mantissa approximates the fraction of the logarithm.
         Reading the root back from its bits makes it at most 1 / 0.94 times too long.
         """
         build = self.builder

@@ -250,7 +250,7 @@ class _Workspace(NamedTuple):
     x: Any
     strengths: Any
     step: Any
-    # Kahan's compensation of each position, a part of `step`; behind it those of the step at hand
+    # Kahan's compensation of each position, a part of `step`; after it those of the present step
     compensation: Any
     # Linear functions of the flights in the lanes: sampling plane and events, with absolute errors
     linear: Any
@@ -727,7 +727,7 @@ def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
 
 # --- the bat --------------------------------------------------------------------------------------
 
-# Farther than so many reaches from the bat a step is not searched but shortened: at 16 reaches
+# Beyond this multiple of `reach` from the bat, a step is not searched but shortened: at 16 reaches
 # d² - reach² has lost log2(16²) = 8 bits.
 _FAR = 16.0
 

@@ -1,7 +1,8 @@
 """Pointers and calls for compiled code, beyond numba's own functions.
 
-Arrays go as pointers: those are one word, their indices are not wrapped around, and nobody counts
-who uses them; the code is compiled several times faster, and runs faster, than with arrays.
+Arrays are passed as pointers: a pointer is one word, its indices are not wrapped around, and its
+references are not counted; the code is compiled several times faster, and runs faster, than with
+arrays.
 """
 
 from __future__ import annotations

@@ -368,7 +368,7 @@ def _in_blocks(
     solve_block: Callable[[slice, Mapping[str, Array], Sequence[T]], None],
     scene: Scene,
     columns: Mapping[str, Array],
-    empty: Callable[[int], list[T]],  # tables of so many rows
+    empty: Callable[[int], list[T]],  # makes tables of a number of rows
     threads: int,
     model: Model = MODEL,
 ) -> list[T]:

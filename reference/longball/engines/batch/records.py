@@ -29,7 +29,7 @@ STOPS: Mapping[str, int] = {
     "past": 3,
     "fence": 4,
     "fence_behind": 5,
-    "level": 6,
+    "risen": 6,
     "time": Stop.TIME_LIMIT,
 }
 NOT_FLOWN = -1  # code of a row without a flight

@@ -131,7 +131,7 @@ def first_zero(
 
 # A fall is steep if its rate squared exceeds that many times the largest curvature times the error.
 _STEEP = 1e12
-# A fall certainly goes on to below -error if it exceeds that many times: 6 would do.
+# A fall certainly ends below -error if it is larger than this multiple of the error: 6 would do.
 _CERTAIN = 8.0
 
 

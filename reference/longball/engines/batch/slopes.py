@@ -309,7 +309,7 @@ class SlopeColumns(Columns):
         state, mark = (self._noted(ends, jets, law, which) for which in (0, 1))
         end = self._stopped(plain, events, known, ends, state, limit)
 
-        # A flight that ends where it starts goes on by the least change: a corner.
+        # A flight that ends at its start continues after the least change: that is a corner.
         starts = (stops != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
         self.jets.doubt(rows & starts)
         self.jets.doubt(rows & (ends["steps"] > _MOST_STEPS))
@@ -426,7 +426,7 @@ class SlopeColumns(Columns):
             *(ColumnJet(plain_of(x), rate_of(y)) for x, y in zip(noted.state, state, strict=True))
         )
         falls = section.approach(type(state)(*map(plain_of, state)))
-        change = 0.5 * rate_of(bat.depth(state))
+        change = 0.5 * rate_of(bat.outside(state))
         speed = _norm(*map(plain_of, bat.frame.velocity(state)))
         steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
         numbers.doubt(rows & (code == 1) & ~steep & np.any(change != 0, axis=0))

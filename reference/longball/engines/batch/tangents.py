@@ -71,7 +71,7 @@ def gauss(nodes: int) -> tuple[Array, Array, Array]:
 class Tangents:
     """Equations (2) of a law, and the array with the tangents of the flights in the lanes.
 
-    A variable that is the integral of another, as a position is of a velocity, has no F of its own.
+    A variable that is the integral of another, as a position is of a velocity, has no separate F.
     With ``ξ' = η`` and ``η_k = η_0 + h Σ a_kj F_j`` it is
     ``ξ_k = ξ_0 + h c_k η_0 + h² Σ (a²)_kj F_j``.
     """
@@ -112,7 +112,7 @@ class Tangents:
         self.size = len(program.parameters) + TIMES * count
 
     def allocate(self, tangents: int) -> Array:
-        """Return an array for so many tangents."""
+        """Return an array for a number of tangents."""
         return aligned(self.first + tangents * self.size, WIDTH)
 
 
@@ -173,7 +173,7 @@ class _Collocation(Writer):
         return self.builder.add(self.builder.mul(k, self.index(size)), self.index(more))
 
     def place(self, row: Value) -> Value:
-        """Index of a row, of the lanes at hand."""
+        """Index of a row for the present lanes."""
         return self.row(row, PARTS, self.chunk)
 
     def expanded(self, block: int, row: Value) -> Value:
@@ -187,7 +187,7 @@ class _Collocation(Writer):
         return self.place(self.builder.add(start, self.index(row)))
 
     def scratch(self, row: Value) -> Value:
-        """Index of a row of `Tangents`, which has the numbers of the lanes at hand alone."""
+        """Index of a row of `Tangents`, which has the numbers of the present lanes only."""
         return self.builder.add(self.index(self.system.scratch * PARTS), row)
 
     def block(self, a: Value, b: Value) -> list[list[Value]]:

@@ -45,7 +45,7 @@ class Curve:
         return bool(self.value(a.union(b)) > 0)
 
     def turns(self, a: arb, b: arb) -> Sequence[arb]:
-        """Enclose where in (a, b) members turn; turns that are not told apart are one ball."""
+        """Enclose the turning points in (a, b); those that are not separated share one ball."""
         slope = self.value.derivative()
         power = leading(slope)
         if power is None:
@@ -77,7 +77,7 @@ class Curve:
 def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
     """Return balls, in rising order, that contain all zeros of a family's members in [a, b].
 
-    Zeros that are not told apart are in one ball; a ball may hold none.
+    Zeros that are not separated share one ball; a ball may contain none.
     """
     slope = value.derivative()
     curvature = slope.derivative()

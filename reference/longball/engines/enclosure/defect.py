@@ -43,7 +43,7 @@ class Defect:
                     self._start[node] = abs(value[node][0] - first).upper()
             else:
                 value[node] = polynomial_of(node, value)
-        # p' - f(p), where the outputs are polynomials of their own: what remains is their error.
+        # p' - f(p), where each output has a separate polynomial: the remainder is its error.
         self._misses = [
             value[variable(name)].derivative() - value[rate]
             for name, rate in zip(program.variables, program.outputs, strict=True)
@@ -51,7 +51,7 @@ class Defect:
         self._outputs = program.outputs
 
     def polynomial(self, node: Node) -> arb_poly:
-        """Return the polynomial that stands for a node."""
+        """Return the polynomial that approximates a node."""
         polynomial: arb_poly = self._value[node]
         return polynomial
 
@@ -81,7 +81,7 @@ class Defect:
         return errors
 
     def _own_error(self, node: Node, errors: Mapping[Node, arb], h: arb) -> arb:
-        """Bound the error of a node that has an approximation of its own."""
+        """Bound the error of a node with a separate approximation."""
         value, residual, first = self._value, self._residual[node], node.args[0]
         error = errors.get(first, _NOTHING)
         if node.kind == "sqrt":

@@ -120,7 +120,7 @@ def _speed(core: Start, structure: Structure) -> arb:
 
 
 def brought_to_rest(core: Start, structure: Structure, negligible: arb) -> Start:
-    """Return a velocity that is not told from rest, or is negligible (m/s), as rest with an error.
+    """Replace a velocity by rest with an error if it contains 0, or is negligible (m/s).
 
     A Taylor step cannot come closer to V = 0 than to a fraction, but the bound on the error holds
     there as well; and from rest there is another series (`longball.engines.series`).

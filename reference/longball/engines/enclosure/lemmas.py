@@ -27,7 +27,7 @@ def least(polynomial: arb_poly, h: arb) -> arb:
     return (polynomial[0] - h * largest(polynomial.right_shift(1), h)).lower()
 
 
-# --- how far a node is from the function of the polynomials that it stands for --------------------
+# --- the distance of a node's polynomial from the function of its arguments' polynomials ----------
 
 
 def combination_error(terms: Iterable[tuple[arb, arb]]) -> arb:
@@ -153,8 +153,8 @@ def error_bound(error: arb, defect: arb, growth: arb) -> tuple[arb, arb]:
         ``|e(t)| <= (|e(0)| + δ t) exp(∫ max(λ, 0))``.
 
     Existence. λ is a bound on a convex *tube*, all that is within a distance of p, in which f's
-    derivative is bounded. So a solution that starts in the tube goes on as long as it is there, and
-    there the inequality holds. If the bound is less than the tube's radius from 0 to h, then the
-    solution never comes to the tube's edge, and goes on to h.
+    derivative is bounded. So a solution that starts in the tube exists as long as it stays there,
+    and there the inequality holds. If the bound is less than the tube's radius from 0 to h, then
+    the solution never reaches the tube's edge, and exists until h.
     """
     return (error * growth).upper(), (defect * growth).upper()

@@ -1,8 +1,8 @@
 """The chain of a scene as data: inputs, definitions, and a stage for every step of the calculation.
 
 Formulas stand here as expressions, in the order of docs/model.md and with its symbols, so that the
-judge can edit them. `tests/judge/test_chain.py` holds every stage to what the engines compute. A
-stage starts from the candidate's own earlier values: a symbol such as `ẽ` below is the value that
+judge can edit them. `tests/judge/test_chain.py` compares every stage with the engines. A stage
+starts from the candidate's own earlier values: a symbol such as `ẽ` below is the value that
 the candidate reports.
 """
 
@@ -43,7 +43,7 @@ DENSITY, IMPULSE, ENERGY = (-3, 1, 0), (1, 1, -1), (2, 1, -2)
 
 
 class Input(NamedTuple):
-    """A number or a vector of a scene: its symbol, its path of keys, and the value of null."""
+    """A number or a vector of a scene: its symbol, its keys, and the value that null stands for."""
 
     symbol: Node
     path: str
@@ -119,9 +119,9 @@ I = {each.symbol.data: each.symbol for each in INPUTS}  # noqa: E741
 
 
 def _given(part: str, release: str = "") -> Node:
-    """What a scene gives of the ball, in the block of its kind.
+    """Position, velocity or spin of the ball that a scene gives, from the block of its kind.
 
-    A program has one function for the vectors of all blocks: a mistake in it is one edit.
+    A program has one function for the vectors of all blocks, so that a mistake in it is one edit.
     """
     pitch = I[release or f"pitch.{part}"]
     kinds = {"flight": I[f"launch.{part}"], "impact": I[f"incoming.{part}"]}
@@ -155,9 +155,11 @@ def level(a: Node) -> Node:
 # Weather (docs/model.md, "Flight with spin, wind and weather"). Its formulas hold for numbers in SI
 # units: a factor `constant(1.0, …)` gives a number its unit, or takes it away.
 celsius = I["T"] - 273.15
+# p_s, the saturation pressure of water vapour.
 vapour = named(
     "p_s", 611.16 * function("exp", (18.687 - celsius / 234.5) * celsius / (257.14 + celsius))
 )
+# Reduces a pressure at sea level to the elevation. A pressure measured at the park needs no factor.
 falls = named("e^(-κh)", function("exp", -(1.217e-4 * I["h"] / constant(1.0, M))))
 pressed = switch("reading.pressure", {"sea_level": I["p"] * falls, "station": I["p"]})
 weather = named(
@@ -179,14 +181,16 @@ thins = named(
     )
     * thins,
 )
+# Squares are written as products, so that "does not square R" is an edit (`operators._shapes`).
 area = named("A", math.pi * (I["R"] * I["R"]))
 k = named("k", ρ * area / (2.0 * I["m"]))
 
+# The logarithmic profile of the wind, ln((z + z_0)/z_0)/ln((h + z_0)/z_0).
 rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
     "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
 )
-# The profile of textbooks, which programs have in place of `rise`: no z_0 is added, and the wind is
-# 0 below the roughness.
+# The textbook profile, which programs use in place of `rise`: z_0 is not added, and the wind is 0
+# below z_0.
 _unshifted = named(
     "ln(z/z_0)/ln(h/z_0)",
     function("log", 1.0 + function("positive", component(r, 2) / I["z_0"] - 1.0))
@@ -204,12 +208,15 @@ W = named(
         },
     ),
 )
-# Drag feels the velocity through the air. By one reading lift feels that over the ground.
+# Drag and lift depend on the velocity through the air. Under the reading wind_acts_on = drag, lift
+# depends on the velocity over the ground.
 u = named("u", v - W)
 U = named("U", norm(u))
 u_lift = named("u_L", switch("reading.wind_acts_on", {"both": u, "drag": v}))
 U_lift = switch("reading.wind_acts_on", {"both": U, "drag": norm(v)})
 
+# The fraction of the spin that is left. The reading spin_decay decides whether it falls with the
+# path s through the air, with the time at 100 mph, or with the time at the present airspeed.
 spin_left = named(
     "e^(-s/L_ω)",
     switch(
@@ -232,8 +239,8 @@ spin_left = named(
 )
 spin = named("ω", spin_left * spin0)
 c = named("ω × u", cross(spin, u_lift))
-# The spin in drag, in lift and in tables. They differ in the velocity that it crosses. A reading
-# takes the whole spin in place of the part across the motion.
+# The spin across the motion, in drag, in lift and in tables. It is |ω × u|/U, with the velocity
+# over the ground in lift under wind_acts_on = drag. Two readings use the whole spin instead.
 transverse = named("ω_T", norm(cross(spin, u)) / U)
 ω_drag = switch("reading.drag_spin", {"transverse": transverse, "total": norm(spin)})
 _ω_lift = switch("reading.spin_parameter", {"transverse": norm(c) / U_lift, "total": norm(spin)})
@@ -308,18 +315,19 @@ def _heading_by_parts(velocity: Node) -> Node:
 
 
 def _headed(heading: Callable[[Node], Node]) -> Node:
-    """The horizontal direction of the launch, or of the ball's velocity by another reading."""
+    """h, the horizontal direction of the launch; of the velocity, if lift is always up."""
     options = {"fixed_spin_axis": heading(v0), "always_up": heading(v)}
     return named("h", switch("reading.lift_direction", options))
 
 
 _ahead = _headed(_heading)
+# ê, the axis of the paper's lift: horizontal, and to the right of h.
 about = named("ê", cross(_ahead, e_z))
 # With S of the total spin, k C_L U² c/|c| becomes k R (C_L/S) c: smooth where spin and motion are
 # parallel, where c/|c| has no direction.
 _per_spin = I["R"] * (C_L / S_lift)
 
-# The side force acts along the part of a fixed direction across the airspeed.
+# â, the direction of the side force: the part of d that is perpendicular to u.
 _aimed = named("d̂", unit(I["d"]))
 _sideways = named("d̂ - (d̂·û)û", _aimed - dot(_aimed, unit(u_lift)) * unit(u_lift))
 _cosine, _sine = function("cos", I["λ"]), function("sin", I["λ"])
@@ -332,7 +340,8 @@ _drag, _lift = named("k·C_D·U", k * C_D * U), named("k·C_L·U", k * C_L * U_l
 
 
 def _per_turn(turned: Node) -> Node:
-    """The lift of a spinning ball as a multiple of ω × u, without a unit vector."""
+    """The lift of a spinning ball without a unit vector: k R (C_L/S) ω × u."""
+    # Where ω × u is 0, so is the lift, but C_L/S may be 0/0.
     return k * where(norm(c), _per_spin, constant(0.0, M)) * turned
 
 
@@ -343,7 +352,11 @@ _spinning = switch(
 
 
 def _law(drag: Node, paper_lift: Node, spinning: Node) -> Node:
-    """The law of motion, with the drag, the paper's lift, and that of a spin in their forms."""
+    """The law of motion from its drag, the paper's lift, and the lift of a spin.
+
+    m dv/dt = -F_D + F_L + m g (paper, Eqs. 6 to 8), divided by m, with the terms of docs/model.md,
+    "Flight with spin, wind and weather".
+    """
     lift = switch("spin", {"none": paper_lift, "given": spinning})
     turns = switch(
         "earth",
@@ -363,7 +376,7 @@ def _law(drag: Node, paper_lift: Node, spinning: Node) -> Node:
 
 
 def _by_components() -> Node:
-    """The law as programs write it that have no vectors."""
+    """The law written out by components, for programs without vectors."""
     (x, y, z), (p, q, s) = _parts(u_lift), _parts(spin)
     ahead, aside, _ = _parts(_headed(_heading_by_parts))
     lift = -(_lift * ahead * z), -(_lift * aside * z), _lift * (ahead * x + aside * y)
@@ -389,8 +402,8 @@ def _in_launch_frame() -> Node:
 
 
 LAW = _law(-(k * C_D * U * u), k * C_L * U_lift * cross(about, u_lift), _spinning)
-# The same law in other forms has other neighbours: "axis -y" is an edit of the first, and one
-# component in place of another of the others.
+# Other forms of the same law, in which other mistakes are small: a wrong axis is one edit of the
+# law in vectors, and one component in place of another is one edit of the law by components.
 OTHER_FORMS = (
     _law(-(k * C_D * U * u), k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)), _spinning),
     _by_components(),
@@ -406,15 +419,15 @@ def own(quantity: str, name: str, dimension: Dimension = NONE, vector: bool = Fa
     return found
 
 
-# Symbols of the quantities by their names. Verdicts show a symbol's name: the model's letter, if it
-# has one.
+# Symbols of the quantities, by quantity. Verdicts print the symbol's name: the letter of the model
+# if there is one.
 OWN: dict[str, Node] = {}
 plate_time = own("plate.time", "plate.time", S)
 plate = own("plate.position", "plate.position", M, True)
 own("plate.velocity", "plate.velocity", SPEED, True)
 contact_time = own("contact.time", "contact.time", S)
 place = own("contact.position", "contact.position", M, True)
-# No candidate reports these two. An impact scene gives what a pitch brings.
+# No candidate reports these two. They follow from the pitch; an impact scene gives them.
 _brought = own("contact.velocity", "V", SPEED, True), own("contact.spin", "ω", RATE, True)
 V, spin_at = (
     named(str(pitched.data), switch("kind", {"impact": given, "at-bat": pitched}))
@@ -434,7 +447,8 @@ spin_after = own("impact.spin", "ω⁺", RATE, True)
 own("impact.friction_margin", "friction_margin")
 own("impact.energy_change", "ΔE", ENERGY)
 hang = own("landing.hang_time", "landing.hang_time", S)
-flown = symbol("hang_time", S)  # of two clocks that disagree, the one that is nearer
+# The time of flight, from `landing.hang_time` or from `landing.time`: see `residual.begun`.
+flown = symbol("hang_time", S)
 landing_time = own("landing.time", "landing.time", S)
 landing = own("landing.position", "landing.position", M, True)
 own("landing.velocity", "landing.velocity", SPEED, True)
@@ -446,6 +460,7 @@ own("fence.velocity", "fence.velocity", SPEED, True)
 own("fence.clearance", "fence.clearance", M)
 own("fence.margin", "fence.margin", M)
 
+# z_b = z'_b + σ_b (paper, Eq. 5), with the height z'_b of the pitch at the plate.
 bat_height = named(
     "z_b",
     switch(
@@ -456,7 +471,7 @@ bat_height = named(
 x, y, z = (component(place, i) for i in range(3))
 offset = named("r - axis", vector(x, constant(0.0, M), z - bat_height))
 reach = named("R + r_b", I["R"] + I["r_b"])
-lever = named("r̃", I["L"] / 2.0 - y)
+lever = named("r̃", I["L"] / 2.0 - y)  # the distance from the pivot B, which is at y = L/2
 _apart = named("|r - axis|", norm(offset))
 _swung = named("ω_bat·r̃", I["ω_bat"] * lever)
 _third = I["L"] * I["L"] / 3.0
@@ -481,7 +496,7 @@ def _moment(name: str, about: Node) -> Node:
 
 inertia = _moment("I", _third)
 _free_inertia = _moment("J_free", _twelfth)
-# As printed, I/r̃ is no mass: the constant gives it the unit.
+# I/r̃, as printed in the paper, is not a mass: dividing by 1 m makes it one.
 _printed = inertia / (lever * constant(1.0, M))
 effective = named(
     "M_eff",
@@ -504,6 +519,7 @@ def _reduced(a: Node, b: Node) -> Node:
 
 _with_bat = _reduced(I["m"], I["M"])
 _with_effective = _reduced(I["m"], effective)
+# The reduced mass (paper, Appendix A). The paper has M in it, but M_eff in Eq. 10.
 μ = named(
     "μ",
     switch(
@@ -537,7 +553,7 @@ slip_across = named("g_t", slip - dot(slip, n) * n)
 
 
 def _mobility(a: Node) -> Node:
-    """K applied to a vector, before 1/μ replaces n·K n."""
+    """K applied to a vector, with the n·K n of the rigid bodies (docs/model.md)."""
     turned = cross(arm, a)
     shaken = vector(
         component(turned, 0) / _across,
@@ -554,7 +570,10 @@ _stiff = 1.0 / μ - dot(n, _mobility(n))
 
 
 def mobility(a: Node) -> Node:
-    """K applied to a vector, with 1/μ in place of n·K n."""
+    """K applied to a vector, with 1/μ in place of n·K n.
+
+    Without friction, the impulse is then that of the paper, Eq. 9.
+    """
     return _mobility(a) + _stiff * dot(n, a) * n
 
 
@@ -573,17 +592,19 @@ _way = switch(
 _slides = named("n - μ_f t̂", n - I["μ_f"] * _way)
 slide = named("P (slide)", -((1.0 + ẽ) * dot(slip, n) / dot(n, mobility(_slides))) * _slides)
 push = named("P", where(-friction_margin, slide, grip))
-# The stages after the impulse start from the candidate's own values. P is J n along the normal; its
-# part across is the model's, since no candidate reports it. The spin takes P = m (V⁺ - V).
+# The stages after the impulse start from the candidate's own values. Along the normal, P is J n.
+# Its part across the normal is the model's, because no candidate reports it. The stage of the spin
+# uses P = m (V⁺ - V), which contains only reported values.
 _own_push = J * n + (push - dot(push, n) * n)
 _turned = (I["R"] / ball_inertia) * cross(n, I["m"] * (after - V))
 
 # --- fences ---------------------------------------------------------------------------------------
 
-# The chord next to the candidate's own place: its ends and the heights there.
+# The chord next to the candidate's own point on the fence: its two ends, with the heights there.
 _a, _b = symbol("chord.a", M, True), symbol("chord.b", M, True)
 _chord = level(_b - _a)
 _beside = level(at_fence - _a)
+# The height of the fence is linear along the chord.
 _passed = dot(_beside, unit(_chord))
 _top = component(_a, 2) + (component(_b, 2) - component(_a, 2)) * (_passed / norm(_chord))
 fence_top = named(
@@ -610,8 +631,8 @@ _origin = switch(
 _begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
 fence_flown = fence_time - _begun
 
-# What people define otherwise: formulas that no small edit of the right one makes. Each is one more
-# node at hand at its stage (`Stage.pool`), so that the operator "another node" puts it in.
+# Other definitions that people use, and that no small edit of the right formula gives. Each one is
+# in the pool of its stage (`Stage.pool`), where the operator `_others` finds it.
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
 _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
@@ -671,9 +692,9 @@ class Stage:
     Attributes
     ----------
     name
-        As verdicts call it.
+        Name in verdicts.
     quantities
-        What it gives. A flight gives position, velocity and spin at its end.
+        Computed quantities. Those of a flight are position, velocity and spin at its end.
     kind
         A "formula" has the root `value`. A "flight" has `place`, `velocity`, `spin`, `duration`,
         `rate` (of the place), `law` (the acceleration), `spin_left`, and `through` (the speed
@@ -682,13 +703,13 @@ class Stage:
     roots
         Its expressions, by name.
     forms
-        Other forms of roots, in which authors write the same.
+        Equivalent forms of the roots, as other authors write them.
     scenes
-        Kinds of scenes that have it.
+        Kinds of scenes that have the stage.
 
     Examples
     --------
-    A program that lets the ball hit a bat at rest is right in every other stage:
+    A program whose bat is at rest has V·n for the normal speed:
 
     >>> (stage,) = (one for one in CHAIN if one.name == "normal speed")
     >>> stage.quantities, stage.kind, stage.roots
@@ -705,7 +726,7 @@ class Stage:
     scenes: tuple[str, ...] = ("flight", "at-bat")
 
     def edited(self, old: Node, new: Node) -> Stage:
-        """The stage with one expression in place of another, where what that takes exists."""
+        """The stage with one expression in place of another, in the roots that may contain it."""
 
         def changed(name: str, formula: Node) -> Node:
             return substitute(formula, old, new) if self.takes(name, new) else formula
@@ -718,12 +739,12 @@ class Stage:
         return self if same else replace(self, roots=roots, forms=forms)
 
     def takes(self, name: str, new: Node) -> bool:
-        """True if a root may contain an expression: what moves exists in flight alone."""
+        """True if a root may contain an expression: only those in flight have moving symbols."""
         return name in FLYING or not depends(new, IN_FLIGHT)
 
     @property
     def pool(self) -> tuple[Node, ...]:
-        """Formulas that people take there instead; see `OTHERWISE`."""
+        """Other definitions that people use at the stage; see `OTHERWISE`."""
         return OTHERWISE.get(self.name, ())
 
     @property
@@ -736,15 +757,15 @@ _towards = named("aim - release", vector(constant(0.0, M), I["aim_y"], I["aim_z"
 
 
 def _released(aimed: Node) -> Node:
-    """The velocity at the release, with that of an aimed pitch in one of its forms."""
+    """The velocity at the release, from a form for pitches that are aimed."""
     return switch("pitch", {"aimed": aimed, "velocity": given_velocity})
 
 
 _thrown = _released(I["V_0"] * unit(_towards))
 _no_spin = constant(0.0, RATE, True)
 
-# A program may report another spin than it flies with. An edit of this name spares the law, which
-# takes `spin_left` itself.
+# A program may report another spin than it flies with. The law uses `spin_left` itself, so that an
+# edit of this second name changes the reported spin alone.
 _spin_reported = named("the share of the spin that is left", spin_left)
 
 
@@ -788,7 +809,8 @@ def _formula(
 
 _STRUCK = ("impact", "at-bat")
 _forms = {"law": OTHER_FORMS, "rate": (vector(*_parts(r_dot)),)}
-# By components of a speed, and by the angle of the aim above the level.
+# Other forms of the velocity at the release: without a unit vector, and by the angle ε of the aim
+# above the horizontal.
 _by_parts = _released(I["V_0"] / norm(_towards) * _towards)
 _flat_aim = named("(aim - release)_xy", level(_towards))
 _rising = named("ε", function("atan", component(_towards, 2) / norm(_flat_aim)))
@@ -838,6 +860,7 @@ CHAIN = (
     _formula("normal speed", "contact.normal_speed", dot(Ṽ, n), _STRUCK),
     _formula(
         "restitution", "impact.restitution",
+        # ẽ = e (1 + m/M_eff) + m/M_eff (paper, Eq. 10).
         switch(
             "reading.bat_ball_restitution",
             {"as_printed": I["e"] * (1.0 + ratio) + ratio, "nathan": I["e"], "plain": I["e"]},
@@ -846,6 +869,7 @@ CHAIN = (
     ),
     _formula(
         "impulse", "impact.impulse",
+        # F̄ Δt along the normal (paper, Eq. 9).
         switch("bat.friction", {"none": -(μ * (1.0 + ẽ) * w), "given": dot(push, n)}), _STRUCK,
     ),
     _formula(
@@ -900,11 +924,14 @@ CHAIN = (
 # t_k + τ with |d + v τ| = R + r_b; d runs from the bat's axis to the ball (Appendix B).
 last_step = symbol("t_k", S)
 _back = contact_time - last_step
+# d at the last step, from the candidate's own contact back along the line.
 _x, _z = x - component(V, 0) * _back, z - bat_height - component(V, 2) * _back
 _v_x, _v_z = component(V, 0), component(V, 2)
 _vv = named("v·v", _v_x * _v_x + _v_z * _v_z)
 _dv = named("d·v", _x * _v_x + _z * _v_z)
 _dd = named("d·d - (R + r_b)²", _x * _x + _z * _z - reach * reach)
+# τ = ((d·d) - (R + r_b)²)/(-d·v + √…), the smaller root without cancellation; the other form of the
+# stage is the usual formula.
 _root = function("sqrt", _dv * _dv - _vv * _dd, dimension=(2, 0, -1))
 _met = Stage(
     "contact time", ("contact.time",), "formula", {"value": last_step + _dd / (-_dv + _root)},

@@ -1,6 +1,6 @@
-"""Clocks and events at steps: states of another time than the one that the candidate gives.
+"""Clocks and events at steps: the candidate's states belong to other times than it reports.
 
-A step is mentioned only where times lie on a lattice of steps.
+A step length is reported only if the times are multiples of it, a *lattice*.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ class Scheme:
     Attributes
     ----------
     words
-        What the candidate does, as a clause without its subject.
+        Clause without its subject that says what the candidate does.
     order, step
-        Of the integrator; None where only an event or a clock is at fault.
+        Order and step (s) of the integrator; None if only an event or a clock is wrong.
     bits, evidence
-        What it costs, and the bits beyond chance.
+        Cost of the scheme, and its evidence beyond chance.
     adequate
-        True if it makes all numbers of all scenes: only then it is a name.
+        True if the scheme reproduces all numbers of all scenes. Only such a scheme is named.
     way
-        How the candidate flies, if that is named.
+        Integrator and step of the candidate's flight, if these are named.
     """
 
     words: str
@@ -49,21 +49,22 @@ class Scheme:
     way: Way | None = None
 
 
-ON_LATTICE = 1e-4  # of a step: times that are nearer to whole steps lie on them
-FINEST, LONGEST = 1e-4, 0.4  # s: steps that times may show
+ON_LATTICE = 1e-4  # of a step: largest distance of a time from a whole number of steps
+FINEST, LONGEST = 1e-4, 0.4  # shortest and longest step that is searched for, s
 MOST = 0.8  # fraction of the times for which a rule has to hold
-TIMES = 5  # different times that are needed to see a lattice
+TIMES = 5  # different times that are needed to detect a lattice
 
 
 def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None:
     """The largest step of which most times are multiples, s, and its bits beyond chance.
 
-    Balls that a candidate starts anew in flight, such as at a kink of the law, need not be there.
+    Some times may be off the lattice: a candidate may restart its steps at a kink of the law.
     """
     known = np.unique(times[np.isfinite(times) & (times > LONGEST)].round(12))
     if len(known) < TIMES:
         return None
-    # A step divides the first time into a whole number; three of them, since one may be off.
+    # The step divides a time on the lattice into a whole number of steps: try all divisions of the
+    # first three times, since one of these may be off the lattice.
     steps = [np.array([dt])] if dt else [
         first / np.arange(math.ceil(first / LONGEST), math.floor(first / FINEST) + 1)
         for first in known[:3]
@@ -73,8 +74,8 @@ def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None
     fits = np.flatnonzero(on_lattice.mean(axis=0) >= MOST)
     if not fits.size:
         return None
-    # By chance a time lies on a lattice with the probability 2 ON_LATTICE, except for the time that
-    # gave the step.
+    # By chance, a time lies on a lattice with the probability 2 ON_LATTICE; the time that gave the
+    # step always does. A time off the lattice costs 5 bits.
     best = fits[np.argmax(tried[fits])]
     on = int(on_lattice[:, best].sum())
     bits = (on - 1) * -math.log2(2 * ON_LATTICE) - math.log2(len(tried)) - (len(known) - on) * 5.0
@@ -83,9 +84,9 @@ def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None
 
 @dataclass(frozen=True)
 class _Rule:
-    """A rule for the times that a candidate's states are of.
+    """A rule for the true times of a candidate's states.
 
-    `text` takes the name of the state and that of the time told.
+    `text` is a format for the name of the state and that of the reported time.
     """
 
     text: str
@@ -96,7 +97,7 @@ class _Rule:
 
 @dataclass(frozen=True)
 class _States:
-    """A candidate's states beside the right path, and the times at which they lie on it."""
+    """A candidate's states, compared with the exact path at any times."""
 
     stage: Stage
     columns: Mapping[str, Any]
@@ -113,7 +114,7 @@ class _States:
         return flown(self.balls, self.balls.duration)
 
     def off(self, part: slice, times: Array) -> tuple[Array, Array]:
-        """A state less that of the path at other times, and the derivative of the path there."""
+        """States minus those of the path at other times, and the derivative of the path there."""
         y = flown(self.balls, times)
         return self.followed.off[part] + (self.now - y)[part], self.balls.rates(y, times)[part]
 
@@ -130,7 +131,7 @@ class _States:
 def clock(
     stage: Stage, columns: Mapping[str, Any], followed: Followed, dt: float | None
 ) -> Scheme | None:
-    """States on the right path at other times than the candidate gives."""
+    """The clock that explains a flight: its states lie on the exact path at other times."""
     states = _States(stage, columns, followed)
     with np.errstate(all="ignore"):
         # Position and velocity may be of different times, such as those before and after a step.
@@ -163,9 +164,9 @@ def clock(
 
 
 def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
-    """The rule for the times of states; without one, each state has a time of its own."""
-    # From the simplest rule on: no delay, one delay, steps of the states, steps of the times given,
-    # and no rule.
+    """The simplest rule for the true times of states, from the reported times."""
+    # In this order: no delay; one delay; the states are those at steps; the reported times are
+    # whole steps; no rule, so that every state has a free time.
     behind = told - own
     known = behind[np.isfinite(behind)]
     late = float(np.median(known)) if known.size else 0.0
@@ -190,7 +191,7 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
 
 
 SAME = 1e-8  # s: times that differ by less are one
-FREE = 30.0  # bits of a time that no rule gives
+FREE = 30.0  # cost in bits of a time that no rule gives
 
 
 def _mostly(those: NDArray[np.bool_]) -> bool:
@@ -201,7 +202,7 @@ def event(
     chain: Sequence[Stage], stage: Stage, columns: Mapping[str, Any], followed: Followed,
     dt: float | None,
 ) -> Scheme | None:  # fmt: skip
-    """An event that is taken at the step before it or after it."""
+    """The candidate reports the state at the step before or after an event."""
     quantity = stage.quantities[0]
     flight = next((x for x in chain if x.kind == "flight" and x.quantities[0] == quantity), None)
     if flight is None:
@@ -219,18 +220,17 @@ def event(
         now = flown(balls, balls.duration)[:3]
         sides = []
         for shift in (-h, 0.0, h):
-            # From its own place the ball moves as on the right path, whatever led it there.
+            # The candidate's ball moves like that of the exact path, but from its own position: its
+            # earlier errors do not matter here.
             moved = flown(balls, balls.duration + shift)[:3] - now
             zero = Evaluator([stage.roots["zero"]], {**own, name: own[name] + moved})()[0]
             sides.append(np.sign(zero) + np.zeros(len(some)))
-    # The event lies within a step of the candidate's point if the ball is on the other side of the
-    # surface one step earlier, or later. Each scene on the right side is a bit.
+    # If the ball is on the other side of the surface one step earlier or later, the event lies
+    # within that step. By chance this holds in half of the scenes: each one is a bit of evidence.
     time = words(flight.roots["duration"])
     evidence = bits + len(some) - CHANCE
     for text, other in (("after", sides[0]), ("before", sides[2])):
         if evidence > 0 and _mostly(other * sides[1] < 0):
-            said = (
-                f"takes {time} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
-            )
+            said = f"uses {time} and {quantity} at the step {text} the event, in steps of {h:.6g} s"
             return Scheme(said, None, h, bits, evidence, adequate=True)
     return None

@@ -54,17 +54,17 @@ def diagnose(
     Parameters
     ----------
     cases, answers
-        Scenes with a truth that doubles can decide, and what the candidate says, by id.
+        Scenes with a truth that doubles can decide, and the candidate's answers by id.
     dt
-        s, the candidate's time step; None if it is not known.
+        The candidate's time step, s; None if it is unknown.
     scheme
-        What computes what counts as true, if that is not exact.
+        The engine whose results count as true, if these are not the exact ones.
     causes
-        False if no cause is sought, as of answers that change from run to run.
+        False to locate errors only, for example if the answers change from run to run.
     granted
-        The error of a quantity that passes, in its SI unit.
+        The largest error that passes, in the SI unit of each quantity.
     solve
-        Runs the candidate again: what is named has to hold in scenes that nobody has seen.
+        Function that runs the candidate in new scenes, in which every name has to hold.
     """
     known = [case for case in cases if (answer := answers.get(case.id)) and answer.error is None]
     # Numbers are compared only where the outcome is right: a missed ball has no landing.
@@ -84,7 +84,9 @@ def diagnose(
     stages = {finding.stage for finding in found}
     found += outcome_findings(known, answers, columns, stages)
     found.sort(key=lambda finding: finding.kind != "named")
-    if not found:  # errors that pass for the noise of an integrator, at a step that has none
+    # Errors may exceed the tolerance and yet be within the noise, which nothing needs to explain.
+    # The first wrong stage is then located.
+    if not found:
         found = [*map(_locating(made.mended), filter(_is_wrong, made.first))][:1]
     return sentences.diagnosis(made.first, found, made.mended)
 
@@ -96,17 +98,17 @@ class Conclusion:
     Attributes
     ----------
     first
-        The stages without any edit.
+        Residuals of the stages before any edit.
     mended
         The data with outputs converted back.
     outputs
         Findings of those conversions.
     digits
-        The style in which the candidate writes numbers, if that is all that is wrong.
+        The style in which the candidate writes numbers, if it explains all errors.
     steps
-        The stages in the order of explanation.
+        The wrong stages in the order of their explanation.
     chain, data
-        The chain with every edit that is named, and the data with every scheme.
+        The chain with all named edits, and the data with all named schemes.
     """
 
     first: Sequence[Followed]
@@ -131,21 +133,21 @@ def conclude(
     data = with_digits(plain, answers)
     _, first = follow(chain, data)
     unseen = None if solve is None else Unseen(data, chain, solve, scheme)
-    # Outputs first: in another unit they are wrong at every stage that takes them.
+    # Outputs come first: in a wrong unit they are wrong at every stage that uses them.
     mended, found = outputs(data, chain)
     converted = unseen.converted(found) if unseen and found else unseen
     if unseen and not converted:  # new scenes refute the conversions
         mended, found, converted = data, [], unseen
     reasoned = reason(mended, chain, dt, converted)
-    # Another unit of an input may look like those of some outputs, unless one conversion explains
-    # everything.
+    # An input in a wrong unit may look like several outputs in wrong units. Unless one conversion
+    # explains everything, compare with an explanation without conversions: fewer steps win.
     if found and (reasoned.unexplained or len(reasoned.steps) + len(found) > 1):
         other = reason(data, chain, dt, unseen)
         counts = [(x.unexplained, len(x.steps) + extra) for x, extra in
                   ((other, 0), (reasoned, len(found)))]  # fmt: skip
         if counts[0] < counts[1]:
             mended, found, reasoned = data, [], other
-    # Digits last: rounded numbers may still show a mistake, which explains more than they do.
+    # Digits come last: if rounded numbers still show a mistake, this is the better explanation.
     digits = None
     if not found and not any(step.explained for step in reasoned.steps):
         digits = explain_digits(chain, plain, answers, lambda: unseen is None or unseen.follows)
@@ -158,7 +160,7 @@ def prepared(
     scheme: Verlet | None = None,
     granted: float = 0.0,
 ) -> tuple[Data, tuple[Stage, ...]]:
-    """Answers as columns, and the chain that they are compared with."""
+    """Answers as columns, and the chain for comparison with them."""
     data = data_of(cases, answers, granted)
     if scheme is not None:
         data = in_steps(data, scheme)
@@ -171,7 +173,7 @@ def prepared(
 
 @dataclass(frozen=True)
 class Step:
-    """A stage that was wrong, and what was found."""
+    """A stage that was wrong, and its explanation."""
 
     followed: Followed
     found: Named | Located | Scheme
@@ -204,12 +206,13 @@ class Reasoned:
         return sum(not step.explained for step in self.steps)
 
 
-# Fraction of a stage's errors that is not explained further: an edit that is named may leave the
-# rounding of its number in a few scenes.
+# Errors below this fraction of a stage's first errors are not explained further: the number of a
+# named edit is rounded, which may show in a few scenes.
 LAST = 1e-7
-# A flight is explained before the first wrong one if its share of wrong scenes is so much larger.
+# A later flight is explained before the first wrong one if its fraction of wrong scenes is larger
+# by this factor.
 CLEARER = 2.0
-ROUNDS = 3  # explanations at one stage, each for what the one before has left
+ROUNDS = 3  # explanations of one stage; each explains the rest of the one before
 
 
 def reason(
@@ -220,14 +223,14 @@ def reason(
 ) -> Reasoned:
     """Explain the candidate's errors stage by stage.
 
-    The chain is the only thing that changes: an edit that is named is applied to it, and later
-    stages inherit the mistake. After a stage that is only located the candidate's own values go
-    on. A name that `unseen` scenes refute is withdrawn.
+    A named edit is applied to the chain, so that later stages inherit the mistake. After a stage
+    that is only located, later stages continue from the candidate's own values. A name that
+    `unseen` scenes refute is withdrawn.
     """
     columns, last = follow(chain, data)
     steps: list[Step] = []
     at_first = {(one.stage.name, one.stage.kind): one.some[one.beyond] for one in last}
-    # By name and kind of a stage: the explanations tried, and the largest error that it had.
+    # The number of explanations tried, and the largest error, by a stage's name and kind.
     tried: Counter[tuple[str, str]] = Counter()
     begun: defaultdict[tuple[str, str], float] = defaultdict(float)
     located: list[Stage] = []
@@ -248,12 +251,12 @@ def reason(
         at = stage.name, stage.kind
         tried[at] += 1
         begun[at] = max(begun[at], float(one.relative.max()))
-        # A law that no edit explains on the way to the fence is not tried again on that to the
-        # ground.
+        # If no edit explains the law on the way to the fence, none will on the way to the ground.
         if any(_is_same_flight(stage, other) for other in located):
             tried[at] = ROUNDS
             continue
-        # The paper's contact force begins before the contact: no edit of the batted flight does.
+        # The paper's contact force acts before the contact, which no edit of the batted flight can
+        # express: try it first.
         if (push := explain_push(stage, data, columns, one)) is not None and push.way is not None:
             steps.append(Step(one, push))
             data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
@@ -267,13 +270,13 @@ def reason(
                 changed = {s.name for s, was in zip(chain, before, strict=True) if s is not was}
                 data = replace(data, rough=data.rough.union(changed if edit.rough else ()))
             columns, last = follow(chain, data)
-            # An earlier flight that is right now is where the mistake shows first.
+            # If the edit also mends an earlier flight, report the mistake there.
             right, earlier = _right(last), wrong[: wrong.index((stage, one))]
             mended = next((other for s, other in earlier if (s.name, s.kind) in right), one)
             steps.append(Step(mended, found))
             continue
-        # No edit: a scheme, or one with an edit of the law, which is sought beside steps that are
-        # like the candidate's.
+        # No edit explains the stage: try schemes, and then schemes with an edit of the law. Such
+        # edits are searched for with the scheme whose errors are most like the candidate's.
         tried[at] = ROUNDS
         scheme = None
         if data.way(stage) is None:
@@ -302,7 +305,7 @@ def _is_left(one: Followed, wrong: Index) -> bool:
 
 
 def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]:
-    """The stage to explain next: the first wrong one, or a flight that shows the law better."""
+    """The stage to explain next: the first wrong one, or a flight with far more wrong scenes."""
 
     def share(one: Followed) -> float:
         return float(one.beyond.sum() / max(one.checked.sum(), 1))
@@ -322,7 +325,7 @@ def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:
 def _confirmed(
     steps: Sequence[Step], chain: tuple[Stage, ...], data: Data, unseen: Unseen, dt: float | None
 ) -> tuple[Step, ...]:
-    """The same steps, without the names that unseen scenes refute."""
+    """The same steps, with names withdrawn if unseen scenes refute them."""
     found = []
     refuted = unseen.refuting(chain, data, dt)
     for step in steps:
@@ -337,7 +340,7 @@ def _confirmed(
 
 
 def _standing(steps: Sequence[Step], last: Sequence[Followed]) -> tuple[Step, ...]:
-    """Drop the stages that were located and that a later edit has explained."""
+    """Drop located stages that a later edit has explained."""
     right = _right(last)
     return tuple(
         step
@@ -354,7 +357,7 @@ def _beside(
     columns: Mapping[str, Any],
     one: Followed,
 ) -> tuple[Edit, ...]:
-    """Edits that may explain what steps like the candidate's leave."""
+    """Edits that may explain the errors which a scheme like the candidate's leaves."""
     data = replace(data, ways={**data.ways, stage.name: way})
     one, _ = compared(stage, data, columns, one.some)
     if not one.beyond.any():
@@ -366,10 +369,10 @@ def _beside(
 def _with_other_ways(
     way: Way, chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]
 ) -> Data:
-    """Data with a candidate's way for its other flights, if fewer scenes are wrong by it.
+    """Data with the candidate's integrator for its other flights, where it explains more scenes.
 
-    The integrator of one flight is that of all. The last step of a pitch to the bat may be a
-    straight line (Appendix B of the paper).
+    A program has one integrator for all flights. The last step of a pitch to the bat may be a
+    straight line (paper, Appendix B).
     """
     ways = dict(data.ways)
     for stage in chain:

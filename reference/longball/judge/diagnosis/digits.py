@@ -1,7 +1,7 @@
-"""Digits of a candidate's numbers: how it writes them, and what rounding them does to its stages.
+"""Digits of a candidate's numbers: their style, and the effect of their rounding on the stages.
 
-Numbers are written with some significant digits, with some decimals, in single precision, or in
-full. The style is the one in which all numbers of a quantity take the fewest bits.
+Numbers are written with a number of significant digits or of decimals, in single precision, or in
+full. The style of a quantity is the one in which all its numbers take the fewest bits.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
 DIFFERENT = 4  # distinct numbers that a style needs: a constant 1 is not rounded to one digit
-TELLING = 9  # digits in which a number in single precision differs from its neighbours
+TELLING = 9  # digits that distinguish a number in single precision from its neighbours
 # Roundings in single precision that add up in a calculation, such as one in each of 1,000 steps.
 ROUNDINGS = 1e3
 
@@ -34,17 +34,18 @@ class Digits:
     Attributes
     ----------
     kind, count
-        "digits" or "decimals", and how many; a "single" has none.
+        "digits" or "decimals", and their number; "single" has no number.
     """
 
     kind: Literal["digits", "decimals", "single"]
     count: int = 0
 
     def bits(self, numbers: Sequence[Decimal]) -> float:
-        """The bits that some numbers take."""
+        """The bits that numbers take in this style."""
         if self.kind == "single":
             return SINGLE * len(numbers)
-        # With decimals, a number also has the digits before its point (fewer than 0 of 0.001).
+        # With decimals, a number also has the digits before its point. For 0.001 their number is
+        # negative: its leading zeros are no information.
         more = sum(x.adjusted() + 1 for x in numbers) if self.kind == "decimals" else 0
         return DIGIT * (self.count * len(numbers) + more)
 
@@ -66,7 +67,8 @@ class Digits:
 
 def digits_of(numbers: Iterable[Decimal]) -> Digits | None:
     """Style of some numbers; None if they have all digits, or too few different values."""
-    # Zeros at the end of a number are not seen: the longest number shows the style.
+    # A number may end in zeros, which are not known to be significant. The longest number shows the
+    # style.
     known = sorted({abs(x.normalize()) for x in numbers if x})
     if len(known) < DIFFERENT:
         return None
@@ -80,7 +82,7 @@ def digits_of(numbers: Iterable[Decimal]) -> Digits | None:
 
 
 def _is_single(x: Decimal) -> bool:
-    """True if a number is the nearest one, of its digits, to one in single precision."""
+    """True if a number is one in single precision, rounded to the digits that are written."""
     with np.errstate(all="ignore"):
         near = Decimal(float(np.float32(float(x))))
     unit = Decimal(1).scaleb(int(x.as_tuple().exponent))
@@ -90,7 +92,8 @@ def _is_single(x: Decimal) -> bool:
 def styles(answers: Mapping[str, Answer]) -> dict[str, Digits]:
     """The style of each quantity that is not written in full.
 
-    That is the style of all numbers, unless the quantity has one with far fewer bits.
+    A style common to all numbers is preferred, unless the quantity's own style takes far fewer
+    bits.
     """
     told: dict[str, list[Decimal]] = {}
     for answer in answers.values():
@@ -118,8 +121,8 @@ def with_digits(data: Data, answers: Mapping[str, Answer]) -> Data:
 
 def with_cut(data: Data, cut: Mapping[str, tuple[float, float]]) -> Data:
     """Data whose floors include half a unit in the last digit of some quantities."""
-    # Rounding errors are computed once, with the right stage: they take a flight for each number
-    # that is rounded, and an edit hardly changes them.
+    # Rounding errors are computed once, without edits. They take a flight for each rounded number,
+    # and hardly depend on the edit.
     known: dict[tuple[Any, ...], Array] = {}
 
     def kept(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
@@ -132,9 +135,9 @@ def with_cut(data: Data, cut: Mapping[str, tuple[float, float]]) -> Data:
 
 
 def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
-    """Errors of each number of a stage by the rounding of the candidate's own values.
+    """Errors of each number of a stage from the rounding of the candidate's own values.
 
-    The roundings are independent: the squares of what each does to a number add up.
+    Roundings are independent, so that the squares of their effects on a number add up.
     """
     own = take(columns, some)
     used = frozenset(str(node.data) for node in ordered(stage.roots.values()))
@@ -142,7 +145,10 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
     squares = {quantity: np.zeros(np.shape(value)) for quantity, value in right.items()}
     for quantity, (absolute, relative) in data.cut.items():
         name = str(OWN[quantity].data)
-        time = quantity in ("landing.hang_time", "landing.time")  # so long the ball flies
+        time = quantity in (
+            "landing.hang_time",
+            "landing.time",
+        )  # give the duration
         if name not in used and not (time and "hang_time" in used):
             continue
         unit = absolute + relative * np.abs(own[name])
@@ -173,7 +179,7 @@ def explain_digits(
 ) -> str | None:  # fmt: skip
     """The style in which the candidate writes numbers, if it explains all errors.
 
-    It has to explain those of other scenes, too: `elsewhere` returns whether it does.
+    `elsewhere` returns True if it also explains the errors in new scenes.
     """
     found = styles(answers)
     _, before = follow(chain, data)
@@ -190,8 +196,8 @@ def explain_digits(
                 found = needed
         told = [quantity for quantity in OWN if np.isfinite(data.given[quantity]).any()]
         return said(found, told)
-    # A program that computes in single precision also rounds within its steps, where no output
-    # shows it: its errors are larger than those of its digits.
+    # A program that computes in single precision also rounds within its steps. Its errors are then
+    # larger than the rounding of its outputs.
     single = any(style.kind == "single" for style in found.values())
     if single and all(one.relative.max(initial=0.0) < ROUNDINGS * 2.0**-SINGLE for one in before):
         return "computes in single precision"

@@ -1,8 +1,8 @@
-"""Evidence for an edit, in bits: what it leaves, and what its free number costs.
+"""Evidence for an edit, in bits: the cost of the errors that it leaves, and of its free number.
 
-An error of size r, in units of its floor, costs ½ log2(1 + r²) bits: nothing within the floor, and
-one bit more for each factor of two beyond it. An edit is *adequate* if no number of any scene is
-more than `ADEQUATE` floors off, and *better than chance* if it saves `CHANCE` bits beyond its own
+An error of size r, in units of its floor, costs ½ log2(1 + r²) bits: little within the floor, and
+one bit more for each factor of two beyond it. An edit is *adequate* if all numbers of all scenes
+are within `ADEQUATE` floors, and *better than chance* if it saves `CHANCE` bits more than its own
 cost and that of the search.
 """
 
@@ -16,17 +16,19 @@ from numpy.typing import NDArray
 
 from longball.model.arrays import Array
 
-BEYOND = 1e12  # floors: errors that are larger cost no more
-ADEQUATE = 4.0  # floors: no number of any scene may be farther off
-CHANCE = 20.0  # bits beyond chance: one in a million
-ROUGH = 0.05  # of the numbers of wrong scenes, of an edit with jumps or kinks: as many may be off
+BEYOND = 1e12  # floors: larger errors cost no more
+ADEQUATE = 4.0  # floors: largest error of an adequate edit
+CHANCE = 20.0  # bits: by chance an edit saves so many once in a million (2⁻²⁰)
+# Numbers that may have larger errors if the edit has jumps or kinks, as a fraction of those of the
+# wrong scenes.
+ROUGH = 0.05
 
-# Bits of a digit of a free number, and of the fact that it is one.
+# Cost in bits of each digit of a free number, and of having one.
 DIGIT, NUMBER = math.log2(10), 3.0
 
 
 def cost(r: Array) -> float:
-    """Bits that errors cost, in units of their floors."""
+    """Cost in bits of errors in units of their floors."""
     known = np.clip(r[np.isfinite(r)], -BEYOND, BEYOND)
     return float(np.log2(1.0 + known * known).sum()) / 2.0
 
@@ -34,10 +36,10 @@ def cost(r: Array) -> float:
 def is_adequate(
     r: Array, rough: bool = False, wrong: NDArray[np.bool_] | slice = slice(None)
 ) -> bool:
-    """True if errors, in units of their floors, are all within `ADEQUATE` of them.
+    """True if all errors, in units of their floors, are within `ADEQUATE`; most, if `rough`.
 
-    Those of a `rough` edit may be beyond it in `ROUGH` of as many numbers as the scenes have that
-    are `wrong` without the edit: right ones are no evidence for it.
+    A few may be larger then: `ROUGH` times the number of errors in the scenes that are `wrong`
+    without the edit. Right scenes add nothing to that.
     """
     known = np.isfinite(r)
     beyond = int((np.abs(r[known]) > ADEQUATE).sum())
@@ -60,8 +62,8 @@ def fitted(
     for _ in range(rounds if c.size else 0):
         known = np.isfinite(slope).all(axis=1) & np.isfinite(r)
         down, off = np.where(known[:, None], slope, 0.0), np.where(known, r, 0.0)
-        # Each number in units of its effect: a gravity and a density have one scale then, and the
-        # pseudo-inverse drops a number only if its effect is that of the other.
+        # Scale each number by its effect. Gravity and density then have the same scale, and the
+        # pseudo-inverse drops a number only if its effect is parallel to that of another.
         steep = np.sqrt(np.einsum("kirn,kirn->ki", down, down))
         down /= np.where(steep > 0, steep, 1.0)[..., None, None]
         normal = np.einsum("kirn,kjrn->kij", down, down)
@@ -84,7 +86,7 @@ def fitted(
 
 
 def _with_slope(residual: Callable[[Array], Array], c: Array) -> tuple[Array, Array]:
-    # One-sided differences. All starts, and each with every number displaced, are one call.
+    # One-sided differences: one call for all starts, and for each start with each number displaced.
     starts, numbers = c.shape
     h = 1e-6 * np.maximum(np.abs(c), 1e-3)
     beside = c[:, None] + h[:, None] * np.eye(numbers)
@@ -97,16 +99,16 @@ def _squares(r: Array) -> Array:
     return np.asarray(np.where(np.isfinite(r), r * r, 0.0).sum(axis=(1, 2)))
 
 
-STAYS = 0.8  # another round follows if the sum of squares fell to this fraction
+STAYS = 0.8  # another round follows if the sum of squares fell at least to this fraction
 
-NEAR = 1e-3  # relative: a usual number that is farther from the fitted one is not it
+NEAR = 1e-3  # largest relative distance between a fitted number and the usual one
 
 
 def rounded(c: float, usual: Collection[float] = ()) -> Iterator[tuple[float, float]]:
     """Usual and the roundest numbers near a fitted one, with their cost in bits.
 
-    People write short numbers: one of three digits is likelier than one of twelve that fits a
-    little better. Whoever calls this adds the cost of what each number leaves.
+    People write short numbers: a number of three digits is likelier than one of twelve digits that
+    fits a little better. The caller adds the cost of the errors that each number leaves.
     """
     yield from ((x, NUMBER) for x in (0.0, 1.0))
     for x in usual:

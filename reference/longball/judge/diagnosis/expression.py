@@ -2,8 +2,8 @@
 
 A formula of the chain is a graph of nodes. Equal nodes are one object, so that a definition that
 two formulas share is edited once. A node carries its dimension and knows whether it is a vector:
-edits replace a node by another of the same kind. Values are columns, one entry a scene; a vector
-is an array of three rows.
+edits replace a node by another of the same kind. Values are columns with one entry for each scene;
+a vector is an array of three rows.
 
 >>> m, M = symbol("m", KG), symbol("M", KG)
 >>> mu = named("μ", m * M / (m + M))
@@ -41,12 +41,12 @@ class Node:
     args
         The nodes that it is applied to.
     data
-        What else the operation needs, such as the name of a symbol; None for most.
+        Further data of the operation, such as the name of a symbol; None for most.
     dimension, vector
         The exponents of m, kg and s; True for a vector.
     digest
-        A hash of all the above. Two equal nodes that do not live at the same time have the same
-        digest.
+        A hash of all the above. Unlike the identity, it is the same if a node is made again after
+        it was dropped.
 
     Examples
     --------
@@ -104,14 +104,16 @@ class Node:
         return words(self)
 
 
-# All nodes in use. A search makes millions: a weak reference lets go of those of dropped edits.
+# All nodes in use. A search makes millions of them; with weak references, the nodes of dropped
+# edits are freed.
 _known: WeakValueDictionary[Any, Node] = WeakValueDictionary()
 
 
 def _node(
     op: str, args: tuple[Node, ...], data: Any, dimension: Dimension, vector: bool = False
 ) -> Node:
-    # An id in a key cannot be used again while the key is known: a node keeps its arguments alive.
+    # Ids are safe as keys: a node keeps its arguments alive, so their ids are not reused while the
+    # key exists.
     key = op, tuple(map(id, args)), data, dimension, vector
     found = _known.get(key)
     if found is None:
@@ -136,22 +138,22 @@ def as_node(x: Node | float) -> Node:
 
 
 def constant(x: float, dimension: Dimension = NONE, vector: bool = False) -> Node:
-    """A number; of a vector, each component."""
+    """A constant number; for a vector, the value of every component."""
     return _node("constant", (), float(x), dimension, vector)
 
 
 def symbol(name: str, dimension: Dimension = NONE, vector: bool = False) -> Node:
-    """A column that the scenes or the answers give."""
+    """A variable: a column of values from the scenes or the answers."""
     return _node("symbol", (), name, dimension, vector)
 
 
 def named(name: str, x: Node) -> Node:
-    """A definition that people have a word for: its value is that of `x`."""
+    """A definition: `x` under a name, which verdicts print in its place."""
     return _node("named", (x,), name, x.dimension, x.vector)
 
 
 def function(op: str, *args: Node, dimension: Dimension = NONE) -> Node:
-    """A number by one of `OPERATIONS`, such as sin or exp."""
+    """A scalar function of `OPERATIONS`, such as sin or exp, applied to nodes."""
     return _node(op, args, None, dimension)
 
 
@@ -183,7 +185,8 @@ def each(op: str, a: Node, b: Node) -> Node:
 def vector(x: Node | float, y: Node | float, z: Node | float) -> Node:
     """The vector of three components."""
     parts = as_node(x), as_node(y), as_node(z)
-    # A component 0 may be written without its unit: one that has a unit gives that of the vector.
+    # A component 0 may be written without its unit. The vector has the unit of the other
+    # components.
     dimension = max((p.dimension for p in parts), key=lambda d: sum(map(abs, d)))
     return _node("vector", parts, None, dimension, True)
 
@@ -205,19 +208,19 @@ def solve(columns: tuple[Node, Node, Node], right: Node) -> Node:
 
 
 def where(condition: Node, yes: Node, no: Node) -> Node:
-    """One of two values, by the sign of a number: the first where it is positive."""
+    """One of two values: `yes` where the condition is positive, `no` elsewhere."""
     return _node("where", (condition, yes, no), None, yes.dimension, yes.vector)
 
 
 def switch(key: str, options: Mapping[str, Node]) -> Node:
-    """The value that belongs to a scene's option of a key; see `codes`."""
+    """One of several values, chosen by each scene's option of a key."""
     first = next(iter(options.values()))
     data = key, tuple(options)
     return _node("switch", tuple(options.values()), data, first.dimension, first.vector)
 
 
 def table(x: Node, key: str, mode: str = "linear") -> Node:
-    """A table of a scene at `x`: columns ``key.at`` and ``key.values`` of shape (nodes, scenes)."""
+    """Value at `x` of a scene's table, from columns ``key.at``, ``key.values`` (nodes, scenes)."""
     return _node("table", (x,), (key, mode), NONE)
 
 
@@ -231,7 +234,7 @@ def ordered(
 ) -> list[Node]:
     """Nodes below the roots, each once, arguments first.
 
-    The walk stops at known nodes, and follows those arguments of the others that are asked for.
+    The walk stops at `known` nodes. `arguments` gives the arguments of a node that are followed.
     """
     found: dict[Node, None] = {}
     stack = [(root, False) for root in reversed(list(roots))]
@@ -242,7 +245,7 @@ def ordered(
         if has_arguments or not node.args or node in known:
             found[node] = None
         else:
-            # The node itself lies below its arguments, and comes again when they are in `found`.
+            # The node goes on the stack below its arguments, and is visited again after them.
             stack.append((node, True))
             stack += [(arg, False) for arg in reversed(arguments(node))]
     return list(found)
@@ -271,7 +274,8 @@ def _using(root: Node, old: Node) -> tuple[Node, ...]:
 
 
 def substitute(root: Node, old: Node, new: Node) -> Node:
-    """An expression with one node in place of another, wherever that is used."""
+    """An expression with `new` in place of the node `old`, wherever it is used."""
+    # Only the nodes above `old` are rebuilt; all others are shared with the old expression.
     made = {old: new}
     for node in _using(root, old):
         made[node] = rebuilt(node, [made.get(arg, arg) for arg in node.args])
@@ -279,7 +283,7 @@ def substitute(root: Node, old: Node, new: Node) -> Node:
 
 
 def contains(root: Node, node: Node) -> bool:
-    """True if an expression is, or uses, a node."""
+    """True if an expression is a node or uses it."""
     return root is node or bool(_using(root, node))
 
 
@@ -291,7 +295,7 @@ def depends(root: Node, names: frozenset[str]) -> bool:
 
 @lru_cache(maxsize=1024)
 def names_in(roots: tuple[Node, ...]) -> tuple[str, ...]:
-    """Columns from which expressions are computed."""
+    """Names of the columns that expressions read."""
     found: dict[str, None] = {}
     for node in ordered(roots):
         match node.op:
@@ -307,7 +311,7 @@ def names_in(roots: tuple[Node, ...]) -> tuple[str, ...]:
 def specialised(root: Node, columns: Columns, made: dict[Node, Node]) -> Node:
     """An expression without the switches that have one option in all scenes.
 
-    `made` keeps what has become of each node, for other expressions of the same scenes.
+    `made` maps each node to its new form. Calls for other expressions of the same scenes share it.
     """
     for node in ordered([root]):
         if node in made:
@@ -323,7 +327,7 @@ def specialised(root: Node, columns: Columns, made: dict[Node, Node]) -> Node:
 
 
 def _folded(node: Node) -> Node:
-    """A node without terms that are 0, factors that are 1, and second names."""
+    """A simplified node: terms 0, factors 1, double signs and second names are dropped."""
 
     def is_(arg: Node, value: float) -> bool:
         return arg.op == "constant" and arg.data == value
@@ -340,7 +344,7 @@ def _folded(node: Node) -> Node:
             return b if is_(a, 1.0) else a
         case "quotient", (a, _) if is_(a, 0.0):
             return constant(0.0, node.dimension, node.vector)
-        # An edit of a sign that is there already: -1·(-1·x).
+        # -1·(-1·x), from an edit that flips a sign which is flipped already.
         case "product", (a, b) if is_(a, -1.0) and b.op == "product" and is_(b.args[0], -1.0):
             return b.args[1]
         case (("negative" | "norm" | "named"), (a,)) if is_(a, 0.0):
@@ -369,7 +373,7 @@ def _norm(v: Array) -> Array:
 
 
 def _unit(v: Array) -> Array:
-    # The vector 0 has the direction 0: what it multiplies has no effect, as in the model.
+    # The direction of a zero vector is 0, as in the model: the term that it multiplies vanishes.
     size = _norm(v)
     return v / np.where(size > 0, size, 1.0)
 
@@ -381,7 +385,8 @@ def _vector(*components: Any) -> Array:
 
 
 def _solved(a: Array, b: Array, c: Array, right: Array) -> Array:
-    # NumPy raises an error for all scenes if the matrix of one is singular, as an edit may make it.
+    # An edit may make the matrix of a scene singular. NumPy would then raise an error for all
+    # scenes, so that only the regular ones are solved.
     matrix = np.array(np.broadcast_arrays(a, b, c, right)).transpose(2, 1, 0)
     sound = np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.det(matrix[:, :, :3]) != 0)
     found = np.full((3, len(matrix)), np.nan)
@@ -421,23 +426,24 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-# Operations with a jump or a kink, where a fixed step of an integrator loses its order: at 0 of
-# their first argument, or of the difference of both (least).
+# Operations with a jump or a kink where their first argument is 0 (for `least`, where the arguments
+# are equal). A fixed step of an integrator across it loses its order.
 JUMPS = frozenset(("rises", "where"))
 KINKS = frozenset(("abs", "positive", "least", "sizes", "by_own_size"))
 
 
 def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
-    """A table of each scene as a function.
+    """A function that interpolates in the table of each scene.
 
-    Its value at x is the first one plus, of every segment, the slope times the length of the part
-    below x: one expression for all scenes, although their nodes differ.
+    The value at x is the first value plus, for every segment, its slope times the length of its
+    part below x. This is one expression for all scenes, although their nodes differ.
     """
     widths = np.diff(at, axis=0)
     long = widths > 0  # tables are filled up with their last nodes
     slopes = np.where(long, np.diff(values, axis=0) / np.where(long, widths, 1.0), 0.0)
     last = long.cumsum(axis=0).argmax(axis=0)  # number of the last segment that has a length
-    # The part of a segment is at least 0 and at most the whole: a table is constant outside.
+    # The part of a segment lies between 0 and its width, so that a table is constant outside. To
+    # extrapolate, the first or the last segment loses its limit.
     low, high = np.zeros_like(widths), widths.copy()
     if mode in ("extrapolated", "extrapolated below"):
         low[0] = -np.inf
@@ -457,7 +463,7 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
 def _occurring(node: Node, columns: Columns) -> dict[int, Array]:
     """Options of a switch that some scenes have, by number, with those scenes' flags.
 
-    Without a scene it is the first option, whose value has the right shape.
+    If there are no scenes, it is the first option, whose value has the right shape.
     """
     key, options = node.data
     column = np.asarray(columns[key])
@@ -513,7 +519,7 @@ class Values:
         return self._arguments[node]
 
     def given(self, root: Node, symbols: Mapping[str, Any]) -> Any:
-        """Value of an expression with symbols that no column gives; nothing is kept."""
+        """Value of an expression with values of further symbols; results are not cached."""
         made: dict[Node, Any] = {}
         for node in ordered([root], self, self.arguments):
             if node in self._known:
@@ -529,19 +535,19 @@ class Values:
         self.of(root)
         made = {old: new}
         for node in _using(root, old):
-            if node in self._known:  # no option of a switch that does not occur
+            if node in self._known:  # otherwise it is in an option that no scene has
                 made[node] = self._computed(node, made)
         return made.get(root, self._known[root])
 
     def _computed(self, node: Node, made: Mapping[Node, Any]) -> Any:
-        """Value of a node whose arguments are made, or known."""
+        """Value of a node from those of its arguments, which are in `made` or cached."""
         match node.op:
             case "symbol":
                 return self.columns[node.data]
             case "constant":
                 return np.full((3, 1), node.data) if node.vector else node.data
         operation = self._operations.get(node) or _operation(node, self.columns)
-        # Those of edits (`given`, `changed`) are not kept: there are thousands.
+        # Operations of edits (`given`, `changed`) are not cached: there are thousands of edits.
         if node.op in ("switch", "table") and made is self._known:
             self._operations[node] = operation
         args = [made[arg] if arg in made else self._known[arg] for arg in self.arguments(node)]
@@ -551,7 +557,7 @@ class Values:
         return node in self._known
 
     def beside(self) -> Values:
-        """The same values, to which others may be added that these do not keep."""
+        """A copy of these values, which may grow while these stay as they are."""
         other = Values(self.columns)
         other._known, other._arguments = {**self._known}, self._arguments
         other._operations = self._operations
@@ -567,8 +573,8 @@ class Values:
 class Evaluator:
     """Expressions bound to columns, as a function of the symbols that move.
 
-    Nodes without such a symbol are computed once, or taken from `Values` of the same columns, which
-    do not keep others: thousands of edits pass by them.
+    Nodes without a moving symbol are computed once, or come from `Values` of the same columns.
+    These `Values` are copied, not extended, because thousands of edits use them.
     """
 
     def __init__(
@@ -576,15 +582,15 @@ class Evaluator:
     ) -> None:
         known = columns.beside() if isinstance(columns, Values) else Values(columns)
         nodes = ordered(roots, known, known.arguments)
-        # A name, and a switch of which one option occurs, have the place of their argument: a call
-        # has no step for them.
+        # A definition, or a switch with a single option here, has the value of its argument: it
+        # shares the argument's index, and a call needs no step for it.
         place: dict[Node, int] = {}
         for i, node in enumerate(nodes):
             args = known.arguments(node)
             alone = node.op == "named" or (node.op == "switch" and len(args) == 1)
             place[node] = place.get(args[0], i) if alone else i
-        # By place: values that stay, and of a call those that move. A call is a list of steps
-        # without a look-up, since a search of a law makes millions of them.
+        # Values by index: the fixed ones, and during a call also those that move. A call is a list
+        # of steps without look-ups, because a search of a law makes millions of calls.
         self._values: list[Any] = [None] * len(nodes)
         self._given: list[tuple[int, str]] = []
         self._steps: list[tuple[int, Callable[..., Any], list[int]]] = []
@@ -619,8 +625,9 @@ class Pieces:
 
     def __init__(self, root: Node, columns: Columns, moving: frozenset[str]) -> None:
         at_hand = Values(columns)
-        # A kink in an option counts only in scenes that have this option: flags of the scenes are
-        # handed down from the root to the arguments, and a node that two use has those of both.
+        # A kink in an option counts only in scenes that have this option. The flags of the scenes
+        # are passed down from the root to the arguments; a node with two users has the flags of
+        # both.
         reached: dict[Node, Any] = {root: np.True_}
         for node in reversed(ordered([root], (), at_hand.arguments)):
             flags = _occurring(node, columns).values() if node.op == "switch" else ()

@@ -1,4 +1,4 @@
-"""The diagnosis as it is published."""
+"""The diagnosis of a verdict: models of its JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Kind = Literal["named", "nearest", "located"]
 
 
 def many(count: int, noun: str) -> str:
-    """A number of things: "1 scene", "2 scenes"."""
+    """A count with its noun: "1 scene", "2 scenes"."""
     return f"{count} {noun}{'s' * (count != 1)}"
 
 
@@ -26,15 +26,15 @@ class Finding(Frozen):
         "named" if an edit reproduces the candidate's numbers, "nearest" if one comes close, or
         "located" if only the stage is known.
     sentence, remedy
-        What is wrong, and what would be right.
+        A sentence on what is wrong, and the right formula or an instruction.
 
     Examples
     --------
     >>> found = Finding(
     ...     stage="velocity after", quantity="impact.velocity", kind="named",
-    ...     edit="takes M for m", wrong=83, checked=83, worst=0.84, example="at-bat-007",
-    ...     sentence="velocity after: your program takes M for m. This step is wrong in 83 of 83 "
-    ...     "scenes, given your own earlier values (off by up to 84%).",
+    ...     edit="uses M for m", wrong=83, checked=83, worst=0.84, example="at-bat-007",
+    ...     sentence="velocity after: your program uses M for m. This step is wrong in 83 of 83 "
+    ...     "scenes, given your own earlier values (relative error up to 84%).",
     ... )
     >>> many(found.wrong, "scene"), size(found.worst), found.remedy
     ('83 scenes', '84%', None)
@@ -85,10 +85,10 @@ class Diagnosis(Frozen):
 
 
 def size(relative: float) -> str:
-    """A relative error in words: "2%", "1.8 times its size"."""
+    """A relative error as people write it: "1.8", "2%", "5e-06"."""
     if relative >= 1:
-        return f"{relative:.2g} times its size"
-    return f"{100 * relative:.2g}%" if relative >= 1e-3 else f"{relative:.0e} of its size"
+        return f"{relative:.2g}"
+    return f"{100 * relative:.2g}%" if relative >= 1e-3 else f"{relative:.0e}"
 
 
 def joined(names: Collection[str]) -> str:

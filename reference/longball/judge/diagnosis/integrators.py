@@ -1,8 +1,8 @@
 """Integrators in fixed steps as data, and flights by them.
 
 An integrator is a step from one state to the next: place, velocity, and the path through the air
-(`longball.judge.diagnosis.residual.Launched`). All but two are one function of a table of
-coefficients, which `slips` edits as `operators` edits formulas.
+(`longball.judge.diagnosis.residual.Launched`). All but two are a table of coefficients
+for the same function. `slips` edits these tables as `operators` edits formulas.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ from longball.model.readings import ContactForce
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The coefficients of a step of length h, in which the acceleration is found s times.
+    """The coefficients of a step of length h with s evaluations of the acceleration.
 
     Row i is the state r + h c_i v + h² Σ_j A_ij a_j, v + h Σ_j B_ij a_j, with the accelerations a_j
-    at the rows before. The last one is the end of the step (a Nyström method: Hairer, Nørsett and
-    Wanner, *Solving Ordinary Differential Equations I*, Sec. II.14).
+    of the earlier rows. The last row is the end of the step. This is a Nyström method (Hairer,
+    Nørsett and Wanner, *Solving Ordinary Differential Equations I*, Sec. II.14).
 
     Attributes
     ----------
@@ -107,8 +107,8 @@ def _table(
 
 def _runge_kutta(matrix: Array) -> Table:
     """Table of an explicit Runge-Kutta method; the last row of its matrix holds the weights."""
-    # The velocities of the stages are put into their positions, as in every Nyström form of a
-    # Runge-Kutta method: c = matrix·1, A = matrix², B = matrix.
+    # The Nyström form of a Runge-Kutta method follows by inserting the velocities of the stages
+    # into the positions: c = matrix·1, A = matrix², B = matrix.
     return Table(matrix.sum(axis=1), matrix @ matrix[:-1], matrix)
 
 
@@ -132,20 +132,20 @@ def _adams_bashforth(
 
 @dataclass(frozen=True)
 class Integrator:
-    """A step, and the order of its errors; no step is the exact path.
+    """A step, and the order of its errors; without a step, the exact path.
 
     Attributes
     ----------
     words
-        Its name.
+        Name of the integrator.
     order
-        Of its errors; 0 if they do not vanish with the step, None if it is unknown.
+        Order of the errors; 0 if they do not vanish with the step, None if it is unknown.
     step
         The step.
     matrix
         The coefficients of a Runge-Kutta method.
     frozen
-        Parts of the law that take the speed of the step's start.
+        Parts of the law that are computed with the speed at the step's start.
     """
 
     words: str
@@ -162,7 +162,7 @@ class Integrator:
         return len(self.step.c), self.step.carries, self.order == 0, self.frozen
 
     def law(self, stage: Stage) -> Stage:
-        """A stage with the law as the steps see it."""
+        """A stage whose law has the frozen speed."""
         if not self.frozen:
             return stage
         # The speed U, computed from the state at the step's start.
@@ -172,8 +172,9 @@ class Integrator:
         for node in ordered([inner]):
             if node.op == "symbol" and node.data in START:
                 begun = substitute(begun, node, START[str(node.data)])
-        # Both take U by its name. Under the reading `wind_acts_on = drag` lift takes the same |v|
-        # without the name; under others the two variants are one law.
+        # Drag uses U by its name. Under the reading `wind_acts_on = drag`, lift uses |v| without a
+        # name: replacing the name changes drag alone, replacing its content changes both. Under
+        # other readings the two variants are the same law.
         old = speed if self.frozen == "drag" else inner
         law = substitute(stage.roots["law"], old, begun)
         return replace(stage, roots={**stage.roots, "law": law})
@@ -193,8 +194,9 @@ _MIDPOINT = _of_runge_kutta("the midpoint method", 2, ((0.5,),), (0, 1))
 _HEUN = _of_runge_kutta("Heun's method", 2, ((1,),), (1, 1))
 _HALVES, _CLASSICAL = ((0.5,), (0, 0.5), (0, 0, 1)), (1, 2, 2, 1)
 _RK4 = _of_runge_kutta("RK4", 4, _HALVES, _CLASSICAL)
-# Treatments of a force that depends on the velocity, which velocity Verlet needs before it has it:
-# by the fraction of a step that Euler's method predicts it, in words, and the order of the errors.
+# Velocity Verlet needs the new acceleration before the new velocity, on which drag and lift depend.
+# Euler's method predicts this velocity over a fraction of the step: the fraction, words, and the
+# order of the errors.
 _FORCES = {
     0.0: ("the force at the old velocity", 1),
     0.5: ("the force at the half-step velocity", 1),
@@ -276,7 +278,7 @@ INTEGRATORS = (
 _EXPLICIT = (one for how, one in VERLET.items() if not how.iterates)
 SLIPPED = (_RK4, _MIDPOINT, _HEUN, _EULER, *_SEMI_IMPLICIT, *_EXPLICIT)
 TIMES = (0.0, 2.0, 0.5, -1.0, 1.5, 3.0)  # factors of a wrong coefficient
-# Factors of all weights: a wrong sign, or another divisor than the 6 of 1 + 2 + 2 + 1.
+# Factors of all weights: a wrong sign, or a divisor other than 6 = 1 + 2 + 2 + 1.
 DIVIDED = (-1.0, *(6 / n for n in range(1, 19) if n != 6))
 
 
@@ -286,9 +288,9 @@ def slips() -> tuple[Integrator, ...]:
     found = []
     for one in SLIPPED:
         assert isinstance(one.step, Table)
-        # A program steps place and velocity together (a slip in the matrix is in both), or apart (a
-        # slip is in one coefficient of the table). Of a Runge-Kutta method the sum at the end alone
-        # is written apart.
+        # A program may advance position and velocity together, so that a slip in the matrix affects
+        # both; or separately, so that a slip is in one coefficient of the table. Programs with a
+        # Runge-Kutta method write only the sum at the end separately.
         apart = _of_table(one.step, 0 if one.matrix is None else len(one.step.c) - 1)
         both = () if one.matrix is None else _of_matrix(one.matrix)
         found += [
@@ -366,21 +368,20 @@ def together(some: Sequence[Integrator], count: int) -> Integrator:
 
 # --- flights --------------------------------------------------------------------------------------
 
-ON_STEP = 1e-7  # of a step: a time that is nearer to one is there
-DIRECT = 2000  # steps of a flight that are taken one by one
-# s: the steps of flights from which, and from the exact one, the state is extrapolated where it
-# takes more steps than that, and more than these flights take together.
+ON_STEP = 1e-7  # of a step: a time that is nearer to the end of a step is that end
+DIRECT = 2000  # largest number of steps that are taken one by one
+# A flight with more steps than that, and more than those of the following flights together, is
+# interpolated between these and the exact path; s.
 NODES = (0.1, 0.05, 0.025, 0.0125, 0.00625)
 
 
 def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[Array, Any, Array]:
-    """The states after so many steps, what the last ones leave, and the states' doubt.
+    """The states after a number of steps, what the last steps carry over, and the states' errors.
 
     Errors of a method with constant steps have an expansion in powers of the step (Hairer, Nørsett
-    and Wanner, Sec. II.8). The states after m steps are thus a polynomial in 1/m, which goes
-    through those of a few small m and, for 1/m = 0, through the exact path; it gives the state
-    after any other number of steps. A method of order 0 does not converge to the exact path, which
-    is left out.
+    and Wanner, Sec. II.8). The state at a fixed time, after m steps, is therefore nearly a
+    polynomial in 1/m. It is interpolated from flights with a few small m and from the exact path,
+    1/m = 0. A method of order 0 does not converge to the exact path, which is omitted then.
     """
     if one.step is None:
         y = flown(balls, np.asarray(counts * h))
@@ -404,7 +405,7 @@ def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[A
                    for i in used]  # fmt: skip
         return np.asarray(sum(w * states[i] for w, i in zip(weights, used, strict=True)))
 
-    # The doubt is the difference from the polynomial without the coarsest flight.
+    # The error is estimated by the difference from the polynomial without the coarsest flight.
     states = [exact, *(y for y, _ in found)]
     y = np.where(direct, short, interpolated(states))
     doubt = np.where(direct, 0.0, np.abs(y - interpolated(states, skip=1)))
@@ -417,9 +418,10 @@ def _reached(balls: Launched, one: Integrator, h: Any, counts: Index) -> tuple[A
 
 @dataclass(frozen=True)
 class Way:
-    """A flight in steps of h, s; its last step is shorter, maybe of another kind, or a chord.
+    """A flight in steps of h, s, and the kind of its last step.
 
-    A batted ball is struck at once, or pushed from the step before the contact on.
+    The last step is shorter; or it is a step of another integrator; or the end lies on the chord of
+    a whole step. The batted ball is struck at once, or pushed during a few steps.
 
     Attributes
     ----------
@@ -430,14 +432,14 @@ class Way:
     last
         The integrator of the last step, if it is another one.
     push
-        How the contact force acts, in the paper's scheme.
+        Steps at which the contact force acts in the paper's scheme.
     times
-        The push, in units of half of the contact force.
+        Size of the push, in units of half of the contact force.
 
     Examples
     --------
     >>> Way(VERLET[Treatment(0.0, False, False)], 0.05, chord=True).words[:65]
-    'errs like velocity Verlet with the force at the old velocity in s'
+    'behaves like velocity Verlet with the force at the old velocity i'
     >>> Way(EXACT, 0.001, chord=True).words
     'puts the end of the flight on the chord between two steps of 0.001 s'
     """
@@ -462,17 +464,17 @@ class Way:
         if self.one is EXACT:
             return f"puts the end of the flight on the chord between two steps of {self.h:.6g} s"
         end = ", and ends on the chord between two of them" if self.chord else ""
-        return f"errs like {self.one.words} in steps of {self.h:.6g} s{end}"
+        return f"behaves like {self.one.words} in steps of {self.h:.6g} s{end}"
 
     @property
     def reads(self) -> Sequence[str]:
-        """Columns that it needs besides those of the stage's formulas."""
+        """Columns that the flight needs besides those of the stage's formulas."""
         return () if self.push is None else PUSHED_BY
 
     def __call__(
         self, stage: Stage, columns: Mapping[str, Any]
     ) -> tuple[dict[str, Array], dict[str, Array]]:
-        """A stage's quantities and their doubt."""
+        """A stage's quantities and their errors."""
         if self.push is not None:
             return _pushed(stage, columns, self, [self.times * on for on in PUSHES[self.push]])
         return steps(stage, columns, self.one, self.h, self.chord, self.last)
@@ -515,12 +517,8 @@ def steps(
     chord: bool,
     last: Integrator | None = None,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """A stage's quantities, flown in steps of h, and their doubt.
-
-    The last step is shorter, and may be that of another integrator, or the state lies on the chord
-    between two steps.
-    """
-    # Whole steps up to the last one before the end, and the rest of the time.
+    """A stage's quantities after a flight in steps of h, and their errors; see `Way`."""
+    # Whole steps up to the last one before the end, then the rest of the time.
     balls = launched(one.law(stage), columns)
     counts = np.floor(np.nan_to_num(balls.duration) / h + ON_STEP).astype(int).clip(0)
     y, left, doubt = _reached(balls, one, h, counts)
@@ -535,7 +533,7 @@ def steps(
     found = balls.ended(new)
     doubts = {q: np.zeros_like(x) for q, x in found.items()}
     for quantity, part in zip(stage.quantities, (doubt[:3], doubt[3:6]), strict=False):
-        # One component may be near by chance.
+        # The estimate for one component may be small by chance: use the largest of the three.
         doubts[quantity] = np.broadcast_to(part.max(axis=0), part.shape)
     return found, doubts
 
@@ -543,23 +541,24 @@ def steps(
 def _pushed(
     stage: Stage, columns: Mapping[str, Any], way: Way, on: Sequence[float]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """A stage's quantities and doubt, of balls that the contact force F̄/2 pushes at some steps.
+    """A stage's quantities and their errors, for balls that the contact force F̄/2 pushes.
 
-    Appendix B of the paper. `on` are the shares of F̄/2 that act at the steps from the last one
-    before the contact on; together they replace the impulse m (V⁺ - V).
+    Paper, Appendix B. `on` are the multiples of F̄/2 that act at each step, beginning with the last
+    step before the contact; together they replace the impulse m (V⁺ - V).
     """
     h, step = way.h, way.one.step
     struck = columns["kind"] == "at-bat"
     if step is None or not struck.any():
         return steps(stage, columns, way.one, h, way.chord, way.last)
     time, place, velocity, after, hang = PUSHED_BY
-    # From the step gone back to, a straight line leads to the contact.
+    # The ball goes back along a straight line from the contact to the last step before it.
     ahead = columns[time] - np.floor(columns[time] / h + ON_STEP) * h
     before = columns[velocity]
     half = (columns[after] - before) / (2.0 * h)  # F̄/2m, for F̄ h = m (V⁺ - V)
 
     def rates(y: Array, t: Any, start: Array | None = None) -> Array:
-        # No launch fixes a spin axis: the air acts as on a ball launched with this velocity.
+        # There is no launch yet that fixes the axis of the lift: the air acts as on a ball that is
+        # launched with the present velocity.
         balls = launched(stage, {**columns, place: y[:3], after: y[3:6]})
         slope = balls.rates(balls.y, 0.0)
         slope[3:6] += on[round(t / h)] * half
@@ -571,7 +570,7 @@ def _pushed(
     for k in range(len(on) - 1):
         y, left = step(rates, states[-1], k * h, h, left, h)
         states.append(y)
-    # The rest is a flight from where the push ends.
+    # The rest is a flight that starts where the push ends.
     pushed = (len(on) - 1) * h - ahead
     free = {
         time: columns[time] + pushed, hang: columns[hang] - pushed, place: y[:3], after: y[3:6]

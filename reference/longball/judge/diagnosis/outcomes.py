@@ -1,10 +1,11 @@
 """Facts that a candidate reports besides numbers: outcomes, fair balls, modes of impact.
 
-A `Tree` is a list of tests in the order in which a scene meets them: the first that holds says the
-outcome. A test holds if all its conditions are positive. Conditions are expressions over inputs and
-the candidate's own quantities, so that mistakes are edits of them, by the operators of any formula.
-What a test needs may be unknown, such as a time that nobody reaches; then several outcomes are
-possible, and an edit that leaves them so is no evidence.
+A `Tree` is a list of tests in the order in which a scene meets them: the first one that holds
+decides the outcome. A test holds if all its conditions are positive. Conditions are expressions
+over inputs and the candidate's own quantities, so that mistakes are edits of them, by the operators
+of `longball.judge.diagnosis.operators`. A value that a test needs may be unknown, such as the time
+of a landing that does not happen. Then several outcomes are possible, and an edit that leaves
+several possible is no evidence.
 """
 
 from __future__ import annotations
@@ -67,8 +68,8 @@ from longball.model.arrays import Array
 
 Bools = NDArray[np.bool_]
 
-ALIKE = DIGIT  # bits: edits that cost at most so much more than the cheapest one are told beside it
-MOST = 2  # of these edits, at most
+ALIKE = DIGIT  # bits: edits that cost at most this much more than the cheapest are listed with it
+MOST = 2  # largest number of edits that are listed with the cheapest
 
 time_limit, floor = symbol("time_limit", S), symbol("landing height", M)
 margin, clearance = OWN["contact.margin"], OWN["fence.clearance"]
@@ -78,7 +79,8 @@ def _fair(place: Node) -> Node:
     return component(place, 0) - function("abs", component(place, 1), dimension=M)
 
 
-# Conditions that have words of their own; a time is positive of a ball that gets there.
+# Conditions whose names replace "… > 0" in verdicts. The time at the fence is positive if the ball
+# reaches it, and NaN otherwise.
 passes = named("the ball reaches the fence", fence_time)
 fair = named(
     "the ball is fair",
@@ -100,20 +102,20 @@ class Test:
 
 @dataclass(frozen=True)
 class Tree:
-    """Tests in order, and the fact by kind of scene where none holds."""
+    """Tests in their order, and the fact, by kind of scene, if none of them holds."""
 
     name: str
     tests: tuple[Test, ...]
     otherwise: Mapping[str, object]
-    pool: tuple[Node, ...] = ()  # what else is at hand
+    pool: tuple[Node, ...] = ()  # further nodes for the operators
 
     def options(self) -> list[object]:
-        """All that may be said."""
+        """All facts that may be reported."""
         return list(dict.fromkeys([*(t.says for t in self.tests), *self.otherwise.values()]))
 
 
-# Kinds of scenes that have a pitch, a collision, a flight that lands; and the stages on which the
-# state of a ball depends at the plate, at the bat, and after it has left the bat.
+# Kinds of scenes with a pitch, with a collision, and with a flight that lands. Then the stages on
+# which the ball's state depends at the plate, at the bat, and after it has left the bat.
 _KINDS = "flight", "pitch", "impact", "at-bat"
 _THROWN, _STRUCK, _FLOWN = ("pitch", "at-bat"), ("impact", "at-bat"), ("flight", "at-bat")
 _PITCHED = ("pitch", "plate")
@@ -168,21 +170,21 @@ _FLIGHTS = {stage.name for stage in CHAIN if stage.kind == "flight"}
 
 @dataclass(frozen=True)
 class Told:
-    """Reported and right facts of scenes, beside the values that decide them.
+    """Reported and true facts of scenes, with the values that decide them.
 
     Attributes
     ----------
     ids, kinds, columns
-        Of the scenes.
+        Ids, kinds and columns of the scenes.
     said, right
-        What the candidate says, and the truth.
+        The reported facts, and the true ones.
     plates
-        True of scenes whose truth has a plate: a second `airborne` is meant there.
+        True for scenes whose truth has a plate: `airborne` then means the batted ball.
     given
-        By symbol, True where a value is the candidate's own.
+        Flags by symbol: True where a value is the candidate's own.
     before
-        Stages that are wrong. Where the outcome is wrong too, a value that depends on them is known
-        only if it is the candidate's own.
+        Stages that are wrong. If the outcome is wrong too, a value that depends on these stages is
+        known only where it is the candidate's own.
     """
 
     ids: Sequence[str]
@@ -199,27 +201,28 @@ class Told:
 
     @property
     def suspect(self) -> set[str]:
-        """Stages that are wrong; all flights if one is, since they have one law."""
+        """Stages that are wrong; all flights if one of them is, because they share the law."""
         return {*self.before} | (_FLIGHTS if _FLIGHTS & {*self.before} else set())
 
     @property
     def wrong(self) -> Bools:
-        """True where another thing is said than is right."""
+        """True where the reported fact is not the true one."""
         pairs = zip(self.said, self.right, strict=True)
         return np.array([said != right for said, right in pairs], dtype=bool)
 
 
 def _held(test: Test, told: Told, without: Node | None = None) -> Array:
-    """1 where a test holds, 0 where it does not, NaN where that is not known."""
-    # "And" of three values: 0 beside anything is 0, else NaN beside anything is NaN.
+    """1 where a test holds, 0 where it does not, NaN where that is unknown."""
+    # A three-valued "and": 0 and anything is 0; otherwise NaN and anything is NaN.
     found = np.ones(len(told))
     for condition in test.conditions:
         if condition is without:
             continue
         with np.errstate(all="ignore"):
             value = np.asarray(evaluate(condition, told.columns), float) + 0.0 * found
-        # Unknown are a value that nobody gives, in a scene with a wrong outcome a value that does
-        # not come from the candidate while an earlier stage is wrong, and a tie.
+        # A condition is unknown if a value is missing; if it is a tie; or if, in a scene with a
+        # wrong outcome and after a wrong stage, it contains a value that is not the candidate's
+        # own.
         unsure = np.isnan(value)
         if not told.suspect.isdisjoint(test.after):
             own = [told.given[n.data] for n in ordered([condition]) if n.data in told.given]
@@ -232,8 +235,8 @@ def _held(test: Test, told: Told, without: Node | None = None) -> Array:
 
 
 def _known(tree: Tree, told: Told) -> list[Array]:
-    """Of each test, 1 or 0 where the truth says that it holds or not; else NaN."""
-    # The tests before the one that holds are 0; what those after it would say, nobody knows.
+    """For each test, 1 or 0 where the true outcome shows that it holds or not; NaN elsewhere."""
+    # Tests before the one that holds are 0. The truth does not show those after it.
     met = np.zeros(len(told), dtype=bool)
     found = []
     for test in tree.tests:
@@ -249,7 +252,7 @@ def _known(tree: Tree, told: Told) -> list[Array]:
 
 @dataclass
 class _Search:
-    """A tree beside what a candidate says."""
+    """A search for edits of a tree that explain a candidate's facts."""
 
     tree: Tree
     told: Told
@@ -262,10 +265,10 @@ class _Search:
         self.values = [self.filled(i, test) for i, test in enumerate(self.tree.tests)]
 
     def filled(self, i: int, test: Test, edited: bool = False) -> Array:
-        """Truth of a test by the candidate's values, or by the true ones where it gives none."""
+        """Result of a test by the candidate's values; by the truth where these leave it open."""
         held, truth = _held(test, self.told), self.truth[i]
-        # A test that truly holds need not hold when it is edited. One that truly does not hold says
-        # that no ball gets there, which an edit does not change.
+        # A test that holds in truth may fail when it is edited. One that does not hold in truth
+        # also fails when edited, if values are missing: no ball gets that far.
         if edited:
             truth = np.where(truth == 1, np.nan, truth)
         if not self.told.suspect.isdisjoint(test.after):
@@ -273,9 +276,9 @@ class _Search:
         return np.where(np.isnan(held), truth, held)
 
     def possible(self, values: Sequence[Array]) -> Bools:
-        """Options by scenes: True where one may be said."""
+        """Flags of shape (options, scenes): True where an option is possible."""
         found = np.zeros((len(self.options), len(self.told)), dtype=bool)
-        waiting = np.ones(len(self.told), dtype=bool)  # scenes in which no test surely holds so far
+        waiting = np.ones(len(self.told), dtype=bool)  # no test holds for certain so far
         for test, value in zip(self.tree.tests, values, strict=True):
             found[self.options.index(test.says)] |= waiting & (value != 0)
             waiting = waiting & (value != 1)
@@ -295,7 +298,7 @@ class _Search:
         return self.possible(values)
 
     def ways(self) -> Iterator[tuple[int, Test, Edit | None, float, str]]:
-        """Other tests: the place, the test, an edit that made it, bits, and words."""
+        """Edited tests: index, the new test, the edit if one made it, bits, and words."""
         for i, test in enumerate(self.tree.tests):
             choice = math.log2(len(self.tree.tests))
             yield (
@@ -309,7 +312,7 @@ class _Search:
                     cost = BITS["zero"] + choice + math.log2(len(test.conditions))
                     text = f"says {_text(test.says)} whether or not {said}"
                     yield i, replace(test, conditions=left), None, cost, text
-                # The operators edit stages: a condition is made one.
+                # The operators edit stages, so the condition is wrapped in one.
                 stage = Stage("", (str(test.says),), "formula", {"value": condition})
                 usual = {**defaults(), "time_limit": 60.0}
                 for edit in edits((stage,), stage, usual, self.told.columns, self.tree.pool):
@@ -322,12 +325,13 @@ class _Search:
                     yield i, replace(test, conditions=conditions), edit, edit.bits + choice, text
 
     def settled(self, i: int, test: Test, old: Test) -> tuple[Test, float, float, float] | None:
-        """A test with the roundest free number that the outcomes allow; its cost and limits."""
+        """A test with the roundest free number that the outcomes allow, its cost and limits."""
         (c,) = {n for f in test.conditions for n in ordered([f]) if n.data == FREE}
         (at,) = (k for k, f in enumerate(test.conditions) if f is not old.conditions[k])
         edited = test.conditions[at]
-        # The condition is a + b c > 0, from its values at c = 0 and 1; that at 2 confirms it. Where
-        # it does not, as of min(a, c) with a small a, the number decides nothing.
+        # The condition is linear in c, a + b c > 0: its values at c = 0 and 1 give a and b, and
+        # that at 2 confirms that it is linear. Scenes in which it is not, such as min(a, c) with a
+        # small a, are no bounds on c.
         points = []
         for x in (0.0, 1.0, 2.0):
             with np.errstate(all="ignore"):
@@ -345,7 +349,8 @@ class _Search:
             values[i] = np.where(rest == 0, 0.0, np.where(np.isnan(rest), np.nan, x))
             values[i] = np.where(usable, values[i], self.filled(i, old, edited=True))
             can.append(self.agrees(self.possible(values)))
-        # A scene in which only one of both is possible limits the number, from below or from above.
+        # A scene in which only one of the two is possible is a bound on c, from below or from
+        # above.
         must = np.where(usable & (can[0] ^ can[1]), np.where(can[0], 1.0, -1.0), 0.0)
         with np.errstate(all="ignore"):
             limit, way = -points[0] / slopes[0], np.sign(slopes[0]) * must
@@ -361,20 +366,21 @@ class _Search:
         return replace(test, conditions=conditions), NUMBER + DIGIT * digits, low, high
 
     def cost(self, possible: Bools, some: Bools) -> float:
-        """Bits that outcomes cost where several are possible."""
+        """Cost in bits of the outcomes where several are possible."""
         return float(np.log2(np.maximum(possible.sum(0), 1))[some].sum())
 
     def nothing(self, wrong: int) -> float:
-        """Bits of so many wrong outcomes, which might be any others in any scenes."""
-        # log2 of the number of choices: of the scenes, and in each of one of the other outcomes.
+        """Cost in bits of a number of wrong outcomes without an explanation."""
+        # log2 of the number of choices: of the wrong scenes, and of a wrong outcome in each.
         scenes = len(self.told)
-        some = min(wrong, scenes // 2)  # that all are wrong by chance is not more likely
+        some = min(wrong, scenes // 2)  # C(n, k) falls beyond n/2, but more errors cost more
         among = math.log2(math.comb(scenes, some))
         return among + wrong * math.log2(max(len(self.options) - 1, 1))
 
 
-# Factors of edits that explain outcomes by coincidence. Outcomes say only on which side of a limit
-# a scene lies: one that is 3 times as large may divide the scenes as well as the candidate's.
+# Factors that may explain outcomes by coincidence. An outcome shows only the side of a limit on
+# which a scene lies: a limit 3 times as large may divide the scenes as well as the candidate's
+# limit.
 _COINCIDENCES = {FREE, *(x for x, meaning in FACTORS.items() if not meaning)} - {2.0, 0.5}
 
 
@@ -473,18 +479,18 @@ def _floor(scene: Any) -> float:
 
 
 def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
-    """Findings of a tree: what follows from earlier ones, what edits explain, and the rest."""
+    """Findings of a tree: facts that edits explain, that follow from wrong numbers, and others."""
     left = told.wrong
     if not left.any():
         return
     search = _Search(tree, told)
     possible = search.possible(search.values)
-    # A wrong outcome follows from wrong numbers if it is possible by the candidate's own values and
-    # the right one is not.
+    # A wrong outcome follows from wrong numbers if the candidate's own values allow it and exclude
+    # the right one.
     follows = left & search.agrees(possible) & ~search.agrees(possible, told.right)
     left = left & ~follows
-    accounted = ~left & search.agrees(possible)  # what no edit may make wrong
-    unknown = left & search.agrees(possible)  # what may be so without any
+    accounted = ~left & search.agrees(possible)  # no edit may make these wrong
+    unknown = left & search.agrees(possible)  # these are possible without an edit
     while left.any():
         ways = _ways(search, left, accounted, unknown)
         if not ways:
@@ -501,7 +507,7 @@ def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
             sentence=f"{sentence}.", remedy=best.right,
         )  # fmt: skip
         left = left & ~best.fixed
-    # An earlier stage that is wrong may be the reason, if the candidate does not give its values.
+    # The reason may be an earlier stage that is wrong and whose values the candidate omits.
     if _wrong_before(tree, told, left & unknown):
         follows, left = follows | (left & unknown), left & ~unknown
     if follows.any():
@@ -515,19 +521,19 @@ def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
 
 @dataclass(frozen=True)
 class _Way:
-    """An edit that makes wrong outcomes, and no right one wrong."""
+    """An edit that gives the candidate's wrong outcomes, and keeps the right ones."""
 
     fixed: Bools
     spent: float  # bits
     evidence: float
     edit: str
     right: str
-    changed: bool  # and not left out
+    changed: bool  # True for an edited test, False for an omitted one
 
 
 def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> list[_Way]:
-    """Edits that explain a whole kind of wrong outcome: those of most first, then the cheapest."""
-    found: dict[bytes, _Way] = {}  # of edits that say the same in moved scenes, the cheapest
+    """Edits that explain a whole kind of wrong outcome, sorted by number of scenes and by cost."""
+    found: dict[bytes, _Way] = {}  # the cheapest of edits that agree in moved scenes
     moved = _moved(search.told)
     known = {_fingerprint(search.tree, i, test, moved) for i, test in enumerate(search.tree.tests)}
     pairs = np.array([hash(pair) for pair in _pairs(search.told, left | True)])
@@ -552,7 +558,8 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
         fixed &= ~np.isin(pairs, pairs[left & ~agrees])  # a kind of mistake is explained whole
         if not fixed.any():
             continue
-        # Only scenes are evidence in which the edit decides and nothing else can be the cause.
+        # A scene is evidence only if the edited test decides it, and no wrong stage can be the
+        # cause.
         spent = bits + search.cost(possible, fixed)
         sure = fixed & ~np.isnan(held) & ~unknown
         if not search.told.suspect.isdisjoint(old.after):
@@ -568,7 +575,7 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
 
 
 def _moved(told: Told) -> Told:
-    """Scenes whose values are moved at random, in which edits that come to the same are found."""
+    """Scenes with all values moved at random, in which equal edits are detected."""
     draw = np.random.default_rng(0)
     moved: dict[str, Any] = {}
     count = max(4, 400 // max(len(told), 1))
@@ -579,7 +586,7 @@ def _moved(told: Told) -> Told:
             known = column[np.isfinite(column)]
             middle, spread = (np.median(known), known.std()) if known.size else (1.0, 1.0)
             other = np.where(np.isfinite(column), column, middle)
-            if (known > 0).all():  # so widely that a limit of 60 s is passed by some pitches
+            if (known > 0).all():  # widely: some pitches must exceed a limit of 60 s
                 moved[name] = other * np.exp(2 * draw.normal(size=column.shape))
             else:
                 moved[name] = other + 2 * spread * draw.normal(size=column.shape)
@@ -589,7 +596,7 @@ def _moved(told: Told) -> Told:
 
 
 def _fingerprint(tree: Tree, i: int, test: Test, moved: Told) -> bytes:
-    """Facts of the moved scenes with another test in place of one."""
+    """Outcomes of the moved scenes, as bytes, with `test` in place of test `i`."""
     tests = [*tree.tests]
     tests[i] = test
     found = np.full(len(moved), -1, dtype=np.int8)
@@ -603,7 +610,7 @@ def _all_positive(test: Test) -> str:
 
 
 def _wrong_before(tree: Tree, told: Told, some: Bools) -> list[str]:
-    """Wrong stages on which the outcomes in some scenes may depend."""
+    """Wrong stages on which the outcomes of these scenes may depend."""
     says = {said for pair in _pairs(told, some) for said in pair}
     after = {stage for test in tree.tests if says & {test.says} for stage in test.after}
     depends = bool(after & told.suspect)
@@ -644,7 +651,7 @@ def _finding(tree: Tree, told: Told, some: Bools, **said: Any) -> Finding:
 def _untrue(
     name: str, facts: Sequence[tuple[int, Any, Any]], checked: int, cases: Sequence[Case]
 ) -> Finding:
-    """A finding about a fact without a tree: a number that is shifted, or another word."""
+    """The finding of a fact without a tree: a shifted number, or a wrong word."""
     sentence = outcomes_wrong([(given, true) for _, given, true in facts], name)
     edit = None
     if all(type(x) is int for _, *both in facts for x in both):
@@ -662,7 +669,7 @@ def _untrue(
 def _superfluous(
     cases: Sequence[Case], answers: Mapping[str, Answer], agreed: Sequence[int]
 ) -> Iterator[Finding]:
-    """Blocks and quantities that no such outcome has."""
+    """Findings of blocks and quantities that do not belong to the outcome."""
     found: dict[tuple[str, str], list[str]] = {}
     for i in agreed:
         case = cases[i]

@@ -1,8 +1,8 @@
-"""Values in other units or axes than the contract's, or of another quantity.
+"""Outputs in other units or axes than the contract's, or copied from another quantity.
 
-Such values are wrong at every stage that gives or takes them, although no formula is. A conversion
-of some outputs is accepted if it mends at least two stages, or two quantities of one, and breaks
-none: a formula that is wrong would be followed by stages that are right.
+Such values are wrong at every stage that computes or uses them, although no formula is wrong. A
+conversion of outputs is accepted if it mends at least two stages, or two quantities of one stage,
+and breaks none. After a wrong formula, in contrast, the later stages are right.
 """
 
 from __future__ import annotations
@@ -21,13 +21,14 @@ from longball.judge.diagnosis.residual import Data, Index, evenly, follow
 from longball.judge.diagnosis.scenes import rule
 from longball.model.arrays import Array
 
-# Fraction of the largest relative error that a conversion may leave where it mends: long steps make
-# less than a hundredth of the error of another unit.
+# A stage is mended if the right conversion leaves at most this fraction of its largest relative
+# error. The rest may come from long steps, whose errors are less than a hundredth of a wrong
+# unit's.
 MENDED = 1e-2
-BROKEN = 2.0  # factor by which the error of a stage grows that a conversion breaks
-CLOSE = 0.3  # fraction of the error that a conversion may leave where another mistake is beside it
+BROKEN = 2.0  # a stage is broken if its error grows by more than this factor
+CLOSE = 0.3  # fraction of the error that a conversion may leave if there is another mistake, too
 NOTHING = 1e-6  # m, m/s: a value with a smaller error is not in another unit
-MOST = 3  # conversions, in turn
+MOST = 3  # largest number of successive conversions
 FEW = 200  # scenes in which a conversion is tried first
 
 SPEED = (1, 0, -1)
@@ -42,7 +43,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-# By name and kind of a stage, and quantity: the largest relative error, and 1 if one is wrong.
+# The largest relative error, and 1 if one is wrong; by a stage's name and kind, and the quantity.
 Errors = Mapping[tuple[str, str, str], tuple[float, int]]
 
 
@@ -55,13 +56,13 @@ class Conversion:
     outputs
         The quantities.
     words
-        What is given, as a clause: "lengths are 3.28 times the right ones (feet)".
+        A clause such as "lengths are 3.28 times the right ones (feet)".
     bits
-        What it costs.
+        Cost of the conversion.
     remedy
-        What should be given.
+        An instruction to the author.
     given
-        The right values as far as they follow from those given, by quantity.
+        The converted values by quantity; NaN where the right value does not follow.
     """
 
     outputs: tuple[str, ...]
@@ -72,7 +73,7 @@ class Conversion:
 
 
 def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
-    """Values converted back where a conversion mends stages, and findings of those."""
+    """Data with outputs converted back where that mends stages, and findings of the conversions."""
     findings: list[Finding] = []
     few = evenly(np.arange(len(data.cases)), FEW)
     errors = _errors(data, chain)
@@ -89,7 +90,8 @@ def outputs(data: Data, chain: Sequence[Stage]) -> tuple[Data, list[Finding]]:
                 found.append((-mended, one.bits, one, after))
         if not found:
             break
-        # The one that mends most; of those, the likeliest. Others are tried on what it leaves.
+        # Accept the conversion that mends most, of several the likeliest. Others are tried in the
+        # next round, on the converted data.
         _, _, best, errors = min(found, key=lambda way: way[:2])
         findings.append(_finding(best, data))
         data = replace(data, given={**data.given, **best.given})
@@ -119,7 +121,8 @@ def _mended(before: Errors, after: Errors) -> int:
         left, still = after[key]
         if still and left > BROKEN * error:
             return 0
-        # What a flight gives is six numbers, which no other conversion mends by chance.
+        # A flight counts twice: it has six numbers, which a wrong conversion does not mend by
+        # chance.
         weight = 2 if key[1] == "flight" else 1
         count += weight * (wrong and (not still or left <= MENDED * error))
     return count
@@ -145,7 +148,7 @@ def _finding(found: Conversion, data: Data) -> Finding:
 
 
 def _conversions(data: Data) -> Iterator[Conversion]:
-    """Conversions of all outputs that one comes much nearer to than the contract's units do."""
+    """Conversions, each of all outputs that it brings much nearer to the truth."""
     known = [q for q in OWN if np.isfinite(data.given[q]).any()]
     for factor, words, remedy, bits in _factors(data):
         own = tuple(q for q in known if _fits(data, q, factor * data.expected[q]))
@@ -159,7 +162,7 @@ def _conversions(data: Data) -> Iterator[Conversion]:
     for axes, rows in AXES.items():
         matrix = np.array(rows)
         own = tuple(q for q in vectors if _fits(data, q, matrix @ data.expected[q]))
-        if own and abs(np.linalg.det(matrix)) == 1:  # no part is lost
+        if own and abs(np.linalg.det(matrix)) == 1:  # can be inverted: no component is omitted
             subject, verb = _named(own, known)
             text = f"{subject} {verb} given as {axes}"
             bits = BITS["axes"] + math.log2(len(AXES))
@@ -185,7 +188,7 @@ def _factors(data: Data) -> Iterator[tuple[Array | float, str, str | None, float
 
 
 def _fits(data: Data, quantity: str, converted: Array) -> bool:
-    """True if what is given is much nearer to a converted value than to the right one."""
+    """True if the given value is much nearer to a converted value than to the right one."""
     given, true = data.given[quantity], data.expected[quantity]
     off, plain = (np.sqrt(np.square(np.atleast_2d(given - x)).sum(0)) for x in (converted, true))
     known = np.isfinite(off) & (plain > NOTHING)
@@ -193,7 +196,7 @@ def _fits(data: Data, quantity: str, converted: Array) -> bool:
 
 
 def _where_off(data: Data, quantity: str, converted: Array) -> Array:
-    """Convert the values that are wrong. In scenes of another kind they may be right as given."""
+    """Convert only the values that are wrong; in scenes of another kind they may be right."""
     given = np.atleast_2d(data.given[quantity])
     off = np.abs(given - data.expected[quantity]).max(axis=0) > NOTHING
     return np.where(off, converted, data.given[quantity])
@@ -208,18 +211,18 @@ def _named(own: Sequence[str], known: Sequence[str]) -> tuple[str, str]:
 
 
 def _others(data: Data) -> Iterator[Conversion]:
-    """Another of the candidate's own quantities in place of one."""
+    """Conversions of a quantity that equals another one of the candidate's."""
     for q, mine in data.given.items():
         for other, theirs in data.given.items():
             if q == other or (OWN[q].dimension, mine.ndim) != (OWN[other].dimension, theirs.ndim):
                 continue
             both = np.isfinite(mine) & np.isfinite(theirs)
             apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6
-            # Values that agree to the last digit, where the right ones differ, were copied. The
-            # right one is lost, and counts as not given.
+            # Values that agree to the last digit where the true ones differ were copied. The right
+            # value cannot be recovered, and counts as missing.
             if (both & apart).any() and (mine == theirs)[both].all():
                 wrong = {q: np.where(both, np.nan, mine)}
-                if q == "landing.hang_time":  # which follows from the other times
+                if q == "landing.hang_time":  # can be recovered from the other times
                     begun = np.nan_to_num(data.given["contact.time"])
                     wrong = {q: data.given["landing.time"] - begun}
                 bits = BITS["other"] + 2 * math.log2(len(OWN))

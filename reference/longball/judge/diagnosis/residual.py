@@ -1,7 +1,7 @@
 """Residuals of each stage: the candidate's values minus those that follow from its earlier values.
 
-All that flies a ball for the diagnosis is in this module: flights of any edited law, all scenes at
-once, by equal steps of an eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving
+This module also flies all balls of the diagnosis, by any edited law: all scenes at once, in equal
+steps of an eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving
 Ordinary Differential Equations I*, Sec. II.5; the coefficients are SciPy's).
 """
 
@@ -52,11 +52,11 @@ from longball.model.arrays import Array
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import at as value_at
 
-# Relative error of a right value: the rounding of an implementation's own hundred steps, and of
-# ours.
+# Relative error of a right value, from rounding in about a hundred steps of the candidate and of
+# the judge.
 ROUNDING = 1e-12
-# Relative error that no edit needs to explain: a careful integrator's own (RK4 at 1 ms
-# leaves 1e-11 of a landing, adaptive methods at 1e-10 about 1e-9).
+# Relative error that needs no explanation, because a careful integrator makes it: RK4 at 1 ms has
+# 1e-11 at a landing, adaptive methods with a tolerance of 1e-10 have about 1e-9.
 NOISE = 2.5e-10
 
 
@@ -72,25 +72,25 @@ class Stepping(NamedTuple):
     exact: bool = False
 
 
-# The fine steps have a relative error of 4e-13 at the landing of 400 batted balls, and DOUBLE steps
-# estimate it. The coarse steps give the effect of nine edits in ten to better than a thousandth.
+# FINE steps have a relative error of at most 4e-13 at the landings of 400 batted balls; DOUBLE
+# steps estimate it. COARSE steps give the effects of nine edits in ten to better than a thousandth.
 FINE, EQUAL, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.2, 400), Stepping(0.4, 200)
 MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
 # Steps of a program that does not look for kinks and jumps. The error of a step across one is
 # proportional to its length, whatever the method.
 UNAWARE = Stepping(0.05, 400)
-# Flights are grouped by their steps, at most 36, 36², and so on: short ones do not wait for long
-# ones.
+# Flights are grouped by their number of steps, up to 36, 36², and so on. A batch takes as many
+# steps as its longest flight.
 TOGETHER = 36
-STEEP = 1e-11  # relative error of an equal step beyond which a flight is flown again
-CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each step then, and of the whole flight
-# A step across a kink or a jump of the law is cut this share of itself before and beyond it, until
-# it is shorter than LEAST of the flight.
+STEEP = 1e-11  # if an equal step has a larger relative error, the flight is repeated
+CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each repeated step, and of the whole flight
+# A step across a kink or a jump is divided at BESIDE of its length before the kink and beyond it,
+# until it is shorter than LEAST of the flight.
 BESIDE, LEAST = 1 / 512, 1e-11
-BISECTIONS = 11  # that find the place of a kink
-CUTS = 150  # further steps: an edited law may switch wherever a ball goes
+BISECTIONS = 11  # steps of bisection that locate a kink: 2⁻¹¹ is a fourth of BESIDE
+CUTS = 150  # further steps of a repeated flight: an edited law may switch anywhere
 
-Index = NDArray[np.integer[Any]]  # numbers of scenes
+Index = NDArray[np.integer[Any]]  # positions of scenes
 
 
 class Flying(Protocol):
@@ -98,7 +98,7 @@ class Flying(Protocol):
 
     @property
     def reads(self) -> Sequence[str]:
-        """Columns that it needs besides those of the stage's formulas."""
+        """Columns that the flights need besides those of the stage's formulas."""
 
     def __call__(
         self, stage: Stage, columns: Mapping[str, Any]
@@ -108,7 +108,7 @@ class Flying(Protocol):
 
 @dataclass(frozen=True)
 class Data:
-    """Scenes and answers as columns: one entry a scene, NaN where there is nothing.
+    """Scenes and answers as columns with one entry for each scene, NaN where a value is missing.
 
     Attributes
     ----------
@@ -123,21 +123,19 @@ class Data:
     attainable
         The errors that double precision cannot avoid, shape (n,).
     cut
-        Half a unit in the last digit written, of quantities not written in full: absolute and
-        relative.
+        Half a unit in the last written digit, absolute and relative, for quantities that are not
+        written in full.
     slips
         A function that propagates the rounding of the written digits through a stage.
     granted
-        The error of a quantity that passes, in its SI unit.
+        The largest error that passes, in the SI unit of each quantity.
     ways
-        The candidate's integrators by the names of stages, as far as they are known. Other stages
-        are flown exactly.
+        The known integrators of the candidate, by stage name. Other stages are flown exactly.
     rough
         Names of the stages to which an edit has added a jump or a kink; see `compared`.
     blind
-        Scenes in which the right chain does not reproduce the true value from the true earlier
-        values, by the stage's name and kind, such as balls that graze a jump of the law. They are
-        not compared.
+        Scenes that are not compared, by the stage's name and kind: the right chain does not
+        reproduce the true value from true earlier values. A ball may graze a jump of the law.
     flights
         Flights that were flown, by stage and columns: a cache.
     """
@@ -156,7 +154,7 @@ class Data:
     flights: dict[Any, Any] = field(default_factory=dict, compare=False)
 
     def way(self, stage: Stage) -> Flying | None:
-        """The candidate's way to fly a stage; None for an exact flight, or if it is no flight."""
+        """The candidate's integrator of a stage; None if it flies exactly, or is no flight."""
         return self.ways.get(stage.name) if stage.kind == "flight" else None
 
 
@@ -178,17 +176,18 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     scenes = [case.scene for case in cases]
     tops = given["fence.position"][2] - given["fence.clearance"]
     chords_at = _fences(scenes, given["fence.position"], tops)
-    # The true margin is that of the true pitch: it says nothing of another one.
+    # The true margin belongs to the true pitch, and cannot be compared with that of another pitch.
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
     numbers = inputs(scenes)
     columns = {**numbers, **switches(scenes), **left_out(scenes), **zeros(numbers), **chords_at}
-    # The stage `margin` subtracts this from R + r_b again: it has no formula of its own.
+    # The closest distance has no formula: it follows from the true margin, and the stage `margin`
+    # turns it into a margin again.
     columns[str(closest.data)] = columns["R"] + columns["r_b"] - expected["contact.margin"]
     return Data(cases, columns, given, expected, errors, granted=granted)
 
 
-SAME_PITCH = 1e-9  # m: pitches that are nearer to each other at the plate are one
+SAME_PITCH = 1e-9  # m: pitches count as equal if they are this near to each other at the plate
 
 
 def _floats(value: Sequence[Any]) -> Any:
@@ -217,7 +216,7 @@ def inputs(scenes: Sequence[Any]) -> dict[str, Array]:
 
 
 def _with_air(scene: Any) -> Any:
-    """A scene with the default air in place of null, as a program has it that overlooks a null."""
+    """A scene with the default air in place of null, for programs that ignore the null."""
     return scene.model_copy(update={"air": Air()}) if getattr(scene, "air", 0) is None else scene
 
 
@@ -296,7 +295,7 @@ def options(scene: Any) -> dict[str, str]:
     return found
 
 
-# Keys whose form is an option.
+# Keys whose form is an option of a switch.
 FORMED = (
     "air.drag_coefficient", "air.lift_coefficient", "air.side_coefficient", "air.density",
     "air.wind", "air.spin_decay_length", "air.density_scale_height", "earth", "fence",
@@ -310,7 +309,7 @@ FORMS = {
 
 
 def form(held: Any) -> str:
-    """A word for what a key holds: nothing, a law, a block by its keys, or something else."""
+    """The form of a key's value: "none", a law, the form of a block, or "given"."""
     if held is None:
         return "none"
     if law := getattr(held, "law", None):
@@ -319,10 +318,10 @@ def form(held: Any) -> str:
 
 
 def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Array]:
-    """The ends of the chord next to a place, one of each scene.
+    """The ends of the nearest chord to a point on the fence, for each scene.
 
-    At a step of the wall two chords are equally near: the height of the chosen one is nearer to
-    `tops`, the heights that follow from the candidate's clearances.
+    At a step of the wall two chords are equally near. The one is chosen whose height is nearer to
+    `tops`, the height that follows from the candidate's clearance.
     """
     ends = np.full((2, 3, len(scenes)), np.nan)
     for i, scene in enumerate(scenes):
@@ -344,7 +343,7 @@ def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Arra
     return {"chord.a": ends[0], "chord.b": ends[1]}
 
 
-AT_CORNER = 1e-9  # m: chords whose distances differ by less meet at the place
+AT_CORNER = 1e-9  # m: chords are equally near if their distances differ by less
 
 
 # --- flights --------------------------------------------------------------------------------------
@@ -375,19 +374,21 @@ class Launched:
     Attributes
     ----------
     y
-        Place, velocity, and the path through the air: shape (7, balls).
+        Position, velocity, and path length through the air, shape (7, balls).
     spin
-        At the start.
+        Spin at the start.
     duration
-        s.
+        Time of flight, s.
     rates
-        The derivative of `y` at a state and a time; `start` is the state that the step begins with.
+        Function that returns the derivative of `y` from a state, a time, and the state at the
+        beginning of the step.
     ended
-        The stage's quantities at a state.
+        Function from the final state to the stage's quantities.
     piece
-        Numbers that change where the ball crosses a kink or a jump of the law.
+        Function from a state and a time to numbers that change where the ball crosses a kink or a
+        jump of the law.
     some
-        Selects balls.
+        Function that selects balls.
     """
 
     y: Array
@@ -420,8 +421,8 @@ def launched(stage: Stage, columns: Columns) -> Launched:
         "v0": y[3:6].copy(),
         "ω0": spin + np.zeros((3, count)),
     }
-    # The path is integrated only if the spin decays along it. The rate of the place is the velocity
-    # unless an edit has changed it.
+    # The path length is integrated only if the spin decays along it. The rate of the position is
+    # the velocity, unless an edit has changed it.
     has_path = depends(roots["law"], _PATH) or depends(roots["spin_left"], _PATH)
     moving = MOVING | {str(node.data) for node in START.values()}
     is_edited = roots["rate"] is not r_dot
@@ -446,7 +447,7 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             found[names[2]] = share * columns["ω0"]
         return found
 
-    @cache  # made when the first flight asks: equal steps need none
+    @cache  # only exact flights need the pieces of the law
     def pieces() -> Pieces:
         return Pieces(roots["law"], columns, moving)
 
@@ -461,14 +462,14 @@ def launched(stage: Stage, columns: Columns) -> Launched:
 
 
 def flown(balls: Launched, duration: Array, limits: Stepping = FINE) -> Array:
-    """Fly balls for some time, and return their states."""
+    """Fly balls for a duration, s, and return their states."""
     return _flown(balls, duration, limits)[0]
 
 
 def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, Array]:
-    """The states of balls after some time, and their relative errors; 0 of flights by equal steps.
+    """The states of balls after a duration, and their relative errors; 0 after equal steps.
 
-    The number of a flight's steps does not depend on the other flights.
+    The number of steps of a flight does not depend on the other flights.
     """
     y, doubt = balls.y.copy(), np.zeros(balls.y.shape[1])
     known = np.isfinite(duration)
@@ -489,7 +490,7 @@ def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, A
         flies = step < steps
         new, slopes = _step(balls, y, step * h, h)
         y = np.where(flies, new, y)
-        # A flight across a kink or a steep part is flown again from its launch: few are.
+        # The few flights across a kink or a steep part of the law are repeated from the launch.
         if limits.exact:
             after = balls.piece(y, (step + 1) * h)
             again |= flies & ((after != before).any(axis=0) | ~(_error(y, slopes, h) < STEEP))
@@ -522,24 +523,23 @@ def _error(y: Array, slopes: Array, h: Array) -> Array:
 
 
 def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Array, Array]:
-    """Fly balls by steps as long as their error allows, which end at kinks and jumps of the law.
+    """Fly balls in steps of controlled error that end at kinks and jumps of the law.
 
     Times and steps are fractions of the duration. A step across a kink is rejected: bisection on
     the cubic between its ends locates the kink, and the next targets are just before it and just
     beyond. The short step between those may be divided in the same way, until it is shorter than
     `LEAST`.
 
-    Return also their relative errors, which are HUGE for a ball that does not arrive in `CUTS` more
-    steps.
+    Return also the relative errors; HUGE for a ball that does not arrive within `CUTS` more steps.
     """
-    # `whole` is the step that the error allows, `before` and `beyond` are next to the last kink
-    # found, `here` is the piece of the law that the ball is in. Each ball has its own.
+    # Each ball has its own `whole`, the step that the error allows; `before` and `beyond`, the
+    # times next to the last kink found; and `here`, the present piece of the law.
     y, t, whole = balls.y, np.zeros(len(longest)), longest
     before, beyond = np.zeros_like(t), np.zeros_like(t)
     here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
     doubt = np.full(len(t), HUGE)
     for _ in range(CUTS + int(2 / longest.min())):
-        # Balls that have arrived are dropped as soon as they are half of those that fly.
+        # Once at least half of the balls have arrived, continue with the others alone.
         flies = np.flatnonzero(t < 1.0 - LEAST)
         if len(flies) < len(index) / 2:
             found[:, index] = y
@@ -564,8 +564,8 @@ def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Ar
             first = t + step * np.maximum(kink - BESIDE, BESIDE)
             before = np.where(crossed, first, before)
             beyond = np.where(crossed, first + 2 * BESIDE * step, beyond)
-        # The usual control of steps: the error is the eighth power of the step. A step that was cut
-        # short by a kink does not shorten the next ones.
+        # The usual step control: the error is proportional to the eighth power of the step. A step
+        # that was cut short at a kink does not shorten the next ones.
         best = step * np.clip(0.9 * (CAREFUL / np.maximum(error, 1e-99)) ** 0.125, 0.1, 3.0)
         whole = np.where(coarse, best, np.clip(best, whole, longest))
         stays = crossed | coarse
@@ -577,12 +577,12 @@ def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Ar
 
 
 def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope: Array) -> Array:
-    """The share of each ball's step before the first kink of the law."""
+    """The fraction of each ball's step before the first kink of the law."""
     here, end = balls.piece(y, t), balls.rates(new, t + h)
     low, high = np.zeros_like(h), np.ones_like(h)
     for _ in range(BISECTIONS):
         s = (low + high) / 2
-        # Hermite's cubic: the chord, and what bends it (Hairer et al., Eq. II.6.7).
+        # Hermite's cubic, as the chord plus a correction (Hairer et al., Eq. II.6.7).
         bent = (1 - 2 * s) * (y - new) + h * ((1 - s) * slope - s * end)
         at = y + s * (new - y) + s * (1 - s) * bent
         beyond = (balls.piece(at, t + s * h) != here).any(axis=0)
@@ -590,16 +590,17 @@ def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope
     return low
 
 
-# A step of a scheme: from the rates, a state, its time, the length of the step, what the step
-# before has carried over (None at first) and the length of a whole step, to the next state and what
-# is carried over, such as an old acceleration. A last step may be shorter than a whole one.
+# A step of a scheme. The arguments are the rates, the state, its time, the length of the step, the
+# value that the last step carried over (None at first), and the length of a whole step; a last step
+# may be shorter. The results are the next state and the value to carry over, such as an old
+# acceleration.
 Step = Callable[..., tuple[Array, Any]]
 
 
 def stepped(balls: Launched, step: Step, h: Any, counts: Index) -> tuple[Array, Any]:
-    """Fly balls by so many steps of a scheme.
+    """Fly each ball by its number of steps of a scheme.
 
-    Return the states, and what the last step of each carries over; None if steps do not carry.
+    Return the states, and the values that the last steps carry over; None if steps carry nothing.
     """
     y, carried = balls.y, None
     found, kept = y.copy(), balls.rates(y, 0.0)
@@ -614,7 +615,7 @@ def stepped(balls: Launched, step: Step, h: Any, counts: Index) -> tuple[Array, 
 
 
 def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str, Array]:
-    """The quantities of a stage, from the values before it; a flight's by steps as in `flown`."""
+    """The quantities of a stage, from the values of earlier stages; flights as in `flown`."""
     columns = {**columns, "spin": columns[stage.spins]}
     with np.errstate(all="ignore"):
         if stage.kind == "flight":
@@ -628,15 +629,15 @@ def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str,
 def _flown_once(
     stage: Stage, columns: Columns, data: Data, limits: Stepping
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """The quantities of a flight by the candidate's way, and the same with about their error added.
+    """The quantities of a flight by the candidate's integrator, and the same plus their error.
 
-    A flight that was flown before is looked up: an edit of one stage leaves the others as they are.
+    Flights are cached, because an edit of one stage does not change the others.
     """
-    # The key has the formulas, and a digest of the columns that they read.
+    # The key of the cache consists of the formulas and a digest of the columns that they read.
     roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
     way = data.way(stage)
     for name in ("kind", stage.spins, *names_in(roots), *(way.reads if way else ())):
-        if name in columns:  # a symbol that moves has none
+        if name in columns:  # moving symbols have no column
             numbers.update(columns[name].tobytes())
     key = stage.name, roots, numbers.digest(), limits, way
     if key not in data.flights:
@@ -645,7 +646,8 @@ def _flown_once(
             found, doubt = way(stage, columns)
             again = {quantity: found[quantity] + doubt[quantity] for quantity in found}
         else:
-            # The error of equal steps shows with twice the step. Other flights know their error.
+            # A flight with doubled steps estimates the error of equal steps. Controlled steps have
+            # their own estimate.
             balls = launched(stage, columns)
             y, share = _flown(balls, balls.duration, limits)
             off = share * np.maximum(np.abs(y), 1.0)
@@ -658,7 +660,7 @@ def _flown_once(
 
 @dataclass(frozen=True)
 class Followed:
-    """The residuals of a stage, with what is allowed.
+    """The residuals of a stage, with their tolerance and noise.
 
     Attributes
     ----------
@@ -667,13 +669,13 @@ class Followed:
     some
         The scenes that have it.
     off
-        Residuals: obtained minus predicted, shape (numbers, scenes); NaN where nothing is given. Of
-        an event they are the event function at the candidate's own value, which should be 0.
+        Residuals: obtained minus predicted, shape (numbers, scenes); NaN where nothing is given.
+        For an event, the event function at the candidate's own value, which should be 0.
     tolerance, floor
-        A number whose residual is below the first is right. Below the second, the noise, no edit
-        needs to explain it.
+        A number is right if its residual is below the tolerance. A residual below the floor, the
+        noise, needs no explanation.
     scale
-        The size that an error is relative to.
+        Size to which errors are relative.
 
     Examples
     --------
@@ -711,7 +713,7 @@ class Followed:
 
     @property
     def beyond(self) -> NDArray[np.bool_]:
-        """True for each scene in which a number is wrong by more than noise may be."""
+        """True for each scene in which a number is wrong by more than the noise."""
         return np.asarray(self.wrong & (np.abs(self.off) > ADEQUATE * self.floor).any(axis=0))
 
     @property
@@ -720,7 +722,7 @@ class Followed:
         return np.asarray(np.nan_to_num(np.abs(self.off) / self.scale).max(axis=0, initial=0.0))
 
 
-HUGE = 1e12  # in SI units: what exceeds it is no state of a ball
+HUGE = 1e12  # SI units: a ball cannot have larger numbers
 
 
 @np.errstate(all="ignore")  # a wrong number may be of any size
@@ -729,12 +731,12 @@ def compared(
 ) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
     """The residuals of a stage in some scenes, and the values that the stage predicts.
 
-    The error of the flights is found by flying them again with twice the step. If an edit
-    has added a jump or a kink to the stage (`Data.rough`), the candidate's steps may cross it
-    unawares.
+    Flights with doubled steps estimate the error of the judge's own flights. If an edit has added a
+    jump or a kink to the stage (`Data.rough`), the error of steps that cross it without detecting
+    it is noise, too.
     """
-    # What the stage predicts, the same with about the error of the judge's own flight added, and as
-    # a program has it whose steps cross a jump.
+    # Three predictions: `found`; `again`, which differs by the error of the judge's own flight; and
+    # `careless`, by a program whose steps cross jumps.
     own, rough = take(columns, some), stage.name in data.rough
     if stage.kind == "flight":
         found, again = _flown_once(stage, own, data, limits)
@@ -745,7 +747,8 @@ def compared(
         careless = values(stage, own, UNAWARE)
     rows = []
     for quantity in stage.quantities:
-        # The residual. No answer is no error; a prediction that is not finite is the largest one.
+        # The residual. A missing answer is no error. A prediction that is not finite is the largest
+        # error.
         given = np.atleast_2d(data.given[quantity][..., some])
         predicted = np.atleast_2d(found[quantity])
         sizes = [np.sqrt(np.square(x).sum(0)) for x in (given, predicted)]
@@ -757,7 +760,7 @@ def compared(
         others = (np.atleast_2d(x[quantity]) for x in (again, careless))
         unsure = np.nan_to_num(np.max([np.abs(predicted - other) for other in others], axis=0))
         if rough and some.size:
-            # Two steppings may agree by chance near a kink: most of the scenes count.
+            # Near a kink, two flights may agree by chance: use at least the 0.9 quantile.
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
         absolute, relative = data.cut.get(quantity, (0.0, 0.0))
         short = absolute + relative * np.abs(given) if stage.kind != "event" else 0.0
@@ -774,18 +777,18 @@ def compared(
 
 
 def is_rough(stage: Stage) -> bool:
-    """True if a stage has jumps or kinks, at which a few scenes may be off."""
+    """True if a stage has jumps or kinks, at which a few scenes may have errors."""
     roots = (root for name, root in stage.roots.items() if name != "through")
     return any(node.op in JUMPS | {"table"} for node in ordered(roots))
 
 
 def specialised_to(data: Data, chain: Iterable[Stage] = CHAIN) -> tuple[Stage, ...]:
-    """The chain of some scenes: its stages, without switches that are the same in all.
+    """The chain of these scenes: their stages, without switches that are the same in all scenes.
 
-    All flights share one law, which loses only the switches that are the same in all of them: an
-    edit of the law is made in every flight.
+    A switch of the law is removed only if it is the same in all flights: they share one law, which
+    an edit changes in every flight.
     """
-    # Stages of which some scene has a true value: without a fence there is no stage of the fence.
+    # Keep stages for which a scene has a true value: without a fence, there is no stage `fence`.
     present = [
         stage
         for stage in chain
@@ -814,14 +817,13 @@ def _at(stage: Stage, data: Data) -> NDArray[np.bool_]:
 
 
 def begun(data: Data) -> dict[str, Any]:
-    """Columns before the first stage: inputs, and the candidate's own values or else true ones."""
+    """Columns before the first stage: inputs, and the candidate's values, or else true ones."""
     columns = dict(data.columns)
     for quantity, node in OWN.items():
         given = data.given[quantity]
         columns[node.data] = np.where(np.isfinite(given), given, data.expected[quantity])
-    # A flight lasts for `landing.hang_time`, or from the contact (0 of a flight scene) to the
-    # landing. If the candidate's two times contradict each other, the one nearer to the truth
-    # counts.
+    # The duration of a flight is `landing.hang_time`, or `landing.time` minus the time of the
+    # contact (0 in a flight scene). If the two disagree, the one nearer to the truth is used.
     both = [columns[OWN[name].data] for name in ("landing.time", "contact.time")]
     hang, since = data.given["landing.hang_time"], both[0] - np.nan_to_num(both[1])
     true = data.expected["landing.hang_time"]
@@ -832,15 +834,15 @@ def begun(data: Data) -> dict[str, Any]:
     return columns
 
 
-# Velocity and spin of the ball that meets the bat. No candidate reports them: they follow from the
-# pitch, and are not known where that is wrong.
+# Velocity and spin of the ball at the bat. Candidates do not report them. They follow from the
+# pitch, and are unknown where the pitch is wrong.
 _BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin"))
 _TO_THE_BAT = "pitch", "touching"
 
 
 def seen(chain: Sequence[Stage], data: Data) -> Data:
-    """Data with the scenes in which the chain does not make the truth from the truth."""
-    # Smooth laws have none. Of the others only scenes matter in which the candidate looks wrong.
+    """Data with the scenes in which the right chain does not reproduce the truth (`Data.blind`)."""
+    # A smooth law has no such scenes. Otherwise only scenes matter in which the candidate is wrong.
     if not any(stage.kind == "flight" and is_rough(stage) for stage in chain):
         return data
     _, found = follow(chain, data)
@@ -855,9 +857,9 @@ def follow(
 ) -> tuple[dict[str, Any], list[Followed]]:
     """Compute the residuals of all stages in order.
 
-    Return the columns and the residuals. The columns have the candidate's values or, where it gives
-    none, those that follow from the stages before. `only` some scenes are followed, or all. Stages
-    that need the ball's velocity at the bat are left out where the flight to the bat is wrong.
+    Return the columns and the residuals. The columns have the candidate's values; where it gives
+    none, those that follow from earlier stages. `only` restricts the scenes. Stages that need the
+    ball's velocity at the bat are omitted where the flight to the bat is wrong.
     """
     columns = begun(data)
     found = []

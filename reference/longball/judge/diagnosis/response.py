@@ -20,10 +20,10 @@ from longball.judge.diagnosis.residual import COARSE, START, Launched, flown, la
 from longball.model.arrays import Array
 
 NODES = 10  # of a Gauss-Legendre rule over the time of flight
-# m and m/s: the change by which derivatives are taken, as one-sided differences. Their error is far
-# below that of the long steps (`search.STEPS`).
+# Displacement for one-sided differences, m and m/s. The error of the differences is far below that
+# of the long steps (`search.STEPS`).
 KICK = 1e-4
-OTHER = 1.1  # factor between the two values of a free number that are tried
+OTHER = 1.1  # factor between two values of a free number, from which its effect follows
 
 
 # An edit, and a value of its free number, which is None if it has none.
@@ -31,9 +31,9 @@ Change = tuple[Edit, float | None]
 
 
 class Many:
-    """Values of formulas with many edits, in some scenes.
+    """Values of formulas with many edits.
 
-    Edits of one place are evaluated together, on columns that hold a copy of the scenes for each
+    Edits of the same node are evaluated together, on columns with a copy of the scenes for each
     edit.
     """
 
@@ -52,14 +52,15 @@ class Many:
             for first in range(0, len(every), max(WIDTHS)):
                 some = every[first : first + max(WIDTHS)]
                 width = next(width for width in WIDTHS if width >= len(some))
-                # What stands in the place: one row of scenes for each edit, laid end to end.
+                # The values of the replacements, with the scenes of one edit after those of
+                # another.
                 shape = (3,) if (within[1] if within else place).vector else ()
                 value = np.zeros((*shape, width, count))
                 for k, i in enumerate(some):
                     edit, c = changes[i]
                     value[..., k, :] = self.at.given(edit.by, {FREE: c})
                 value = value.reshape(*shape, -1)
-                # What follows from it, on as many copies of the scenes.
+                # The formula with these values of the node, on as many copies of the scenes.
                 wide = self._on(width)
                 if within is not None:
                     form, hole = within
@@ -72,25 +73,27 @@ class Many:
         return found
 
     def _on(self, width: int) -> Values:
-        """The values on columns of so many copies of the scenes."""
+        """The values on columns with `width` copies of the scenes."""
         if width not in self._wide:
             count = len(self.at.columns["kind"])
             self._wide[width] = Values(take(self.at.columns, np.tile(np.arange(count), width)))
         return self._wide[width]
 
 
-WIDTHS = 1, 4, 16, 64  # numbers of edits that are evaluated together; the last ones are padding
+# Numbers of edits that are evaluated together: with few different widths, the values of unedited
+# nodes are computed few times. If there are fewer edits, the rest of the rows is padding.
+WIDTHS = 1, 4, 16, 64
 
 
-# From balls and fractions of their flights to their states then, shape (7, fractions, balls).
+# A function from balls and fractions of their flights to their states, shape (7, fractions, balls).
 Path = Callable[[Launched, Array], Array]
-# From balls, the states of a path and their fractions to the derivatives of the end, place and
-# velocity, by these states: shape (6, 6, fractions, balls).
+# A function from balls, the states of a path and their fractions to the derivatives of the end
+# (position and velocity) by these states, shape (6, 6, fractions, balls).
 Sensitivity = Callable[[Launched, Array, Array], Array]
 
 
 def flown_path(balls: Launched, shares: Array) -> Array:
-    """The path that balls fly by their law."""
+    """States on the paths of balls under their law."""
     every = _repeated(balls, len(shares))
     whole = np.repeat(shares, len(balls.duration)) * every.duration
     return flown(every, whole, COARSE).reshape(7, len(shares), -1)
@@ -100,8 +103,8 @@ def cubic(end: Array) -> Path:
     """The cubics between the launch and given ends of flights, places and velocities."""
 
     def path(balls: Launched, shares: Array) -> Array:
-        # Hermite's cubic for s from 0 to 1, its derivative by the time, and a path length that is
-        # good enough to rank edits of a decaying spin: the present speed times the time.
+        # Hermite's cubic for s from 0 to 1, and its derivative by the time. The path length is only
+        # needed to rank edits of a decaying spin: the present speed times the time is good enough.
         s, lasts, y = shares[:, None], balls.duration, balls.y[:, None]
         went, v0, v1 = (end - balls.y[:6])[:3, None], y[3:6], end[3:, None]
         r = y[:3] + went * s * s * (3 - 2 * s) + lasts * s * (1 - s) * ((1 - s) * v0 - s * v1)
@@ -113,8 +116,8 @@ def cubic(end: Array) -> Path:
 
 def kicked(balls: Launched, y: Array, shares: Array) -> Array:
     """Sensitivity of the end, from flights that begin at displaced states of the path."""
-    # Seven copies of each state: the first as it is, the others with one component displaced. All
-    # fly for the time that is left, in one batch.
+    # Seven copies of each state: one unchanged, six with one component displaced each. All of them
+    # fly to the end in one batch.
     moved = np.tile(y.reshape(7, 1, -1), (1, 7, 1))
     moved[range(6), range(1, 7)] += KICK
     every = _repeated(balls, 7 * len(shares))
@@ -139,13 +142,13 @@ def _repeated(balls: Launched, times: int) -> Launched:
 class Response:
     """First-order effects of edits on the ends of a stage's flights.
 
-    A change of the acceleration moves an end by its integral along a path, weighted by the
-    sensitivity of the end. Path and sensitivity are those of the stage's law by default.
+    A change of the acceleration moves the end by its integral along the path, weighted by the
+    sensitivity of the end. By default, path and sensitivity are those of the stage's law.
 
-    Of `free` balls the weights are 1 for the velocity and T - t for the place. These integrals of
-    the acceleration follow from the ends of any flight, whatever its law. If an edit leads a ball
-    far from its path, the right one nearly makes them along the `cubic` between the candidate's
-    own ends.
+    If an edit leads a ball far from that path, the effects are not small. The path is then the
+    `cubic` between the candidate's own ends, and the sensitivity that of `free` balls: 1 for the
+    velocity, T - t for the position. With these weights, the integrals of the right acceleration
+    give the end of any flight, however large the effects.
 
     Attributes
     ----------
@@ -165,8 +168,9 @@ class Response:
         balls = launched(stage, columns)
         self._start, self._duration = balls.y[:6], balls.duration
         y = path(balls, shares)
-        # Derivatives of the end: by place and velocity at the launch; at the nodes, by a velocity
-        # (an edited `rate` adds one) and by an acceleration, times the node's weight; by the time.
+        # Derivatives of the end: by position and velocity at the launch; by a velocity (for an
+        # edited `rate`) and an acceleration at each node, times the node's weight; and by the
+        # duration.
         by_state = sensitivity(balls, y[:, :-1], shares[:-1])
         self._at_launch = {"place": by_state[:, :3, 0], "velocity": by_state[:, 3:, 0]}
         during = by_state[:, :, 1:] * (weights[:, None] / 2.0 * balls.duration)
@@ -203,13 +207,13 @@ class Response:
         self._left_farther = Evaluator([spin_left], self._left.at.columns, frozenset(("path",)))
 
     def _pushed(self, by: Array, name: str = "law") -> Array:
-        """The change of the end, shape (6, balls), by an acceleration or a speed along the path."""
+        """Change of the end, shape (6, balls), by an acceleration or a velocity along the path."""
         _, _, nodes, balls = self._during[name].shape
         a = np.broadcast_to(by, (3, nodes * balls)).reshape(3, nodes, balls)
         return np.asarray(np.einsum("ijkn,jkn->in", self._during[name], a))
 
     def off(self, end: Array) -> Array:
-        """The difference of given ends from those that the law leads `free` balls to."""
+        """Given ends minus those of `free` balls that the law accelerates along the path."""
         straight = self._start.copy()
         straight[:3] += self._duration * self._start[3:]
         return np.asarray(end - straight - self._pushed(self.at.of(self.stage.roots["law"])))
@@ -220,7 +224,7 @@ class Response:
         The change of the spin is that on the undisturbed path.
         """
         total = np.zeros((len(changes), 9, len(self._duration)))
-        # Where each formula is evaluated: on the path, at the end, or else at the launch.
+        # Formulas are evaluated on the path, at the end, or (by default) at the launch.
         on_path = dict.fromkeys(("rate", "law", "through"), self._on_path)
         places = on_path | {"spin_left": self._left}
         share = self._left.at.of(self.stage.roots["spin_left"])
@@ -282,10 +286,10 @@ class Direct:
 class Effects:
     """Fit of the first-order effects of edits to the errors, alone and in pairs.
 
-    A fit scales an effect freely; two values of a free number span its effects. Each scene has the
-    same weight: an error is divided by its size in that scene, or by the median size where the
-    scene is right. `starts` are values of each edit's free number. The spin counts where nothing
-    else is wrong.
+    The fit scales the effect of an edit freely; two values of a free number span its effects. All
+    scenes have the same weight: errors are divided by their size in the scene, or by the median
+    size if the scene is right. `starts` are values of each edit's free number. The spin is used
+    only if nothing else is wrong.
 
     A *trial* is an edit with one start: an edit has as many trials as its free number has starts.
     """
@@ -294,7 +298,7 @@ class Effects:
         self, way: Response | Direct, edits: Sequence[Edit],
         starts: Sequence[Sequence[float]], off: Array,
     ) -> None:  # fmt: skip
-        known, off = np.isfinite(off), np.nan_to_num(off)  # what is not given says nothing
+        known, off = np.isfinite(off), np.nan_to_num(off)  # missing values count as right
         spin_alone = len(off) > ROWS and not off[:ROWS].any()
         rows = slice(ROWS, None) if spin_alone else slice(ROWS)
         known, off = known[rows], off[rows]
@@ -317,8 +321,9 @@ class Effects:
         every = np.where(known & (np.abs(every) < FAR), every, 0.0).reshape(len(every), off.size)
         count = len(self.trials)
         moved, other = every[:count], np.zeros((count, every.shape[1]))
-        # Orthonormal axes of the effects of each trial: along its effect, and for a free number
-        # along what its second value adds across that (Gram-Schmidt).
+        # Orthonormal axes of each trial's effects (Gram-Schmidt): the first is along the effect,
+        # the second, for a free number, along the part of its other effect that is orthogonal to
+        # it.
         self._size, one = _unit(moved)
         beside = every[count:]
         along = np.einsum("ij,ij->i", one[self._free], beside)
@@ -331,13 +336,14 @@ class Effects:
     def left(self) -> list[float]:
         """Fraction of the squared errors that remains after a fit of each edit's effect.
 
-        Of edits with one direction of effects, those whose own size is nearest come first.
+        Of edits whose effects have the same direction, the one whose size is nearest comes first.
         """
         found = np.ones(len(self.edits))
         along = self._axes @ self.errors
-        forwards = self._free | (along[0] > 0)  # an edit without a number has a sign
+        # Without a free number, an effect in the opposite direction explains nothing.
+        forwards = self._free | (along[0] > 0)
         if (whole := float(self.errors @ self.errors)) > 0.0:
-            # On orthonormal axes a fit takes away the squares of the components.
+            # On orthonormal axes, a fit removes the squares of the components.
             rest = 1.0 - np.where(forwards, (along**2).sum(axis=0), 0.0) / whole
             with np.errstate(all="ignore"):
                 amiss = np.where(self._free, 0.0, np.abs(np.log2(along[0] / self._size)))
@@ -346,7 +352,7 @@ class Effects:
         return found.tolist()
 
     def bits(self) -> Array:
-        """Bits of each edit and of what its effect leaves: the likeliest has the fewest."""
+        """Bits of each edit plus those of the errors that its effect leaves."""
         numbers = np.count_nonzero(self.errors)
         own = np.array([edit.bits for edit in self.edits])
         return np.asarray(numbers / 2 * np.log2(np.maximum(self.left(), LINEAR)) + own)
@@ -354,7 +360,7 @@ class Effects:
     def pairs(self, count: int) -> list[tuple[Change, Change]]:
         """Pairs of trials whose effects together fit the errors best, the best ones first.
 
-        An edit without a free number has to do about what it does alone.
+        An edit without a free number must have about the same effect in the pair as alone.
         """
         a, distinct = self.errors, self._distinct()
         one, other = self._axes[:, distinct]
@@ -380,7 +386,7 @@ class Effects:
                 by = p - np.where(q == 0.0, 0.0, slant / n * q)
             fitted = np.where(p == 0.0, 0.0, n * p**2) + np.where(q == 0.0, 0.0, across * q**2)
             left = np.maximum(rest @ rest - fitted, 0.0) / whole
-            # The size that each edit without a free number has to have in the fit is its own.
+            # Without a free number, the fitted size of an effect must be near its own size.
             does = free | ((by > size / ABOUT) & (by < size * ABOUT))
             if not free[i]:
                 own = u @ a - uu * by - wu * q
@@ -398,9 +404,9 @@ class Effects:
         ]
 
     def _distinct(self) -> list[int]:
-        """The cheapest trial of each direction of effects."""
-        # Trials with the same plane of effects project a random vector to the same shadow; those
-        # without a free number also need the same size.
+        """The cheapest of all trials whose effects have the same directions."""
+        # Trials with the same axes project a random vector to the same shadow. Trials without a
+        # free number also need the same size to be equal.
         probe = np.random.default_rng(0).normal(size=self.errors.shape)
         shadow = sum((axis @ probe)[:, None] * axis for axis in self._axes)
         sizes = np.where(self._free, 0.0, np.float32(self._size))
@@ -418,11 +424,13 @@ def _unit(rows: Array) -> tuple[Array, Array]:
     return sizes, np.divide(rows, sizes[:, None], out=np.zeros_like(rows), where=sizes[:, None] > 0)
 
 
-ROWS = 6  # position and velocity; the spin follows
-FAR = 1e9  # times the error: larger effects are ignored
-RIGHT = 1e-9  # of the largest error: a scene with a smaller one is right
-PARALLEL = 1e-7  # of an effect: a smaller part of it across another is rounding
-FIRSTS = 200  # edits that fit best alone: one of a pair is among them
-AMISS = 1e-3  # relative: what each factor of 2 between an edit's effect and its fit adds to that
-ABOUT = 2.0  # factor that the effect of a finite edit may differ by from that of first order
-LINEAR = 1e-6  # of the squared errors: effects of first order may leave so much of a right edit's
+ROWS = 6  # position and velocity; the rows after them are the spin
+FAR = 1e9  # in units of the error: larger effects are ignored
+RIGHT = 1e-9  # a scene is right if its error is below this fraction of the largest one
+PARALLEL = 1e-7  # fraction of an effect: an orthogonal part below it is rounding
+FIRSTS = 200  # edits that fit best alone; at least one edit of a pair must be among them
+AMISS = 1e-3  # relative penalty for each factor of 2 between an edit's effect and its fitted size
+ABOUT = 2.0  # factor by which the effect of a finite edit may differ from its first-order effect
+# Fraction of the squared errors that first-order effects leave even if the edit is right: smaller
+# rests are not compared.
+LINEAR = 1e-6

@@ -61,23 +61,25 @@ def features(case: Case) -> Features:
     return found
 
 
-# Flags for what a program meets on the way; no field of the scene or the result shows it.
+# Flags of events on the way that no field of the scene or the result shows.
 TOLD_BY_NO_FIELD = frozenset((
     "tangential", "grazing", "kink", "tie", "vertex", "grip-slide", "loops", "vertical",
     "second-touching", "blown-back",
 ))  # fmt: skip
 
 
-# A rule holds for the wrong scenes and for no right one. By chance one rule does so with the
-# probability 1/choices (`Condition.choices`); it is reported if there are CHANCE times as many
-# choices as rules that are tried.
+# A rule holds for all wrong scenes and for no right one. By chance a given rule does so with the
+# probability 1/choices (`Condition.choices`). A rule is reported if there are at least CHANCE times
+# as many choices as rules that were tried.
 CHANCE = 100
 
-FEWEST = 5  # fewer scenes, wrong or right, are no rule: those made for one question are alike
-DEFAULTS = dict(numbers(AtBatScene()))  # what a program may have built in
-USUAL = 3  # scenes that must have a value for it to be the usual one
-HALVES = 8  # conditions that are tried as the first of two: those with the fewest right scenes
-MOST_RULES = 3  # rules for the same scenes that are reported: more of them say nothing
+# No rule for fewer scenes, wrong or right: golden scenes that test one thing are alike, so that
+# many rules separate a few of them from others.
+FEWEST = 5
+DEFAULTS = dict(numbers(AtBatScene()))  # values that a program may have built in
+USUAL = 3  # a value is the usual one if at least so many scenes have it
+HALVES = 8  # conditions that are tried as the first of two
+MOST_RULES = 3  # rules for the same scenes that are reported; of more, none would help
 
 
 def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True) -> str | None:
@@ -92,8 +94,8 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
     known = [one for one in _conditions(wrong, right) if measured or not one.measured]
     if whole := _text(_telling(known, wrong, right, len(known))):
         return whole
-    # Two conditions: the first holds for all failing scenes and for as few others as possible, and
-    # the second separates the failing scenes from those.
+    # Two conditions: the first holds for all failing scenes and for few others; the second
+    # separates the failing scenes from these others.
     cuts = [(one, [*filter(one.holds, right)]) for one in known if all(map(one.holds, wrong))]
     for one, left in sorted(cuts, key=lambda cut: len(cut[1]))[:HALVES]:
         others = [two for two in _conditions(wrong, left) if measured or not two.measured]
@@ -111,7 +113,10 @@ def _telling(
     right: Sequence[Features],
     tried: int,
 ) -> list[Condition]:
-    """Return those of `tried` conditions that separate the wrong scenes, hardly by chance."""
+    """Return the conditions that separate wrong and right scenes, and are unlikely by chance.
+
+    `tried` is the number of conditions that were tried.
+    """
     likely = (one for one in conditions if one.choices(wrong, right) >= CHANCE * tried)
     telling = (one for one in likely if all(map(one.holds, wrong)))
     return [one for one in telling if not any(map(one.holds, right))]
@@ -122,8 +127,8 @@ def _text(conditions: Iterable[Condition]) -> str:
     whole: dict[str, str] = {}  # by the feature
     for one in conditions:
         whole.setdefault(one.name, one.text)
-    # The first of these groups that is short enough: kinds of scenes and numbers that are 0, kinds
-    # alone, the simplest of those, and if there is none of them, any rules.
+    # Report the first of these groups that is short enough: sorts of scenes and numbers equal to 0;
+    # sorts alone; the simplest sorts; and, if there are neither sorts nor zeros, all rules.
     plain = [n for n in whole if _sorts(n)]
     zero = [n for n, text in whole.items() if n not in plain and text == f"{n} = 0"]
     simple = [n for n in plain if _is_simple(n)]
@@ -135,35 +140,35 @@ def _text(conditions: Iterable[Condition]) -> str:
 
 
 def _sorts(name: str) -> bool:
-    """True if scenes are sorted by a feature, such as a kind: numbers may follow from it."""
+    """True for a feature that sorts scenes, such as the kind: numbers may follow from it."""
     return name in SWITCHES or _is_simple(name)
 
 
 def _is_simple(name: str) -> bool:
-    """True if it is no form of a block or a law, of which several may go together."""
+    """True for a feature that is not the form of a block or a law; such forms go together."""
     one_of = ("kind", "outcome", "air", "impact.mode")
     return name in one_of or name.startswith(("reading.", "flag "))
 
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition on a scene: a feature, in words, and the values for which it holds."""
+    """A condition on a feature of a scene, its words, and the values for which it holds."""
 
     name: str
     text: str
     of: Callable[[Any], bool]
-    without: bool = False  # whether it holds for scenes that have no such feature
-    measured: bool = False  # whether it is one of how large a number is
+    without: bool = False  # True if it holds for scenes without the feature
+    measured: bool = False  # True if it is a limit of a number
 
     def holds(self, found: Features) -> bool:
-        """True if it holds for a scene with such features."""
+        """True if the condition holds for a scene with these features."""
         return self.of(found[self.name]) if self.name in found else self.without
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
-        """Return the number of ways to choose so many scenes."""
+        """Return the number of ways to choose as many scenes as are wrong."""
         if not self.measured:
             return math.comb(len(wrong) + len(right), len(wrong))
-        # Scenes with the same number fail together: the choice is of its values.
+        # Scenes with the same number fail together: the choice is among different numbers.
         values, others = _values(wrong, self.name), _values(right, self.name)
         return math.comb(len({*values, *others}), len({*values}))
 
@@ -185,9 +190,8 @@ def _conditions(wrong: Sequence[Features], right: Sequence[Features]) -> Iterato
         differs = Condition(name, f"{name} ≠ {_told(usual)}", partial(ne, usual))
         often = times >= USUAL and 2 * times > len(others)
         number = isinstance(values[0], float)
-        # "≠ 0" comes before "= 0.3": scenes that have a wind say more than the speed of the wind.
-        # Another "≠" is no property of scenes, except for a default, which a program may have built
-        # in.
+        # "≠ 0" comes before "= 0.3": that the scenes have a wind is a better rule than its speed.
+        # Other "≠" are rules only for a default, which a program may have built in.
         if often and usual == 0.0:
             yield differs
         if len(set(values)) == 1:
@@ -211,11 +215,11 @@ def _told(value: Any) -> str:
 
 
 def _is_short(limit: float) -> bool:
-    return float(f"{limit:.4g}") == limit  # one that needs more digits hardly parts the scenes
+    return float(f"{limit:.4g}") == limit  # a longer limit is a coincidence of the scenes
 
 
 def _between(a: float, b: float) -> float:
-    """Return a short number that is above a, and below b or b itself; 0 if it may be that."""
+    """Return a short number between a and b, which may be b; 0 if a and b have opposite signs."""
     if a < 0.0 < b:
         return 0.0
     middle = (a + b) / 2
@@ -225,16 +229,16 @@ def _between(a: float, b: float) -> float:
 
 # --- the smallest scene ---------------------------------------------------------------------------
 
-LARGEST_SHRINKS = 6
+LARGEST_SHRINKS = 6  # rounds of simplification, each runs the candidate up to twice
 
-NOTHING = 1e-9  # numbers below this are the rounding of a zero
+NOTHING = 1e-9  # smaller numbers are rounding errors of zero
 
 
-Simplification = Callable[[Any], Any]  # what makes a scene simpler
+Simplification = Callable[[Any], Any]  # from a scene to a simpler one
 
 
 def simpler(scene: Scene) -> Iterator[Simplification]:
-    """Yield changes that make one block or number of a scene plain, or take its air away."""
+    """Yield changes that simplify one block or number of a scene, or remove its air."""
     fields = type(scene).model_fields
     if scene.reading != Reading():
         yield lambda s: type(s).model_validate(s.model_dump() | {"reading": {}})
@@ -269,14 +273,14 @@ def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
     for _ in range(LARGEST_SHRINKS):
         changed = [(_simplified(scene, change), change) for change in simpler(scene)]
         tried = [pair for pair in changed if pair[0] is not scene]
-        # The plainest come last: it is those that a program may break off at.
+        # The plainest scenes come last: if the candidate crashes at one, the others are answered.
         tried.sort(key=lambda pair: _plainness(pair[0]), reverse=True)
         bad = failing([new for new, _ in tried]) if tried else []
         good = [change for (_, change), fails_too in zip(tried, bad, strict=True) if fails_too]
         if not good:
             break
-        # The changes on top of each other, the plainest first. The longest pile that still fails
-        # begins the next round. The first change alone is known to fail.
+        # Apply the changes on top of each other, the plainest first. The longest sequence that
+        # still fails begins the next round. The first change alone is known to fail.
         piled = [*accumulate(reversed(good), _simplified, initial=scene)][1:]
         known = [True, *failing(piled[1:])] if piled[1:] else [True]
         scene = [new for new, still in zip(piled, known, strict=True) if still][-1]
@@ -284,7 +288,7 @@ def shrunk(scene: Any, fails: Callable[[Sequence[Any]], Sequence[bool]]) -> Any:
 
 
 def _simplified(scene: Any, change: Simplification) -> Any:
-    """Return a scene with a change; as it is if that is none, or no plainer."""
+    """Return a changed scene; the scene itself if the change is invalid or no simpler."""
     try:
         new = change(scene)
     except ValueError:  # a ValidationError, too

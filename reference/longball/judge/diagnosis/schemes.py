@@ -1,8 +1,8 @@
-"""Flights in fixed steps: edits of how a candidate flies, not of what it flies.
+"""Flights in fixed steps: edits of the candidate's integrator, not of its law.
 
 A candidate takes steps of one length h in all scenes and makes its last step in one of a few ways.
-An integrator is named if that makes every number of every scene
-(`longball.judge.diagnosis.evidence`); otherwise the order of the errors may be told.
+An integrator is named if it reproduces every number of every scene
+(`longball.judge.diagnosis.evidence`); otherwise the order of the errors may be reported.
 """
 
 from __future__ import annotations
@@ -56,25 +56,25 @@ from longball.judge.diagnosis.residual import (
 from longball.model.arrays import Array
 
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
-# s: steps of the first trials. From the errors in two steps follows the order of an integrator, and
-# from the order the step in which its errors are as large as the candidate's.
+# Steps of the first trials, s. The errors with two steps give the order of an integrator, and the
+# order gives the step with which its errors are as large as the candidate's.
 TRIALS = (0.2, 0.04)
-SHOWS = 100.0  # floors: an integrator is possible if it can be so far off in a wrong scene
+SHOWS = 100.0  # floors: a possible integrator can be at least so far off in some wrong scene
 LEAST = 1e-300  # a divisor in place of 0
-SHORTEST = 2e-5  # s: of the steps of candidates
-ELSEWHERE = 1e9  # relative error that no step makes: such a flight ends elsewhere
-LOST = 1e12  # floors: the residual of a scheme whose number is not finite
+SHORTEST = 2e-5  # shortest step of a candidate, s
+ELSEWHERE = 1e9  # relative error that no integrator makes: such a flight has another end
+LOST = 1e12  # the residual, in floors, where a scheme gives no finite number
 ALIKE = 0.3  # fraction by which errors of order 0 may depend on the step
-MANY = 100, 40, 40  # numbers of integrators that are flown again in steps that fit better
-# Fractions of the squared errors that a scheme may leave if it is tried further, if it fits, and if
-# it is nearly the candidate's.
+MANY = 100, 40, 40  # integrators that are flown again, with better steps, in each round
+# Largest fractions of the squared errors that a scheme may leave to be tried further, to fit, and
+# to be nearly the candidate's.
 ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
 # Errors have an order if a scheme of that order leaves at most the fraction LIKE of them in the
 # fraction MOST of the scenes.
 LIKE, MOST = 0.1, 0.8
 NEAR, CHORD = 1.25, 2.0  # round steps are tried within these factors of the fitted one
 
-# Steps that people choose: round numbers, and the rates of screens and cameras.
+# Steps that people choose: round numbers, and the frame rates of screens and cameras.
 _DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
 _RATES = (24, 25, 30, 50, 60, 64, 90, 100, 120, 128, 144, 240, 256, 480, 512, 960, 1000, 1024)
 ROUND = tuple(
@@ -115,7 +115,7 @@ class Steps:
 
     @cached_property
     def few(self) -> Index:
-        """Numbers of `followed.some` with wrong and short flights; none if most end elsewhere."""
+        """Positions in `followed.some` of short wrong flights; none if most end elsewhere."""
         near = self.followed.wrong & (self.followed.relative < ELSEWHERE)
         if 2 * near.sum() < self.followed.wrong.sum():
             return np.zeros(0, dtype=int)
@@ -131,16 +131,18 @@ class Steps:
     def possible(self) -> Sequence[Integrator]:
         """Integrators that the candidate may have used, judged by the scenes that are right.
 
-        An error that stays hidden in right scenes is small in wrong ones, too: an integrator is
-        left out if it could not reach SHOWS floors in any. Without a right scene all are possible.
+        If the errors of an integrator are within the noise in right scenes, they are limited in
+        wrong scenes, too. An integrator is impossible if this limit is below SHOWS floors in every
+        wrong scene. Without right scenes, all are possible.
         """
         wrong = self.short(self.followed.wrong, SOME)
         right = self.short(self.followed.checked & ~self.followed.wrong, SOME)
         if not right.size:
             return INTEGRATORS
 
-        # Errors in all scenes shrink alike with the step. In right scenes they are at most ADEQUATE
-        # floors, so that in wrong ones they are at most ADEQUATE · largest(wrong) / largest(right).
+        # With the step, errors shrink by the same factor in all scenes. In right scenes they are at
+        # most ADEQUATE floors, so that in wrong scenes they are at most ADEQUATE · largest(wrong) /
+        # largest(right).
 
         def largest(some: Index) -> Array:
             made = self.made(INTEGRATORS, TRIALS[0], some)
@@ -177,10 +179,10 @@ class Steps:
         return np.concatenate([np.atleast_2d(found[q]) for q in self.stage.quantities])
 
     def errors(self, options: Sequence[Option], some: Index) -> tuple[Array, Array]:
-        """Differences of schemes from the exact path, and their doubts.
+        """Differences of schemes from the exact path, and the errors of these.
 
-        Both have the shape (numbers, options, scenes). Integrators with equally many evaluations of
-        the acceleration fly as one, each in its own step.
+        Both have the shape (numbers, options, scenes). Integrators with tables of one size are
+        computed together, each in its own step.
         """
         shape = len(self.followed.off), len(options), len(some)
         made, doubt = np.zeros(shape), np.zeros(shape)
@@ -193,7 +195,7 @@ class Steps:
             which = np.tile(some, len(group))
             with np.errstate(all="ignore"):
                 found, doubts = steps(self.stage, self.columns_of(which), every, h, chord)
-                # The exact path is the candidate's value minus its residual: it is flown already.
+                # The exact value is the candidate's minus its residual, so no flight is needed.
                 given = {q: self.data.given[q][..., self.followed.some[which]] for q in found}
                 exact = self.rows(given) - self.followed.off[:, which]
                 off, unsure = self.rows(found) - exact, self.rows(doubts)
@@ -234,14 +236,14 @@ class Steps:
     ) -> list[tuple[float, float, Integrator]]:
         """Integrators with their best step and the error that they leave, the best first.
 
-        All fly together, each in steps that follow from its errors in those before, which are at
-        first those of TRIALS.
+        In each round every integrator flies in a new step, which follows from its errors in the
+        last step. The first steps are TRIALS.
         """
         places = {one.words: i for i, one in enumerate(some)}
         h, other = (np.full(len(some), step) for step in TRIALS)
         made, again = trials
         sizes = [np.sqrt(np.square(x).sum(axis=(0, 2))) for x in trials]
-        # The order of a table with a wrong coefficient is observed, not known.
+        # The order of a table with a wrong coefficient is unknown: take it from the two trials.
         with np.errstate(all="ignore"):
             orders = np.log(sizes[0] / sizes[1]) / math.log(TRIALS[0] / TRIALS[1])
         some = [
@@ -251,7 +253,7 @@ class Steps:
         # `made` are the errors in the steps `h`, `again` those in the steps `other`, tried last.
         for most in MANY:
             share, left = _shares(self.off, again)
-            # Errors of order 0 are nearly the same in all steps; the rest is linear in the step.
+            # Errors of order 0 are nearly independent of the step, and their rest is linear in it.
             slope = (again - made) / np.where(other == h, 1.0, other - h)[:, None]
             by, _ = _shares(self.off - again, slope)
             zero = np.array([one.order == 0 for one in some])
@@ -266,8 +268,7 @@ class Steps:
             h, other, made = other[best], np.clip(new, SHORTEST, LONGEST), again[:, best]
             again = self.made(some, other, self.few)
         _, left = _shares(self.off, again)
-        # Integrators that leave as much in these scenes come in the order of `some`, which begins
-        # with the simplest.
+        # Integrators that leave the same error come in the order of `some`, the simplest first.
         return sorted(
             zip(left.tolist(), other.tolist(), some, strict=True),
             key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words]),
@@ -296,7 +297,8 @@ class Steps:
             close = {h for h in usual if max(h / fit, fit / h) < factor}
             return sorted(close, key=lambda h: abs(math.log(h / fit)))
 
-        # Integrators whose own errors fit; and those whose chord at the end is the larger error.
+        # Options are integrators whose own errors fit, with and without a chord at the end; then
+        # integrators in which the chord makes the larger error.
         options: list[Option] = [
             (one, h, chord)
             for left, fit, one in found if left < FITS
@@ -311,8 +313,8 @@ class Steps:
         ways = (EXACT, *(one for one in INTEGRATORS if one.order and one.order > 1))
         options += [(one, h, True) for h in chords for one in ways]
         named = self._adequate(options, dt)
-        # A step that nobody would choose is named only beside an integrator that nearly fits; a
-        # wrong coefficient, of which there are hundreds, only if no right integrator does it.
+        # A step that is not round is named only for an integrator that nearly fits. Wrong
+        # coefficients, of which there are hundreds, are tried only if no right integrator fits.
         if named is None and found and found[0][0] < CLOSELY:
             named = self._adequate(list(self._free(found[:2])), dt)
         if named is None and slipped:
@@ -337,7 +339,7 @@ class Steps:
             yield from ((one, x, False) for x, _ in rounded(abs(float(c))) if x > SHORTEST)
 
     def _holding(self, options: Sequence[Option]) -> Sequence[Option]:
-        """Options that reproduce all numbers of the first scenes, except of those with a kink.
+        """Options that reproduce all numbers of most of the first scenes.
 
         The options with the smallest residual come first.
         """
@@ -345,7 +347,7 @@ class Steps:
             if options:
                 r = self.left(options, some)
                 near = (np.nan_to_num(np.abs(r)) <= ADEQUATE).all(axis=0).mean(axis=1)
-                # A kink in one of the scenes must not rule out the right one.
+                # A flight across a kink may differ even with the right option.
                 enough = np.flatnonzero(near >= (0.5 if len(some) <= 2 else MOST))
                 costs = [cost(r[:, i]) for i in enough]
                 options = [options[enough[i]] for i in np.argsort(costs, kind="stable")]
@@ -354,7 +356,7 @@ class Steps:
     def _adequate(
         self, options: Sequence[Option], dt: float | None, more: float = 0.0
     ) -> Scheme | None:
-        """Of the options that make all numbers, the likeliest. A slip costs `more` bits."""
+        """The likeliest option that reproduces all numbers. A slip costs `more` bits."""
 
         def bits(h: float) -> float:
             return TRIED_BITS + more + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
@@ -363,7 +365,7 @@ class Steps:
         holding = self._holding(options)
         for one, h, chord in sorted(holding, key=lambda option: bits(option[1]))[:VERIFIED]:
             ways = {**self.data.ways, self.stage.name: Way(one, h, chord)}
-            data = replace(self.data, ways=ways)  # whose flights are looked up later
+            data = replace(self.data, ways=ways)  # shares the cache of flights
             after, _ = compared(self.stage, data, self.columns, self.followed.some)
             r = after.off / after.floor
             evidence = self.null - cost(r) - bits(h) - CHANCE
@@ -381,9 +383,9 @@ class Steps:
         return max(found, key=attrgetter("evidence"), default=None)
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:
-        """Integrators by the share of the median scene's errors that they leave, with a step.
+        """Integrators with a step, by the fraction of the median scene's errors that they leave.
 
-        In a few scenes the errors of a flight nearly cancel.
+        The median ignores the few scenes in which the errors of a flight nearly cancel.
         """
         found, a = [], self.off
         for h, b in zip(TRIALS, self.trials, strict=True):
@@ -397,7 +399,7 @@ class Steps:
         return sorted(found, key=lambda each: each[0])
 
     def order(self) -> Scheme | None:
-        """The order that the errors have, if they have one."""
+        """The order of the errors; None if they have none."""
         wrong = self.short(self.followed.wrong, SOME)
         off = self.followed.off[:, wrong]
         null = cost(off / self.followed.floor[:, wrong])
@@ -411,7 +413,9 @@ class Steps:
             bits = TRIED_BITS + ROUND_BITS
             evidence = null - cost(self.left([(one, h, False)], wrong)) - bits - CHANCE
             if np.mean(after < LIKE * before) >= MOST and evidence > 0:
-                said = f"errs like a scheme of order {one.order}, such as {one.words} in steps of"
+                said = (
+                    f"behaves like a scheme of order {one.order}, such as {one.words} in steps of"
+                )
                 return Scheme(f"{said} about {h:.2g} s", one.order, h, bits, evidence, False)
         return None
 
@@ -450,7 +454,7 @@ def explain_push(
     wrong = np.intersect1d(struck, followed.some[followed.wrong])
     if stage.name not in BATTED or not isinstance(pitch, Way) or not wrong.size:
         return None
-    # Integrators of one order may be alike without a push, and differ with one.
+    # Integrators of the same order that fly a pitch alike may differ with a push: try all of them.
     alike = [one for one in VERLET.values() if one.order == pitch.one.order and one != pitch.one]
     tried = [replace(pitch, one=one, push=push) for one in (pitch.one, *alike) for push in PUSHES]
 
@@ -460,7 +464,7 @@ def explain_push(
         return np.asarray(after.off / after.floor)
 
     def sized(way: Way) -> Iterator[tuple[Way, float]]:
-        """The push in round sizes near that which fits best, with the bits of each."""
+        """The push in round sizes near the fitted one, with their bits."""
 
         def beside(sizes: Array) -> Array:
             return np.array([left(replace(way, times=float(x)), wrong[:FEW]) for (x,) in sizes])
@@ -468,7 +472,8 @@ def explain_push(
         (c,), *_ = fitted(beside, [(1.0,)], 3)
         yield from ((replace(way, times=x), more) for x, more in rounded(float(c), FACTORS))
 
-    # All pushes of the usual size come first; another size has to be fitted, which takes flights.
+    # Pushes of the usual size come first. Fitting another size is expensive, because it takes
+    # flights.
     null, choice = cost(followed.off / followed.floor), math.log2(len(tried))
     sizes = itertools.chain.from_iterable(map(sized, tried))
     for way, more in itertools.chain(((way, 0.0) for way in tried), sizes):
@@ -481,7 +486,7 @@ def explain_push(
     return None
 
 
-SOME = 24  # wrong scenes with short flights, in which edits are tried first beside a scheme
+SOME = 24  # wrong scenes with short flights, in which edits are tried first together with a scheme
 VARIANTS = 6  # edits that are tried with all schemes
 VERIFIED = 6  # schemes that reproduce the first scenes and are then flown in all
 
@@ -489,9 +494,9 @@ VERIFIED = 6  # schemes that reproduce the first scenes and are then flown in al
 def with_edit(
     plain: Steps, edits: Iterable[Edit], dt: float | None = None, like: Way | None = None
 ) -> tuple[Edit, Scheme] | None:
-    """One of some edits, and the scheme by which the edited law is flown.
+    """One of several edits, and the scheme by which the edited law is flown.
 
-    A way `like` the candidate's, if one is known, tells which edits are tried first.
+    If a way `like` the candidate's is known, it is used to rank the edits.
     """
     if not (like or plain.possible):
         return None
@@ -502,8 +507,8 @@ def with_edit(
         with np.errstate(all="ignore"):
             return Steps(other, data, columns, compared(other, data, columns, some)[0])
 
-    # Edits are ranked by the errors that edit and scheme leave together in short flights. The best
-    # are searched for their scheme in full.
+    # Edits are ranked by the errors that an edit and a scheme leave together in short flights. For
+    # the best edits all schemes are searched.
     short = plain.short(followed.wrong, SOME)
     null = cost(followed.off[:, short] / followed.floor[:, short])
     ways: list[tuple[float, Edit]] = []
@@ -518,7 +523,7 @@ def with_edit(
             if left < ROUGHLY:
                 ways.append((left * search.square, variant))
     ways.sort(key=lambda way: (float(f"{way[0]:.6g}"), way[1].bits))
-    different = {f"{way[0]:.6g}": way for way in reversed(ways)}  # what comes to the same: once
+    different = {f"{way[0]:.6g}": way for way in reversed(ways)}  # one of equal edits
     for _, edit in [*different.values()][::-1][:VARIANTS]:
         search = searched(edit, followed.some)
         scheme = search.named(dt, slipped=False)
@@ -529,7 +534,7 @@ def with_edit(
 
 
 def _numbered(edit: Edit) -> Iterable[Edit]:
-    """An edit with usual and round values near its free number, which a scheme has moved."""
+    """An edit with usual and round values near its fitted number, which a scheme's errors move."""
     if not edit.starts:
         return [edit]
     (c,) = edit.starts

@@ -2,8 +2,9 @@
 
 An accepted edit is applied to the chain, so that later stages inherit the mistake. The search has
 three phases: edits are ranked by their first-order effects, the best are computed in a few
-*screening* scenes, and what survives is verified in all scenes. `c` is the free number of an edit,
-and a *floor* the noise of a number: what no edit needs to explain.
+*screening* scenes, and those that fit there are verified in all scenes. `c` is the free number of
+an edit, a constant fitted to the candidate's numbers. A *floor* is the noise of a number: errors
+within it need no explanation. Residuals are errors in units of their floors.
 """
 
 from __future__ import annotations
@@ -63,24 +64,26 @@ from longball.model.scene import AtBatScene
 WRONG, RIGHT = 10, 10
 # Scenes in which an edit is verified.
 MOST_WRONG, MOST_RIGHT = 60, 30
-# Median relative error of a flight beyond which effects along the right path say little.
+# Median relative error of a flight above which first-order effects along the true path are
+# unreliable.
 FAR_OFF = 0.03
-TWINS = 5  # edits that are equal at a stage, of which one may explain other stages too
-PROBES = 40  # scenes, moved at random, in which equal edits are found
-TIMES = 3  # copies of the screening scenes among them
-NEAR = 16  # edits beside which integration schemes are tried
+TWINS = 5  # kept of the edits that are equal at this stage: they may differ at other stages
+PROBES = 40  # scenes that are moved at random, to detect equal edits
+TIMES = 3  # copies of each screening scene among these
+NEAR = 16  # edits that are combined with integration schemes
 # Fractions of the initial cost in the screening scenes. An edit that leaves more than HALF is
-# dropped; one that leaves more than NEARER is not even kept for `NEAR`.
+# dropped from the search. One that leaves more than NEARER does not count among `NEAR`, either.
 HALF, NEARER = 0.6, 0.97
-# Error of an edit's effect, relative to it, by long steps, and by a candidate's own steps.
+# Relative error of an edit's effect that is computed in long steps; and of that on a flight by the
+# candidate's scheme.
 STEPS, OWN_STEPS = 1e-3, 0.05
-# Error of long steps, relative to the size of a number, below which a scene may be a screening
-# scene; and relative to the candidate's own error, below which it is chosen before others.
+# A scene may be a screening scene if the error of long steps is below NEARLY, relative to the size
+# of each number. It is preferred if that error is below SHARE, relative to the candidate's error.
 NEARLY, SHARE = 0.05, 0.02
-LOST = 1e12  # floors: the residual of an edit whose value is not finite
+LOST = 1e12  # the residual, in floors, where an edit gives no finite value
 
 
-# --- what is found --------------------------------------------------------------------------------
+# --- results --------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -89,24 +92,24 @@ class Named:
 
     edits: tuple[Edit, ...]
     evidence: float  # bits beyond chance
-    same: tuple[Edit, ...] = ()  # edits that give equal numbers in all scenes at hand
+    same: tuple[Edit, ...] = ()  # edits that give equal numbers in all scenes
 
 
 @dataclass(frozen=True)
 class Located:
-    """A stage that no edit explains; the one that comes nearest, if it is better than chance."""
+    """A stage that no edit explains, with the nearest edit if that is better than chance."""
 
     nearest: Edit | None = None
     left: float = 1.0  # fraction of the initial cost that remains with `nearest`
-    near: tuple[Edit, ...] = ()  # edits that leave least in the first scenes
-    # If unseen scenes refute `nearest`: how many of them do, and how many there are.
+    near: tuple[Edit, ...] = ()  # the edits with the smallest cost in the screening scenes
+    # If new scenes refute `nearest`: the number of those that do, and of all new scenes.
     refuted: tuple[int, int] | None = None
 
 
 @cache
 def defaults() -> Mapping[str, Any]:
     """The defaults of a scene by symbol of the chain."""
-    # A key has a default only if its block is there: these scenes have all blocks between them.
+    # A key has a default only if its block is given. Together, these scenes have all blocks.
     air = {"lift_coefficient": {"law": "rational"}, "drag_coefficient": {"law": "spin"}}
     crisis = {"lift_coefficient": {"law": "linear"}, "drag_coefficient": {"law": "crisis"}}
     weather = {"density": {"temperature": 288.15}}
@@ -120,7 +123,7 @@ def defaults() -> Mapping[str, Any]:
         for name, column in inputs([AtBatScene.model_validate(scene)]).items():
             if column.ndim == 1 and np.isfinite(column).all():
                 found.setdefault(name, float(column[0]))
-    for required in ("μ_f", "λ"):  # have no default: the numbers above stand for any
+    for required in ("μ_f", "λ"):  # have no default: their numbers above are arbitrary
         found.pop(required, None)
     return found | {"z_0": 0.03}
 
@@ -138,15 +141,16 @@ def _median(x: Any) -> float:
 class Effort(NamedTuple):
     """Budget of a search: the number of edits that reach each phase."""
 
-    # Ranked by their first-order effects: the cheapest ones, and if none of those explains the
-    # stage, so many others.
+    # Ranked by their first-order effects: the cheapest edits; and how many others, if none of the
+    # cheapest explains the stage.
     foreseen: tuple[int, int]
     tried: int  # computed in the screening scenes
     held: int  # verified in all scenes
 
 
 ALONE, BESIDE_ANOTHER = Effort((10_000, 70_000), 200, 16), Effort((5000, 0), 50, 16)
-# Edits that are tried with a second one; few of flights, since each trial integrates them.
+# Edits that are tried with a second one, by the kind of stage. Of a flight there are few, because
+# every trial integrates it.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
 
 
@@ -195,10 +199,10 @@ class _Verified(NamedTuple):
     Attributes
     ----------
     alike
-        The edit and those that are equal to it in these scenes, without those that leave an event
-        no event (`Explanation._is_possible`).
+        The edit and those that give equal numbers in these scenes; without edits that
+        `Explanation._is_possible` rejects.
     r
-        Its residuals, in floors.
+        Residuals of the edit, in floors.
     evidence
         Bits beyond chance.
     """
@@ -217,20 +221,20 @@ class _Verified(NamedTuple):
 
 @dataclass
 class Explanation:
-    """The search for what explains the errors of one stage.
+    """The search for edits that explain the errors of one stage.
 
     Attributes
     ----------
     all
         The scenes in which an edit is verified.
     base, null_all
-        Their residuals without an edit, and the cost of those in bits.
+        Residuals of these scenes without an edit, and their cost in bits.
     few
         Positions in `all` of the screening scenes.
     mild
         Positions of the scenes in which edits are ranked: those with small errors, and right ones.
     off, roughly, null
-        Residuals in the screening scenes, what they are compared with there, and their cost.
+        Residuals in the screening scenes, the noise there, and the cost of the residuals.
     own_error
         The error of long steps in the screening scenes.
     """
@@ -256,29 +260,31 @@ class Explanation:
         self.all = np.concatenate([evenly(order, MOST_WRONG), evenly(right, MOST_RIGHT)])
         self.base = base = self._compared(stage, self.all)
         self.null_all = cost(_in_floors(base))
-        # Screening uses long steps, in scenes that these fly well.
+        # Screening uses long steps, and scenes in which long steps are accurate.
         is_wrong = np.isin(self.all, wrong)
         every = np.arange(len(self.all))
         coarse = self._off(stage, every, limits=COARSE)[0]
         missed = np.abs(coarse - base.off)
         near = np.asarray(~(missed > NEARLY * base.scale).any(axis=0))
         near = near if near[is_wrong].any() else np.ones_like(near)
-        # At a kink of the law long steps may miss more than an edit explains.
+        # Where the law has a kink, the error of long steps may exceed the effect of an edit: scenes
+        # with a small error, relative to the candidate's, come first.
         shows = near & is_wrong & (missed <= SHARE * np.abs(base.off).max(axis=0)).all(axis=0)
         shows = shows if shows.any() else near & is_wrong
         self.few = few = np.concatenate([
             evenly(np.flatnonzero(shows), WRONG),
             evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
         ])  # fmt: skip
-        # Effects of first order say most where errors are small.
+        # First-order effects are most reliable where errors are small.
         mild = np.flatnonzero(is_wrong)  # from the worst to the least
         small = int((base.relative[mild] < FAR_OFF).sum())
         mild = mild[-max(small, math.ceil(len(mild) / 3)) :]
         self.mild = np.concatenate([evenly(mild, WRONG), evenly(np.flatnonzero(~is_wrong), RIGHT)])
-        # The error of long steps is found once, without an edit, and subtracted from every trial.
-        # What remains of it grows with the effect of the edit, which is the residual itself if the
-        # edit is right: a fraction of the residual is allowed. Where the law has no value without
-        # an edit, as below a wind's ground, the error is taken as 0.
+        # The error of long steps is computed once, without an edit, and subtracted from every
+        # trial. The remainder is proportional to the effect of the edit. The effect of the right
+        # edit is the residual, so a fraction of the residual is allowed as noise. Where the law has
+        # no value without an edit, such as the logarithmic wind below z = -z_0, the error is set to
+        # 0.
         steps = STEPS if stage.kind == "flight" else 0.0
         if self.data.way(stage) is not None:
             steps = OWN_STEPS
@@ -333,7 +339,8 @@ class Explanation:
             r = (off + self.own_error) / self.roughly
             huge = np.asarray((known & ~(np.abs(off) < HUGE)).any(axis=1))
             for c, left, lost in zip(numbers, r, huge, strict=True):
-                # Long steps may diverge where a flight does not: shorter ones decide.
+                # Long steps may diverge where the flight itself does not. If the other scenes are
+                # explained, repeat these with shorter steps.
                 for limits in (MIDDLE, FINE):
                     if lost.any() and self._is_explained(left, ~lost):
                         again = self._off(stage, self.few[lost], c[None], limits)[0]
@@ -344,7 +351,7 @@ class Explanation:
         return flown
 
     def _is_explained(self, r: Array, some: NDArray[np.bool_]) -> bool:
-        """True if the errors in some of the screening scenes, or in none, are roughly explained."""
+        """True if little of the cost in these screening scenes is left; also if there are none."""
         before = cost((self.off / self.roughly)[:, some])
         return cost(r[:, some]) <= HALF * before
 
@@ -372,20 +379,21 @@ class Explanation:
         found = self._explained_by(first, len(first), responses, unseen, self.pairs)
         if isinstance(found, Named) or len(first) == len(cheapest):
             return found
-        # Those that are left are many: they are ranked along one path, and not tried in pairs.
+        # There are many other edits: rank them along one path only, and try no pairs of them.
         others = cheapest[len(first) :]
         other = self._explained_by(others, len(cheapest), responses[-1:], unseen)
         if isinstance(other, Named):
             return other
-        # The nearer of both is reported; edits of both may be right beside a scheme.
+        # Report the nearer of the two nearest edits. Edits of both groups may explain the stage
+        # together with a scheme.
         return replace(min(found, other, key=attrgetter("left")), near=(*found.near, *other.near))
 
     @cached_property
     def responses(self) -> list[tuple[Response | Direct, Array]]:
         """First-order effects along a path, with the errors that they are compared with.
 
-        If an edit leads a ball far off, the effects along the cubic between the candidate's own
-        ends stand beside those along the right path.
+        If the candidate's ball lands far off, there is a second path: the cubic between the
+        candidate's own end states.
         """
         flies, own = self.stage.kind == "flight", take(self.columns, self.all[self.mild])
         known = Values({**own, "spin": own[self.stage.spins]})
@@ -414,10 +422,10 @@ class Explanation:
 
         The search ends soon after an edit that saves the bits `needed` in the screening scenes.
 
-        Return the cheapest groups in all first.
+        Return the groups sorted by the cost that they leave in the screening scenes plus their own.
         """
-        # Random inputs, in which equal edits are found. Few wrong scenes are repeated, so that
-        # their random moves give several values.
+        # Random inputs, in which equal edits are detected. The screening scenes are repeated: if
+        # they are few, their random moves still give several values.
         scenes = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
         probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, scenes)))
         # The candidate's own point, and points beside it in all directions: see `_is_possible`.
@@ -427,14 +435,14 @@ class Explanation:
             Values({**own, "spin": own[self.stage.spins], place: own[place] + by})
             for by in (0.0, MOVED, -MOVED)
         )
-        # They are ranked by their cost and by what their first-order effects leave.
+        # Rank the edits by their cost plus that of the errors that their first-order effects leave.
         flies, at = self.stage.kind == "flight", responses[0][0].at
         starts = [self._starts(edit, at) for edit in some]
         every = [Effects(way, some, starts, errors) for way, errors in responses]
         self.fits = every[0]
         ranks = np.argsort(np.min([one.bits() for one in every], axis=0), kind="stable")
-        # Groups of equal edits. An edit that changes nothing is none; a constant in place of a
-        # divisor may be a division by 0 in every scene.
+        # Group equal edits. Skip an edit that changes nothing, and a constant in place of a divisor
+        # if it divides by 0 in every scene.
         groups: dict[bytes, list[Edit]] = {}
         unchanged = _fingerprint(self.stage, probe)
         for edit in (some[i] for i in ranks):
@@ -451,14 +459,14 @@ class Explanation:
         # The best groups, computed in the screening scenes.
         found, last = list[_Screened](), math.inf
         for k, group in enumerate(groups.values()):
-            if flies and k > last + FURTHER:  # flights are expensive
+            if flies and k > last + FURTHER:  # flights are expensive: stop soon after a good edit
                 break
             group.sort(key=lambda edit: edit.bits)
             edit, screened = group[0], self.screened(self.edited(group[0]))
             if edit.starts:
                 c, r = _fitted_from(screened, self._starts(edit, at), edit.factor)
                 group[0] = replace(edit, starts=(c,))
-                # Bits of the roundest number that is as good as the fitted one.
+                # Cost of the number: that of the roundest one which fits as well.
                 number = min(
                     bits for x, bits in rounded(c, FACTORS) if abs(x - c) <= FITTED * abs(c)
                 )
@@ -524,7 +532,7 @@ class Explanation:
         """One or two of `some` edits that explain the stage.
 
         `tried` is the number of edits tried so far, and `pairs` that of the edits for which a
-        second one is sought; for `responses` see `candidates`.
+        second one is searched for; for `responses` see `candidates`.
         """
         # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
         # tried.
@@ -536,15 +544,16 @@ class Explanation:
         others = [one for one in found if not one.fitted][: self.effort.held]
         found = [one for one in found if one.fitted or one in others]
         verified = [*self._verified(found, some, needed)]
-        # Rule 1 of docs/truth.md: an edit that needs the noise of steps across a jump comes after
-        # all others that explain the stage. Rule 3 chooses among those of one kind.
+        # Rule 1 of docs/truth.md: an edit that needs the noise of steps across a jump counts only
+        # if no other edit explains the stage. Rule 3 chooses among edits of the same kind.
         for fit in ("exact", "rough"):
             adequate = [(e, x.evidence) for x in verified if x.fit == fit for e in x.alike]
             if adequate:
                 return self._named(adequate, unseen)
-        # No edit alone. Of two mistakes one may show in most of the wrong scenes: it is the best
-        # edit, and the second is sought beside it. Otherwise neither explains much alone, and the
-        # first-order effects of all pairs say which edit to begin with.
+        # No single edit explains the stage: there may be two mistakes. If one of them explains most
+        # of the wrong scenes, it is the best edit, and a second one is searched for beside it.
+        # Otherwise neither explains much alone, and the first-order effects of all pairs show which
+        # edit to begin with.
         partial = (one for one in verified if one.fit == "partial")
         best = min(partial, key=attrgetter("bits"), default=None)
         if pairs:
@@ -559,18 +568,19 @@ class Explanation:
     def _verified(
         self, found: Sequence[_Screened], some: Sequence[Edit], needed: float
     ) -> Iterator[_Verified]:
-        """Compute the best of each group of `candidates` in all scenes, and yield those that hold.
+        """Compute the first edit of each group of `candidates` in all scenes; yield good ones.
 
-        An edit holds if it saves the bits `needed`; `some` are all edits that were ranked.
+        An edit is good if it saves the bits `needed`; `some` are all edits that were ranked.
         """
         for i, (left, group, is_fitted) in enumerate(found):
-            # Only the best group is worth a verification if it leaves much.
+            # A group that leaves much is verified only if it is the best: it may be one of two.
             if i > 0 and left > RIVAL * self.null and not is_fitted:
                 continue
             (edit, more), twins = self.settled(group[0]), group[1:TWINS]
             if group[0].starts:
                 twins = [twin.settled(*more) for twin in twins if twin.starts]
-                # The number may be that of an edit that has none, such as "takes 1 for …".
+                # The fitted number may equal that of an edit without a free number, such as "uses 1
+                # for …". Such an edit is cheaper.
                 place, same = (edit.place, edit.within), _fingerprint(self.edited(edit), self.probe)
                 twins += [
                     e for e in some if not e.starts and (e.place, e.within) == place
@@ -600,18 +610,20 @@ class Explanation:
 
     @np.errstate(all="ignore")
     def _in_pairs(self, best: float, count: int) -> list[Edit]:
-        """So many edits that are worth a second one, those of the best pairs first.
+        """The edits, at most `count`, with which to begin a search for two mistakes.
 
-        Of each pair of `Effects.pairs` it is the edit that explains more alone. `best` is the cost
-        that the best single edit leaves in the screening scenes.
+        Each comes from one of the best pairs of `Effects.pairs`, and is the edit of the pair that
+        explains more alone. `best` is the cost that the best single edit leaves in the screening
+        scenes.
         """
         found: list[_Pair] = []
         for (one, a), (two, b) in self.fits.pairs(TOGETHER):
-            # An edit whose place contains that of the other is applied first.
+            # If the node of one edit contains that of the other, it is edited first: the other edit
+            # would change it.
             if contains(one.place, two.place):
                 (one, a), (two, b) = (two, b), (one, a)
-            # Both free numbers have one symbol: that of the second edit is renamed before the first
-            # brings its own.
+            # Both free numbers have the same symbol. Rename that of `two` before `one` adds its
+            # own.
             stage = self.edited(two)
             if a is not None:
                 stage = _renamed(stage, *NUMBERS)
@@ -620,7 +632,8 @@ class Explanation:
             c, r, _ = fitted(self.screened(stage), [starts], 4)
             if (left := cost(r)) <= BETTER * best:
                 found.append(_Pair(left + one.bits + two.bits, one, two, stage, c))
-        # Rivals differ in what they do to other stages, which share their definitions.
+        # Of pairs with nearly equal costs, prefer those that explain other stages as well: stages
+        # share definitions.
         least = min((pair.bits for pair in found), default=0.0)
         found = [pair for pair in found if pair.bits < least + RIVALS][:ELSEWHERE]
         if len(found) > 1:
@@ -666,7 +679,7 @@ class Explanation:
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
         if not f.beyond.any() or not self._is_possible(stage):
             return None
-        # The second is sought in the same way, in the chain that has the first; without pairs.
+        # Search for the second edit in the chain with the first one applied, without pairs.
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
             return None
@@ -675,8 +688,8 @@ class Explanation:
     def _named(self, adequate: Sequence[tuple[Edit, float]], unseen: Unseen | None) -> Named:
         """Choose among adequate edits: the one that breaks least elsewhere, then the cheapest.
 
-        Those that the candidate does not make in scenes that nobody has seen drop out, unless all
-        do.
+        Edits that do not reproduce the candidate's numbers in new scenes are dropped, unless this
+        would drop all.
         """
         cheapest = min(edit.bits for edit, _ in adequate)
         ranked = [
@@ -695,9 +708,9 @@ class Explanation:
     def _placed(self, edit: Edit) -> tuple[int, Edit]:
         """The number of scenes that an edit makes wrong at other stages, and the edit.
 
-        A definition that other stages share is edited there, too, unless that makes more of their
-        scenes wrong. It is then edited in all flights, which share one law; or in those of this
-        ball; or here.
+        The edit applies to the widest of these scopes that makes fewest scenes wrong: all stages
+        that use the definition; all flights, which share one law; the flights of the same ball;
+        this stage alone.
         """
         scopes: list[tuple[Stage, ...] | None] = [None]
         if self.stage.kind == "flight":
@@ -738,19 +751,20 @@ class Explanation:
         return self.telling[key]
 
 
-# An edit that explains at least this fraction of the wrong scenes is taken as one of two.
+# An edit that explains at least this fraction of the wrong scenes is tried as one of two mistakes.
 MOST = 0.5
-RIVAL = 0.2  # fraction of the initial cost that a right edit leaves in screening scenes at most
-FURTHER = 12  # groups that are computed after one that explains the screening scenes
-FITTED = 1e-8  # relative error of a free number that is fitted there
-BETTER = 0.8  # fraction of the cost of the best single edit that a pair may leave
-ELSEWHERE = 8  # pairs, of which the one that explains other stages best is chosen
-TOGETHER = 40  # pairs whose effects fit best, which are tried in the first scenes
+RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
+FURTHER = 12  # groups that are still computed after one that explains the screening scenes
+FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
+BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
+ELSEWHERE = 8  # pairs that are compared by the errors of other stages
+TOGETHER = 40  # pairs with the best first-order fits, which are computed in the screening scenes
 NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
-RIVALS = 10.0  # bits: an edit that costs so much more than the cheapest is no rival
-# An edited event function is no event if it is below NOTHING, m, for more than the fraction
-# ANYWHERE of balls at random places, or if in more than that fraction of the scenes a ball that is
-# MOVED, m, changes it by less than FLAT times the change without the edit.
+RIVALS = 10.0  # bits: an edit that costs more than this above the cheapest is no rival
+# An edited event function is rejected if it is below NOTHING, m, for more than the fraction
+# ANYWHERE of balls at random positions; or if, in more than that fraction of the scenes, a
+# displacement of the ball by MOVED, m, changes it by less than FLAT times the change without the
+# edit.
 NOTHING, ANYWHERE = 1e-9, 0.1
 MOVED, FLAT = 0.1, 0.3
 USUAL_NUMBER = 0.5  # the value of a free number there
@@ -761,8 +775,8 @@ def _fitted_from(
 ) -> tuple[float, Array]:
     """A free number with small errors, and those errors.
 
-    Long steps may lose a ball on the way from 1 to the factor of the candidate: usual factors are
-    tried, and the search begins at the best numbers.
+    Long steps may diverge for factors between 1 and that of the candidate, so that a fit from 1
+    fails. Usual factors are therefore tried first, and the fit starts from the best numbers.
     """
     usual = [x for x in FACTORS if USUAL < abs(x) < 1 / USUAL] if factor else []
     tried = np.array([*dict.fromkeys((*starts, *usual))])[:, None]
@@ -774,12 +788,12 @@ def _fitted_from(
     return float(c), r
 
 
-USUAL = 0.09  # smaller factors, and their inverses, are edits of their own
-STARTS = 3  # of a free number
+USUAL = 0.09  # smaller factors, and their inverses, are separate edits (`operators._factors`)
+STARTS = 3  # starting values of the fit of a free number
 
 
 def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Columns moved at random, in which equal edits are found."""
+    """Columns with every number moved at random: unequal edits then give unequal values."""
     draw = np.random.default_rng(0)
     moved: dict[str, Any] = {}
     for name, column in columns.items():
@@ -791,8 +805,8 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
             shifted = shifted + 0.05 * draw.normal(size=column.shape)
         moved[name] = shifted
     count = len(columns["kind"])
-    # Plausible states in flight: 30 m/s ahead and 10 m/s up at the launch, some 20 m about (0, 0,
-    # 30).
+    # Plausible states in flight: about 30 m/s forwards and 10 m/s upwards at the launch, and within
+    # about 20 m of (0, 0, 30).
     launch = np.array([[30.0], [3.0], [10.0]]) * (1 + 0.5 * draw.normal(size=(3, count)))
     moved |= {
         "v0": launch, "v": (v := 0.7 * launch + 5.0 * draw.normal(size=(3, count))), "dr/dt": v,
@@ -824,14 +838,14 @@ def _roundest(c: Array, r: Array, slopes: Array, which: int) -> tuple[float, flo
 
 
 def _renamed(stage: Stage, old: str, new: str) -> Stage:
-    """A stage with another name of a symbol."""
+    """A stage with a symbol renamed."""
     for node in [node for node in ordered(stage.roots.values()) if node.data == old]:
         stage = stage.edited(node, symbol(new, node.dimension, node.vector))
     return stage
 
 
 def _is_finite(stage: Stage, before: Stage, probe: Values) -> bool:
-    """True if all that an edit has made is finite in one scene at least: nobody divides by 0."""
+    """True if every new node is finite in at least one scene; a division by 0 is no edit."""
     known = {*ordered(before.roots.values())}
     with np.errstate(all="ignore"):
         made = (x for x in ordered(stage.roots.values(), (), probe.arguments) if x not in known)
@@ -846,8 +860,8 @@ def _fingerprint(stage: Stage, probe: Values) -> bytes:
     with np.errstate(all="ignore"):
         for root in roots:
             x = np.asarray(probe.of(root))
-            # Rounded relative to the size of each vector: of a component that should be 0 there is
-            # only rounding. Adding 0.0 turns -0.0 into 0.0.
+            # Round relative to the size of each vector, because a component that should be 0 is a
+            # rounding error. Adding 0.0 turns -0.0 into 0.0.
             size = np.abs(x).max(axis=0) if x.ndim > 1 else np.abs(x)
             found += [np.round(x / np.where(size > 0, size, 1.0), 7) + 0.0, size]
         return b"".join(x.astype(np.float32).tobytes() for x in found)

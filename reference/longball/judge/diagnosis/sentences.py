@@ -1,6 +1,6 @@
 """Findings in sentences.
 
-A sentence says what is wrong, where and by how much; a remedy puts the right formula beside the
+A sentence says what is wrong, where and by how much. A remedy shows the right formula and the
 candidate's.
 """
 
@@ -31,7 +31,7 @@ from longball.judge.diagnosis.search import Located, Named
 
 
 def diagnosis(followed: Iterable[Followed], findings: Sequence[Finding], data: Data) -> Diagnosis:
-    """The diagnosis of a candidate from its stages, as they are without any edit."""
+    """The diagnosis of a candidate, from the residuals of its stages before any edit."""
     # A flight and the event at its end have one name, and one row: that with more wrong scenes.
     rows: dict[str, StageRow] = {}
     for one in followed:
@@ -74,12 +74,13 @@ def _example(one: Followed, data: Data) -> str | None:
 def named(
     stage: Stage, found: Named, one: Followed, data: Data, scenes: str | None = None
 ) -> Finding:
-    """The finding of an edit that explains a stage; the stage is as it was before the edit."""
+    """The finding of an edit that explains a stage; `stage` is the one before the edit."""
+    # Edits at different nodes may have the same words.
     edit = joined([edit.words for edit in found.edits])
     same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
     sentence = f"{stage.name}: your program {edit}. This step is wrong {_where(one)}."
     if same:
-        sentence += f" These scenes do not distinguish it from: {'; '.join(same)}."
+        sentence += f" Equivalent in these scenes: {'; '.join(same)}."
     return _finding(
         one, data, kind="named", edit=edit, sentence=sentence, scenes=scenes,
         remedy=formulas(stage, found.edits[0], data), bits=round(found.evidence, 1),
@@ -96,6 +97,8 @@ def located(
         kind: Kind = "located"
     else:
         kind = "nearest"
+    # A refuted edit reproduces the compared scenes, but not new ones. Any other nearest edit
+    # explains only a part of the errors.
     if found.nearest is not None and found.refuted is not None:
         wrong, of = found.refuted
         sentence += f" Your numbers are those of a program that {found.nearest.words}, but not in "
@@ -108,7 +111,7 @@ def located(
     return _finding(
         one, data, kind=kind, edit=None, scenes=scenes,
         sentence=" ".join((sentence, *(f"{text}." for text in seen))),
-        # A formula that a reading still chooses, printed as ⟨…⟩, is no advice.
+        # A switch is printed as ⟨its key⟩: a formula with one does not help the author.
         remedy=None if "⟨" in right else f"{stage.quantities[0]} should be {right}",
     )  # fmt: skip
 
@@ -116,7 +119,7 @@ def located(
 def scheme(
     stage: Stage, found: Scheme, one: Followed, data: Data, scenes: str | None = None
 ) -> Finding:
-    """The finding of a stage that the candidate's steps explain, or are like."""
+    """The finding of a stage whose errors a scheme explains, or resembles."""
     sentence = f"{stage.name}: your program {found.words}. This step is wrong {_where(one)}."
     return _finding(
         one, data, kind="named" if found.adequate else "nearest", sentence=sentence, scenes=scenes,
@@ -142,16 +145,16 @@ def _finding(one: Followed, data: Data, **said: Any) -> Finding:
 
 
 def _where(one: Followed) -> str:
-    """In how many scenes a stage is wrong, and by how much."""
+    """Words for the number of scenes in which a stage is wrong, and the size of the errors."""
     scenes = f"in {one.wrong.sum()} of {many(int(one.checked.sum()), 'scene')}"
     if (np.abs(one.off) >= HUGE).any():
         return f"{scenes}, and not finite in some of them"
     if one.stage.kind == "event":
         return scenes
-    return f"{scenes}, given your own earlier values (off by up to {size(_worst(one))})"
+    return f"{scenes}, given your own earlier values (relative error up to {size(_worst(one))})"
 
 
-# A stage's expressions in words; others are called by the quantity.
+# Words for the roots of a stage; the root of a formula is called by its quantity.
 _ROOTS = {
     "rate": "the derivative of the position",
     "law": "the acceleration",
@@ -165,9 +168,10 @@ _ROOTS = {
 
 
 def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
-    """The right formula and the edited one, of the smallest definition that contains the place."""
+    """The right and the edited form of the smallest definition that contains the edited node."""
     for key, root in stage.roots.items():
-        # Definitions around the place, from the inside out: nobody sees an edit in a whole law.
+        # Definitions around the edited node, from the inside out. The first one that changes is
+        # printed, because an edit is hard to see in a whole law.
         around = [
             node
             for node in ordered([root])
@@ -176,6 +180,8 @@ def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
         for node in (*around, root):
             right = _body(node)
             other = _simple(substitute(right, edit.place, edit.new), stage, data)
+            if "⟨" in words(other):  # a switch, printed as its key, is no formula
+                return None
             if words(other) != words(right):
                 name = words(node) if node.op == "named" else _ROOTS.get(key, stage.quantities[0])
                 return f"{name} should be {words(right)}; yours is {words(other)}"
@@ -192,7 +198,7 @@ def _body(node: Node) -> Node:
     return node.args[0] if node.op == "named" else node
 
 
-# --- what is seen without an edit -----------------------------------------------------------------
+# --- hints without an edit ------------------------------------------------------------------------
 
 
 def _equal(stage: Stage, data: Data) -> Iterable[str]:
@@ -205,13 +211,14 @@ def _equal(stage: Stage, data: Data) -> Iterable[str]:
         for other, theirs in data.given.items():
             if other == quantity or theirs.ndim != mine.ndim:
                 continue
+            # Values that are equal in truth, such as the two times of a flight scene, show nothing.
             apart = np.abs(true - data.expected[other]) > 1e-6 * (1.0 + np.abs(true))
             both = np.isfinite(mine) & np.isfinite(theirs) & apart
             if both.sum() >= 3 * mine.ndim and (mine == theirs)[both].all():
                 yield f"{quantity} equals your {other}"
 
 
-# The surface of each event, a word for what the program has to check, and the two sides.
+# The surface of each event, a noun for the advice, and words for its positive and negative sides.
 _SURFACES = {
     "plate.position": ("x = 0", "plane", "in front of", "behind"),
     "contact.position": ("the surface where ball and bat touch", "distance", "outside", "inside"),
@@ -221,7 +228,7 @@ _SURFACES = {
 
 
 def _beside_surface(one: Followed) -> Iterable[str]:
-    """The distance of an event's point from its surface, in words."""
+    """Words for the distance between an event's point and its surface."""
     quantity = one.stage.quantities[0]
     off = np.where(np.abs(one.off) > one.tolerance, one.off, 0.0)
     if one.stage.kind != "event" or not off.any() or quantity not in _SURFACES:
@@ -237,7 +244,7 @@ def _beside_surface(one: Followed) -> Iterable[str]:
 
 
 def outcomes_wrong(pairs: Iterable[tuple[object, object]], quantity: str = "outcome") -> str:
-    """The wrong outcomes, from what was said and what is right: '5 outcomes are wrong (…)'."""
+    """A clause on wrong facts, from pairs of reported and true ones: '5 outcomes are wrong (…)'."""
     kinds = Counter(pairs).most_common()
     listed = ", ".join(
         f"{count} " * (len(kinds) > 1) + f"{_shown(said)} instead of {_shown(right)}"

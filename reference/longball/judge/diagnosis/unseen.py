@@ -1,7 +1,8 @@
-"""Scenes that nobody has seen, in which a name has to make the candidate's numbers as well.
+"""New scenes, in which a name has to reproduce the candidate's numbers as well.
 
-They are the scenes at hand with every number moved. They have the same keys, options and readings,
-so that the candidate solves them; and a coincidence of the golden data's numbers shows.
+They are the compared scenes with every number moved. Their keys, options and readings are the same,
+so that the candidate solves them, too. An edit that fits by a coincidence of the golden data's
+numbers fails in them.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ from longball.model.scene import Scene
 # Runs a candidate again: from scenes to answers by id.
 Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
 
-SCENES = 100  # that are tried at most
+SCENES = 100  # largest number of new scenes
 
 
 class Unseen:
@@ -60,7 +61,8 @@ class Unseen:
     @cached_property
     def data(self) -> Data | None:
         """The candidate's answers, where it has the right outcome; None if it has none."""
-        # Solved once, when the first name asks: it runs the candidate again, and our own engine.
+        # Solved at most once, and only if something is named: the candidate runs again, and so does
+        # the engine of the truth.
         known = self._known
         some = evenly(np.arange(len(known.cases)), SCENES)
         scenes = [*moved([known.cases[i].scene for i in some], seed=1)]
@@ -102,7 +104,7 @@ class Unseen:
     def holds(
         self, chain: tuple[Stage, ...], stage: Stage, edit: Edit, ways: Mapping[str, Flying]
     ) -> bool:
-        """True if an edit of a stage of a chain makes the candidate's numbers there."""
+        """True if an edited stage reproduces the candidate's numbers in these scenes."""
         if self.data is None:
             return True
         (edited,) = edit.apply([stage])
@@ -117,7 +119,7 @@ class Unseen:
 
     @cached_property
     def follows(self) -> bool:
-        """True if every stage follows there, to the digits that the candidate writes."""
+        """True if every stage agrees in these scenes, to the digits that the candidate writes."""
         return self.data is None or follows(self._chain, self.data)
 
     def refuting(
@@ -125,10 +127,10 @@ class Unseen:
     ) -> Callable[[Stage, bool, Scheme | None], tuple[int, int] | None]:
         """Return a function that counts the scenes in which the explanation of a stage fails.
 
-        `known` has the ways and the roughness of flights that the explanations come with. The
-        function takes the stage, True if a rough edit explains it, and the scheme if that does. It
-        returns that number and the number of scenes that have the stage; None if the explanation
-        holds in all.
+        `known` holds the ways and the roughness of flights that belong to the explanations. The
+        arguments of the function are the stage, True if the explanation is a rough edit, and the
+        scheme if it is one. It returns the number of scenes that refute the explanation, and the
+        number of those that have the stage; None if none refutes it.
         """
         if self.data is None:
             return lambda stage, rough, scheme: None
@@ -145,7 +147,8 @@ class Unseen:
                 holds = not f.wrong.any() or (again is not None and again.adequate)
             else:
                 loose = rough or scheme is not None
-                # Of so few scenes, 5 % of the numbers may be less than one scene.
+                # Rule 4 of docs/truth.md: 5 % of the numbers, or those of one scene. Of few scenes,
+                # 5 % may be less than one.
                 holds = is_adequate(r, loose) or (loose and beyond == 1)
             return None if not checked or holds else (beyond, checked)
 
