@@ -18,6 +18,7 @@ from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regre
 from longball.pitches.prediction import ANGLES, Prediction, bands, predict, scenes, solve
 from longball.pitches.statcast import GAMES, RPM, MeasuredFlies, MeasuredPitches, read_measured
 from longball.questions.parks import in_parks, park, parks
+from longball.questions.spin import measured_spin
 
 NATHAN = MODELS["nathan"]
 # Shares of active spin that are tried, and those of them that are solved: places at the plate are
@@ -25,6 +26,14 @@ NATHAN = MODELS["nathan"]
 SHARES, SOLVED_SHARES = np.linspace(0.05, 1.0, 951), np.linspace(0.05, 1.0, 7)
 BOOTSTRAP = {"n_resamples": 999, "method": "percentile", "rng": 11}
 CAUGHT = ("field_out", "sac_fly", "double_play", "field_error")
+# Active share by type: quartiles of the pitchers of 2023 on Statcast's leaderboard of active spin
+# (baseballsavant.mlb.com/leaderboard/active-spin), as github.com/auto-d/moneyball-ml has it. Its
+# axes are seen by cameras, not inferred from the movement.
+PUBLISHED = {
+    "FF": (0.852, 0.914, 0.960), "SI": (0.813, 0.869, 0.929), "CH": (0.872, 0.938, 0.981),
+    "FS": (0.779, 0.854, 0.926), "CU": (0.606, 0.728, 0.833), "ST": (0.429, 0.515, 0.590),
+    "FC": (0.367, 0.449, 0.544), "SL": (0.260, 0.334, 0.416),
+}  # fmt: skip
 
 
 def run(report: Report, full: bool) -> str:
@@ -52,6 +61,7 @@ def run(report: Report, full: bool) -> str:
         "reality", there, flies=flies, launch=launch, pitches=pitches, of_flies=of_flies,
         of_pitches=of_pitches, shares=shares, spread=spread, sides=sides,
         day=pd.read_csv(EXAMPLE).iloc[flies.rows - 1], outs=outs(launch),
+        single=measured_spin(pitches, NATHAN)["active_share"],
         best=best_constants(flies), scatters=scatter(flies), distance=flies.measured[:, 0],
     )  # fmt: skip
 

@@ -51,6 +51,7 @@ def test_every_park_encloses_fair_ground_and_names_its_source():
         ("Dodger Stadium", 330, 395, 330), ("Wrigley Field", 355, 400, 353),
         ("Busch Stadium", 336, 400, 335), ("Tropicana Field", 315, 404, 322),
         ("Oracle Park", 339, 391, 309), ("loanDepot park", 344, 400, 335),
+        ("Oakland Coliseum", 330, 400, 330),
     ],
 )  # fmt: skip
 def test_fences_agree_with_the_numbers_on_the_wall(name, left, center, right):

@@ -27,8 +27,8 @@ def parks(o: Options) -> None:
     Each scene gets the fence of each park in turn, and the park's elevation if the scene gives a
     weather in place of a density. Without scenes, the command lists the parks and their sources.
 
-    There are 29 of the league's 30 parks: no source gives the heights of the wall of Sutter Health
-    Park, where the Athletics play from 2025 to 2027.
+    They are the 30 parks of 2024, with the Oakland Coliseum: no source gives the heights of the
+    wall of Sutter Health Park, where the Athletics play from 2025 to 2027.
     """
     with refusing("--"):
         where = [park_of(name) for name in o.park] if o.park else [*every_park()]

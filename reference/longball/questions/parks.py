@@ -93,7 +93,7 @@ def parks() -> tuple[Park, ...]:
     --------
     >>> import longball as lb
     >>> len(lb.parks())
-    29
+    30
     >>> round(max(lb.park("Fenway Park").walls), 1)
     11.3
     """
@@ -199,7 +199,7 @@ def in_parks(
     >>> ball = lb.Flight(launch=lb.launch(speed=46.0, angle=0.49, direction=0.35))
     >>> outcomes = lb.in_parks(ball)
     >>> sum(each.is_out for each in outcomes), len(outcomes)
-    (11, 29)
+    (12, 30)
     """
     asked: FlightScene | AtBatScene = scene_of_kind(scene, FlightScene, AtBatScene)
     chosen = parks() if where is None else listed(where)
