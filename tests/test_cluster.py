@@ -118,6 +118,7 @@ BALLS = b"".join(
         ("parks - --json", BALLS),
         ("movement --example --json", b""),
         ("spin --example --json", b""),
+        ("measured --example --json", b""),
     ],
 )
 def test_answers_are_the_same(called, cluster: Cluster, call: str, stdin: bytes) -> None:

@@ -1,4 +1,4 @@
-"""`longball movement` and `longball spin`: the numbers of single pitches, for a table of them."""
+"""`longball movement`, `spin` and `measured`: numbers of single pitches, for a table of them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 import longball as lb
+from longball.cli import tables
 from longball.pitches.models import MODELS, STANDARD_GRAVITY
 from longball.pitches.statcast import read_measured
 from longball.pitches.table import EXAMPLE
@@ -114,6 +115,15 @@ def test_types_of_pitch_are_summed_up(called):
     assert done.returncode == 0
     assert done.stdout.splitlines()[1].split()[:2] == ["FF", "1441"]
     assert "the active share of 695 pitches is above 1" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["movement", "spin", "measured"])
+def test_rows_in_parts_have_the_same_answers(called, monkeypatch, command):
+    whole = called(command, "--example", "--json")
+    monkeypatch.setattr(tables, "PART", 1_000)
+    parts = called(command, "--example", "--json")
+    assert parts.returncode == 0, parts.stderr
+    assert parts.stdout == whole.stdout
 
 
 def test_a_table_without_pitches_says_so(called, few, tmp_path):

@@ -8,11 +8,11 @@ from longball import engines
 from longball.cli.changes import chosen_changes
 from longball.cli.messages import exit_unless, note, tell
 from longball.cli.options import Options
-from longball.cli.tables import read_rows
+from longball.cli.tables import in_parts, read_rows
 from longball.model.csv_files import write_frame
 from longball.model.scene import InvalidScene
 from longball.pitches.models import model_of
-from longball.pitches.prediction import as_data, as_frame, as_text, predict, questions
+from longball.pitches.prediction import as_data, as_frame, as_text, joined, predict, questions
 from longball.pitches.prediction import scenes as scenes_of
 
 
@@ -28,7 +28,7 @@ def measured(o: Options) -> None:
     change = chosen_changes(o)
     solver = engines.create(o.engine)
     rows = read_rows(o, o.kind, spin=law.spin)
-    prediction = predict(rows, law, engine=solver, change=change)
+    prediction = joined(rows, in_parts(o, predict, rows, law, None, solver, change))
     if o.scenes:
         asked = scenes_of(rows, law, change=change)
         lines = [one.line() + "\n" for one in asked if not isinstance(one, InvalidScene)]

@@ -114,7 +114,7 @@ COMMANDS = {
     "figure scenes pitches method=monte-carlo engine=batch fence",
     "fit": "table=- example column straight breaking seed=0 json",
     "measured": "table=- kind=pitch example model=nathan games column set fence reading "
-    "engine=batch scenes csv figure json",
+    "engine=batch workers=1 scheduler scenes csv figure json",
     "movement": "table=- example pfx column workers=1 scheduler json",
     "spin": "table=- example model=nathan games column speed release=54ft,0,6ft up=0 across=0 pfx "
     "set workers=1 scheduler json",

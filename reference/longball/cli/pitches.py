@@ -7,17 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from longball.cli.cluster import on_cluster
 from longball.cli.messages import note, show
 from longball.cli.options import Options
-from longball.cli.tables import read_rows
-from longball.engines.parallel import in_parallel
+from longball.cli.tables import in_parts, read_rows
 from longball.model.arrays import Array
 from longball.model.jsonl import json_line
 from longball.pitches.statcast import MeasuredPitches
-
-# Pitches of one task: a second of work, compared with which the transfer is negligible.
-PART = 20_000
 
 
 def pitches_of(o: Options, *, spin: bool) -> MeasuredPitches:
@@ -33,11 +28,8 @@ def pitches_of(o: Options, *, spin: bool) -> MeasuredPitches:
 def answers(
     o: Options, question: Callable[..., Mapping[str, Array]], pitches: MeasuredPitches, *more: Any
 ) -> dict[str, Array]:
-    """Return the columns that a function computes for pitches, in parts on several workers."""
-    begins = range(0, len(pitches), PART)
-    calls = ((pitches.chosen(slice(i, i + PART)), *more) for i in begins)
-    with on_cluster(o) as workers:
-        parts = [*in_parallel(question, calls, workers)]
+    """Return the columns that a function computes for pitches, in parts."""
+    parts = in_parts(o, question, pitches, *more)
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
+from longball.cli.cluster import on_cluster
 from longball.cli.messages import assignments, refusing, wrong_call
 from longball.cli.options import Options
+from longball.engines.parallel import in_parallel
 
 if TYPE_CHECKING:
     from longball.pitches.statcast import Kind, MeasuredFlies, MeasuredPitches
+
+T = TypeVar("T")
+
+# Rows of one task: a second of work, compared with which the transfer is negligible.
+PART = 20_000
 
 
 def chosen_table(o: Options) -> str | Path | TextIO:
@@ -48,3 +56,16 @@ def read_rows(o: Options, kind: Kind, *, spin: bool) -> MeasuredPitches | Measur
                     f"--model needs no spin with {without}"
                 )
             raise TableError(f"{error}{hint}") from None
+
+
+def in_parts(
+    o: Options,
+    function: Callable[..., T],
+    rows: MeasuredPitches | MeasuredFlies,
+    *more: Any,
+) -> list[T]:
+    """Return a function's values for parts of the rows, in order, from all workers."""
+    begins = range(0, len(rows), PART)
+    calls = ((rows.chosen(slice(i, i + PART)), *more) for i in begins)
+    with on_cluster(o) as workers:
+        return [*in_parallel(function, calls, workers)]

@@ -141,6 +141,13 @@ def predict(
     return Prediction(measured, predicted, without, sum(r.error is not None for r in results))
 
 
+def joined(measured: Measured, parts: Sequence[Prediction]) -> Prediction:
+    """Return the prediction for measured balls from those for its parts, in order."""
+    predicted = np.concatenate([part.predicted for part in parts])
+    without = sum((Counter(part.without) for part in parts), Counter[str]())
+    return Prediction(measured, predicted, without, sum(part.failed for part in parts))
+
+
 def measured(
     table: str | Path | pd.DataFrame,
     kind: Kind = "pitch",
