@@ -21,8 +21,8 @@ from longball.model.inputs import listed, require_inputs, with_values
 from longball.model.names import one_of
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of
-from longball.model.scene import FlightScene, InvalidScene, Scene
-from longball.solution import Path, Solution
+from longball.model.scene import FlightScene, InvalidScene
+from longball.solution import Path
 
 # Range of each unknown, rad and m/s. No ball has been hit at 70 m/s. The ends of the angles are
 # left out, because a launch straight up or down has no direction.
@@ -108,7 +108,44 @@ def aim(
         raise ValueError(f"target = {target!r}: a distance must be positive, m")
     names = _unknowns(unknowns, place.size)
     require_inputs(asked, names)
-    return _hits(asked, place.reshape(-1), names, solver)
+    main = names[0]
+
+    @cache
+    def trial(x: float) -> _Trial | None:
+        try:
+            return _trial(asked, place.reshape(-1), {main: x}, solver)
+        except (CannotSolve, InvalidScene, Undecided, ValidationError):
+            return None
+
+    def excess(x: float) -> float:
+        return tried.excess if (tried := trial(x)) else math.nan
+
+    # the grid, and the launch that gets farthest: next to the maximum two launches may hit the
+    # target although no launch of the grid gets beyond it
+    grid = np.linspace(*RANGES[main], _TRIED).tolist()
+    known = [x for x in grid if trial(x)]
+    if not known:
+        raise CannotSolve(f"no launch lands, at any {main} from {grid[0]:.4g} to {grid[-1]:.4g}")
+    best = grid.index(max(known, key=excess))
+    peak = minimize_scalar(
+        lambda x: -excess(x) if trial(x) else math.inf,
+        bounds=(grid[max(best - 1, 0)], grid[min(best + 1, _TRIED - 1)]),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
+    farthest = max(grid[best], float(peak.x), key=excess)
+
+    # the excess changes sign between neighbours: one launch between them hits
+    hits = [
+        b if excess(b) == 0 else brentq(excess, a, b, xtol=_EXACT)
+        for a, b in pairwise(sorted({*grid, farthest}))
+        if excess(a) * excess(b) < 0 or excess(b) == 0
+    ]
+    if hits:
+        return [hit.scene for hit in map(trial, hits) if hit]
+    if (most := trial(farthest)) and most.excess < 0:
+        raise CannotSolve(f"the target is out of reach: {most.gets}, at {main} = {farthest:.6g}")
+    raise CannotSolve(f"the ball gets beyond the target at every {main} from {grid[0]:.4g} on")
 
 
 def _unknowns(given: Iterable[str] | None, numbers: int) -> list[str]:
@@ -138,75 +175,29 @@ class _Trial:
     gets: str  # the distance that the ball gets, as a clause of the error message
 
 
-def _hits(
-    scene: FlightScene, target: Array, names: list[str], engine: PathEngine
-) -> list[FlightScene]:
-    """Return the scenes that hit a target: a grid over the first unknown, then roots between."""
-    main = names[0]
-
-    @cache
-    def excess(x: float) -> float:
-        trial = _trial(scene, target, {main: x}, engine)
-        return math.nan if trial is None else trial.excess
-
-    # the grid, and the launch that gets farthest: next to the maximum two launches may hit the
-    # target although no launch of the grid gets beyond it
-    tried = np.linspace(*RANGES[main], _TRIED).tolist()
-    known = [x for x in tried if not math.isnan(excess(x))]
-    if not known:
-        raise CannotSolve(f"no launch lands, at any {main} from {tried[0]:.4g} to {tried[-1]:.4g}")
-    best = tried.index(max(known, key=excess))
-    peak = minimize_scalar(
-        lambda x: math.inf if math.isnan(excess(x)) else -excess(x),
-        bounds=(tried[max(best - 1, 0)], tried[min(best + 1, _TRIED - 1)]),
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
-    farthest = max(tried[best], float(peak.x), key=excess)
-
-    # the excess changes sign between neighbours: one launch between them hits
-    hits = [
-        b if excess(b) == 0 else brentq(excess, a, b, xtol=_EXACT)
-        for a, b in pairwise(sorted({*tried, farthest}))
-        if excess(a) * excess(b) < 0 or excess(b) == 0
-    ]
-    trials = [_trial(scene, target, {main: x}, engine) for x in hits or [farthest]]
-    if hits:
-        return [trial.scene for trial in trials if trial]
-    (trial,) = trials
-    assert trial is not None
-    if trial.excess < 0:
-        raise CannotSolve(f"the target is out of reach: {trial.gets}, at {main} = {farthest:.6g}")
-    raise CannotSolve(f"the ball gets beyond the target at every {main} from {tried[0]:.4g} on")
-
-
 def _trial(
     scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine
 ) -> _Trial | None:
-    """Return a launch at a target; None without a landing."""
-    try:
-        if len(target) == 1:
-            launched: Any = with_values(scene, values)
-            gets = float(_landed(launched, engine)["landing.distance"])
-            return _Trial(launched, gets - target[0], _getting(gets, target[0]))
-        return _in_its_direction(scene, target, values, engine)
-    except (CannotSolve, InvalidScene, Undecided, ValidationError):
-        return None
-
-
-def _in_its_direction(
-    scene: FlightScene, target: Array, values: dict[str, float], engine: PathEngine
-) -> _Trial:
-    # Distances count from the launch: a change of direction turns the path about it.
-    origin = np.array(scene.launch.position[:2])
-    away, bearing = _polar(target[:2] - origin)
+    """Return a launch at a target, in its direction; None without a landing."""
+    # A distance counts from the plate. A place has a direction, too, which turns the path about the
+    # launch.
+    if len(target) == 1:
+        origin, (away,), bearing = np.zeros(2), target.tolist(), None
+    else:
+        origin = np.array(scene.launch.position[:2])
+        away, bearing = _polar(target[:2] - origin)
     direction, step, before = bearing, 0.0, 0.0
     for _ in range(_CORRECTED):
-        launched: Any = with_values(scene, {**values, _DIRECTION: direction})
-        result = _landed(launched, engine)
-        place = np.array([*map(float, result["landing.position"])])
+        aimed = {} if direction is None else {_DIRECTION: direction}
+        launched: Any = with_values(scene, values | aimed)
+        result = solve(launched, engine)
+        if result.landing is None:
+            return None
+        place = np.array([*map(float, result.landing.position)])
         gets, turned = _polar(place[:2] - origin)
-        trial = _Trial(launched, gets - away, _getting(gets, away))
+        trial = _Trial(launched, gets - away, f"the ball gets at most {gets:.6g} m of {away:.6g} m")
+        if bearing is None or direction is None:
+            break
         # The excess at a point is the ball's height above it. A ball that lands before it has the
         # (negative) distance by which it is short added, so that the excess stays continuous.
         if len(target) == 3:
@@ -226,19 +217,8 @@ def _in_its_direction(
     return trial
 
 
-def _getting(gets: float, away: float) -> str:
-    return f"the ball gets at most {gets:.6g} m of {away:.6g} m"
-
-
 def _polar(vector: Array) -> tuple[float, float]:
     return math.hypot(*vector), math.atan2(vector[1], vector[0])
-
-
-def _landed(scene: Scene, engine: PathEngine) -> Solution:
-    result = solve(scene, engine)
-    if result.landing is None:
-        raise CannotSolve(f"the outcome is {result.outcome}")
-    return result
 
 
 def _passing(path: Path, origin: Array, away: float) -> float:

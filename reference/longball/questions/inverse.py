@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from longball.api import as_engine, as_scene, differentiable, solve
@@ -30,7 +29,7 @@ from longball.engines.tangent import (
     rate_of,
     seeded_by,
 )
-from longball.model.arrays import Array
+from longball.model.arrays import Array, Flags
 from longball.model.inputs import require_inputs, value_of, with_values
 from longball.model.numbers import Undecided
 from longball.model.plain import column_of, is_number
@@ -102,13 +101,16 @@ class Fit:
 class _Measured:
     """Measured values, and the function that predicts them from a scene."""
 
-    values: Array  # shape (m,)
-    names: tuple[str, ...]  # names of the values, for messages
-    shape: tuple[int, ...]  # shape of `Fit.residuals`, which has NaN where nothing is measured
-    place: NDArray[np.intp]  # index of each value among the flattened residuals
-    # A function of a scene, the n unknowns and an engine. It returns the computed values, shape
-    # (m,), and their derivatives, shape (m, n)
+    values: Array  # NaN where nothing was measured
+    names: tuple[str, ...]  # names of the others, for messages
+    # A function of a scene, the n unknowns and an engine. It returns the computed values, and their
+    # derivatives, shape (…, n)
     model: Callable[[Scene, Sequence[str], PathEngine], tuple[Array, Array]]
+
+    @property
+    def seen(self) -> Flags:
+        """True where something was measured."""
+        return ~np.isnan(self.values)
 
 
 def fit(
@@ -164,20 +166,20 @@ def fit(
     asked, solver = as_scene(scene), differentiable(as_engine(engine, options))
     names = require_inputs(asked, unknowns)
     data = _measured(measured)
-    deviations = _deviations(sigma, data)
+    deviations, values = _deviations(sigma, data), data.values[data.seen]
     if not names:
         raise ValueError("unknowns: name at least one number of the scene")
-    if len(data.values) < len(names):
+    if len(values) < len(names):
         raise ValueError(
-            f"measured: {len(data.values)} numbers cannot determine {len(names)} unknowns; measure "
+            f"measured: {len(values)} numbers cannot determine {len(names)} unknowns; measure "
             "more, or fix some of the unknowns"
         )
     x, residuals, jacobian = _least_squares(asked, names, data, deviations, solver)
 
     # With as many measurements as unknowns, either the fit is exact or no scene fits.
-    if len(names) == len(data.values):
+    if len(names) == len(values):
         missed = np.abs(residuals * deviations)
-        if (missed > _REPRODUCED * np.maximum(np.abs(data.values), 1.0)).any():
+        if (missed > _REPRODUCED * np.maximum(np.abs(values), 1.0)).any():
             worst = int(np.argmax(missed))
             near = ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, x, strict=True))
             raise CannotSolve(
@@ -189,13 +191,13 @@ def fit(
     # given, the scatter about the fit estimates them: the scale makes χ² equal to the degrees of
     # freedom.
     root = _covariance_root(names, jacobian)
-    freedom = len(data.values) - len(names)
+    freedom = len(values) - len(names)
     chi_squared = float(residuals @ residuals)
     scale = 1.0 if sigma is not None else (chi_squared / freedom if freedom else math.nan)
     covariance = scale * (root @ root.T)
     value = dict(zip(names, x, strict=True))
-    shown = np.full(data.shape, math.nan)
-    shown.reshape(-1)[data.place] = residuals
+    shown = np.full(data.values.shape, math.nan)
+    shown[data.seen] = residuals
     errors = np.sqrt(np.diag(covariance)).tolist()
     return Fit(
         with_values(asked, value),
@@ -212,36 +214,33 @@ def _least_squares(
     scene: Scene, names: list[str], data: _Measured, deviations: Array, engine: PathEngine
 ) -> tuple[list[float], Array, Array]:
     """Return the fitted unknowns, the residuals, and the derivatives of the computed values."""
-    start = np.array([value_of(scene, name) for name in names])
+    start = [value_of(scene, name) for name in names]
 
     # SciPy calls two functions at each point; one solution gives residuals and derivatives.
     @cache
-    def solved_at(*x: float) -> tuple[Array, Array]:
-        computed, slopes = data.model(
-            with_values(scene, dict(zip(names, x, strict=True))), names, engine
-        )
-        return (data.values - computed) / deviations, slopes / deviations[:, None]
-
-    def solved(x: Array) -> tuple[Array, Array]:
-        return solved_at(*x.tolist())
+    def solved(*x: float) -> tuple[Array, Array]:
+        moved = with_values(scene, dict(zip(names, x, strict=True)))
+        computed, slopes = data.model(moved, names, engine)
+        missed = (data.values - computed)[data.seen]
+        return missed / deviations, slopes[data.seen] / deviations[:, None]
 
     def residuals(x: Array) -> Array:
         try:
-            return solved(x)[0]
+            return solved(*x.tolist())[0]
         except (CannotSolve, Undecided, ValueError):
             # The step was too long: SciPy shortens a step whose residuals are NaN.
             return np.full(len(deviations), math.nan)
 
     # The start is solved outside `residuals`, which would hide an error as NaN. An unknown without
     # effect is an error of the start, too.
-    _column_norms(names, solved(start)[1])
+    _column_norms(names, solved(*start)[1])
     # Unknowns have different units, so steps are scaled by the columns of J. The search ends by the
     # size of its step alone: with noise in the measurements, the size of the residual says nothing
     # about the digits of the unknowns.
     fitted = least_squares(
         residuals,
         start,
-        lambda x: -solved(x)[1],
+        lambda x: -solved(*x.tolist())[1],
         x_scale="jac",
         ftol=None,
         gtol=None,
@@ -255,7 +254,8 @@ def _least_squares(
         raise CannotSolve(
             f"no fit in {_MOST_STEPS} steps; start nearer to it, or fix some of the unknowns"
         )
-    return (fitted.x.tolist(), *solved(fitted.x))
+    x = fitted.x.tolist()
+    return (x, *solved(*x))
 
 
 def _covariance_root(names: list[str], jacobian: Array) -> Array:
@@ -299,7 +299,11 @@ def _direction(names: list[str], axis: Array) -> str:
 
 def _measured(given: Any) -> _Measured:
     if isinstance(given, Mapping) and not set(_POINT) & set(given):
-        return _measured_results(given)
+        for name, value in given.items():
+            if not (is_number(value) and math.isfinite(value)):
+                raise ValueError(f"measured: {name} = {value!r}: a finite number is needed")
+        names, values = tuple(map(str, given)), np.array([*given.values()], float)
+        return _Measured(values, names, partial(result_with_derivatives, names))
     if hasattr(given, "columns") or isinstance(given, Mapping):
         if missing := [name for name in _POINT if name not in given]:
             raise ValueError(
@@ -318,47 +322,33 @@ def _measured(given: Any) -> _Measured:
         raise ValueError(
             "measured: every point needs a time since the start, and a number or NaN for x, y, z"
         )
-    # NaN means not measured: the residuals contain the measured components only.
-    seen = ~np.isnan(points)
-    names = [f"{axis} at {t:g} s" for t in times for axis in _POINT[1:]]
-    place = np.flatnonzero(seen)
-
-    def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
-        states, slopes = path_with_derivatives(scene, times, unknowns, engine)
-        return states.reshape(-1)[place], slopes.reshape(-1, len(unknowns))[place]
-
-    shown = tuple(names[i] for i in place)
-    return _Measured(points.reshape(-1)[place], shown, points.shape, place, model)
+    each = [f"{axis} at {t:g} s" for t in times for axis in _POINT[1:]]
+    names = tuple(name for name, x in zip(each, points.flat, strict=True) if not math.isnan(x))
+    return _Measured(points, names, partial(path_with_derivatives, times))
 
 
 def path_with_derivatives(
-    scene: Scene, times: Array, unknowns: Sequence[str], engine: PathEngine
+    times: Array, scene: Scene, unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return points of a path, shape (times, 3), and derivatives, (times, 3, unknowns)."""
-    # Dual numbers carry one derivative: the flight is solved once for each unknown.
-    columns = []
+    # Jets carry one derivative: the flight is solved once for each unknown.
+    tangent, columns = Tangent(engine), []
     for name in unknowns:
         marked, speed = seeded_by(scene, name)
-        states, slopes = _points(marked, times, engine)
-        columns.append(slopes / speed)
+        with not_beyond_a_kink():
+            result, trajectory = chain.solve_with_path(marked, tangent)
+            if result.error is not None:
+                raise error_of(result)
+            if not trajectory.legs:
+                raise ValueError("an impact has no path: nothing flies in it")
+            with engine.numbers.arithmetic():
+                points = [_position(trajectory, tangent.numbers.exact(t)) for t in times.tolist()]
+        states, rates = (
+            np.array([[float(of(x)) for x in point] for point in points])
+            for of in (plain_of, rate_of)
+        )
+        columns.append(rates / speed)
     return states, np.stack(columns, axis=-1)
-
-
-def _points(scene: Scene, times: Array, engine: PathEngine) -> tuple[Array, Array]:
-    """Return the points of a path at some times, and their derivatives, shape (times, 3) each."""
-    tangent = Tangent(engine)
-    with not_beyond_a_kink():
-        result, trajectory = chain.solve_with_path(scene, tangent)
-        if result.error is not None:
-            raise error_of(result)
-        if not trajectory.legs:
-            raise ValueError("an impact has no path: nothing flies in it")
-        with engine.numbers.arithmetic():
-            points = [_position(trajectory, tangent.numbers.exact(t)) for t in times.tolist()]
-    states, slopes = (
-        np.array([[float(of(x)) for x in point] for point in points]) for of in (plain_of, rate_of)
-    )
-    return states, slopes
 
 
 def _position(trajectory: Trajectory, time: Any) -> Any:
@@ -372,19 +362,6 @@ def _position(trajectory: Trajectory, time: Any) -> Any:
     return leg.frame.position(leg.flight.path.at(time - leg.begin))
 
 
-def _measured_results(given: Mapping[Any, Any]) -> _Measured:
-    names = tuple(map(str, given))
-    for name, value in given.items():
-        if not (is_number(value) and math.isfinite(value)):
-            raise ValueError(f"measured: {name} = {value!r}: a finite number is needed")
-    values = np.array([*given.values()], float)
-
-    def model(scene: Scene, unknowns: Sequence[str], engine: PathEngine) -> tuple[Array, Array]:
-        return result_with_derivatives(scene, names, unknowns, engine)
-
-    return _Measured(values, names, values.shape, np.arange(len(values)), model)
-
-
 def _deviations(sigma: Any, data: _Measured) -> Array:
     """Return the standard deviation of every measurement."""
     if isinstance(sigma, Mapping) and (missing := [x for x in data.names if x not in sigma]):
@@ -393,7 +370,7 @@ def _deviations(sigma: Any, data: _Measured) -> Array:
     table = real_numbers("sigma", 1.0 if given is None else given)
     if not isinstance(sigma, Mapping):
         try:
-            table = np.broadcast_to(table, data.shape).reshape(-1)[data.place]
+            table = np.broadcast_to(table, data.values.shape)[data.seen]
         except ValueError:
             raise ValueError(
                 f"sigma = {sigma!r}: one number is needed, one for each of x, y and z, or a "
@@ -405,7 +382,7 @@ def _deviations(sigma: Any, data: _Measured) -> Array:
 
 
 def result_with_derivatives(
-    scene: Scene, quantities: Sequence[str], unknowns: Sequence[str], engine: PathEngine
+    quantities: Sequence[str], scene: Scene, unknowns: Sequence[str], engine: PathEngine
 ) -> tuple[Array, Array]:
     """Return numbers of a result, shape (m,), and their derivatives, shape (m, unknowns)."""
     result = solve(scene, engine).result

@@ -204,17 +204,15 @@ def in_parks(
     asked: FlightScene | AtBatScene = scene_of_kind(scene, FlightScene, AtBatScene)
     chosen = parks() if where is None else listed(where)
     every = [park(one) if isinstance(one, str) else one for one in chosen]
-    results = solve_each([_in(one, asked) for one in every], as_engine(engine, options))
-    return [InPark(one, result) for one, result in zip(every, results, strict=True)]
-
-
-def _in(one: Park, scene: FlightScene | AtBatScene) -> Any:
-    """Return the scene in a park."""
     # The pressure of a weather is that at sea level. The model reduces it to the elevation, by the
     # weather formula of docs/model.md.
-    rises = scene.air is not None and not ignores_elevation(scene)
-    elevation = {"air.density.elevation": one.elevation} if rises else {}
-    return scene.replace(fence=one.fence, **elevation)
+    rises = asked.air is not None and not ignores_elevation(asked)
+    scenes: list[Any] = [
+        asked.replace(fence=one.fence, **{"air.density.elevation": one.elevation} if rises else {})
+        for one in every
+    ]
+    results = solve_each(scenes, as_engine(engine, options))
+    return [InPark(one, result) for one, result in zip(every, results, strict=True)]
 
 
 def ignores_elevation(scene: Scene) -> bool:

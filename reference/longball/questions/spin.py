@@ -286,7 +286,7 @@ def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Arr
     middle = pitches.velocity + pitches.acceleration * half[:, None]
     # One scene for each weather: a day has about fifteen games and thousands of pitches.
     names = "drag_coefficient", "lift_coefficient", "transverse", "active_share"
-    columns = {name: np.empty(len(pitches)) for name in names}
+    columns = np.empty((len(names), len(pitches)))
     weathers = np.stack([pitches.temperature, pitches.elevation], axis=1)
     for weather in np.unique(weathers, axis=0):
         here = (weathers == weather).all(axis=1)
@@ -295,9 +295,8 @@ def measured_spin(pitches: MeasuredPitches, model: FlightModel) -> dict[str, Arr
             scene, middle[here], pitches.acceleration[here], rate=pitches.spin_rate[here]
         )
         parts = spin.drag_coefficient, spin.lift_coefficient, spin.rate, spin.active_share
-        for column, part in zip(columns.values(), parts, strict=True):
-            column[here] = part
-    return columns
+        columns[:, here] = parts
+    return dict(zip(names, columns, strict=True))
 
 
 def _air_of(scene: PitchScene | AtBatScene) -> Air:
