@@ -24,6 +24,7 @@ from longball.model import law
 from longball.model.quantities import flat
 from longball.pitches import prediction
 from longball.questions import movement, parks, spin
+from tests.calls import check_wrong_calls
 from tests.engines.test_lines import ERRORS
 
 AT_BAT = {
@@ -419,11 +420,7 @@ BALL.replace(**{"launch.pos": 1}) -> did you mean position
 
 
 def test_a_wrong_call_says_what_would_be_right():
-    for line in WRONG.replace("\n    -> ", " -> ").strip().splitlines():
-        if not line.startswith("#"):
-            call, _, said = line.partition(" -> ")
-            with pytest.raises((TypeError, ValueError, KeyError, AttributeError), match=said):
-                eval(call)
+    check_wrong_calls(WRONG, globals())
 
 
 def test_probability_of_a_home_run():
