@@ -310,6 +310,36 @@ def test_a_ball_that_glides_within_the_error_of_the_ground_is_an_error(
     assert outcome or "lies within its error 2e-14" in str(result.error)
 
 
+@pytest.mark.parametrize(
+    ("rise", "later", "outcome"),
+    [
+        (4.9, -5e-15, "airborne"),  # 2.5e-14 m above the ground
+        (4.9, -3e-15, None),
+        (4.9, 0.0, None),
+        (4.9, 1.9e-14, None),
+        (4.9, 2.1e-14, "landed"),
+        (19.6, -3e-15, "airborne"),
+        (19.6, -1e-15, None),
+        (19.6, 7e-14, None),
+        (19.6, 9e-14, "landed"),
+    ],
+)
+@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
+def test_a_parabola_that_ends_within_the_error_of_the_time_limit_is_an_error(
+    engine: Engine, rise: float, later: float, outcome: str | None
+) -> None:
+    """It takes 1 s, or 4 s; the errors are 2e-14 m, and as large a part of the time limit."""
+    scene = FlightScene(
+        id="tie",
+        air=None,
+        time_limit=rise / 4.9 + later,
+        launch=Launch(position=(0.0, 0.0, 0.0), velocity=(3.0, 0.0, rise)),
+    )
+    result = solve(scene, engine)
+    assert result.outcome == outcome
+    assert outcome or "the ground in the time limit cannot be decided" in str(result.error)
+
+
 @pytest.mark.parametrize(("share", "outcome"), [(0.2, None), (1.5, "landed")])
 @pytest.mark.parametrize("sink", [1e-3, 1e-4])
 def test_a_ball_that_sinks_slowly_at_the_time_limit_is_an_error(

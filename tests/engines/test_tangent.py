@@ -28,7 +28,7 @@ from longball.golden.condition import magnitudes
 from longball.model.inputs import STEP, inputs, with_input
 from longball.model.numbers import Undecided
 from longball.model.quantities import numbers_of
-from longball.model.scene import FlightScene
+from longball.model.scene import FlightScene, parse_scene
 from tests.calls import check_wrong_calls
 from tests.scenes import FAMILIES, case_of, cases_of
 
@@ -247,6 +247,42 @@ def test_what_trackers_give_has_the_derivatives_of_its_closed_form():
         assert found["landing.distance"] == pytest.approx(slope, rel=1e-13, abs=1e-12)
     aside = derivatives_by(scene, "launch.direction", Ivp())["landing.position[1]"]
     assert aside == pytest.approx(v * v * math.sin(2 * angle) / 9.8, rel=1e-13)
+
+
+# Dimensions of the inputs: powers of kg, m, s.
+DIMENSIONS = {
+    "ball.mass": (1, 0, 0),
+    "ball.radius": (0, 1, 0),
+    "air.density": (1, -3, 0),
+    "gravity": (0, 1, -2),
+    "launch.position": (0, 1, 0),
+    "launch.velocity": (0, 1, -1),
+    "launch.spin": (0, 0, -1),
+    "air.wind": (0, 1, -1),
+    "air.density_scale_height": (0, 1, 0),
+    "ground.height": (0, 1, 0),
+}
+
+
+def test_other_units_change_a_distance_as_euler_says():
+    # Σ (power of a unit in x) x ∂d/∂x is that power of d, for each unit; no form of the air's laws
+    # below has a constant with a dimension.
+    scene = parse_scene(
+        '{"kind": "flight", "launch": {"position": [0.5, 0.1, 1], "velocity": [38, 6, 21], '
+        '"spin": [20, -180, 40]}, "air": {"density": 1.2, "drag_coefficient": 0.35, '
+        '"lift_coefficient": {"law": "rational"}, "wind": [3, -1, 0.25], '
+        '"density_scale_height": 9000}, "ground": {"height": 0.25}}'
+    )
+    sums, sizes = [0.0] * 3, [0.0] * 3
+    for name, x in inputs(scene).items():
+        slope = derivatives_by(scene, name, Ivp())["landing.distance"]
+        for unit, power in enumerate(DIMENSIONS.get(name.partition("[")[0], (0, 0, 0))):
+            sums[unit] += power * x * slope
+            sizes[unit] += abs(power * x * slope)
+    distance = solve(scene, Ivp()).landing.distance
+    for total, size, power in zip(sums, sizes, (0, 1, 0), strict=True):
+        assert size > 0
+        assert total == pytest.approx(power * distance, abs=GOOD * size)
 
 
 # --- as `lb.solve` gives them ---------------------------------------------------------------------
