@@ -36,8 +36,7 @@ ENGINES = [
 all_engines = pytest.mark.parametrize(("engine", "error"), ENGINES)
 
 
-# Balls that come through the height where the wind sets in, or end there; those that start there
-# are golden cases (`flight-kinks-on-height`).
+# Balls that come through the height where the wind sets in, end there, or start there.
 AIR = {"lift_coefficient": {"law": "linear"}, "spin_decay_length": 100.0}
 NATHAN = {"reading": {"spin_decay": "nathan"}}
 BACK = {"position": (0.0, 0.0, 2.0), "velocity": (20.0, 0.0, 20.0), "spin": (0.0, -100.0, 0.0)}
@@ -67,6 +66,9 @@ SCENES = {
         **NATHAN,
     ),
     "rises slower than the air": flight(thrown(2.0, 0, 0, 3), CALM, 1.0, (0, 0, 5)),
+    "starts into the wind": flight(thrown(1.0, 30, 0, 6), CALM, 1.0, (9, 3, 0)),
+    "starts along its height": flight(thrown(1.0, 30, 0, 0), CALM, 1.0, (9, 3, 0)),
+    "starts out of the wind": flight(thrown(1.0, 30, 0, -6), CALM, 1.0, (9, 3, 0)),
     "lands at z = 0, where it sets in": flight(thrown(1.0, 30, 0, 25), CALM, 0.0, (3, 0, 0)),
     "lands at 1 m, where it sets in": flight(thrown(2.0, 30, 0, 25), CALM, 1.0, (3, 0, 0), 1.0),
     # A ball straight up flies without lift, whatever the reading, and keeps the drag's table.

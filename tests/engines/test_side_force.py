@@ -1,9 +1,8 @@
-"""The side force k C_S U² ê: what is refused of it, and in columns.
-
-Flights that turn to its direction, or pass it, are golden cases (`flight-side`).
-"""
+"""The side force k C_S U² ê: where it has no direction, in columns, and its derivatives."""
 
 import json
+import math
+import re
 
 import numpy as np
 import pytest
@@ -11,9 +10,14 @@ import pytest
 import longball as lb
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import solve
+from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
+from longball.engines.multiprecision import Multiprecision
+from longball.engines.tangent import derivatives_of
+from longball.engines.verlet import Verlet
 from longball.model.scene import FlightScene, InvalidScene, parse_scene
 
+ENGINES = [Ivp(), Ivp("DOP853"), Batch(), Enclosure(20), Multiprecision(16)]
 START = (0.5, 0.25, 1.0)
 GOING = (30.0, 6.0, 18.0)
 ASIDE = (0.25, 1.0, 0.5)
@@ -35,6 +39,32 @@ def landing(scene, engine):
 
 
 # --- where it has no direction --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("engine", [*ENGINES, Verlet(1e-4)], ids=repr)
+def test_a_ball_that_it_has_turned_to_its_direction_is_refused(engine):
+    """After the angle between the two over k C_S U."""
+    value, speed = 0.5, 40.0
+    bend = 1.29 * math.pi * 0.0366**2 / (2 * 0.145) * value
+    none = {"drag_coefficient": 0.0, "lift_coefficient": 0.0}
+    scene = flight(value, (0.0, 1.0, 1.0), (0.0, speed, 0.0), air=none, gravity=0.0)
+    result = solve(scene, engine)
+    time = math.pi / 4 / (bend * speed)
+    said = re.search(r"direction, as it is (\S+) s after the ball is set free", result.error)
+    assert float(said[1]) == pytest.approx(time, abs=1e-3)
+    assert result.code == "unsupported"
+    before = parse_scene(json.dumps(json.loads(scene.as_written()) | {"time_limit": time - 2e-3}))
+    assert solve(before, engine).outcome == "airborne"
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=repr)
+@pytest.mark.sampled(every=3)
+def test_a_ball_that_passes_its_direction_is_refused(engine):
+    """In the plane of its launch, at the apex: there the force would jump."""
+    result = solve(flight(0.05, (1.0, 0.0, 0.0), (35.0, 0.0, 20.0)), engine)
+    assert result.error.startswith("the side force has no direction where the airspeed is parallel")
+    passed = flight(0.05, (1.0, 0.0, 0.0), (35.0, 0.0, 20.0), air={"wind": (0.0, 0.1, 0.0)})
+    assert solve(passed, engine).outcome == "landed"
 
 
 @pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -3.0)])
@@ -78,7 +108,7 @@ def test_what_is_no_side_force_is_refused_in_a_sentence(air, more, message):
     assert message in str(refused.value)
 
 
-# --- columns ----------------------------------------------------------------
+# --- columns, derivatives, at-bats ----------------------------------------------------------------
 
 
 def test_columns_are_the_scenes_one_by_one():
@@ -107,3 +137,20 @@ def test_a_row_that_passes_its_direction_is_refused_alone():
     table = solve_columns(scene, columns)
     assert table["outcome"].tolist() == ["", "landed", "landed"]
     assert table["engine"].tolist()[1:] == [Batch().description, Ivp().description]
+
+
+@pytest.mark.nightly  # by day those of columns and of golden cases
+def test_derivatives_know_that_its_length_does_not_matter():
+    """Σ dᵢ ∂Q/∂dᵢ = 0, and ∂Q/∂C_S is that of a second solution."""
+    names = [f"air.side_coefficient.direction[{i}]" for i in range(3)]
+    value = "air.side_coefficient.value"
+    found = derivatives_of(flight(), ["landing.distance"], [*names, value], Enclosure(20))
+    slopes = [float(found["landing.distance"][name]) for name in names]
+    assert np.dot(slopes, ASIDE) == pytest.approx(0.0, abs=1e-13)
+    assert max(map(abs, slopes)) > 0.1
+    step = 2.0**-20
+    near = [landing(flight(0.08 + d), Enclosure(30)) for d in (step, -step)]
+    there, back = (math.hypot(*x[:2]) for x in near)
+    assert float(found["landing.distance"][value]) == pytest.approx(
+        (there - back) / (2 * step), rel=1e-7
+    )
