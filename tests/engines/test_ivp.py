@@ -1,14 +1,17 @@
 """The reference engine against closed forms, other methods, and the traps of event finding."""
 
 import math
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 import scipy.integrate
 
 from longball.engines import event
+from longball.engines.chain import solve
 from longball.engines.engine import OutOfRange, TooLong
 from longball.engines.ivp import METHODS, Ivp
+from longball.engines.taylor import Taylor
 from longball.model import exact
 from longball.model.frame import Frame
 from longball.model.law import (
@@ -150,14 +153,68 @@ def test_an_integration_goes_on_after_many_steps(monkeypatch):
     """It pauses, to see whether the ball has settled, and goes on where the last step ended."""
     whole = list(fly((0.0, 50.0, 160.0, 0.0), LOOPS, limit=10.0).path.pieces())
     monkeypatch.setattr("longball.engines.ivp._MANY_STEPS", 6)
-    solve_ivp, calls = scipy.integrate.solve_ivp, []
-    monkeypatch.setattr(
-        scipy.integrate, "solve_ivp", lambda *a, **b: calls.append(1) or solve_ivp(*a, **b)
-    )
-    parts = list(fly((0.0, 50.0, 160.0, 0.0), LOOPS, limit=10.0).path.pieces())
+    with given_to_solve_ivp(monkeypatch) as calls:
+        parts = list(fly((0.0, 50.0, 160.0, 0.0), LOOPS, limit=10.0).path.pieces())
     assert len(calls) > 3
     assert [piece.begin for piece in parts[1:]] == [p.begin + p.length for p in parts[:-1]]
     assert parts[-1].at(parts[-1].length) == pytest.approx(whole[-1].at(whole[-1].length), abs=1e-9)
+
+
+# ---- what solve_ivp is given ---------------------------------------------------------------------
+
+
+@contextmanager
+def given_to_solve_ivp(monkeypatch):
+    """The calls of solve_ivp: each with what it was given, and what it returned."""
+    solve_ivp, calls = scipy.integrate.solve_ivp, []
+
+    def spy(*given, **options):
+        calls.append((given, options, solve_ivp(*given, **options)))
+        return calls[-1][-1]
+
+    with monkeypatch.context() as patch:
+        patch.setattr(scipy.integrate, "solve_ivp", spy)
+        yield calls
+
+
+AT_BAT = '{"id": "hit", "kind": "at-bat", "swing": {"height_offset": %r}}'
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.sampled(every=2)
+def test_solve_ivp_is_given_the_law_and_terminal_events(monkeypatch, method):
+    """A pitch to the plate, the same to the bat, a batted ball."""
+    with given_to_solve_ivp(monkeypatch) as calls:
+        assert solve(parse_scene(AT_BAT % 0.01), Ivp(method)).outcome == "batted"
+    seen = {}
+    for (rates, (begin, _), state), options, solution in calls:
+        assert rates(begin, state)[:2] == tuple(state[2:])  # ds/dt = u, dz/dt = w
+        assert options["method"] in (Taylor, method)
+        *events, _ = options["events"]  # the last one counts steps
+        assert all((event.terminal, event.direction) == (True, -1) for event in events)
+        names = tuple(event.__name__ for event in events)
+        times = zip(names, solution.t_events, strict=False)
+        seen.setdefault(names, set()).update(name for name, found in times if found.size)
+    pitch, meeting, batted = seen
+    assert pitch == ("plate", "ground")
+    assert "plate" in seen[pitch]
+    assert meeting == ("closest approach", "contact", "ground")
+    assert seen[meeting] & {"contact", "closest approach"}
+    assert batted == ("ground",)
+    assert seen[batted] == {"ground"}
+
+
+@pytest.mark.parametrize("offset", [0.0695, 0.04, -0.04, -0.0695])
+def test_a_contact_within_one_step_is_not_missed(monkeypatch, offset):
+    """Before and after the step the ball is far from the bat: only the guard changes its sign."""
+    with given_to_solve_ivp(monkeypatch) as calls:
+        result = solve(parse_scene(AT_BAT % offset), ENGINE)
+    assert result.contact is not None
+    _, options, solution = calls[1]
+    times = dict(zip([e.__name__ for e in options["events"]], solution.t_events, strict=True))
+    assert times["contact"].size == 0
+    assert times["closest approach"].size == 1
+    assert result.contact.time < times["closest approach"][0]
 
 
 def test_a_flight_may_take_as_many_steps_as_are_granted(monkeypatch):
