@@ -1,10 +1,11 @@
 """Mutation testing: small faults are planted in the package, and the tests have to notice each.
 
-    python tests/mutants.py [--sample 300] [--seed 1] [--only model/bat.py] [--map FILE] [--jobs 2]
+    python tests/mutants.py [--sample 300] [--seed 1] [--only model/bat.py] [--jobs 2]
 
 A mutant is one module with one operator, comparison or constant changed, in a copy of the package
 that stands before the real one on the path. A first run of the tests of `TESTS` records which test
-reaches which line, and in what time. Each mutant then runs the tests that reach its line, followed
+reaches which line, and in what time; of a file of tests that changed as little as the package did,
+an earlier record is kept. Each mutant then runs the tests that reach its line, followed
 by those that reach its module, the quickest first, up to `LIMITS[0]` seconds in all; one that
 survives them without a reason, up to `LIMITS[1]`. Killed: a test fails, or none ends in time. The
 others are survivors, whether another test would kill them or not. A mutant for which no test runs
@@ -22,6 +23,7 @@ import argparse
 import ast
 import contextlib
 import csv
+import hashlib
 import importlib
 import json
 import math
@@ -39,7 +41,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from copy import deepcopy
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -321,45 +323,57 @@ def _processor_time() -> float:
     return times.user + times.system + times.children_user + times.children_system
 
 
-def record(file: Path, jobs: int) -> Reach:
-    """Record the lines that the tests reach in a file, and return them."""
-    if not file.exists():
-        modules = [
-            test.relative_to(ROOT).as_posix()
-            for name in TESTS
-            for test in sorted((ROOT / name).rglob("test_*.py")) or [ROOT / name]
-        ]
-        seconds: dict[str, float] = {}
-        lines: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-        with ThreadPoolExecutor(jobs) as pool:
-            for reach in pool.map(_recorded, modules):
-                seconds |= reach.seconds
-                for module, reached in reach.lines.items():
-                    for line, tests in reached.items():
-                        lines[module][line] += tests
-        if not seconds:
-            sys.exit(f"no test was run; see {SPACE}/output-*")
-        file.write_text(json.dumps({"seconds": seconds, "lines": lines}), encoding="utf-8")
-    return Reach(**json.loads(file.read_text(encoding="utf-8")))
+def record(jobs: int) -> Reach:
+    """Record the lines that the tests reach, and return them."""
+    modules = [
+        test.relative_to(ROOT).as_posix()
+        for name in TESTS
+        for test in sorted((ROOT / name).rglob("test_*.py")) or [ROOT / name]
+    ]
+    seconds: dict[str, float] = {}
+    lines: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+    with ThreadPoolExecutor(jobs) as pool:
+        for reach in pool.map(_recorded, modules):
+            seconds |= reach.seconds
+            for module, reached in reach.lines.items():
+                for line, tests in reached.items():
+                    lines[module][line] += tests
+    if not seconds:
+        sys.exit(f"no test was run; see {SPACE}/output-*")
+    return Reach(seconds, lines)
 
 
 def _recorded(tests: str) -> Reach:
     """Return the lines that the tests of one module reach."""
-    with tempfile.NamedTemporaryFile(dir=SPACE) as file:
+    digest = hashlib.sha256(_sources() + tests.encode() + (ROOT / tests).read_bytes()).hexdigest()
+    file = SPACE / "reach" / f"{digest}.json"
 
-        def run() -> int:
-            recorder = Recorder()
-            _pytest((tests,), recorder)
-            found = {"reach": vars(recorder.reach()), "failed": recorder.failed}
-            Path(file.name).write_text(json.dumps(found), encoding="utf-8")
-            return 0
+    def run() -> int:
+        recorder = Recorder()
+        _pytest((tests,), recorder)
+        found = {"reach": vars(recorder.reach()), "failed": recorder.failed}
+        half = file.with_suffix(".new")
+        half.write_text(json.dumps(found), encoding="utf-8")
+        half.replace(file)
+        return 0
 
-        if _forked(run) != 0:
-            sys.exit(f"the tests of {tests} did not run; see {SPACE}/output-*")
-        found = json.loads(Path(file.name).read_text(encoding="utf-8"))
+    if not file.exists() and _forked(run) != 0:
+        sys.exit(f"the tests of {tests} did not run; see {SPACE}/output-*")
+    found = json.loads(file.read_text(encoding="utf-8"))
     for test in found["failed"]:
         print(f"fails without a mutant, and is left out: {test}", flush=True)
     return Reach(**found["reach"])
+
+
+@cache
+def _sources() -> bytes:
+    """Return a digest of all that a file of tests may use."""
+    used = [PACKAGE.rglob("*.py"), PACKAGE.rglob("*.jsonl"), (ROOT / "analysis").rglob("*.py")]
+    used.append(p for p in (ROOT / "tests").rglob("*.py") if not p.name.startswith("test_"))
+    digest = hashlib.sha256()
+    for path in sorted(path for paths in used for path in paths):
+        digest.update(path.read_bytes())
+    return digest.digest()
 
 
 @dataclass(frozen=True)
@@ -496,14 +510,12 @@ def main() -> None:
     parser.add_argument("--sample", type=int, help="how many mutants; by default all")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", help="a module, as model/bat.py")
-    parser.add_argument(
-        "--map", type=Path, help="what the tests reach: read from a file, or written to it"
-    )
     parser.add_argument("--again", action="store_true", help="only survivors without a reason")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
     options = parser.parse_args()
     os.chdir(ROOT)
-    (SPACE / "compiled").mkdir(parents=True, exist_ok=True)
+    for folder in ("compiled", "reach"):
+        (SPACE / folder).mkdir(parents=True, exist_ok=True)
     os.environ |= {
         "PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), str(ROOT)]),
         "PYTHONDONTWRITEBYTECODE": "1",
@@ -517,10 +529,7 @@ def main() -> None:
     asked = [mutant for mutant in every if options.only in (None, mutant.module)]
     if options.again:
         asked = [mutant for mutant in asked if reasons.get(mutant.key) == ""]
-    fresh = SPACE / "map.json"
-    if options.map is None:
-        fresh.unlink(missing_ok=True)
-    reach = record(options.map or fresh, options.jobs)
+    reach = record(options.jobs)
     require_tests(asked[: options.sample], reach)
     tasks = (
         Task(m, tuple(reach.tests(m, limit) for limit in LIMITS[: 1 if reasons.get(m.key) else 2]))

@@ -87,7 +87,7 @@ def cluster(
         with (
             distributed.LocalCluster(
                 n_workers=2, threads_per_worker=1, processes=False, protocol="tcp",
-                host="127.0.0.1", dashboard_address=None,
+                host="127.0.0.1", dashboard_address=":0",
             ) as local,
             distributed.Client(local, set_as_default=False) as client,
         ):  # fmt: skip

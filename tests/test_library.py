@@ -18,11 +18,13 @@ import pytest
 
 import longball as lb
 from longball import api, engines, solution, tables
+from longball.convergence import studies
 from longball.engines import event, tangent, taylor
 from longball.model import law
 from longball.model.quantities import flat
 from longball.pitches import prediction
 from longball.questions import movement, parks, spin
+from tests.calls import check_wrong_calls
 from tests.engines.test_lines import ERRORS
 
 AT_BAT = {
@@ -40,7 +42,21 @@ class TestImport:
 
     @pytest.mark.parametrize(
         "module",
-        [lb, api, solution, tables, movement, parks, prediction, spin, event, law, tangent, taylor],
+        [
+            lb,
+            api,
+            solution,
+            studies,
+            tables,
+            movement,
+            parks,
+            prediction,
+            spin,
+            event,
+            law,
+            tangent,
+            taylor,
+        ],
     )
     def test_the_examples_print_what_they_say(self, module):
         results = doctest.testmod(module)
@@ -77,44 +93,11 @@ class TestScenes:
         assert not [x for x in dir(lb.AtBat()) + dir(lb.Bat) if x.startswith(("_", "model_"))]
         assert repr(lb.AtBat(swing={"tilt": 0.2})) == "AtBat(swing={'tilt': 0.2})"
 
-    @pytest.mark.parametrize(
-        ("written", "error", "named"),
-        [
-            ({"kind": "at-bat", "pitch": {"sped": 3}}, lb.InvalidScene, "pitch.sped"),
-            ({"kind": "at-bat", "pitch": {"speed": -3}}, lb.InvalidScene, "pitch.speed"),
-            ({"kind": "at-bat", "gravity": float("nan")}, lb.InvalidScene, "gravity"),
-            ("no scene", lb.InvalidScene, "not JSON"),
-            ({"kind": "at-bat", "gravity": 1j}, TypeError, "complex"),
-            ({"kind": "at-bat", "pitch": {"aim": (x for x in "12")}}, TypeError, "pitch.aim: "),
-            (3, TypeError, "int"),
-            (None, TypeError, "NoneType"),
-        ],
-    )
-    def test_anything_else_is_refused(self, written, error, named):
-        with pytest.raises(error, match=named):
-            lb.solve(written)
-
-    def test_a_model_refuses_in_the_same_words(self):
-        with pytest.raises(lb.InvalidScene, match=r"pitch.aim\[1\]: is missing"):
-            lb.AtBat(pitch={"aim": [1]})
-        with pytest.raises(lb.InvalidScene, match="kind: must be 'pitch'"):
-            lb.Pitch(kind="flight")
-        with pytest.raises(
-            lb.InvalidScene, match=r"velocity: must be \[x, y, z\] in m/s, and has 4 values"
-        ):
-            lb.Flight(launch={"position": [0, 0, 1], "velocity": [1, 2, 3, 4]})
-        with pytest.raises(TypeError, match="AtBat takes keywords: id, ball, "):
-            lb.AtBat({"kind": "at-bat"})
-
     def test_a_block_is_written_like_a_scene(self):
         assert lb.Launch(position=[0, 0, 1], velocity=np.arange(3)) == lb.Launch(
             position=(0.0, 0.0, 1.0), velocity=(0.0, 1.0, 2.0)
         )
         assert repr(lb.Bat(mass=np.float32(0.5))) == "Bat(mass=0.5)"
-        with pytest.raises(lb.InvalidScene, match="mass: must be positive"):
-            lb.Bat(mass=-1)
-        with pytest.raises(lb.InvalidScene, match="tlit: unknown key, did you mean tilt"):
-            lb.Swing(tlit=0.1)
 
 
 class TestSolve:
@@ -126,24 +109,6 @@ class TestSolve:
         # The scheme as printed is of first order: ∂D/∂t of a contact a step late, 40 m/s.
         assert step.landing.distance == pytest.approx(float(digits.landing.distance), abs=0.1)
         assert own.landing.distance == pytest.approx(float(digits.landing.distance), abs=1e-4)
-
-    @pytest.mark.parametrize(
-        ("engine", "options", "error"),
-        [
-            ("verne", {}, ValueError),
-            ("ivp", {"dt": 1.0}, ValueError),
-            ("enclosure", {"digits": 20.0}, TypeError),
-            ("multiprecision", {"digits": "20"}, TypeError),
-            ("verlet", {"dt": "a"}, TypeError),
-            ("batch", {"tolerance": True}, TypeError),
-            ("ivp", {"method": "RK45", "rtol": "a"}, TypeError),
-            (3, {}, TypeError),
-            (engines.create("ivp"), {"rtol": 1e-9}, TypeError),
-        ],
-    )
-    def test_a_wrong_engine_is_refused(self, engine, options, error):
-        with pytest.raises(error, match=next(iter([*options][-1:]), "engine")):
-            lb.solve({"kind": "pitch"}, engine=engine, **options)
 
     def test_options_may_be_numbers_of_numpy(self):
         assert engines.create("enclosure", digits=np.int64(20)).description == "enclosure digits=20"
@@ -237,11 +202,6 @@ class TestPath:
         middle = path.at((flight.t.to_numpy()[1:] + flight.t.to_numpy()[:-1]) / 2)
         assert slope == pytest.approx(middle.velocity[:, 0], abs=0.01)
 
-    @pytest.mark.parametrize("time", [-1e-9, 100.0, float("nan"), [0.0, 100.0]])
-    def test_there_is_nothing_outside(self, time):
-        with pytest.raises(ValueError, match="outside the path"):
-            lb.solve({"kind": "pitch"}).path.at(time)
-
     def test_an_impact_has_none(self):
         touching = {"position": [0.0696, 0, 1], "velocity": [-30, 0, 0], "bat_height": 1}
         with pytest.raises(ValueError, match="no path"):
@@ -312,19 +272,6 @@ class TestSolveMany:
         table = lb.solve_many(columns, "ivp")
         assert table["plate.time"].tolist() == [result.plate.time for result in alone]
 
-    @pytest.mark.parametrize(
-        ("columns", "named"),
-        [
-            ({"kind": "pitch", "pitch.sped": [1.0, 2.0]}, "pitch.sped"),
-            ({"kind": "pitch", "pitch.speed": [1.0], "gravity": [1.0, 2.0]}, "equally long"),
-            ({"kind": "pitch", "pitch.speed": [1.0], "pitch": "x"}, "pitch"),
-            ({"kind": "pitch", "pitch speed": [1.0]}, "not the name"),
-        ],
-    )
-    def test_columns_that_make_no_sense_are_refused(self, columns, named):
-        with pytest.raises(ValueError, match=named):
-            lb.solve_many(columns)
-
     @pytest.mark.parametrize("missing", ["kind", "launch.velocity[1]", "launch.position[0]"])
     def test_a_column_that_is_missing_is_named(self, missing: str):
         columns = {"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 0, 25]}}
@@ -333,11 +280,6 @@ class TestSolveMany:
         named = re.escape(f"no row is a scene: {missing}: is missing")
         with pytest.raises(lb.InvalidScene, match=f"{named}.*the columns are"):
             lb.solve_many(table)
-
-    @pytest.mark.parametrize("other", [None, 3, pd.Series([3.0]), pd.Series(["a"], ["kind"])])
-    def test_what_is_neither_scenes_nor_columns_is_refused(self, other):
-        with pytest.raises(TypeError, match=f"not an object of type {type(other).__name__}"):
-            lb.solve_many(other)
 
     @pytest.mark.parametrize(
         "scenes", [[{"kind": "at-bat", "id": "a"}] * 2, {"kind": ["pitch"] * 2, "id": ["a"] * 2}]
@@ -350,85 +292,113 @@ class TestSolveMany:
 BALL = lb.Flight(launch={"position": [0, 0, 1], "velocity": [30, 0, 25]})
 FLIES = pd.DataFrame({"launch_speed": [103.0], "launch_angle": [28.0]})
 PLACE = {"kind": "flight", "launch.position": [0, 0, 1]}
+FILE = Path("scenes.csv")
+PITCH = {"kind": "pitch"}
 VECTORS = {"position": (15, 0, 2), "velocity": (-40, 0, 0), "acceleration": (8, 0, -5)}
 
 
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (lambda: lb.solve(lb.Pitch(), certify="yes"), "certify = 'yes' is not True or False"),
-        (lambda: lb.solve_many([], certify=1), "certify = 1 is not True or False"),
-        (lambda: lb.solve_many([], workers="a"), "workers = 'a' is not a whole number"),
-        (lambda: lb.solve_many([], workers=0), "workers = 0: a positive number, or -1"),
-        (lambda: lb.home_run_probability(0.4, workers=2.5), "workers = 2.5 is not a whole"),
-        (
-            lambda: lb.home_run_probability(0.4, "monte-carlo", samples=0),
-            "samples = 0 is less than 1",
-        ),
-        (lambda: lb.home_run_probability(0.4, "monte-carlo", seed=-1), "seed = -1 is less than 0"),
-        (lambda: lb.home_run_probability(0.4, samples=9), "samples: quadrature draws none"),
-        (lambda: lb.home_run_probability([]), r"e = \[\]: one coefficient of restitution or more"),
-        (lambda: lb.home_run_probability("a"), "e = 'a': a number or an array"),
-        (lambda: lb.home_run_probability(0.4, pitches="no.json"), "no.json: cannot be read"),
-        (lambda: lb.solve(lb.Pitch()).path.at("0.1"), "time = '0.1': a number or an array"),
-        (lambda: lb.solve(lb.Pitch()).path.at([True]), r"time = \[True\]: a number or an array"),
-        (lambda: lb.home_run_probability(0.4, reading="a"), "reading: a mapping from switches"),
-        (lambda: lb.solve(lb.Pitch()).path.sample(0), "points = 0 is less than 2"),
-        (lambda: lb.solve(lb.Pitch()).path.sample(2.5), "points = 2.5 is not a whole number"),
-        (lambda: lb.solve(lb.Pitch()).path.sample([0.1, 0.2]), r"path\.at takes times"),
-        (lambda: lb.golden.load("pitch")[0].attainable("foo"), "foo is not the name of a number"),
-        # of a first-time user
-        (lambda: lb.solve("scene.json"), "the name of a file: scene.json; pass its text"),
-        (lambda: lb.solve(Path("scenes.csv")), "the name of a file: scenes.csv"),
-        (lambda: lb.solve([{"kind": "pitch"}]), "lb.solve_many takes several"),
-        (lambda: lb.launch(speed="103 mph", angle=0.4), r"speed: must be a number in m/s \(got"),
-        (lambda: lb.launch(speed=46.0, angle=28), r"angle: .* \(got 28\); 28° are 0.4887 rad"),
-        (
-            lambda: lb.Flight(launch={"speed": 46.0}),
-            r"launch.speed: unknown key; .*; lb.launch\(…\)",
-        ),
-        (lambda: lb.solve(lb.Pitch()).time, "no attribute 'time', did you mean plate.time"),
-        (lambda: lb.Solve, "has no attribute 'Solve', did you mean solve"),
-        (lambda: lb.measured(FLIES, "battd"), "did you mean batted"),
-        (lambda: lb.measured(3, "batted"), "a table is a pandas DataFrame"),
-        (lambda: lb.fit_pitches(3), "not an object of type int"),
-        (lambda: lb.in_parks(BALL, "Fenway Park"), r"such as \['Fenway Park'\]"),
-        (lambda: lb.park("Sutter Health Park"), "no source gives the heights"),
-        (lambda: lb.movement(lb.Pitch(), since="a"), "since = 'a' is not a number"),
-        (lambda: lb.spin_for(lb.Pitch(), 3), "a movement is needed, lb.Movement"),
-        (
-            lambda: lb.NineParameters(**VECTORS | {"position": (1, 2)}),
-            r"position = \(1, 2\): a vector \[x, y, z\]",
-        ),
-        (
-            lambda: lb.fit({"landing.distance": "100"}, BALL, unknowns=["launch.speed"]),
-            "landing.distance = '100': a finite number",
-        ),
-        (
-            lambda: lb.uncertainty(BALL, {"launch.speed": -1}),
-            r"launch.speed must be positive \(got -1\)",
-        ),
-        # columns: the fault of a cell, and not the shapes of arrays
-        (
-            lambda: lb.solve_many(PLACE | {"launch.velocity": [[30, 0], [20, 0]]}),
-            r"launch.velocity must be \[x, y, z\] in m/s",
-        ),
-        (
-            lambda: lb.solve_many(PLACE | {"launch.velocty": [[30, 0, 25]]}),
-            "launch.velocty: unknown key, did you mean velocity",
-        ),
-        # keys
-        (lambda: lb.solve({"Kind": "flight"}), "is missing, and Kind is not a key"),
-        (
-            lambda: BALL.replace(**{"air.temperature": 20}),
-            "temperature is a key of air.density",
-        ),
-        (lambda: BALL.replace(**{"launch.pos": 1}), "did you mean position"),
-    ],
-)
-def test_a_wrong_call_says_what_would_be_right(call, said: str):
-    with pytest.raises((TypeError, ValueError, KeyError, AttributeError), match=said):
-        call()
+# Calls, and what is said of each.
+WRONG = r"""
+# what is no scene
+lb.solve({"kind": "at-bat", "pitch": {"sped": 3}}) -> pitch.sped
+lb.solve({"kind": "at-bat", "pitch": {"speed": -3}}) -> pitch.speed
+lb.solve({"kind": "at-bat", "gravity": float("nan")}) -> gravity
+lb.solve({"kind": "at-bat", "gravity": 1j}) -> complex
+lb.solve({"kind": "at-bat", "pitch": {"aim": (x for x in "12")}}) -> pitch.aim:
+lb.solve("no scene") -> not JSON
+lb.solve(3) -> int
+lb.solve(None) -> NoneType
+lb.AtBat(pitch={"aim": [1]}) -> pitch.aim\[1\]: is missing
+lb.Pitch(kind="flight") -> kind: must be 'pitch'
+lb.Flight(launch={"position": [0, 0, 1], "velocity": [1, 2, 3, 4]})
+    -> velocity: must be \[x, y, z\] in m/s, and has 4 values
+lb.AtBat({"kind": "at-bat"}) -> AtBat takes keywords: id, ball,
+lb.Bat(mass=-1) -> mass: must be positive
+lb.Swing(tlit=0.1) -> tlit: unknown key, did you mean tilt
+lb.launch(-1, 0.5) -> speed: must be positive \(got -1\)
+BALL.replace(**{"launch.spni": 0.2}) -> launch.spni: unknown key, did you mean spin\?
+# engines and their options
+lb.solve(PITCH, "verne") -> engine
+lb.solve(PITCH, "ivp", dt=1.0) -> dt
+lb.solve(PITCH, "enclosure", digits=20.0) -> digits
+lb.solve(PITCH, "multiprecision", digits="20") -> digits
+lb.solve(PITCH, "verlet", dt="a") -> dt
+lb.solve(PITCH, "batch", tolerance=True) -> tolerance
+lb.solve(PITCH, "ivp", method="RK45", rtol="a") -> rtol
+lb.solve(PITCH, 3) -> engine
+lb.solve(PITCH, engines.create("ivp"), rtol=1e-9) -> rtol
+# results and paths
+lb.solve(lb.Pitch())["landing.distnce"] -> landing.distnce: no result has it, did you mean
+lb.solve(PITCH).path.at(-1e-9) -> outside the path
+lb.solve(PITCH).path.at(float("nan")) -> outside the path
+lb.solve(PITCH).path.at([0.0, 100.0]) -> outside the path
+# columns
+lb.solve_many(PITCH | {"pitch.sped": [1.0, 2.0]}) -> pitch.sped
+lb.solve_many(PITCH | {"pitch.speed": [1.0], "gravity": [1.0, 2.0]}) -> equally long
+lb.solve_many(PITCH | {"pitch.speed": [1.0], "pitch": "x"}) -> pitch
+lb.solve_many(PITCH | {"pitch speed": [1.0]}) -> not the name
+lb.solve_many(None) -> not an object of type NoneType
+lb.solve_many(3) -> not an object of type int
+lb.solve_many(pd.Series([3.0])) -> not an object of type Series
+lb.solve_many(pd.Series(["a"], ["kind"])) -> not an object of type Series
+# P(e)
+lb.home_run_probability(1.5) -> e = 1\.5
+lb.home_run_probability(0.4, "guess") -> guess
+lb.home_run_probability(0.4, scene=PITCH) -> an at-bat is
+lb.home_run_probability(0.4, scene=lb.AtBat(pitch={"speed": 30})) -> pitch\.speed: it varies
+lb.home_run_probability(0.4, reading={"foo": 1}) -> 'foo' is not a switch
+lb.home_run_probability(0.4, reading={"inertia": "rod"})
+    -> inertia: must be .* \(got 'rod'\), did you mean thin_rod\?$
+# values
+lb.solve(lb.Pitch(), certify="yes") -> certify = 'yes' is not True or False
+lb.solve_many([], certify=1) -> certify = 1 is not True or False
+lb.solve_many([], workers="a") -> workers = 'a' is not a whole number
+lb.home_run_probability(0.4, workers=2.5) -> workers = 2.5 is not a whole
+lb.home_run_probability(0.4, "monte-carlo", seed=-1) -> seed = -1 is less than 0
+lb.home_run_probability(0.4, samples=9) -> samples: quadrature draws none
+lb.home_run_probability([]) -> e = \[\]: one coefficient of restitution or more
+lb.home_run_probability("a") -> e = 'a': a number or an array
+lb.solve(lb.Pitch()).path.at("0.1") -> time = '0.1': a number or an array
+lb.solve(lb.Pitch()).path.at([True]) -> time = \[True\]: a number or an array
+lb.home_run_probability(0.4, reading="a") -> reading: a mapping from switches
+lb.solve(lb.Pitch()).path.sample(0) -> points = 0 is less than 2
+lb.solve(lb.Pitch()).path.sample(2.5) -> points = 2.5 is not a whole number
+lb.solve(lb.Pitch()).path.sample([0.1, 0.2]) -> path\.at takes times
+lb.golden.load("pitch")[0].attainable("foo") -> foo is not the name of a number
+# of a first-time user
+lb.solve("scene.json") -> the name of a file: scene.json; pass its text
+lb.solve(FILE) -> the name of a file: scenes.csv
+lb.solve([{"kind": "pitch"}]) -> lb.solve_many takes several
+lb.launch(speed="103 mph", angle=0.4) -> speed: must be a number in m/s \(got
+lb.launch(speed=46.0, angle=28) -> angle: .* \(got 28\); 28° are 0.4887 rad
+lb.Flight(launch={"speed": 46.0}) -> launch.speed: unknown key; .*; lb.launch\(…\)
+lb.solve(lb.Pitch()).time -> no attribute 'time', did you mean plate.time
+lb.Solve -> has no attribute 'Solve', did you mean solve
+lb.measured(FLIES, "battd") -> did you mean batted
+lb.measured(3, "batted") -> a table is a pandas DataFrame
+lb.fit_pitches(3) -> not an object of type int
+lb.in_parks(BALL, "Fenway Park") -> such as \['Fenway Park'\]
+lb.park("Sutter Health Park") -> no source gives the heights
+lb.movement(lb.Pitch(), since="a") -> since = 'a' is not a number
+lb.spin_for(lb.Pitch(), 3) -> a movement is needed, lb.Movement
+lb.NineParameters(**VECTORS | {"position": (1, 2)}) -> position = \(1, 2\): a vector \[x, y, z\]
+lb.fit({"landing.distance": "100"}, BALL, unknowns=["launch.speed"])
+    -> landing.distance = '100': a finite number
+lb.uncertainty(BALL, {"launch.speed": -1}) -> launch.speed must be positive \(got -1\)
+# columns: the fault of a cell, and not the shapes of arrays
+lb.solve_many(PLACE | {"launch.velocity": [[30, 0], [20, 0]]})
+    -> launch.velocity must be \[x, y, z\] in m/s
+lb.solve_many(PLACE | {"launch.velocty": [[30, 0, 25]]})
+    -> launch.velocty: unknown key, did you mean velocity
+# keys
+lb.solve({"Kind": "flight"}) -> is missing, and Kind is not a key
+BALL.replace(**{"air.temperature": 20}) -> temperature is a key of air.density
+BALL.replace(**{"launch.pos": 1}) -> did you mean position
+"""
+
+
+def test_a_wrong_call_says_what_would_be_right():
+    check_wrong_calls(WRONG, globals())
 
 
 def test_probability_of_a_home_run():
@@ -438,20 +408,6 @@ def test_probability_of_a_home_run():
     )
     assert list(table)[:4] == ["e", "p", "low", "high"]
     assert table.low[0] < table.p[0] < table.high[0] < switched.p[0]
-    for wrong in (
-        {"e": 1.5},
-        {"e": 0.4, "method": "guess"},
-        {"e": 0.4, "scene": {"kind": "pitch"}},
-        {"e": 0.4, "scene": lb.AtBat(pitch={"speed": 30})},
-        {"e": 0.4, "reading": {"foo": 1}},
-        {"e": 0.4, "reading": {"inertia": "rod"}},
-    ):
-        with pytest.raises(
-            ValueError,
-            match=r"e = 1\.5|guess|an at-bat is|pitch\.speed: it varies"
-            r"|'foo' is not a switch|inertia: must be .* \(got 'rod'\), did you mean thin_rod\?$",
-        ):
-            lb.home_run_probability(**wrong)
 
 
 class TestJudge:
@@ -484,8 +440,6 @@ def test_a_launch_is_what_trackers_measure():
     # Backspin about +x, which lifts a ball that flies to +y; the rest in the plane of y and z.
     assert launch.spin == pytest.approx((200.0, -30 * half, 30 * level), abs=1e-13)
     assert lb.launch(40.0, 0.5).spin is None
-    with pytest.raises(lb.InvalidScene, match=r"speed: must be positive \(got -1\)"):
-        lb.launch(-1, 0.5)
 
 
 def test_a_scene_with_other_values_is_checked():
@@ -494,8 +448,6 @@ def test_a_scene_with_other_values_is_checked():
     written = {"pitch": {"speed": 38.0, "aim": [0.0, 1.7]}, "swing": {"tilt": 0.2}, "air": None}
     assert other == lb.AtBat(**written)
     assert scene.swing.tilt == 0.14
-    with pytest.raises(lb.InvalidScene, match=r"swing.tlt: unknown key, did you mean tilt\?"):
-        scene.replace(**{"swing.tlt": 0.2})
 
 
 def test_quantities_have_names():
@@ -503,8 +455,6 @@ def test_quantities_have_names():
     assert solution["plate.position[2]"] == solution.plate.position[2]
     assert solution["landing.distance"] is None
     assert solution.to_dict() == json.loads(solution.result.line(), object_hook=_tuples)
-    with pytest.raises(ValueError, match=r"landing.distnce: no result has it, did you mean"):
-        solution["landing.distnce"]
 
 
 def _tuples(block):

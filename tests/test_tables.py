@@ -7,7 +7,6 @@ import json
 import math
 import pickle
 from decimal import Decimal
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -187,17 +186,6 @@ def test_what_is_masked_is_not_given(column, engine: str):
     table = lb.solve_many({"kind": "pitch", "pitch.speed": column}, engine)
     wanted = [time_at(speed=40.0), time_at()]
     assert table["plate.time"].tolist() == pytest.approx(wanted, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    "speed",
-    [np.longdouble(40), np.float16(40), np.uint8(40), np.uint64(40), Decimal(40), Fraction(40), 40],
-)
-def test_numbers_of_every_type_are_the_same_number(speed):
-    fast = time_at(speed=40.0)
-    assert time_at(speed=speed) == fast
-    for column in ([speed] * 2, np.array([speed] * 2), pd.Series([speed] * 2)):
-        assert lb.solve_many({"kind": "pitch", "pitch.speed": column})["plate.time"][1] == fast
 
 
 @pytest.mark.parametrize(

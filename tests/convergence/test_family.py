@@ -110,7 +110,9 @@ def test_what_is_zero_everywhere_has_no_order():
 def test_a_step_is_used_for_what_its_error_tells():
     steps = np.geomspace(0.1, 1e-4, 16)
     (seen,) = study(lambda h: h**2 * (1 + (h / 0.01) ** 2), steps, truth=0.0).orders
+    assert seen.order == pytest.approx(2, abs=0.1)
     uses = [rung.use for rung in seen.rungs]
+    assert all(step < 0.02 for step, use in zip(steps, uses, strict=True) if use == "fitted")
     assert (uses[0], uses[-1], {*uses}) == (
         "pre-asymptotic",
         "fitted",

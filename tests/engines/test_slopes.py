@@ -20,6 +20,7 @@ from longball.engines.tangent import derivatives_of
 from longball.golden.case import ROUNDING
 from longball.model.inputs import inputs, value_of
 from longball.model.quantities import replaced
+from tests.calls import check_wrong_calls
 from tests.scenes import FAMILIES, cases_of
 
 GOOD = 1e-12  # of the size of a quantity
@@ -285,20 +286,23 @@ def test_lists_and_other_engines_have_the_derivatives_of_single_scenes():
     assert table["derivatives"].str.contains("ivp").all()
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ({"derivatives": ["launch.sped"]}, "did you mean launch.speed"),
-        ({"derivatives": "launch.speed"}, "a list of names is needed"),
-        ({"derivatives": True, "certify": True}, "not certified"),
-        ({"derivatives": True, "engine": "verlet", "dt": 1e-3}, "has no derivatives"),
-    ],
-)
-def test_derivatives_that_cannot_be_had_are_refused(options, sentence):
-    columns = {"kind": "flight", "launch.position": [0, 0, 1], "launch.velocity[0]": [30.0, 31.0]}
-    columns |= {"launch.velocity[1]": 1.0, "launch.velocity[2]": 20.0}
-    with pytest.raises((TypeError, ValueError), match=sentence):
-        lb.solve_many(columns, **options)
+WRONG = """
+lb.solve_many(TWO, derivatives=["launch.sped"]) -> did you mean launch.speed
+lb.solve_many(TWO, derivatives="launch.speed") -> a list of names is needed
+lb.solve_many(TWO, derivatives=True, certify=True) -> not certified
+lb.solve_many(TWO, derivatives=True, engine="verlet", dt=1e-3) -> has no derivatives
+"""
+TWO = {
+    "kind": "flight",
+    "launch.position": [0, 0, 1],
+    "launch.velocity[0]": [30.0, 31.0],
+    "launch.velocity[1]": 1.0,
+    "launch.velocity[2]": 20.0,
+}
+
+
+def test_derivatives_that_cannot_be_had_are_refused():
+    check_wrong_calls(WRONG, globals())
 
 
 # --- golden data ----------------------------------------------------------------------------------

@@ -233,35 +233,14 @@ def test_a_missing_set_is_said_so(tmp_path: Path):
 # --- probabilities --------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def computed() -> dict[str, object]:
-    """Results of both methods by their arguments, shared by these tests."""
-    return {}
-
-
-def nothing_twice(monkeypatch, computed: dict[str, object]) -> None:
-    """Let both methods compute nothing twice; the number of threads changes no bit of it.
-
-    The quadrature's rules are coarse: right to 2e-4.
-    """
-    monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(2, 1), Nodes(4, 2)))
-
-    def once(method):
-        def found(*args, workers=1, **kwargs):
-            of = [tuple(given) if isinstance(given, list) else given for given in args]
-            key = repr((method.__name__, of, kwargs))
-            if key not in computed:
-                computed[key] = method(*args, workers=workers, **kwargs)
-            return computed[key]
-
-        return found
-
-    for method in (home_runs.integrals, home_runs.scrambled):
-        monkeypatch.setattr(home_runs, method.__name__, once(method))
+def coarsely(patch: pytest.MonkeyPatch) -> None:
+    """Let both methods take few points: they are right to 2e-4 then."""
+    patch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(2, 1), Nodes(4, 2)))
+    patch.setattr(home_runs, "LINES", 64)
 
 
 @pytest.fixture(scope="module")
-def with_probabilities(tmp_path_factory, written, computed) -> Path:
+def with_probabilities(tmp_path_factory, written) -> Path:
     """A set of three cases, and P(0.45) of the default reading."""
     folder = shutil.copytree(written, tmp_path_factory.mktemp("set") / "probabilities")
     default, *_ = probabilities().cases
@@ -270,7 +249,7 @@ def with_probabilities(tmp_path_factory, written, computed) -> Path:
     wanted = default.model_copy(update={"rows": (nothing,)})
     seen = []
     with pytest.MonkeyPatch.context() as patch:
-        nothing_twice(patch, computed)
+        coarsely(patch)
         assert home_runs.write_probabilities(
             folder,
             [wanted],
@@ -295,10 +274,8 @@ def test_probabilities_come_into_a_set_without_changing_its_other_files(
 
 
 @pytest.fixture
-def few_lines(monkeypatch, computed) -> None:
-    """Fewer lines of the second method, which is then right to 2e-4; nothing computed twice."""
-    monkeypatch.setattr(home_runs, "LINES", 64)
-    nothing_twice(monkeypatch, computed)
+def few_lines(monkeypatch) -> None:
+    coarsely(monkeypatch)
 
 
 @pytest.mark.usefixtures("few_lines")

@@ -47,18 +47,71 @@ def answered(ran: Run) -> list[str]:
     return sorted(ran.collected.answers)
 
 
-def test_answers_are_read_and_nothing_is_wrong():
-    ran = python("for id in ids(): say(id)")
-    assert answered(ran) == ["s0", "s1", "s2", "s3", "s4"]
-    assert said(ran) == ""
-    assert ran.status == 0
+EVERY = "for id in ids(): say(id)"
+CHILD = "if os.fork() == 0: time.sleep(600)\nos._exit"
+REFUSING = (
+    "for i in range(4): say(f's{i}')\nprint(json.dumps({'id': 's4', 'error': 'no'}))\nsys.exit"
+)
+FLOOD = Limits(scene_seconds=60, total_seconds=120, output_bytes=1 << 21)
+
+# What a candidate does, in which limits, how many scenes it has then answered, and what is said.
+CONDUCT = {
+    "answers": (EVERY, GENEROUS, 5, ""),
+    "in any order": ("for id in reversed(list(ids())): say(id)", GENEROUS, 5, ""),
+    "hangs": ("say('s0'); say('s1'); time.sleep(600)", HASTY, 2,
+              "no answer came for 1 s, and was stopped; it answered 2 of 5 scenes"),
+    "hangs with its output closed": (
+        "say('s0'); sys.stdout.flush(); os.close(1); time.sleep(600)", HASTY, 1,
+        "closed its output, but did not end within 1 s, and was stopped"),
+    "hangs after the last answer": (f"{EVERY}\ntime.sleep(600)", HASTY, 5,
+                                    "did not end within 1 s after its last answer"),
+    "prints rubbish for ever": (
+        "say('s0')\nwhile True: print('thinking', flush=True); time.sleep(.05)", HASTY, 1,
+        "no answer came for 1 s"),
+    "crashes": ("say('s0'); say('s1'); os.abort()", GENEROUS, 2,
+                "was ended by signal SIGABRT; it answered 2 of 5 scenes"),
+    "ends early": ("say('s0'); sys.exit(3)", GENEROUS, 1,
+                   "ended with status 3; it answered 1 of 5 scenes"),
+    "ends with a status": (f"{EVERY}\nsys.exit(3)", GENEROUS, 5,
+                           "it ended with status 3; it answered 5 of 5 scenes"),
+    "crashes in the end": (f"{EVERY}\nos.abort()", GENEROUS, 5,
+                           "it was ended by signal SIGABRT; it answered 5 of 5 scenes"),
+    # As `longball solve` does: 1 says that a line could not be solved.
+    "refuses with 0": (f"{REFUSING}(0)", GENEROUS, 5, ""),
+    "refuses with 1": (f"{REFUSING}(1)", GENEROUS, 5, ""),
+    "refuses with 2": (f"{REFUSING}(2)", GENEROUS, 5, "it ended with status 2"),
+    # Its child holds the pipe.
+    **{f"leaves a child, {answered} answers, status {status}": (
+        f"{answers}\n{CHILD}({status})", HASTY, answered,
+        f"it ended with status {status}, but a process that it had started held its output open")
+       for answers, status, answered in (("say('s0')", 0, 1), (EVERY, 0, 5), ("say('s0')", 4, 1))},
+    "floods": ("say('s0')\nwhile True: os.write(1, b'spam' * 10000 + b'\\n')", FLOOD, 1,
+               "wrote more than 2097152 bytes, and was stopped"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("conduct", CONDUCT)
+def test_what_was_answered_counts_and_the_rest_is_told(conduct: str):
+    program, limits, count, sentence = CONDUCT[conduct]
+    ran = python(program, limits)
+    assert answered(ran) == [f"s{i}" for i in range(count)]
+    assert sentence in said(ran)
+    assert bool(said(ran)) == bool(sentence)
+    assert (ran.status is None) == any(x in said(ran) for x in ("stopped", "last answer", "held"))
+    # One end is told, not two.
+    assert ("no answer came" in said(ran)) == ("no answer came" in sentence)
+    assert len(ran.collected.issues) < 50
+
+
+def test_numbers_of_an_answer_are_read():
+    ran = python(EVERY)
     assert [float(x) for x in ran.collected.answers["s3"].values["landing.distance"]] == [1.5]
 
 
-def test_any_order_will_do():
-    ran = python("for id in reversed(list(ids())): say(id)")
-    assert len(answered(ran)) == 5
-    assert said(ran) == ""
+def test_the_time_in_all_is_limited():
+    limits = Limits(scene_seconds=60, total_seconds=1.5)
+    ran = python("for id in ids(): time.sleep(.5); say(id)", limits, count=1000)
+    assert "took more than 1.5 s in all, and was stopped" in said(ran)
 
 
 def test_no_deadlock_when_everything_is_read_first_or_answered_before_reading():
@@ -75,84 +128,6 @@ def test_progress_is_told():
     program = 'import sys\nfor i in range(5): print(\'{"id": "s%d"}\' % i)'
     run([sys.executable, "-c", program], scenes(), GENEROUS, told.append)
     assert told == [1, 2, 3, 4, 5]
-
-
-def test_a_hang_keeps_what_was_answered():
-    ran = python("say('s0'); say('s1'); time.sleep(600)", HASTY)
-    assert answered(ran) == ["s0", "s1"]
-    assert "no answer came for 1 s, and was stopped; it answered 2 of 5 scenes" in said(ran)
-    assert ran.status is None
-
-
-def test_a_hang_that_closed_its_output():
-    ran = python("say('s0'); sys.stdout.flush(); os.close(1); time.sleep(600)", HASTY)
-    assert answered(ran) == ["s0"]
-    assert "closed its output, but did not end within 1 s, and was stopped" in said(ran)
-
-
-def test_a_hang_after_the_last_answer():
-    ran = python("for id in ids(): say(id)\ntime.sleep(600)", HASTY)
-    assert len(answered(ran)) == 5
-    assert "did not end within 1 s after its last answer" in said(ran)
-
-
-def test_rubbish_does_not_count_as_an_answer_in_time():
-    ran = python("say('s0')\nwhile True: print('thinking', flush=True); time.sleep(.05)", HASTY)
-    assert answered(ran) == ["s0"]
-    assert "no answer came for 1 s" in said(ran)
-
-
-def test_the_time_in_all_is_limited():
-    limits = Limits(scene_seconds=60, total_seconds=1.5)
-    ran = python("for id in ids(): time.sleep(.5); say(id)", limits, count=1000)
-    assert "took more than 1.5 s in all, and was stopped" in said(ran)
-
-
-def test_a_crash_half_way():
-    ran = python("say('s0'); say('s1'); os.abort()")
-    assert answered(ran) == ["s0", "s1"]
-    assert "was ended by signal SIGABRT; it answered 2 of 5 scenes" in said(ran)
-
-
-def test_an_early_end():
-    ran = python("say('s4'); print('no more', file=sys.stderr); sys.exit(3)")
-    assert answered(ran) == ["s4"]
-    assert "ended with status 3" in said(ran)
-    assert "it answered 1 of 5 scenes" in said(ran)
-    assert ran.errors == "no more\n"
-
-
-def test_a_status_other_than_0_after_all_answers_is_told():
-    ran = python("for id in ids(): say(id)\nsys.exit(3)")
-    assert len(answered(ran)) == 5
-    assert said(ran) == "the candidate: it ended with status 3; it answered 5 of 5 scenes"
-    ran = python("for id in ids(): say(id)\nos.abort()")
-    assert "it was ended by signal SIGABRT; it answered 5 of 5 scenes" in said(ran)
-
-
-@pytest.mark.parametrize(("status", "told"), [(0, ""), (1, ""), (2, "it ended with status 2")])
-def test_a_program_that_refuses_a_scene_may_say_so_by_its_status(status: int, told: str):
-    """As `longball solve` does: 1 says that a line could not be solved."""
-    refusal = "print(json.dumps({'id': 's4', 'error': 'too hard'}))"
-    ran = python(f"for i in range(4): say(f's{{i}}')\n{refusal}\nsys.exit({status})")
-    assert len(answered(ran)) == 5
-    assert told in said(ran)
-    assert bool(said(ran)) == bool(told)
-
-
-@pytest.mark.parametrize(
-    ("answers", "status", "end"),
-    [
-        ("say('s0')", 0, "ended with status 0"),
-        ("for id in ids(): say(id)", 0, "ended with status 0"),
-        ("say('s0')", 4, "ended with status 4"),
-    ],
-)
-def test_a_program_that_ends_while_its_child_holds_the_pipe_has_ended(answers, status, end):
-    ran = python(f"{answers}\nif os.fork() == 0: time.sleep(600)\nos._exit({status})", HASTY)
-    assert f"it {end}, but a process that it had started held its output open" in said(ran)
-    assert "no answer came" not in said(ran)
-    assert "did not end" not in said(ran)
 
 
 def test_a_line_that_is_cut_is_said_to_be_cut():
@@ -238,14 +213,6 @@ def test_a_line_without_end_takes_no_memory():
     )
     assert answered(ran) == ["s0", "s1"]
     assert f"line 2: longer than {LONGEST_LINE} bytes" in said(ran)
-
-
-def test_a_flood_of_output_is_stopped():
-    limits = Limits(scene_seconds=60, total_seconds=120, output_bytes=1 << 21)
-    ran = python("say('s0')\nwhile True: os.write(1, b'spam' * 10000 + b'\\n')", limits)
-    assert answered(ran) == ["s0"]
-    assert "wrote more than 2097152 bytes, and was stopped" in said(ran)
-    assert len(ran.collected.issues) < 50
 
 
 def test_lines_without_end_that_answer_nothing_are_stopped():

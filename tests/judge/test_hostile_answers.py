@@ -21,6 +21,7 @@ from longball.judge.answers import Collector, line_of
 from longball.judge.cases import Exact
 from longball.judge.diagnosis.diagnose import diagnose
 from longball.judge.evaluation import DEFECT, Judge, usable
+from longball.judge.quantities import QUANTITIES
 from longball.judge.verdict import Verdict
 from longball.model.scene import Scene
 
@@ -80,16 +81,6 @@ def changed(answer: dict[str, Any], some: set[str], change: Callable[[float], An
                 held[key] = change(held[key])
 
 
-NAMES = [
-    f"{block}.{key}"
-    for block, keys in {
-        "plate": ("time", "position", "velocity"),
-        "contact": ("time", "position", "normal", "bat_velocity", "normal_speed", "margin"),
-        "impact": ("restitution", "impulse", "velocity", "energy_change", "spin"),
-        "landing": ("time", "hang_time", "position", "velocity", "distance", "spin"),
-    }.items()
-    for key in keys
-]
 EXTREME = [0.0, 1e300, -1e300, 1e-300, 5e-324, 1.0, -1.0, 1e155, 1e99, 1e17]
 NO_NUMBERS = [math.nan, math.inf, 10**400, 10**5000, None, True, "1", [1.0], {"value": "1e300"}]
 
@@ -97,7 +88,7 @@ NO_NUMBERS = [math.nan, math.inf, 10**400, 10**5000, None, True, "1", [1.0], {"v
 @st.composite
 def edits(draw: st.DrawFn) -> Edit:
     """Draw what replaces, scales, turns or swaps numbers, in some quantities of some scenes."""
-    some = draw(st.just(set()) | st.sets(st.sampled_from(NAMES), min_size=1, max_size=4))
+    some = draw(st.just(set()) | st.sets(st.sampled_from([*QUANTITIES]), min_size=1, max_size=4))
     every, first = draw(st.sampled_from([(1, 0), (1, 0), (2, 1), (3, 0), (100, 0)]))
     value = draw(st.sampled_from(EXTREME + NO_NUMBERS) | st.floats() | st.integers())
     factor = draw(st.sampled_from([-1.0, 0.5, 3.28, 1e150, 1e-150]) | st.floats(-10, 10))

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from longball.model.quantities import at, flat, nested, number, numbers, replaced
 from longball.model.result import Result
 from longball.model.scene import AtBatScene, FlightScene, Launch, PitchScene
+from tests.calls import check_wrong_calls
 from tests.scenes import results, scenes
 
 blocks = scenes() | results()
@@ -65,43 +66,32 @@ def test_an_unknown_name_is_refused_with_the_nearest(block, draw):
 AT_BAT = AtBatScene(id="a")
 
 
-@pytest.mark.parametrize(
-    ("name", "nearest"),
-    [
-        ("pitch.aim.0", "pitch.aim[0]"),
-        ("pitch.aim", "pitch.aim[0]"),
-        ("pitch.release[3]", "pitch.release[0]"),
-        ("speed", "pitch.speed"),
-        ("ball.mas", "ball.mass"),
-        ("model_fields", ""),
-        ("id", ""),
-        ("reading.inertia", ""),
-    ],
-)
-def test_the_nearest_is_what_was_meant(name: str, nearest: str):
-    with pytest.raises(ValueError, match="the nearest are") as refusal:
-        number(AT_BAT, name)
-    assert nearest in str(refusal.value)
+WRONG = r"""
+# the nearest is what was meant
+number(AT_BAT, "pitch.aim.0") -> the nearest are .*pitch\.aim\[0\]
+number(AT_BAT, "pitch.aim") -> the nearest are .*pitch\.aim\[0\]
+number(AT_BAT, "pitch.release[3]") -> the nearest are .*pitch\.release\[0\]
+number(AT_BAT, "speed") -> the nearest are .*pitch\.speed
+number(AT_BAT, "ball.mas") -> the nearest are .*ball\.mass
+number(AT_BAT, "model_fields") -> the nearest are
+number(AT_BAT, "id") -> the nearest are
+number(AT_BAT, "reading.inertia") -> the nearest are
+number(Result(id="r"), "landing.time") -> landing\.time is not .*; there are none
+# what cannot be there
+at({"pitch": 7}, "pitch.speed") -> 7 has no speed
+at({"aim": []}, "aim[0]") -> \[\] has no \[0\]
+at({"aim": [1, 2]}, "aim[01]") -> \[1, 2\] has no \[01\]
+at({"pitch": {"aim": 1}}, "pitch.aim[0]") -> 1 has no \[0\]
+at({}, "pitch..aim") -> is not the name of a number
+# names that contradict each other
+nested({"pitch speed": 1.0}) -> is not the name
+nested({"pitch": 1.0, "pitch.speed": 1.0}) -> already
+nested({"a[0].b": 1.0, "a[0]": 1.0, "a[0].c": 1.0}) -> already
+"""
 
 
-def test_where_there_is_no_number_none_is_near():
-    with pytest.raises(ValueError, match=r"landing\.time is not .*; there are none"):
-        number(Result(id="r"), "landing.time")
-
-
-@pytest.mark.parametrize(
-    ("data", "name", "why"),
-    [
-        ({"pitch": 7}, "pitch.speed", "7 has no speed"),
-        ({"aim": []}, "aim[0]", r"\[\] has no \[0\]"),
-        ({"aim": [1, 2]}, "aim[01]", r"\[1, 2\] has no \[01\]"),
-        ({"pitch": {"aim": 1}}, "pitch.aim[0]", r"1 has no \[0\]"),
-        ({}, "pitch..aim", "is not the name of a number"),
-    ],
-)
-def test_what_cannot_be_there(data: dict, name: str, why: str):
-    with pytest.raises(ValueError, match=why):
-        at(data, name)
+def test_what_is_no_name_says_why():
+    check_wrong_calls(WRONG, globals())
 
 
 def test_what_is_left_out_is_none():
@@ -132,11 +122,3 @@ def test_vectors_named_in_part_are_completed():
     pitch = PitchScene()
     assert nested({"pitch.aim[1]": 1.5}, pitch) == {"pitch": {"aim": [0.0, 1.5]}}
     assert nested({"launch.position[1]": 1.5}, pitch) == {"launch": {"position": [None, 1.5]}}
-
-
-@pytest.mark.parametrize(
-    "names", [("pitch speed",), ("pitch", "pitch.speed"), ("a[0].b", "a[0]", "a[0].c")]
-)
-def test_names_that_contradict_each_other(names):
-    with pytest.raises(ValueError, match=r"is not the name|already"):
-        nested(dict.fromkeys(names, 1.0))

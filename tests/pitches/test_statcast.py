@@ -93,34 +93,6 @@ def test_the_axis_seen_by_the_catcher_is_the_one_measured():
     assert pitch.axis[0] == close(unit(seen - (seen @ along) * along), abs=1e-15)
 
 
-def test_a_cell_that_cannot_be_read_costs_its_row_and_no_other():
-    rows = [BATTED | change for change in (
-        {}, {"launch_speed": "98 mph"}, {"launch_angle": "inf"}, {"stand": "S"}, {"stand": ""}, {},
-    )]  # fmt: skip
-    flies = read_measured(table(*rows), "batted")
-    assert {each.reason: each.first_rows for each in flies.left_out} == {
-        "launch_speed is not a finite number": (2,),
-        "launch_angle is not a finite number": (3,),
-        "stand is neither R nor L": (4,),
-        "stand is missing": (5,),
-    }
-    assert flies.rows.tolist() == [1, 6]
-
-
-def test_pitches_that_cannot_be_used_are_left_out_with_the_reason():
-    rows = [PITCH | change for change in (
-        {}, {"pitch_type": ""}, {"spin_axis": ""}, {"plate_z": -0.1}, {"p_throws": ""},
-    )]  # fmt: skip
-    pitch = read_measured(table(*rows), "pitch")
-    assert {each.reason: each.first_rows for each in pitch.left_out} == {
-        "pitch_type is missing": (2,),
-        "p_throws is missing": (5,),
-        "spin_axis is missing": (3,),
-        "plate_z is below the ground: it bounced first": (4,),
-    }
-    assert pitch.rows.tolist() == [1]
-
-
 def test_without_a_spin_its_columns_are_not_needed():
     spun = ("p_throws", "release_spin_rate", "spin_axis", "game_pk")
     rest = {name: x for name, x in PITCH.items() if name not in spun}
@@ -150,11 +122,6 @@ def test_columns_may_have_names_of_their_own():
 
 def test_hands_may_be_words():
     assert pitches(p_throws="Left").hand.tolist() == pitches(p_throws="L").hand.tolist()
-
-
-def test_no_spin_at_all_was_not_measured():
-    rows = read_measured(table(PITCH, PITCH | {"release_spin_rate": 0}), "pitch")
-    assert [each.reason for each in rows.left_out] == ["release_spin_rate is 0: not measured"]
 
 
 # ---- batted balls --------------------------------------------------------------------------------
@@ -195,35 +162,6 @@ def test_spin_of_a_fly_to_centre_field(stand, sign):
         [sign * 849 * math.sin(slope), -2837, -sign * 849 * math.cos(slope)], rel=1e-12
     )
     assert regression_spin(fly, side_spin=False)[0, 2] == 0.0
-
-
-def test_what_is_no_fly_is_left_out():
-    rows = [BATTED | change for change in (
-        {}, {"launch_angle": 9.9}, {"launch_angle": 60.1}, {"launch_speed": 60}, {"hc_x": ""},
-        {"launch_angle": 10}, {"launch_angle": 60},
-    )]  # fmt: skip
-    fly = read_measured(table(*rows), "batted")
-    assert fly.rows.tolist() == [1, 6, 7]
-    assert {each.reason: each.first_rows for each in fly.left_out} == {
-        "hc_x is missing": (5,),
-        "launch_angle is not between 10° and 60°": (2, 3),
-        "launch_speed is not above 60 mph": (4,),
-    }
-
-
-@pytest.mark.parametrize(
-    ("hc_x", "hc_y", "hit_distance_sc", "reason"),
-    [
-        (135, 215, 60, "the direction is not between the foul lines, by over 15°"),
-        (60, 205, 100, "the direction is not between the foul lines, by over 15°"),
-        (0, 0, 400, "hc_x and hc_y are 0: not measured"),
-        (125.42, 48.27, 0, "hit_distance_sc is 0: not measured"),
-    ],
-)
-def test_a_ball_that_no_fielder_of_the_field_took_is_left_out(hc_x, hc_y, hit_distance_sc, reason):
-    row = BATTED | {"hc_x": hc_x, "hc_y": hc_y, "hit_distance_sc": hit_distance_sc}
-    fly = read_measured(table(BATTED, row), "batted")
-    assert [each.reason for each in fly.left_out] == [reason]
 
 
 def test_a_speed_and_an_angle_are_enough():
@@ -284,6 +222,48 @@ def test_a_park_keeps_its_elevation_under_a_new_name():
         games = io.StringIO(f"game_pk,temperature,park\n1,75,{park}\n")
         heights += [read_measured(table(BATTED | {"game_pk": 1}), "batted", games).elevation[0]]
     assert heights == [45 * 0.3048] * 2
+
+
+# Why a row is left out, and what is changed in a good one.
+LEFT_OUT = {
+    "pitch": [
+        ("pitch_type is missing", {"pitch_type": ""}),
+        ("p_throws is missing", {"p_throws": ""}),
+        ("spin_axis is missing", {"spin_axis": ""}),
+        ("release_spin_rate is 0: not measured", {"release_spin_rate": 0}),
+        ("vy0 is not below 0: away from the plate", {"vy0": 130}),
+        ("release_pos_y is behind the front of the plate", {"release_pos_y": 1}),
+        ("plate_z is below the ground: it bounced first", {"plate_z": -0.1}),
+    ],
+    "batted": [
+        ("launch_speed is not a finite number", {"launch_speed": "98 mph"}),
+        ("launch_angle is not a finite number", {"launch_angle": "inf"}),
+        ("stand is neither R nor L", {"stand": "S"}),
+        ("stand is missing", {"stand": ""}),
+        ("hc_x is missing", {"hc_x": ""}),
+        ("launch_angle is not between 10° and 60°", {"launch_angle": 9.9}),
+        ("launch_angle is not between 10° and 60°", {"launch_angle": 60.1}),
+        ("launch_speed is not above 60 mph", {"launch_speed": 60}),
+        # what no fielder of the field took
+        ("the direction is not between the foul lines, by over 15°", {"hc_x": 135, "hc_y": 215}),
+        ("the direction is not between the foul lines, by over 15°", {"hc_x": 60, "hc_y": 205}),
+        ("hc_x and hc_y are 0: not measured", {"hc_x": 0, "hc_y": 0}),
+        ("hit_distance_sc is 0: not measured", {"hit_distance_sc": 0}),
+    ],
+}
+
+
+@pytest.mark.parametrize("kind", LEFT_OUT)
+def test_a_row_that_cannot_be_used_is_left_out_with_the_reason_and_no_other(kind):
+    good = {"pitch": [{}], "batted": [{}, {"launch_angle": 10}, {"launch_angle": 60}]}[kind]
+    reasons, changes = zip(*LEFT_OUT[kind], strict=True)
+    whole = {"pitch": PITCH, "batted": BATTED}[kind]
+    found = read_measured(table(*(whole | change for change in (*changes, *good))), kind)
+    wanted: dict[str, tuple[int, ...]] = {}
+    for row, reason in enumerate(reasons, 1):
+        wanted[reason] = (*wanted.get(reason, ()), row)
+    assert {each.reason: each.first_rows for each in found.left_out} == wanted
+    assert found.rows.tolist() == [*range(len(changes) + 1, len(changes) + len(good) + 1)]
 
 
 def test_a_table_in_other_units_is_asked_about():
@@ -375,10 +355,3 @@ def test_wrong_games(games, sentence):
     source = io.StringIO(f"game_pk,temperature,park\n{games}\n")
     with pytest.raises(TableError, match=sentence):
         read_measured(table(BATTED), "batted", source)
-
-
-def test_pitches_that_fly_away_are_left_out():
-    with pytest.raises(TableError, match=r"1 rows: vy0 is not below 0: away from the plate"):
-        pitches(vy0=130)
-    with pytest.raises(TableError, match="1 rows: release_pos_y is behind the front of the plate"):
-        pitches(release_pos_y=1)

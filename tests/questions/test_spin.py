@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -14,6 +12,7 @@ from longball.model.numbers import DOUBLES
 from longball.pitches import EXAMPLE
 from longball.pitches.models import MODELS
 from longball.pitches.statcast import INCH, read_measured
+from tests.calls import check_wrong_calls
 
 LAWS = {
     "rational": {"law": "rational"},
@@ -91,49 +90,29 @@ def test_a_share_above_one_is_flagged():
     assert np.isnan(found.spin).all(axis=1).tolist() == [True, False]
 
 
-@pytest.mark.parametrize(
-    ("blocks", "said"),
-    [
-        ({"air": None}, "there is none"),
-        ({}, "a constant does not depend on the spin"),
-        ({"air": {"density": 0.0, "lift_coefficient": {"law": "linear"}}}, "density: is 0"),
-        (
-            {"air": {"lift_coefficient": {
-                "law": "table", "of": "speed", "at": [10, 40], "values": [0.1, 0.2]}}},
-            "a table of speed does not depend",
-        ),
-        (
-            {"air": {"lift_coefficient": {
-                "law": "table", "of": "spin_parameter", "at": [0, 0.4], "values": [0.1, 0.2]}}},
-            "must begin with 0 at 0",
-        ),
-        (
-            {"air": {"lift_coefficient": {"law": "linear"}},
-             "reading": {"spin_parameter": "total"}},
-            "depends on the whole spin",
-        ),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_asked_for_a_spin_says_so(blocks, said):
-    with pytest.raises(ValueError, match=said):
-        lb.spin_from_movement({"kind": "pitch"} | blocks, VELOCITY, [5.0, 0.0, -5.0])
+def asked(lift=LAWS["rational"], velocity=VELOCITY, push=(5.0, 0.0, -5.0), rate=None, **blocks):
+    pitch = {"kind": "pitch", "air": {"lift_coefficient": lift}} | blocks
+    return lb.spin_from_movement(pitch, velocity, push, rate=rate)
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"velocity": [0.0, 0.0, 0.0]}, "the ball must move through the air"),
-        ({"velocity": [-40.0, math.nan, 0.0]}, "velocity = .*finite numbers is needed"),
-        ({"acceleration": [5.0, 0.0]}, r"acceleration = .*a vector \[x, y, z\]"),
-        ({"rate": 0.0}, "rate = 0.0: spins must be positive"),
-    ],
-)
-def test_numbers_that_describe_no_pitch_say_so(given, said):
-    call = {"velocity": VELOCITY, "acceleration": [5.0, 0.0, -5.0]} | given
-    with pytest.raises(ValueError, match=said):
-        lb.spin_from_movement(
-            {"kind": "pitch", "air": {"lift_coefficient": {"law": "rational"}}}, **call
-        )
+WRONG = r"""
+# scenes
+asked(air=None) -> there is none
+asked(0.2) -> a constant does not depend on the spin
+asked(air={"density": 0.0, "lift_coefficient": {"law": "linear"}}) -> density: is 0
+asked(LAWS["table"] | {"of": "speed", "at": [0, 10, 20, 40]}) -> a table of speed does not depend
+asked(LAWS["table"] | {"values": [0.1, 0.2, 0.3, 0.4]}) -> must begin with 0 at 0
+asked(LAWS["linear"], reading={"spin_parameter": "total"}) -> depends on the whole spin
+# numbers
+asked(velocity=[0.0, 0.0, 0.0]) -> the ball must move through the air
+asked(velocity=[-40.0, float("nan"), 0.0]) -> velocity = .*finite numbers is needed
+asked(push=[5.0, 0.0]) -> acceleration = .*a vector \[x, y, z\]
+asked(rate=0.0) -> rate = 0.0: spins must be positive
+"""
+
+
+def test_what_cannot_be_asked_for_a_spin_says_so():
+    check_wrong_calls(WRONG, globals())
 
 
 def of_the_day():
