@@ -338,7 +338,7 @@ class _Search:
                 f = substitute(edited, c, constant(x, c.dimension))
                 points.append(evaluate(f, self.told.columns) + np.zeros(len(self.told)))
         slopes = [b - a for a, b in pairwise(points)]
-        usable = np.isfinite(points[2]) & np.isclose(*slopes, rtol=1e-9, atol=0.0)
+        usable = np.isfinite(points[2]) & np.isclose(slopes[0], slopes[1], rtol=1e-9, atol=0.0)
         if not usable.any():
             return None
         # Is the candidate's fact possible if the test holds? And if it does not?

@@ -595,7 +595,7 @@ class Explanation:
             yield _Verified(edit, alike, r, self.null_all - cost(r) - edit.bits - needed, fit)
 
     def _fit(self, edit: Edit) -> tuple[Fit, Array]:
-        """How an edit without a free number fits in all scenes, and its residuals, in floors."""
+        """The fit of an edit without a free number in all scenes, and its residuals, in floors."""
         stage = self.edited(edit)
         r, wrong = self._in_floors(stage, self.all), self.base.beyond
         if is_adequate(r, edit.rough, wrong):
