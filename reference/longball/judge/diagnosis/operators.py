@@ -221,6 +221,9 @@ FACTORS = {
     1 / 3: "",
 }
 
+# Values that people have in mind: the search for a number begins there, and at the right one.
+USUAL = {"g": (9.81, 9.80665), "ρ_0": (1.2, 1.225)}
+
 _UNIT = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
@@ -393,7 +396,7 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield chosen, BITS["free value"] + 1, text, (0.9 * a,)
     if a.op in ("symbol", "named") and not a.vector:
         text = f"uses {{c}} for {said}, whatever the scene says"
-        yield free(a.dimension), BITS["free value"], text, (a,)
+        yield free(a.dimension), BITS["free value"], text, (a, *USUAL.get(a.data, ()))
 
 
 def _factors(site: Site) -> Iterator[Option]:
