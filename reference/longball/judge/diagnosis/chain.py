@@ -647,6 +647,8 @@ _leaving = switch("kind", {"flight": given_velocity, "at-bat": after})
 _downrange = named(
     "the distance along the launch's heading", dot(landing - _launched_at, _heading(_leaving))
 )
+# The gripping impulse with its part across cut to the cone, and its part along the normal kept.
+_cut = named("P (grip) cut to the cone", dot(grip, n) * _slides)
 OTHERWISE = {
     "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)),),
     "bat velocity": (named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y),
@@ -660,16 +662,17 @@ OTHERWISE = {
         named("mM/√(m² + M²)", I["m"] * I["M"] / function(
             "sqrt", I["m"] * I["m"] + I["M"] * I["M"], dimension=KG
         )),
-        named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ)), _with_bat, _with_effective,
+        named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ)), _with_bat, _with_effective, _cut,
     ),
     "velocity after": (
+        _cut,
         named("-ẽV", -(ẽ * V)), named("-eV", -(I["e"] * V)), _with_bat,
         named("V - (1 + ẽ)(V·n)n", V - (1.0 + ẽ) * dot(V, n) * n),
         named("V - (1 + ẽ)(Ṽ·n)n", V - (1.0 + ẽ) * w * n),
     ),
     "energy": (
         named("the ball's energy, m(V⁺² - V²)/2", _sizes), dot(V, n), _with_bat, _with_effective,
-        I["e"],
+        I["e"], _cut,
     ),
     "distance": (_from_launch, _downrange, component(landing, 0), place, I["launch.position"]),
     "time": (plate_time,),
