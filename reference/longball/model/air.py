@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, model_validator
 
@@ -305,16 +305,6 @@ LiftCoefficient = Annotated[
     | Annotated[Table, Tag("<table>")],
     Discriminator(_law),
 ]
-
-
-# Laws by name. Scenes whose numbers are columns have the name of a law, not its class.
-DRAG_LAWS, LIFT_LAWS = (
-    {get_args(law.model_fields["law"].annotation)[0]: law for law in laws}
-    for laws in (
-        (ConstantDrag, SpinDrag, CrisisDrag, Table),
-        (ConstantLift, RationalLift, LinearLift, BilinearLift, Table),
-    )
-)
 
 
 # --- weather and wind -----------------------------------------------------------------------------

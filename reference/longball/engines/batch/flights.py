@@ -108,7 +108,7 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
     nearest_  near a bat, where the margin is taken
     ========  =====================================================================
 
-    A time is NaN if there is no such point.
+    All numbers of it are NaN if there is no such point.
     """
     names = ("time", *program.variables)
     return np.dtype(
@@ -145,8 +145,6 @@ def fly_all(
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
     # Derivatives of variables and parameters by some numbers: shape (sources, tangents, flights)
     changes: Array | None = None,
-    # To be filled with time, s, and state at the beginning of each step of the one flight
-    steps: Array | None = None,  # shape (steps, 1 + variables)
 ) -> tuple[Records, Array]:
     """Fly every flight to its end, and derivatives of its state with it.
 
@@ -203,8 +201,6 @@ def fly_all(
             flights=starts.view(np.float64),
             arrivals=arrivals.view(np.float64),
             statuses=arrivals.view(np.int64),
-            recorded=0 if steps is None else len(steps),
-            steps=np.empty(0) if steps is None else steps.ravel(),
         ),
         _Tangents(
             code=tangents(program).address if count else 0,
@@ -284,9 +280,6 @@ class _Records(NamedTuple):
     flights: Any
     arrivals: Any
     statuses: Any
-    # recorded: how many steps of the one flight to write into `steps`
-    recorded: int
-    steps: Any
 
 
 class _Slot(NamedTuple):
@@ -362,11 +355,6 @@ def _fly_all(
             # bookkeeping of a lane
             slot = _slot(records, i, lane)
             time, length = step[time_row + lane], step[length_row + lane]
-            if slot.status[_STEPS] < records.recorded:
-                row = shifted(records.steps, slot.status[_STEPS] * (variables + 1))
-                row[0] = time
-                for k in range(variables):
-                    row[1 + k] = x[k * block + lane]
             slot.status[_STEPS] += 1
             if not length > 0.0 or slot.status[_STEPS] >= _MOST_STEPS:
                 slot.status[_STOP], active[lane] = Stop.FALLBACK, _NONE
@@ -496,7 +484,8 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
         source, target = shifted(source, s.variables + 2), shifted(target, (error + 1) * WIDTH)
     # Where the sampling plane is passed already, or there is none, its function never falls.
     if _event_value(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
-        marked[0] = math.nan
+        for k in range(s.variables + 1):
+            marked[k] = math.nan
     else:
         s.linear[s.variables * WIDTH + lane] = math.inf
 
