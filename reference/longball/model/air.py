@@ -276,9 +276,9 @@ class Table(Block):
 
 
 def law_name(coefficient: Any) -> str:
-    """Return the name of a coefficient's law; a number, or a column of them, is a constant."""
-    # Fast path: a failing getattr is slow, and most coefficients are floats.
-    return "constant" if isinstance(coefficient, float) else getattr(coefficient, "law", "constant")
+    """Return the name of a coefficient's law; a number is a constant."""
+    name: str = getattr(coefficient, "law", "constant")
+    return name
 
 
 def _law(value: Any) -> str:
@@ -474,6 +474,6 @@ class Air(Block):
 
 def by_spin(law: Any) -> bool:
     """True if a coefficient, or its law, depends on the spin."""
-    name, of = getattr(law, "law", "constant"), getattr(law, "of", "")
+    name, of = law_name(law), getattr(law, "of", "")
     named = name in ("spin", "rational", "linear", "bilinear") or of == "spin_parameter"
     return named or getattr(law, "per_spin", 0.0) != 0.0

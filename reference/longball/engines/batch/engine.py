@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from longball.engines.batch import flights
-from longball.engines.batch.expansion import kernel
 from longball.engines.batch.flights import Records
 from longball.engines.batch.many import SCALAR, solve_as_data
 from longball.engines.engine import ManyAtOnce
@@ -88,4 +87,4 @@ class Batch(ManyAtOnce):
         # Flights past a bat take a hundredth of a second: a lower order is enough for one step.
         near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
         order = max(8, 2 * self.order // 5) if near_bat else self.order
-        return flights.fly_all(kernel(program), starts, order, self.truncation, changes)
+        return flights.fly_all(program, starts, order, self.truncation, changes)

@@ -32,7 +32,8 @@ from longball.engines.batch.expansion import (
     RANGES,
     TIME,
     TIME_COMPENSATION,
-    Kernel,
+    Layout,
+    step,
 )
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_views
 from longball.engines.batch.roots import (
@@ -139,7 +140,7 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
 
 
 def fly_all(
-    kernel: Kernel,
+    program: Program,
     flights: Records,  # of `flight_dtype`, of any shape
     order: int,  # of the series
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
@@ -152,7 +153,7 @@ def fly_all(
     the end, at the mark and where the ball is closest to the bat, each at a fixed time, of shape
     (times, variables, tangents, flights), NaN where there is no mark, or no bat.
     """
-    program, layout, rows = kernel.layout.program, kernel.layout, Tangents(kernel.layout.program)
+    layout, rows = Layout(program), Tangents(program)
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
     half = variables // 2
@@ -163,11 +164,11 @@ def fly_all(
     count = changes.shape[1]
     derivatives = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
     x = layout.allocate(order)
-    step, work = x[layout.step].ravel(), np.zeros((variables + _SCRATCH, 2 * order + 4))
+    taken, work = x[layout.step].ravel(), np.zeros((variables + _SCRATCH, 2 * order + 4))
     memory = rows.allocate(count).ravel()
     p, slope, second, across, above, state = work[variables:]
     _fly_all(
-        kernel.code.address,
+        step(program).address,
         truncation,
         _Workspace(
             half=half,
@@ -180,8 +181,8 @@ def fly_all(
             width=work.shape[1],
             x=x.ravel(),
             strengths=x[layout.parameters].ravel(),
-            step=step,
-            compensation=step[(variables + RANGES + half) * WIDTH :],
+            step=taken,
+            compensation=taken[(variables + RANGES + half) * WIDTH :],
             linear=aligned(functions * (variables + 2) * WIDTH),
             work=work.ravel(),
             p=p,
