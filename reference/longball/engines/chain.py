@@ -1029,14 +1029,16 @@ def solve_with_path(
     return to_digits(scene, engine, flown)
 
 
-def solve_with_points(scene: Scene, engine: Engine, points: int) -> Result:
+def solve_with_points(scene: Scene, engine: Engine | ManyAtOnce, points: int) -> Result:
     """Return the result of a scene with so many points of its path, if it has any."""
-    result, flown = solve_with_path(scene, engine)
+    # result and path of one engine, so that they agree
+    alone: Engine = engine.alone if isinstance(engine, ManyAtOnce) else engine
+    result, flown = solve_with_path(scene, alone)
     if result.error is not None or not flown.legs:
         return result
-    with engine.numbers.arithmetic():
-        rows = flown.evenly(points, engine.numbers)
-        path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
+    with alone.numbers.arithmetic():
+        rows = flown.evenly(points, alone.numbers)
+        path = tuple(tuple(map(alone.numbers.report, row)) for row in rows)
     return result.model_copy(update={"path": path})
 
 
