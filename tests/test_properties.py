@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 from longball.engines import chain
 from longball.engines.ivp import Ivp
-from longball.model import exact
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.numbers import DOUBLES
@@ -32,6 +31,7 @@ from longball.model.scene import (
     Swing,
     parse_scene,
 )
+from tests import exact
 from tests.scenes import between, paper_scenes, results, scenes
 
 ENGINE = Ivp()

@@ -344,8 +344,8 @@ def as_engine(engine: str | Engine, options: Mapping[str, Any]) -> Engine:
     """Return an engine by name with options, or the one that is given."""
     if isinstance(engine, str):
         return engines.create(engine, **options)
-    # Any object with the method of the protocol is an engine.
-    if not hasattr(engine, "fly"):
+    # Any object with the method of a protocol is an engine.
+    if not (hasattr(engine, "fly") or hasattr(engine, "solve_as_data")):
         raise TypeError(
             f"engine must be a name ({', '.join(engines.ENGINES)}) or an engine; "
             f"not {_of_type(engine)}"

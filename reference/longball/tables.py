@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice, product
-from typing import TYPE_CHECKING, Any, cast, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -227,7 +227,7 @@ def _asked_and_results(
     if paths is None:
         results = iter(chain.solve_each(valid, solver, workers))
     else:
-        results = iter(chain.solve_with_points(x, cast(Engine, solver), paths) for x in valid)
+        results = iter(chain.solve_with_points(x, solver, paths) for x in valid)
     for scene in asked:
         if isinstance(scene, InvalidScene):
             yield scene, refused(scene)

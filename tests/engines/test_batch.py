@@ -20,7 +20,7 @@ from longball.engines.batch import (
     solve_columns,
     solve_columns_with_restitutions,
 )
-from longball.engines.batch.expansion import kernel
+from longball.engines.batch.expansion import Layout
 from longball.engines.batch.jit import call, unowned_views
 from longball.engines.batch.roots import NEVER
 from longball.engines.batch.writer import WIDTH, aligned
@@ -123,11 +123,11 @@ LAWS: dict[str, Law] = {
 
 def expand_lanes(law: Law, states: Any, order: int) -> Any:
     """Expand states, a column a lane, by `step`."""
-    code = kernel(law.program)
-    x = code.layout.allocate(order)
+    layout = Layout(law.program)
+    x = layout.allocate(order)
     x[: len(states), 0] = states
     for i, name in enumerate(law.program.parameters):
-        x[code.layout.parameters, i] = law.strengths[name]
+        x[layout.parameters, i] = law.strengths[name]
     functions = aligned(1, len(states) + 2, WIDTH)
 
     @numba.njit
@@ -135,7 +135,7 @@ def expand_lanes(law: Law, states: Any, order: int) -> Any:
         at = unowned_views((x, functions))
         return call(address, (at[0], at[1], order, rows, 1, 1e-14))
 
-    step(code.code.address, x.ravel(), functions.ravel(), order, x.shape[1])
+    step(expansion.step(law.program).address, x.ravel(), functions.ravel(), order, x.shape[1])
     return x
 
 
@@ -158,7 +158,7 @@ def test_lanes_follow_the_recurrence(name: str) -> None:
     x = expand_lanes(law, states, order)
     series = recurrence(law.program)
     strengths = [law.strengths[parameter] for parameter in law.program.parameters]
-    step = kernel(law.program).layout.step
+    step = Layout(law.program).step
     half = len(variables) // 2
     for lane in range(WIDTH):
         rows = [[0.0] * (order + 2) for _ in series.rows]

@@ -12,7 +12,6 @@ from longball.engines.chain import solve
 from longball.engines.engine import OutOfRange, TooLong
 from longball.engines.ivp import METHODS, Ivp
 from longball.engines.taylor import Taylor
-from longball.model import exact
 from longball.model.frame import Frame
 from longball.model.law import (
     PlaneState,
@@ -21,6 +20,7 @@ from longball.model.law import (
 )
 from longball.model.numbers import DOUBLES
 from longball.model.scene import parse_scene
+from tests import exact
 from tests.calls import check_wrong_calls
 
 ENGINE = Ivp()

@@ -219,11 +219,10 @@ def test_a_trajectory_has_a_state_at_its_end():
     ("engine", "error"),
     [
         (Ivp("DOP853"), 1e-11),  # its tolerance, 5e-14 a step, over 100 m
-        (Batch(), ULPS),
         (Multiprecision(20), ULPS),
         (Verlet(1e-4, "implicit"), 1e-5),  # Δt² times some hundred m/s²
     ],
-    ids=["dop853", "batch", "multiprecision", "verlet"],
+    ids=["dop853", "multiprecision", "verlet"],
 )
 def test_every_engine_has_the_path(engine, error):
     """The state at any time, as the reference engine has it."""

@@ -21,13 +21,13 @@ from longball.golden.checker import check
 from longball.golden.files import CHECKSUMS, HEADER, export, schemas
 from longball.golden.reader import DATA
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
-from longball.model import exact
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.quantities import at, numbers_of, replaced, vector_of
 from longball.model.readings import Reading, SamplingReading
 from longball.model.result import Outcome
 from longball.model.schema import schemas as contract_schemas
+from tests import exact
 from tests.scenes import all_cases, cases_of
 
 CASES = all_cases()

@@ -71,8 +71,6 @@ class Run:
     # The quantities recorded so far, by name, and the outcome
     answer: dict[str, Any] = field(default_factory=dict)
     legs: list[Leg] = field(default_factory=list)  # the flights of the scene, in order
-    # Descriptions of the engines that flew the ball, in order
-    engines: list[str] = field(default_factory=list)
     numbers: Any = field(init=False)  # the number system; see `longball.model.numbers.Numbers`
     everything: Mask = field(default=True, init=False)  # the mask of all scenes
 
@@ -108,18 +106,15 @@ class Run:
         if not rows:
             return Flight(Path(()), "", self.numbers.exact(0.0), start)
         flight: Flight = self.engine.fly(law, start, events, limit)
-        self.engines.append(flight.flown_by or self.engine.description)
         return flight
 
     def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Mask) -> Touch:
         """Find how pitches meet the bat; see `longball.engines.engine.Engine.touch`."""
         touch: Touch = self.engine.touch(pitch, law, bat, events, self.time_limit)
-        if touch.decided_by:
-            self.engines.append(touch.decided_by)
         return touch
 
-    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Mask) -> bool:
-        """Land the balls of columns one after the other; return False for one scene, as it is."""
+    def leave(self, rows: Mask) -> bool:
+        """Leave rows of columns to the scalar chain; return False for one scene."""
         return False
 
     # --- answers ---------------------------------------------------------------------------------
@@ -714,7 +709,7 @@ def land(run: Run, launch: Launch, outcome: Outcome, rows: Mask) -> None:
             _come_down(run, ball, _fly_down(run, ball, start, run.time_limit, rows), outcome, rows)
     elif "v" not in law.variables and not isinstance(run.engine, Stepped):
         _cross_fence_in_plane(run, ball, outcome, rows)
-    elif not run.land_one_by_one(launch, outcome, rows):
+    elif not run.leave(rows):  # only paths can be searched
         _cross_fence_in_space(run, ball, outcome, rows)
 
 
@@ -982,11 +977,14 @@ DISCRETE: dict[str, type[bool] | type[int]] = {
 }
 
 
-def solve(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
+def solve(scene: Scene, engine: Engine | ManyAtOnce, model: Model = MODEL) -> Result:
     """Return the result of a scene; if it cannot be solved, a result with an error.
 
-    Numbers have the promised digits of the engine; see `longball.engines.digits.to_digits`.
+    Numbers have the promised digits of the engine; see `longball.engines.digits.to_digits`. Of an
+    engine that solves many scenes at once the model has its usual parts.
     """
+    if isinstance(engine, ManyAtOnce):
+        return engine.solve_all([scene])[0]
     result, _ = solve_with_path(scene, engine, model)
     return result
 
@@ -1017,9 +1015,12 @@ def solve_each(
 
 
 def solve_with_path(
-    scene: Scene, engine: Engine, model: Model = MODEL
+    scene: Scene, engine: Engine | ManyAtOnce, model: Model = MODEL
 ) -> tuple[Result, Trajectory]:
     """Return the result of a scene, and the path of its ball from the start of the scene."""
+    if isinstance(engine, ManyAtOnce):
+        _, path = solve_with_path(scene, engine.alone)
+        return solve(scene, engine), path
 
     def flown(one: Engine) -> tuple[Result, Trajectory]:
         run = Run(scene, one, model)
@@ -1028,14 +1029,16 @@ def solve_with_path(
     return to_digits(scene, engine, flown)
 
 
-def solve_with_points(scene: Scene, engine: Engine, points: int) -> Result:
+def solve_with_points(scene: Scene, engine: Engine | ManyAtOnce, points: int) -> Result:
     """Return the result of a scene with a number of points of its path, if it has a path."""
-    result, flown = solve_with_path(scene, engine)
+    # One engine computes both, so that they agree.
+    alone: Engine = engine.alone if isinstance(engine, ManyAtOnce) else engine
+    result, flown = solve_with_path(scene, alone)
     if result.error is not None or not flown.legs:
         return result
-    with engine.numbers.arithmetic():
-        rows = flown.evenly(points, engine.numbers)
-        path = tuple(tuple(map(engine.numbers.report, row)) for row in rows)
+    with alone.numbers.arithmetic():
+        rows = flown.evenly(points, alone.numbers)
+        path = tuple(tuple(map(alone.numbers.report, row)) for row in rows)
     return result.model_copy(update={"path": path})
 
 
@@ -1054,7 +1057,7 @@ def solve_with_restitutions(
     for e in restitutions:
         # a copy of what the pitch has recorded, with another ball
         ball = replaced(scene, {"ball.restitution": e})
-        one = replace(run, scene=ball, answer=dict(run.answer), engines=[*run.engines])
+        one = replace(run, scene=ball, answer=dict(run.answer))
         results.append(_follow(one, lambda one: finish(one, contact)))
     return results
 
@@ -1108,7 +1111,7 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
     quantities = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
     return Result(
         id=run.scene.id,
-        engine=" and ".join(dict.fromkeys(run.engines)) or run.engine.description,
+        engine=run.engine.description,
         outcome=None if error else run.answer["outcome"],
         error=None if error is None else str(error),
         code=None if error is None else error.code,

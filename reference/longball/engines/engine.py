@@ -44,8 +44,6 @@ class Touch:
     time: N | None = None
     state: State | None = None
     doubt: str = ""  # the undecided question, and the reason, if `touched` is None
-    # Description of the engine that decided it, if it is not the requested one.
-    decided_by: str = field(default="", kw_only=True)
     # True if `state` is the point where the ball would leave the bat, not where it enters.
     leaving: bool = field(default=False, kw_only=True)
     # The state in which the ball's place along the bat is compared with its ends; None: `state`
@@ -117,6 +115,8 @@ class Stepped(ABC):
 
 class ManyAtOnce(ABC):
     """Protocol of engines that solve many scenes faster together than one by one."""
+
+    alone: Any  # the engine that solves what this one leaves, and gives the path of a ball
 
     def solve_all(self, scenes: Sequence[Scene], threads: int = 1) -> list[Result]:
         """Solve each scene as `longball.engines.chain.solve` does, in order."""

@@ -6,7 +6,7 @@ import gc
 from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
@@ -115,7 +115,7 @@ def _solve_in_turn(
     read = [_read(line, change) for _, line in chunk]
     scenes = [scene for scene in read if not isinstance(scene, InvalidScene)]
     solved = iter(
-        (solve_with_points(scene, cast(Engine, engine), points).data() for scene in scenes)
+        (solve_with_points(scene, engine, points).data() for scene in scenes)
         if points
         else engine.solve_as_data(scenes)
         if isinstance(engine, ManyAtOnce)

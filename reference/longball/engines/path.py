@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -64,8 +64,6 @@ class Flight:
     stop: str
     time: N
     state: State
-    # Description of the engine that flew it, if not the one that was asked
-    flown_by: str = field(default="", kw_only=True)
 
     def stopped(self, name: str) -> Any:
         """True if an event of that name stopped it."""

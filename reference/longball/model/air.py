@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, Discriminator, Field, Tag, field_validator, model_validator
 
@@ -276,9 +276,9 @@ class Table(Block):
 
 
 def law_name(coefficient: Any) -> str:
-    """Return the name of a coefficient's law; a number, or a column of them, is a constant."""
-    # Fast path: a failing getattr is slow, and most coefficients are floats.
-    return "constant" if isinstance(coefficient, float) else getattr(coefficient, "law", "constant")
+    """Return the name of a coefficient's law; a number is a constant."""
+    name: str = getattr(coefficient, "law", "constant")
+    return name
 
 
 def _law(value: Any) -> str:
@@ -305,16 +305,6 @@ LiftCoefficient = Annotated[
     | Annotated[Table, Tag("<table>")],
     Discriminator(_law),
 ]
-
-
-# Laws by name. Scenes whose numbers are columns have the name of a law, not its class.
-DRAG_LAWS, LIFT_LAWS = (
-    {get_args(law.model_fields["law"].annotation)[0]: law for law in laws}
-    for laws in (
-        (ConstantDrag, SpinDrag, CrisisDrag, Table),
-        (ConstantLift, RationalLift, LinearLift, BilinearLift, Table),
-    )
-)
 
 
 # --- weather and wind -----------------------------------------------------------------------------
@@ -484,6 +474,6 @@ class Air(Block):
 
 def by_spin(law: Any) -> bool:
     """True if a coefficient, or its law, depends on the spin."""
-    name, of = getattr(law, "law", "constant"), getattr(law, "of", "")
+    name, of = law_name(law), getattr(law, "of", "")
     named = name in ("spin", "rational", "linear", "bilinear") or of == "spin_parameter"
     return named or getattr(law, "per_spin", 0.0) != 0.0

@@ -20,15 +20,12 @@ from typing import Any, NamedTuple
 
 from longball.model import trace
 from longball.model.air import (
-    DRAG_LAWS,
-    LIFT_LAWS,
     BySpeed,
     BySpin,
     ConstantDrag,
     ConstantLift,
     Flow,
     by_spin,
-    law_name,
 )
 from longball.model.atmosphere import (
     ROUGHNESS,
@@ -751,11 +748,14 @@ def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:
     return density(scene, numbers) * numbers.exact(value) * area / (2 * mass)
 
 
+_CONSTANT: dict[str, Any] = {"drag": ConstantDrag, "lift": ConstantLift}
+
+
 def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
-    given, laws = getattr(scene.air, f"{of}_coefficient"), DRAG_LAWS if of == "drag" else LIFT_LAWS
-    # In columns of scenes, a coefficient is the name of its law.
-    law: Any = type(given) if isinstance(given, Block) else laws[law_name(given)]
+    given, constant = getattr(scene.air, f"{of}_coefficient"), _CONSTANT[of]
+    # In columns of scenes, a block is a namespace that names its class. A number is a constant.
+    law: Any = type(given) if isinstance(given, Block) else getattr(given, "block", constant)
     if hasattr(law, "lines"):
         return _lines(of, given, scene, spins, numbers)
     linear: dict[str, N] = {}
@@ -768,7 +768,7 @@ def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[An
         elif (strength := per_metre(scene, value, numbers)) is not None:
             linear[_strength(of, key)] = strength
     if not linear:
-        return laws["constant"], Switch(of)
+        return constant, Switch(of)
     return law, Switch(of, (linear | present(others, numbers),))
 
 
@@ -782,7 +782,7 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
     """Return the law of a coefficient that is linear between nodes; see `_coefficient`."""
     unit = per_metre(scene, 1.0, numbers)
     if unit is None:
-        return ConstantDrag if of == "drag" else ConstantLift, Switch(of)
+        return _CONSTANT[of], Switch(of)
     law = BySpin if given.of == "spin_parameter" else BySpeed
     nodes: Sequence[N] = ()
     lines: Sequence[tuple[N, N]]

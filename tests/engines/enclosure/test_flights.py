@@ -14,12 +14,11 @@ from longball.engines.enclosure import Balls, Enclosure, engine
 from longball.engines.enclosure.system import System, structure
 from longball.engines.engine import CannotSolve
 from longball.engines.event import ground
-from longball.model import exact
-from longball.model.exact import METHODS
 from longball.model.law import PlaneState, law_with
 from longball.model.trace import exp, log, sqrt
-from tests import extrapolation
+from tests import exact, extrapolation
 from tests.engines.test_enclosure import fraction
+from tests.exact import METHODS
 
 ENGINE = Enclosure(30)
 

@@ -2,14 +2,13 @@
 
 It is the chain of `longball.engines.chain` with arrays as numbers, so that a row has the same bits
 as its scene solved alone. Rows without an answer have no outcome; the scalar chain gives the
-reason.
+reason. It also solves what columns leave: see `Table.alone`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, Self, cast, get_args
@@ -20,8 +19,8 @@ from numpy.typing import NDArray
 from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
-from longball.engines.chain import Run, land
-from longball.engines.engine import Launch, Touch
+from longball.engines.chain import Run
+from longball.engines.engine import Touch
 from longball.engines.event import BatSection, Events, margin_error, past
 from longball.engines.path import Flight, Path
 from longball.model.arrays import Array, Flags, Integers
@@ -262,7 +261,6 @@ class Columns(Run):
     """The run of a chain over the rows of a table."""
 
     table: Table = field(kw_only=True)
-    row: Callable[[int], Any] = field(kw_only=True)  # the scene of a row
 
     def __post_init__(self) -> None:
         self.numbers, self.everything = NUMBERS, np.ones(len(self.table), bool)
@@ -294,7 +292,7 @@ class Columns(Run):
             alone = alone | (rows & (stops == Stop.FALLBACK))
         else:
             alone, stops, arrived, mark = rows, NOT_FLOWN, launch, launch
-        self.table.alone[self.table.rows] |= alone
+        self.leave(alone)
         return Flights(Path(()), stops, *arrived, launch, mark)
 
     def _flown(
@@ -342,31 +340,16 @@ class Columns(Run):
     def _how_they_meet(self, ends: Records, over: Events, rows: Flags) -> tuple[Any, Any]:
         """Return 1 for a contact, 0 for a miss, -1 if undecided, and the margin, m."""
         stops = records.stops(ends, over)
-        self.table.alone[self.table.rows] |= rows & (stops == Stop.FALLBACK)
+        self.leave(rows & (stops == Stop.FALLBACK))
         touched = stops == Stop.TOUCH
         missed = np.isin(stops, [records.STOPS[name] for name in ("past", "ground", "time")])
         margin = np.where(touched | missed, ends["margin"], np.nan)[()]
         code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
         return code, margin
 
-    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
-        """See `Run`. Rows that need another engine are left to the scalar chain."""
-
-        def cell(value: Any) -> Any:
-            if isinstance(value, tuple):
-                return tuple(map(cell, value))
-            return value.item(i) if isinstance(value, np.ndarray) else value
-
-        for i in np.flatnonzero(rows).tolist():
-            one = Run(self.row(i), self.engine, self.model)
-            # An overflow has no answer here; the scalar chain gives its reason.
-            with suppress(ArithmeticError):
-                free = Launch(**{key: cell(value) for key, value in vars(launch).items()})
-                land(one, free, outcome, True)
-            if "outcome" in one.answer and {*one.engines} == {self.engine.description}:
-                self.table.write(i, one.answer)
-            else:
-                self.table.alone[self.table.rows][i] = True
+    def leave(self, rows: Flags) -> bool:
+        """See `Run`."""
+        self.table.alone[self.table.rows] |= rows
         return True
 
     def record(self, name: str, value: Any, rows: Flags) -> None:

@@ -13,7 +13,6 @@ says where the others are.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -473,18 +472,10 @@ def _chains(factors: tuple[Node, Node]) -> int:
     return 1 if a is b else 2
 
 
-# --- the code ---
-
-
-@dataclass(frozen=True)
-class Kernel:
-    """The compiled steps of a program."""
-
-    layout: Layout
-    code: Code  # of (x, functions, order, stride, count, truncation); stride: rows of a block
-
-
 @once
-def kernel(program: Program) -> Kernel:
-    """Return the compiled steps of a program; they are compiled once per machine."""
-    return Kernel(Layout(program), Code("step", program, lambda module: _Step(module, program)))
+def step(program: Program) -> Code:
+    """Return the compiled step of a law: of (x, functions, order, stride, count, truncation).
+
+    The stride is the number of rows of a block.
+    """
+    return Code("step", program, lambda module: _Step(module, program))

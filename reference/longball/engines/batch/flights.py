@@ -32,7 +32,8 @@ from longball.engines.batch.expansion import (
     RANGES,
     TIME,
     TIME_COMPENSATION,
-    Kernel,
+    Layout,
+    step,
 )
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_views
 from longball.engines.batch.roots import (
@@ -108,7 +109,7 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
     nearest_  near a bat, where the margin is taken
     ========  =====================================================================
 
-    A time is NaN if there is no such point.
+    All numbers of it are NaN if there is no such point.
     """
     names = ("time", *program.variables)
     return np.dtype(
@@ -139,14 +140,12 @@ def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Record
 
 
 def fly_all(
-    kernel: Kernel,
+    program: Program,
     flights: Records,  # of `flight_dtype`, of any shape
     order: int,  # of the series
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
     # Derivatives of variables and parameters by some numbers: shape (sources, tangents, flights)
     changes: Array | None = None,
-    # To be filled with time, s, and state at the beginning of each step of the one flight
-    steps: Array | None = None,  # shape (steps, 1 + variables)
 ) -> tuple[Records, Array]:
     """Fly every flight to its end, and derivatives of its state with it.
 
@@ -154,7 +153,7 @@ def fly_all(
     the end, at the mark and where the ball is closest to the bat, each at a fixed time, of shape
     (times, variables, tangents, flights), NaN where there is no mark, or no bat.
     """
-    program, layout, rows = kernel.layout.program, kernel.layout, Tangents(kernel.layout.program)
+    layout, rows = Layout(program), Tangents(program)
     functions = flights.dtype["events"].shape[0] + 1
     variables, parameters = len(program.variables), len(program.parameters)
     half = variables // 2
@@ -165,11 +164,11 @@ def fly_all(
     count = changes.shape[1]
     derivatives = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
     x = layout.allocate(order)
-    step, work = x[layout.step].ravel(), np.zeros((variables + _SCRATCH, 2 * order + 4))
+    taken, work = x[layout.step].ravel(), np.zeros((variables + _SCRATCH, 2 * order + 4))
     memory = rows.allocate(count).ravel()
     p, slope, second, across, above, state = work[variables:]
     _fly_all(
-        kernel.code.address,
+        step(program).address,
         truncation,
         _Workspace(
             half=half,
@@ -182,8 +181,8 @@ def fly_all(
             width=work.shape[1],
             x=x.ravel(),
             strengths=x[layout.parameters].ravel(),
-            step=step,
-            compensation=step[(variables + RANGES + half) * WIDTH :],
+            step=taken,
+            compensation=taken[(variables + RANGES + half) * WIDTH :],
             linear=aligned(functions * (variables + 2) * WIDTH),
             work=work.ravel(),
             p=p,
@@ -203,8 +202,6 @@ def fly_all(
             flights=starts.view(np.float64),
             arrivals=arrivals.view(np.float64),
             statuses=arrivals.view(np.int64),
-            recorded=0 if steps is None else len(steps),
-            steps=np.empty(0) if steps is None else steps.ravel(),
         ),
         _Tangents(
             code=tangents(program).address if count else 0,
@@ -284,9 +281,6 @@ class _Records(NamedTuple):
     flights: Any
     arrivals: Any
     statuses: Any
-    # recorded: how many steps of the one flight to write into `steps`
-    recorded: int
-    steps: Any
 
 
 class _Slot(NamedTuple):
@@ -362,11 +356,6 @@ def _fly_all(
             # bookkeeping of a lane
             slot = _slot(records, i, lane)
             time, length = step[time_row + lane], step[length_row + lane]
-            if slot.status[_STEPS] < records.recorded:
-                row = shifted(records.steps, slot.status[_STEPS] * (variables + 1))
-                row[0] = time
-                for k in range(variables):
-                    row[1 + k] = x[k * block + lane]
             slot.status[_STEPS] += 1
             if not length > 0.0 or slot.status[_STEPS] >= _MOST_STEPS:
                 slot.status[_STOP], active[lane] = Stop.FALLBACK, _NONE
@@ -496,7 +485,8 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
         source, target = shifted(source, s.variables + 2), shifted(target, (error + 1) * WIDTH)
     # Where the sampling plane is passed already, or there is none, its function never falls.
     if _event_value(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
-        marked[0] = math.nan
+        for k in range(s.variables + 1):
+            marked[k] = math.nan
     else:
         s.linear[s.variables * WIDTH + lane] = math.inf
 

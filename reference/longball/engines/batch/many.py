@@ -27,11 +27,11 @@ from longball.engines.batch.columns import (
     Table,
 )
 from longball.engines.chain import DISCRETE, MODEL, PARTS, Model
+from longball.engines.ivp import Ivp
 from longball.model import quantities
 from longball.model.arrays import Array
 from longball.model.frame import Frame
 from longball.model.law import law_of
-from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 # Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
 BLOCK = 16_384
-# Fewer scenes of a kind are solved one by one in less time than the calls of NumPy take.
-FEW = 16
+# The engine of what the compiled code leaves: laws with switches, grazes, balls that come to rest.
+SCALAR = Ivp()
 
 
 def solve_columns(
@@ -118,7 +118,7 @@ def solve_columns_with_slopes(
         part = tables[0].part(rows)
         jets = slopes.ColumnJets(NUMBERS, np.zeros(len(part), bool))
         view = _view(scene, slopes.seeded_columns(scene, cells, names))
-        run = slopes.SlopeColumns(view, flyer, MODEL, table=part, row=lambda i: None, jets=jets)
+        run = slopes.SlopeColumns(view, flyer, MODEL, table=part, jets=jets)
         chain.CHAINS[scene.kind](run)
         part.withdraw_what_is_not_finite()
         part.conclude_doubt(jets.doubtful)
@@ -131,7 +131,6 @@ def solve_columns_with_slopes(
     results = _named(table, scene, known, flyer)
 
     # the rows whose derivatives the compiled code does not know, one by one
-    solver: Any = create("ivp")
     alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
     refused = {}
     for i in alone:
@@ -141,7 +140,7 @@ def solve_columns_with_slopes(
             for name, column in table.columns.items()
             if column.dtype == float and np.isfinite(column[i]) and name not in DISCRETE
         ]
-        one = derivatives_of(quantities.replaced(scene, cells), there, names, solver)
+        one = derivatives_of(quantities.replaced(scene, cells), there, names, SCALAR)
         for quantity, by in one.items():
             table.slopes_of(quantity)[:, i] = [by[name] for name in names]
         if one.refused:
@@ -200,11 +199,7 @@ def _run(
     scene: Scene, columns: Mapping[str, Array], flyer: BatchFlyer, model: Model, table: Table
 ) -> Columns:
     """Return the run of a chain over columns."""
-
-    def row(i: int) -> SimpleNamespace:
-        return _view(scene, {name: column.item(i) for name, column in columns.items()})
-
-    return Columns(_view(scene, columns), flyer, model, table=table, row=row)
+    return Columns(_view(scene, columns), flyer, model, table=table)
 
 
 def _view(scene: Scene, columns: Mapping[str, Any]) -> SimpleNamespace:
@@ -231,7 +226,7 @@ def _with_columns(value: Any, columns: Mapping[str, Any], name: str) -> Any:
             key: _with_columns(getattr(value, key), columns, prefix + key)
             for key in type(value).model_fields
         }
-        return SimpleNamespace(**parts)
+        return SimpleNamespace(**parts, block=type(value))
     return value
 
 
@@ -247,7 +242,7 @@ def _named(
     for i in np.flatnonzero(table.alone).tolist():
         try:
             cells = {name: column.item(i) for name, column in columns.items()}
-            result = chain.solve(quantities.replaced(scene, cells), cast(Any, flyer), model)
+            result = chain.solve(quantities.replaced(scene, cells), SCALAR, model)
         except ValidationError:
             continue  # an invalid row has no answer
         engines[i] = result.engine
@@ -270,13 +265,12 @@ def solve_as_data(scenes: Sequence[Scene], solver: Any, threads: int) -> list[di
     results: dict[int, dict[str, Any]] = {}
     for places in alike.values():
         same = [scenes[i] for i in places]
-        if len(same) < FEW or not _flies_in_lanes(same[0], MODEL):
-            results |= {i: chain.solve(scenes[i], solver).data() for i in places}
-            continue
-        solved = solve_columns_as_data(same[0], _columns_of(same), solver, threads)
+        solved: Sequence[dict[str, Any] | None] = [None] * len(same)
+        if _flies_in_lanes(same[0], MODEL):  # then there are no tables, whose lengths may differ
+            solved = solve_columns_as_data(same[0], _columns_of(same), solver, threads)
         for i, data in zip(places, solved, strict=True):
-            # A row without an answer is solved again by the scalar chain, which gives the reason.
-            results[i] = data or chain.solve(scenes[i], solver).data()
+            # The scalar chain solves the rows that are left, or gives the reason for no answer.
+            results[i] = data or chain.solve(scenes[i], SCALAR).data()
             results[i]["id"] = scenes[i].id
     return [results[i] for i in range(len(scenes))]
 
@@ -354,7 +348,8 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
     rubbed = isinstance(scene, AtBatScene) and scene.bat.friction is not None
     thrown = scene.launch if isinstance(scene, FlightScene) else scene.pitch
     frame = Frame(0.0, 0.0, 1.0, 0.0, (1.0, 1.0, 1.0) if rubbed else thrown.spin)
-    return records.flies_in_lanes(law_of(scene, frame, DOUBLES, model.forces))
+    with np.errstate(all="ignore"):  # a scene may overflow
+        return records.flies_in_lanes(law_of(scene, frame, NUMBERS, model.forces))
 
 
 # Numbers of a scene that become strengths of the law of motion, in the frame of the ball's heading.

@@ -25,7 +25,7 @@ from longball.engines.batch.columns import (
 from longball.engines.batch.flights import Stop
 from longball.engines.batch.records import NOT_FLOWN, Bat, Start
 from longball.engines.batch.tangents import TIMES
-from longball.engines.engine import Launch, Touch
+from longball.engines.engine import Touch
 from longball.engines.event import BatSection, Event, Events, margin_error, past
 from longball.engines.path import Path
 from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
@@ -33,7 +33,6 @@ from longball.model.arrays import Array, Flags, Integers
 from longball.model.inputs import TRACKED, launched, tracks_of
 from longball.model.law import Law, State
 from longball.model.quantities import number
-from longball.model.result import Outcome
 from longball.model.scene import FlightScene, Scene
 from longball.model.trace import Program
 
@@ -284,18 +283,13 @@ class SlopeColumns(Columns):
             slopes = self.table.slopes_of(name)[:, self.table.rows]
             np.copyto(slopes, rate_of(value), where=rows)
 
-    def land_one_by_one(self, launch: Launch, outcome: Outcome, rows: Flags) -> bool:
-        """See `Run`. Such rows are left to be solved alone."""
-        self.table.alone[self.table.rows] |= rows
-        return True
-
     def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> JetFlights:
         """See `Run`."""
         # The lanes fly plain numbers, by the same records as without derivatives: same bits.
         plain, launch = _plain_law(law), Start(0.0, law.state_of(start))
         known = [_plain_event(event) for event in events]
         if not records.flies_in_lanes(plain):
-            self.table.alone[self.table.rows] |= rows
+            self.leave(rows)
             stops: Any = NOT_FLOWN
             return JetFlights(
                 Path(()), stops, *launch, launch, launch, numbers=self.jets, law=plain
@@ -305,7 +299,7 @@ class SlopeColumns(Columns):
         alone = without_size(known, rows)
         ends, jets = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
         stops = records.stops(ends, known)
-        self.table.alone[self.table.rows] |= alone | (rows & (stops == Stop.FALLBACK))
+        self.leave(alone | (rows & (stops == Stop.FALLBACK)))
         state, mark = (self._noted(ends, jets, law, which) for which in (0, 1))
         end = self._stopped(plain, events, known, ends, state, limit)
 

@@ -11,8 +11,8 @@ import mpmath
 import pytest
 import sympy as sp
 
-from longball.model import exact
 from longball.model.law import PlaneState, law_with
+from tests import exact
 
 T = sp.Symbol("t", positive=True)
 DRAG, LIFT, GRAVITY, FLOOR = sp.symbols("k_D k_L g h", positive=True)
