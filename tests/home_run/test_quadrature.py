@@ -22,6 +22,7 @@ from longball.home_run import (
 )
 from longball.home_run.clearance import Clearance
 from longball.home_run.quadrature import Nodes, Share, rule_of, share_over_offsets
+from longball.model.quantities import replaced
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene
 
@@ -91,10 +92,12 @@ class TestClearance:
             self.clearance(self.inputs), table["landing.distance"] - 150.0
         )
 
-    def test_aims_touch_where_they_are_to(self):
-        aim = self.clearance.aim_to_touch(-0.45, self.inputs)
+    @pytest.mark.parametrize("aside", [0.0, 0.6])  # m, of the release
+    def test_aims_touch_where_they_are_to(self, aside: float):
+        base = replaced(BASE, {"pitch.release[1]": aside})
+        aim = Clearance(base, 0.42, Batch()).aim_to_touch(-0.45, self.inputs)
         table = solve_columns(
-            BASE,
+            base,
             {
                 "pitch.speed": self.inputs.speed,
                 "pitch.aim[0]": aim,

@@ -89,4 +89,5 @@ def test_decimals_that_any_single_has_too_are_decimals():
     """Numbers in single precision are closer together than 1e-6 from 8 to 16."""
     draw = np.random.default_rng(1)
     numbers = [Decimal(f"{x:.6f}") for x in draw.uniform(8, 16, 60)]
-    assert digits_of(numbers) == Digits("decimals", 6)
+    assert (style := digits_of(numbers)) == Digits("decimals", 6)
+    assert style.cut == (pytest.approx(5e-7), 0.0)  # the same for large and small numbers
