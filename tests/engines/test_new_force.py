@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from longball.engines.batch import solve_columns
+from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import Model, solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
@@ -62,6 +62,7 @@ PUSHED = Model(
 )
 
 
+# All but batch, which takes a model in columns alone
 every_engine = pytest.mark.parametrize(
     ("engine", "error"),
     [
@@ -133,7 +134,9 @@ class SlowFlight(FlightScene):
     air: SlowAir = SlowAir(lift_coefficient=0.0)
 
 
-@every_engine
+@pytest.mark.parametrize(
+    ("engine", "error"), [*every_engine.args[1], (Batch(), Batch().flight_error)]
+)
 def test_all_engines_fly_a_new_law_of_a_coefficient(engine, error):
     rate = 1.29 * math.pi * 0.0366**2 / (2 * 0.145) * 20.0
     launch = Launch(position=(0.0, 0.0, 1.0), velocity=(30.0, 0.0, 20.0))
