@@ -700,10 +700,10 @@ class Explanation:
         ranked.sort(key=lambda one: (one[0], one[1].bits))
         if unseen is not None and len(ranked) > 1:
             ways = self.data.ways
-            holds = [one for one in ranked if unseen.holds(self.chain, self.stage, one[1], ways)]
-            ranked = holds or ranked
+            holds = (one for one in ranked if unseen.holds(self.chain, self.stage, one[1], ways))
+            ranked = [*itertools.islice(holds, 1 + ALIKE)] or ranked
         _, best, evidence = ranked[0]
-        return Named((best,), evidence, tuple(edit for _, edit, _ in ranked[1:4]))
+        return Named((best,), evidence, tuple(edit for _, edit, _ in ranked[1 : 1 + ALIKE]))
 
     def _placed(self, edit: Edit) -> tuple[int, Edit]:
         """The number of scenes that an edit makes wrong at other stages, and the edit.
@@ -760,6 +760,7 @@ BETTER = 0.8  # a pair must leave less than this fraction of the best single edi
 ELSEWHERE = 8  # pairs that are compared by the errors of other stages
 TOGETHER = 40  # pairs with the best first-order fits, which are computed in the screening scenes
 NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
+ALIKE = 3  # edits with the same numbers, told beside the one that is named
 RIVALS = 10.0  # bits: an edit that costs more than this above the cheapest is no rival
 # An edited event function is rejected if it is below NOTHING, m, for more than the fraction
 # ANYWHERE of balls at random positions; or if, in more than that fraction of the scenes, a
