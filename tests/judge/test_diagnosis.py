@@ -324,6 +324,16 @@ def speed_in_miles_per_hour(scene: dict[str, Any]) -> None:
     scene["pitch"]["speed"] *= 0.44704
 
 
+def gravity_or_default(scene: dict[str, Any]) -> None:
+    scene["gravity"] = scene["gravity"] or 9.8
+
+
+def spins_in_revolutions_per_minute(scene: dict[str, Any]) -> None:
+    for block in ("pitch", "launch", "incoming"):
+        if spin := scene.get(block, {}).get("spin"):
+            scene[block]["spin"] = [x * math.pi / 30 for x in spin]
+
+
 # Programs that read a scene otherwise: the right engine solves what they read.
 READ = [
     pytest.param("flight-both", half_of_drag, "flight", "uses 0.5 times C_D for C_L",
@@ -333,6 +343,9 @@ READ = [
      "uses launch.position_z for ground"),
     ("pitch", speed_in_miles_per_hour, "pitch",
      "uses 0.44704 times V_0 (miles per hour taken for m/s)"),
+    ("flight-weightless", gravity_or_default, "flight", "uses 9.8, its default, for g = 0"),
+    ("at-bat-real", spins_in_revolutions_per_minute, "pitch",
+     "uses 0.104719755 times the scene's spin (revolutions per minute taken for rad/s)"),
 ]  # fmt: skip
 
 

@@ -954,15 +954,17 @@ def _of_regions(
 def _of_zeros(
     root: Node, nodes: Sequence[Node], defaults: Mapping[str, Any], columns: Columns
 ) -> Iterator[Edit]:
-    """The edit of a program that uses the default of a number that is 0, as in ``x or 9.8``."""
-    found = root
+    """Edits of a program that uses the default of a number that is 0, as in ``x or 9.8``."""
+    every, cost = root, BITS["option"] + math.log2(1 + len(nodes))
     for node in nodes:
         usual = defaults.get(node.data) if node.op == "symbol" else None
         if usual and ZERO in columns.get(zero_of(node), ()):
             chosen = {"other": node, ZERO: constant(usual, node.dimension)}
-            found = substitute(found, node, switch(zero_of(node), chosen))
-    if found is not root:
-        yield Edit(root, found, BITS["option"], "uses the default of each number that is 0")
+            by = switch(zero_of(node), chosen)
+            yield Edit(node, by, cost, f"uses {usual:.9g}, its default, for {words(node)} = 0")
+            every = substitute(every, node, by)
+    if every is not root:
+        yield Edit(root, every, BITS["option"], "uses the default of each number that is 0")
 
 
 def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
