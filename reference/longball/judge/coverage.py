@@ -41,10 +41,9 @@ from longball.judge.diagnosis.expression import (
     norm,
     ordered,
     substitute,
-    switch,
     where,
 )
-from longball.judge.diagnosis.operators import LEFT_OUT, Edit, edits, key_of
+from longball.judge.diagnosis.operators import LEFT_OUT, Edit, edits, where_key
 from longball.judge.diagnosis.residual import (
     ROUNDING,
     Data,
@@ -174,7 +173,7 @@ def _other_defaults() -> Iterator[Edit]:
         vector = isinstance(getattr(usual.pitch, path.rpartition(".")[2], None), tuple)
         zero = defaults().get(name) == 0.0 and not vector
         more = constant(0.1, node.dimension) if zero else 0.1 * node
-        other = switch(key_of(node), {"given": node, LEFT_OUT: node + more})
+        other = where_key(LEFT_OUT, node, node + more)
         yield Edit(node, other, 0.0, f"uses another default for {path}")
 
 

@@ -219,7 +219,7 @@ class Judge:
             diagnosis = self._diagnosed(judged, wrong, submission, conduct, ask)
             if not ask or conduct or self.profile.scheme() is not None:
                 return diagnosis
-            # It should show what is told first, not another mistake in a simpler kind of scene.
+            # Begin with an example of the first finding, so that the scene shows that mistake.
             examples = {finding.example for finding in diagnosis.findings[:1]}
             told = [c for c in wrong if c.case.id in examples]
             smallest = self._smallest(ask, [c.case.scene for c in told or wrong])

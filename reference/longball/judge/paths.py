@@ -89,7 +89,7 @@ def landed(scene: Any, answer: Answer) -> tuple[Answer, Mapping[str, float]]:
         # If one more step would exceed the time limit, the points end in the air.
         in_the_air = 2 * path[-1, 0] - path[-2, 0] > limit * (1 - 1e-9)
         return (ended("airborne") if in_the_air else answer), {}
-    # Try separate polynomials, and one for positions and velocities together, as far as there are
+    # Try separate polynomials, and one for positions and velocities together, if there are enough
     # points.
     together = [False] if path.shape[1] == 4 or len(path) >= POINTS[0] else []
     together += [True] if path.shape[1] > 4 else []

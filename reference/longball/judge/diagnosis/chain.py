@@ -43,7 +43,7 @@ DENSITY, IMPULSE, ENERGY = (-3, 1, 0), (1, 1, -1), (2, 1, -2)
 
 
 class Input(NamedTuple):
-    """A number or a vector of a scene: its symbol, its keys, and the value that null stands for."""
+    """A number or a vector of a scene: its symbol, its keys, and the value of null."""
 
     symbol: Node
     path: str

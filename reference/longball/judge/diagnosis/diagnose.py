@@ -265,7 +265,6 @@ def reason(
         search = Explanation(chain, stage, data, columns, one, pairs=PAIRS[stage.kind])
         found = search.explain(unseen)
         if isinstance(found, Named):
-            found = replace(found, edits=_placed(found.edits, chain, data))
             for edit in found.edits:
                 before, chain = chain, edit.apply(chain)
                 changed = {s.name for s, was in zip(chain, before, strict=True) if s is not was}
@@ -300,30 +299,8 @@ def reason(
         located.append(stage)
 
 
-def _placed(edits: Sequence[Edit], chain: tuple[Stage, ...], data: Data) -> tuple[Edit, ...]:
-    """Edits of the law, each in flights alone if fewer scenes are wrong then.
-
-    A wrong pitch hides what an edit does to the stages after it; only the whole chain shows that.
-    """
-    flights = tuple(stage for stage in chain if stage.kind == "flight")
-    found = []
-    for edit in edits:
-        made = zip(chain, edit.apply(chain), strict=True)
-        kinds = {stage.kind for stage, other in made if other is not stage}
-        scopes = [edit]
-        if "flight" in kinds and "formula" in kinds:
-            scopes.append(replace(edit, only=flights))
-
-        def wrong(one: Edit, chain: tuple[Stage, ...] = chain) -> int:
-            return sum(int(f.beyond.sum()) for f in follow(one.apply(chain), data)[1])
-
-        found.append(min(scopes, key=wrong) if len(scopes) > 1 else edit)
-        chain = found[-1].apply(chain)
-    return tuple(found)
-
-
 def _is_left(one: Followed, wrong: Index) -> bool:
-    """True if errors are so few, beside those of scenes that were wrong, as a rough edit leaves."""
+    """True if a rough edit explains a stage: few errors are left, relative to its wrong scenes."""
     return is_adequate(one.off / one.floor, rough=True, wrong=np.isin(one.some, wrong))
 
 

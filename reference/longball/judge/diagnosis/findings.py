@@ -26,7 +26,7 @@ class Finding(Frozen):
         "named" if an edit reproduces the candidate's numbers, "nearest" if one comes close, or
         "located" if only the stage is known.
     sentence, remedy
-        A sentence on what is wrong, and the right formula or an instruction.
+        The error in a sentence, and the right formula or an instruction.
 
     Examples
     --------

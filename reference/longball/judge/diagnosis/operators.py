@@ -71,6 +71,7 @@ from longball.judge.diagnosis.expression import (
     where,
     words,
 )
+from longball.judge.fresh import DENSITIES, GRAVITIES
 from longball.model.readings import Reading
 
 FREE = "c"  # the symbol of a free number
@@ -221,8 +222,8 @@ FACTORS = {
     1 / 3: "",
 }
 
-# Values that people have in mind: the search for a number begins there, and at the right one.
-USUAL = {"g": (9.81, 9.80665), "ρ_0": (1.2, 1.225)}
+# Constants that programs have built in: the fit of a free number also starts from these.
+USUAL = {"g": GRAVITIES, "ρ_0": DENSITIES}
 
 _UNIT = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -306,20 +307,19 @@ KINDS_OF: dict[Node, Collection[str]] = {
     if any(quantity in stage.quantities for stage in CHAIN)
 }
 
-LEFT_OUT = "left out"  # the option of a number that the scene leaves to its default
+# What a scene does with the key of a number: it gives the number, omits it, or gives 0.
+GIVEN, LEFT_OUT, ZERO = "given", "left out", "0"
 
 
 def key_of(number: Node) -> str:
-    """Name of the column of scenes that omit a number: "given" or `LEFT_OUT`."""
+    """Name of the column of these options."""
     return f"key of {number.data}"
 
 
-ZERO = "0"  # the option of a number that is 0
-
-
-def zero_of(number: Node) -> str:
-    """Name of the column of scenes in which a number is 0: "other" or `ZERO`."""
-    return f"zero of {number.data}"
+def where_key(option: str, number: Node, other: Node) -> Node:
+    """`other` in the scenes with one option of the key, the number elsewhere."""
+    options = dict.fromkeys((GIVEN, LEFT_OUT, ZERO), number)
+    return switch(key_of(number), options | {option: other})
 
 
 INPUT_NAMES = frozenset(one.symbol.data for one in INPUTS)
@@ -373,8 +373,8 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield free(a.dimension), BITS["free value"] + 1, f"uses {{c}} for {said}", (a.data,)
     if a.op == "constant":
         return
-    # 0 stands for an omitted term of a sum, or an omitted definition or input. An omitted factor is
-    # a 1, below. A divisor 0 would be infinite in every scene.
+    # An omitted term of a sum, definition or input is replaced by 0, and an omitted factor by 1,
+    # below. A quotient by 0 would be infinite in every scene.
     summand = not site.parents or site.under("sum", "vector")
     divides = any(p.op == "quotient" and p.args[1] is a for p in site.parents)
     known = a.data in INPUT_NAMES or (a.op == "named" and (a.dimension != NONE or not a.vector))
@@ -391,7 +391,7 @@ def _numbers(site: Site) -> Iterator[Option]:
     # A wrong default shows only in scenes that omit the key. The search begins near the right
     # value, where the edit has an effect.
     if a.op == "symbol" and a.data in site.left_out:
-        chosen = switch(key_of(a), {"given": a, LEFT_OUT: free(a.dimension)})
+        chosen = where_key(LEFT_OUT, a, free(a.dimension))
         text = f"uses {{c}} for {said} where the scene leaves it out"
         yield chosen, BITS["free value"] + 1, text, (0.9 * a,)
     if a.op in ("symbol", "named") and not a.vector:
@@ -796,7 +796,7 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         found |= dict.fromkeys(component(place, i) for place in places for i in range(3))
     if stage.kind == "flight":
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
-        # A program may keep what it had before this ball was launched.
+        # A program may reuse a value from before the launch of this ball.
         launch = stage.roots["velocity"]
         for one in itertools.takewhile(lambda one: one.roots.get("velocity") is not launch, chain):
             kept = (*(OWN[q] for q in one.quantities), *launches_of(one))
@@ -958,9 +958,8 @@ def _of_zeros(
     every, cost = root, BITS["option"] + math.log2(1 + len(nodes))
     for node in nodes:
         usual = defaults.get(node.data) if node.op == "symbol" else None
-        if usual and ZERO in columns.get(zero_of(node), ()):
-            chosen = {"other": node, ZERO: constant(usual, node.dimension)}
-            by = switch(zero_of(node), chosen)
+        if usual and ZERO in columns.get(key_of(node), ()):
+            by = where_key(ZERO, node, constant(usual, node.dimension))
             yield Edit(node, by, cost, f"uses {usual:.9g}, its default, for {words(node)} = 0")
             every = substitute(every, node, by)
     if every is not root:

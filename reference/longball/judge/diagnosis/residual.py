@@ -45,7 +45,7 @@ from longball.judge.diagnosis.expression import (
     specialised,
     symbol,
 )
-from longball.judge.diagnosis.operators import LEFT_OUT, ZERO, key_of, zero_of
+from longball.judge.diagnosis.operators import GIVEN, LEFT_OUT, ZERO, key_of
 from longball.judge.quantities import values_of
 from longball.model.air import Air
 from longball.model.arrays import Array
@@ -180,7 +180,7 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
     numbers = inputs(scenes)
-    columns = {**numbers, **switches(scenes), **left_out(scenes), **zeros(numbers), **chords_at}
+    columns = {**numbers, **switches(scenes), **keys(scenes, numbers), **chords_at}
     # The closest distance has no formula: it follows from the true margin, and the stage `margin`
     # turns it into a margin again.
     columns[str(closest.data)] = columns["R"] + columns["r_b"] - expected["contact.margin"]
@@ -220,22 +220,14 @@ def _with_air(scene: Any) -> Any:
     return scene.model_copy(update={"air": Air()}) if getattr(scene, "air", 0) is None else scene
 
 
-def left_out(scenes: Sequence[Any]) -> dict[str, Array]:
-    """Columns by `key_of`: `LEFT_OUT` in scenes that omit the number, else "given"."""
-    options = {True: LEFT_OUT, False: "given"}
-    return {
-        key_of(node): np.array([options[_leaves_out(scene, path)] for scene in scenes])
-        for node, path, _ in INPUTS
-    }
-
-
-def zeros(numbers: Mapping[str, Array]) -> dict[str, Array]:
-    """Columns by `zero_of`: `ZERO` in scenes in which a number is 0, else "other"."""
-    return {
-        zero_of(node): np.where(numbers[str(node.data)] == 0.0, ZERO, "other")
-        for node, _, _ in INPUTS
-        if not node.vector
-    }
+def keys(scenes: Sequence[Any], numbers: Mapping[str, Array]) -> dict[str, Array]:
+    """Columns by `key_of`: whether scenes give a number, omit it, or give 0."""
+    found = {}
+    for node, path, _ in INPUTS:
+        omitted = np.array([_leaves_out(scene, path) for scene in scenes], dtype=bool)
+        given = GIVEN if node.vector else np.where(numbers[str(node.data)] == 0.0, ZERO, GIVEN)
+        found[key_of(node)] = np.where(omitted, LEFT_OUT, given)
+    return found
 
 
 def _leaves_out(scene: Any, path: str) -> bool:

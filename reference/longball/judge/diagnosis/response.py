@@ -19,6 +19,7 @@ from longball.judge.diagnosis.operators import FREE, Edit
 from longball.judge.diagnosis.residual import COARSE, START, Launched, flown, launched, take
 from longball.model.arrays import Array
 
+_PATH = frozenset(("path",))
 NODES = 10  # of a Gauss-Legendre rule over the time of flight
 # Displacement for one-sided differences, m and m/s. The error of the differences is far below that
 # of the long steps (`search.STEPS`).
@@ -194,23 +195,27 @@ class Response:
         self.at = on_path(slice(1, -1))
         self._at_start, self._on_path = Many(known), Many(self.at)
         self._left = Many(on_path(slice(-1, None)))
+        # An edit of the spin at the launch, or of the speed along the path, changes the law through
+        # ω0 and the path. The path grows by the integrals, from the launch to each node and to the
+        # end, of the polynomials that are 1 at one node and 0 at the others.
         law, spin_left = stage.roots["law"], stage.roots["spin_left"]
-        self._turned = Evaluator([law], self.at.columns, frozenset(("ω0",)))
-        # For the path through the air: the integrals from the launch to each node of the
-        # polynomials that are 1 at one node and 0 at the others.
+        self._law = Evaluator([law], self.at.columns, frozenset(("ω0", "path")))
+        self._spin_left = Evaluator([spin_left], self._left.at.columns, _PATH)
+        self._decays = depends(law, _PATH) or depends(spin_left, _PATH)
         basis = np.linalg.inv(np.polynomial.legendre.legvander(x, nodes - 1))
         grown = np.polynomial.legendre.legint(basis, lbnd=-1)
-        self._until = np.polynomial.legendre.legval(x, grown) / 2.0
-        self._whole = weights / 2.0
-        self._decays = any(depends(root, frozenset(("path",))) for root in (law, spin_left))
-        self._farther = Evaluator([law], self.at.columns, frozenset(("path",)))
-        self._left_farther = Evaluator([spin_left], self._left.at.columns, frozenset(("path",)))
+        self._until = np.polynomial.legendre.legval(np.append(x, 1.0), grown) / 2.0
 
     def _pushed(self, by: Array, name: str = "law") -> Array:
         """Change of the end, shape (6, balls), by an acceleration or a velocity along the path."""
         _, _, nodes, balls = self._during[name].shape
         a = np.broadcast_to(by, (3, nodes * balls)).reshape(3, nodes, balls)
         return np.asarray(np.einsum("ijkn,jkn->in", self._during[name], a))
+
+    def _with_law(self, **other: Array) -> Array:
+        """The change of the end, shape (6, balls), if the law has another ω0 or path."""
+        at = {name: self.at.columns[name] for name in ("ω0", "path")}
+        return self._pushed(self._law(**(at | other))[0] - self.at.of(self.stage.roots["law"]))
 
     def off(self, end: Array) -> Array:
         """Given ends minus those of `free` balls that the law accelerates along the path."""
@@ -249,20 +254,17 @@ class Response:
                     case "spin_left":
                         total[i, 6:] += change * self._spin
                     case "spin":
-                        # Another spin at the launch is another law on the whole path.
                         total[i, 6:] += share * change
                         turned = np.tile(change + self._spin, self._during["law"].shape[2])
-                        law = self._turned(ω0=turned)[0]
-                        total[i, :6] += self._pushed(law - self.at.of(self.stage.roots["law"]))
+                        total[i, :6] += self._with_law(ω0=turned)
                     case "through":
-                        # A longer path is another law, and another spin at the end.
-                        every = np.broadcast_to(change, self.at.columns["path"].shape)
-                        every = every.reshape(-1, total.shape[2]) * self._duration
-                        longer = np.einsum("jk,jn->kn", self._until, every).ravel()
-                        law = self._farther(path=self.at.columns["path"] + longer)[0]
-                        total[i, :6] += self._pushed(law - self.at.of(self.stage.roots["law"]))
-                        end = self._left.at.columns["path"] + self._whole @ every
-                        total[i, 6:] += (self._left_farther(path=end)[0] - share) * self._spin
+                        faster = np.broadcast_to(change, self.at.columns["path"].shape)
+                        faster = faster.reshape(-1, total.shape[2]) * self._duration
+                        *longer, at_end = np.einsum("jk,jn->kn", self._until, faster)
+                        path = self.at.columns["path"] + np.ravel(longer)
+                        total[i, :6] += self._with_law(path=path)
+                        left = self._spin_left(path=self._left.at.columns["path"] + at_end)[0]
+                        total[i, 6:] += (left - share) * self._spin
                     case "duration":
                         total[i, :6] += self._at_end * change
         return total

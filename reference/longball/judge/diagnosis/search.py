@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -51,6 +51,7 @@ from longball.judge.diagnosis.residual import (
     Stepping,
     compared,
     evenly,
+    follow,
     inputs,
     take,
     values,
@@ -477,7 +478,7 @@ class Explanation:
                 (r,), number = screened(np.zeros((1, 0))), 0.0
             left = cost(r)
             explains = is_adequate(r, edit.rough) and self.null - left - edit.bits - number > needed
-            # Few screening scenes are explained by many edits, most of which other scenes refute.
+            # Many edits explain a few screening scenes, and most of them fail in others.
             if explains and self._fit(self.settled(group[0])[0])[0] != "partial":
                 last = k
             if left < NEARER * self.null:
@@ -673,7 +674,7 @@ class Explanation:
 
     def _with_another(self, edit: Edit) -> Named | None:
         """Two edits that explain the stage together, each of them better than chance."""
-        _, edit = self._placed(edit)
+        edit = self._placed(edit)
         chain = edit.apply(self.chain)
         (stage,) = [s for s, was in zip(chain, self.chain, strict=True) if was is self.stage]
         f = compared(stage, self.data, self.columns, self.followed.some)[0]
@@ -693,7 +694,7 @@ class Explanation:
         """
         cheapest = min(edit.bits for edit, _ in adequate)
         ranked = [
-            (*self._placed(edit), evidence)
+            (self._broken(edit), edit, evidence)
             for edit, evidence in adequate
             if edit.bits <= cheapest + RIVALS
         ]
@@ -701,32 +702,48 @@ class Explanation:
         if unseen is not None and len(ranked) > 1:
             ways = self.data.ways
             holds = (one for one in ranked if unseen.holds(self.chain, self.stage, one[1], ways))
-            ranked = [*itertools.islice(holds, 1 + ALIKE)] or ranked
+            ranked = [*itertools.islice(holds, 1 + LISTED)] or ranked
         _, best, evidence = ranked[0]
-        return Named((best,), evidence, tuple(edit for _, edit, _ in ranked[1 : 1 + ALIKE]))
+        same = tuple(edit for _, edit, _ in ranked[1 : 1 + LISTED])
+        return Named((self._placed(best),), evidence, same)
 
-    def _placed(self, edit: Edit) -> tuple[int, Edit]:
-        """The number of scenes that an edit makes wrong at other stages, and the edit.
+    def _placed(self, edit: Edit) -> Edit:
+        """The edit in the widest scope that leaves fewest scenes wrong.
 
-        The edit applies to the widest of these scopes that makes fewest scenes wrong: all stages
-        that use the definition; all flights, which share one law; the flights of the same ball;
-        this stage alone.
+        The scopes are all stages that use the definition; all flights, which share one law; the
+        flights of the same ball; this stage alone. Each is followed through the whole chain,
+        because a wrong pitch hides what an edit does to later stages.
         """
         scopes: list[tuple[Stage, ...] | None] = [None]
         if self.stage.kind == "flight":
             flights = tuple(stage for stage in self.chain if stage.kind == "flight")
             launch = self.stage.roots["velocity"]
             scopes += [flights, tuple(s for s in flights if s.roots["velocity"] is launch)]
-        found = []
+        found: dict[tuple[bool, ...], tuple[Edit, tuple[Stage, ...]]] = {}
         for only in (*scopes, (self.stage,)):
             placed = replace(edit, only=only)
-            broken = sum(
-                self._wrong(stage) - self._wrong(before)
-                for before, stage in zip(self.chain, placed.apply(self.chain), strict=True)
-                if stage is not before and before is not self.stage
-            )
-            found.append((broken, placed))
-        return min(found, key=itemgetter(0))  # the widest of those that break least
+            chain = placed.apply(self.chain)
+            changed = (s is not was for s, was in zip(chain, self.chain, strict=True))
+            found.setdefault(tuple(changed), (placed, chain))
+        if len(found) == 1:  # only this stage uses the definition
+            return edit
+
+        def wrong(one: tuple[Edit, tuple[Stage, ...]]) -> int:
+            return sum(int(f.beyond.sum()) for f in follow(one[1], self.data)[1])
+
+        return min(found.values(), key=wrong)[0]
+
+    def _broken(self, edit: Edit) -> int:
+        """The number of scenes that an edit makes wrong at other stages; below 0 if it mends some.
+
+        An edit that would break other stages is made at this stage alone, and breaks none.
+        """
+        more = sum(
+            self._wrong(stage) - self._wrong(before)
+            for before, stage in zip(self.chain, edit.apply(self.chain), strict=True)
+            if stage is not before and before is not self.stage
+        )
+        return min(more, 0)
 
     def _wrong(self, stage: Stage) -> int:
         """The number of scenes in which a stage is wrong, of those in `_telling`."""
@@ -760,7 +777,7 @@ BETTER = 0.8  # a pair must leave less than this fraction of the best single edi
 ELSEWHERE = 8  # pairs that are compared by the errors of other stages
 TOGETHER = 40  # pairs with the best first-order fits, which are computed in the screening scenes
 NUMBERS = FREE, f"{FREE}'"  # symbols of the free numbers of two edits
-ALIKE = 3  # edits with the same numbers, told beside the one that is named
+LISTED = 3  # equal edits that a verdict lists with the named one
 RIVALS = 10.0  # bits: an edit that costs more than this above the cheapest is no rival
 # An edited event function is rejected if it is below NOTHING, m, for more than the fraction
 # ANYWHERE of balls at random positions; or if, in more than that fraction of the scenes, a
@@ -856,7 +873,8 @@ def _is_finite(stage: Stage, before: Stage, probe: Values) -> bool:
 def _fingerprint(stage: Stage, probe: Values) -> bytes:
     """The values of a stage on random inputs, to seven digits: those of equal formulas agree."""
     found, roots = [], [*stage.roots.values()]
-    # Random inputs hardly ever lie between the places of two jumps: what decides them counts too.
+    # Random inputs hardly ever lie between the positions of two jumps, so that edits of a jump look
+    # equal. Its condition tells them apart.
     roots += [x.args[0] for x in ordered(roots, (), probe.arguments) if x.op in JUMPS]
     with np.errstate(all="ignore"):
         for root in roots:

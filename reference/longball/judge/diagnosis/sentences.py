@@ -1,6 +1,6 @@
 """Findings in sentences.
 
-A sentence says what is wrong, where and by how much. A remedy shows the right formula and the
+A sentence gives an error, its stage and its size. A remedy shows the right formula and the
 candidate's.
 """
 
