@@ -1,8 +1,8 @@
 """Integrators in fixed steps as data, and flights by them.
 
 An integrator is a step from one state to the next: place, velocity, and the path through the air
-(`longball.judge.diagnosis.residual.Launched`). Two are functions; each of the others is a table of
-coefficients for one function. `slips` edits these tables as `operators` edits formulas.
+(`longball.judge.diagnosis.residual.Launched`). Adams-Bashforth and the variants of RK4 have
+functions; each of the others is a table of coefficients for one function. `slips` edits these tables as `operators` edits formulas.
 """
 
 from __future__ import annotations
