@@ -2,7 +2,8 @@
 
 An integrator is a step from one state to the next: place, velocity, and the path through the air
 (`longball.judge.diagnosis.residual.Launched`). Adams-Bashforth and the variants of RK4 have
-functions; each of the others is a table of coefficients for one function. `slips` edits these tables as `operators` edits formulas.
+functions; each of the others is a table of coefficients for one function. `slips` edits these
+tables as `operators` edits formulas.
 """
 
 from __future__ import annotations
