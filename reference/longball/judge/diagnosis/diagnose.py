@@ -79,7 +79,7 @@ def diagnose(
     if made.digits is not None:
         found = [sentences.digits(made.digits, made.first, made.mended)]
     # Outcomes need the columns of all scenes: also of those in which the outcome is wrong.
-    every = data_of(known, answers, granted)
+    every = replace(data_of(known, answers, granted), flights=made.data.flights)
     columns, _ = follow(specialised_to(every), every)
     stages = {finding.stage for finding in found}
     found += outcome_findings(known, answers, columns, stages)
@@ -209,9 +209,7 @@ class Reasoned:
 # Errors below this fraction of a stage's first errors are not explained further: the number of a
 # named edit is rounded, which may show in a few scenes.
 LAST = 1e-7
-# A later flight is explained before the first wrong one if its fraction of wrong scenes is larger
-# by this factor.
-CLEARER = 2.0
+ENOUGH = 20  # wrong scenes: twice those of a screening, so that their conditions differ
 ROUNDS = 3  # explanations of one stage; each explains the rest of the one before
 
 
@@ -305,16 +303,15 @@ def _is_left(one: Followed, wrong: Index) -> bool:
 
 
 def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]:
-    """The stage to explain next: the first wrong one, or a flight with far more wrong scenes."""
+    """The stage to explain next: the first wrong one, or a flight that tells more.
 
-    def share(one: Followed) -> float:
-        return float(one.beyond.sum() / max(one.checked.sum(), 1))
-
-    first = wrong[0]
+    All flights share one law. One with `ENOUGH` wrong scenes tells as much as any; the first of
+    them, a pitch, takes least time.
+    """
     flights = [both for both in wrong if both[0].kind == "flight"]
-    most = max(flights, key=lambda both: share(both[1]), default=first)
-    clearer = first[0].kind == "flight" and share(most[1]) > CLEARER * share(first[1])
-    return most if clearer else first
+    if wrong[0][0].kind != "flight":
+        return wrong[0]
+    return max(flights, key=lambda both: min(both[1].beyond.sum(), ENOUGH))
 
 
 def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:

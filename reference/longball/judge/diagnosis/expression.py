@@ -326,6 +326,31 @@ def specialised(root: Node, columns: Columns, made: dict[Node, Node]) -> Node:
     return made[root]
 
 
+def digests(roots: Sequence[Node], columns: Columns) -> Array:
+    """Numbers, of shape (roots, scenes), that tell formulas apart, with each scene's options."""
+    # A switch has the number of the argument that a scene chooses. Nodes above switches mix those
+    # of their arguments; all others have one number, the digest.
+    made: dict[Node, Any] = {}
+    for node in ordered(roots):
+        args = [made[arg] for arg in node.args]
+        if node.op == "switch":
+            key, options = node.data
+            made[node] = np.uint64(0)  # of an option that the node does not have
+            for option, arg in zip(options, args, strict=True):
+                made[node] = np.where(columns[key] == option, arg, made[node])
+        elif any(isinstance(arg, np.ndarray) for arg in args):
+            made[node] = np.uint64(hash((node.op, node.data, node.dimension)) % 2**64)
+            for arg in args:
+                made[node] = made[node] * _PRIME ^ arg
+        else:
+            made[node] = np.uint64(node.digest % 2**64)
+    rows = np.broadcast_arrays(*(made[root] for root in roots), columns["kind"])[:-1]
+    return np.array(rows, dtype=np.uint64)
+
+
+_PRIME = np.uint64(0x9E3779B97F4A7C15)  # 2⁶⁴ by the golden ratio: the product spreads all bits
+
+
 def _folded(node: Node) -> Node:
     """A simplified node: terms 0, factors 1, double signs and second names are dropped."""
 

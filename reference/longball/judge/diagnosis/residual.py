@@ -1,8 +1,8 @@
 """Residuals of each stage: the candidate's values minus those that follow from its earlier values.
 
-This module also flies all balls of the diagnosis, by any edited law: all scenes at once, in equal
-steps of an eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving
-Ordinary Differential Equations I*, Sec. II.5; the coefficients are SciPy's).
+This module also flies all balls of the diagnosis, by any edited law: all scenes at once, by an
+eighth-order Runge-Kutta method (Hairer, Nørsett and Wanner, *Solving Ordinary Differential
+Equations I*, Sec. II.5; the coefficients are SciPy's).
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ from longball.judge.diagnosis.expression import (
     Node,
     Pieces,
     depends,
+    digests,
     names_in,
     ordered,
     specialised,
@@ -63,32 +64,29 @@ NOISE = 2.5e-10
 class Stepping(NamedTuple):
     """Equal steps of a flight: each at most `longest`, but no more than `most` of them.
 
-    If they are `exact`, flights across a kink, a jump, or a steep part of the law are flown again
-    by `_flown_exactly`.
+    If they are `controlled`, the steps adapt to the error and end at kinks and jumps of the law.
     """
 
     longest: float  # s
     most: int
-    exact: bool = False
+    controlled: bool = False
 
 
-# FINE steps have a relative error of at most 4e-13 at the landings of 400 batted balls; DOUBLE
-# steps estimate it. COARSE steps give the effects of nine edits in ten to better than a thousandth.
-FINE, EQUAL, DOUBLE = Stepping(0.2, 400, exact=True), Stepping(0.2, 400), Stepping(0.4, 200)
-MIDDLE, COARSE = Stepping(0.5, 100), Stepping(1.7, 4)
+# FINE steps have a median error of 1e-14 at the landings of the golden flights. COARSE steps give
+# the effects of nine edits in ten to better than a thousandth.
+FINE, MIDDLE, COARSE = Stepping(0.8, 400, controlled=True), Stepping(0.5, 100), Stepping(1.7, 4)
 # Steps of a program that does not look for kinks and jumps. The error of a step across one is
 # proportional to its length, whatever the method.
 UNAWARE = Stepping(0.05, 400)
 # Flights are grouped by their number of steps, up to 36, 36², and so on. A batch takes as many
 # steps as its longest flight.
 TOGETHER = 36
-STEEP = 1e-11  # if an equal step has a larger relative error, the flight is repeated
-CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each repeated step, and of the whole flight
+CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each controlled step, and of the whole flight
 # A step across a kink or a jump is divided at BESIDE of its length before the kink and beyond it,
 # until it is shorter than LEAST of the flight.
 BESIDE, LEAST = 1 / 512, 1e-11
 BISECTIONS = 11  # steps of bisection that locate a kink: 2⁻¹¹ is a fourth of BESIDE
-CUTS = 150  # further steps of a repeated flight: an edited law may switch anywhere
+CUTS = 150  # further steps of a controlled flight: an edited law may switch anywhere
 
 Index = NDArray[np.integer[Any]]  # positions of scenes
 
@@ -137,7 +135,7 @@ class Data:
         Scenes that are not compared, by the stage's name and kind: the right chain does not
         reproduce the true value from true earlier values. A ball may graze a jump of the law.
     flights
-        Flights that were flown, by stage and columns: a cache.
+        Balls that were flown, by stage: a cache.
     """
 
     cases: Sequence[Case]
@@ -439,7 +437,7 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             found[names[2]] = share * columns["ω0"]
         return found
 
-    @cache  # only exact flights need the pieces of the law
+    @cache  # only controlled steps need the pieces of the law
     def pieces() -> Pieces:
         return Pieces(roots["law"], columns, moving)
 
@@ -459,39 +457,32 @@ def flown(balls: Launched, duration: Array, limits: Stepping = FINE) -> Array:
 
 
 def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, Array]:
-    """The states of balls after a duration, and their relative errors; 0 after equal steps.
+    """The states of balls after a duration, and their relative errors; 0 for equal steps.
 
-    The number of steps of a flight does not depend on the other flights.
+    The steps of a flight do not depend on the other flights.
     """
-    y, doubt = balls.y.copy(), np.zeros(balls.y.shape[1])
-    known = np.isfinite(duration)
+    y, doubt = np.full_like(balls.y, np.nan), np.zeros(balls.y.shape[1])
     # A duration may be negative, as with an edited clock: the ball flies backwards.
-    needed = np.ceil(np.where(known, np.abs(duration), 0.0) / limits.longest)
-    steps = np.clip(needed, 1, limits.most)
-    groups = np.ceil(np.log(np.maximum(steps, TOGETHER)) / math.log(TOGETHER))
-    if not known.all() or len(np.unique(groups)) > 1:
-        y[:, ~known] = np.nan
-        for group in np.unique(groups[known]):
-            which = np.flatnonzero(known & (groups == group))
-            one = replace(balls.some(which), y=balls.y[:, which])
-            y[:, which], doubt[which] = _flown(one, duration[which], limits)
-        return y, doubt
-    h, again = duration / steps, np.zeros(len(steps), dtype=bool)
-    before = balls.piece(y, 0.0 * h) if limits.exact else None
-    for step in range(int(steps.max(initial=0.0))):
-        flies = step < steps
-        new, slopes = _step(balls, y, step * h, h)
-        y = np.where(flies, new, y)
-        # The few flights across a kink or a steep part of the law are repeated from the launch.
-        if limits.exact:
-            after = balls.piece(y, (step + 1) * h)
-            again |= flies & ((after != before).any(axis=0) | ~(_error(y, slopes, h) < STEEP))
-            before = after
-    if again.any():
-        which = np.flatnonzero(again)
-        one = replace(balls.some(which), y=balls.y[:, which])
-        y[:, which], doubt[which] = _flown_exactly(one, duration[which], 1.0 / steps[which])
+    steps = np.clip(np.ceil(np.abs(duration) / limits.longest), 1, limits.most)
+    # A batch takes as many equal steps as its longest flight. Controlled steps go on without the
+    # balls that have arrived.
+    fly, groups = _in_controlled_steps, np.sign(steps)
+    if not limits.controlled:
+        fly, groups = _in_equal_steps, np.ceil(np.log(steps) / math.log(TOGETHER)).clip(1)
+    for group in np.unique(groups[np.isfinite(groups)]):
+        which = np.flatnonzero(groups == group)
+        some = balls
+        if len(which) < len(steps):
+            some = replace(balls.some(which), y=balls.y[:, which])
+        y[:, which], doubt[which] = fly(some, duration[which], steps[which])
     return y, doubt
+
+
+def _in_equal_steps(balls: Launched, duration: Array, steps: Array) -> tuple[Array, Array]:
+    y, h = balls.y, duration / steps
+    for step in range(int(steps.max())):
+        y = np.where(step < steps, _step(balls, y, step * h, h)[0], y)
+    return y, np.zeros(len(steps))
 
 
 def _step(balls: Launched, y: Array, t: Array, h: Array) -> tuple[Array, Array]:
@@ -514,23 +505,24 @@ def _error(y: Array, slopes: Array, h: Array) -> Array:
     return np.asarray((error / np.maximum(np.abs(y), 1.0)).max(axis=0))
 
 
-def _flown_exactly(balls: Launched, duration: Array, longest: Array) -> tuple[Array, Array]:
+def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tuple[Array, Array]:
     """Fly balls in steps of controlled error that end at kinks and jumps of the law.
 
-    Times and steps are fractions of the duration. A step across a kink is rejected: bisection on
-    the cubic between its ends locates the kink, and the next targets are just before it and just
-    beyond. The short step between those may be divided in the same way, until it is shorter than
-    `LEAST`.
+    Times and steps are fractions of the duration. None is longer than the equal ones would be. A
+    step across a kink is rejected: bisection on the cubic between its ends locates the kink, and
+    the next targets are just before it and just beyond. The short step between those may be divided
+    in the same way, until it is shorter than `LEAST`.
 
-    Return also the relative errors; HUGE for a ball that does not arrive within `CUTS` more steps.
+    Return also the relative errors; `HUGE` for a ball that does not arrive in `CUTS` more steps.
     """
     # Each ball has its own `whole`, the step that the error allows; `before` and `beyond`, the
     # times next to the last kink found; and `here`, the present piece of the law.
-    y, t, whole = balls.y, np.zeros(len(longest)), longest
+    longest = 1.0 / steps
+    y, t, whole = balls.y, np.zeros(len(steps)), longest
     before, beyond = np.zeros_like(t), np.zeros_like(t)
     here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
     doubt = np.full(len(t), HUGE)
-    for _ in range(CUTS + int(2 / longest.min())):
+    for _ in range(CUTS + int(2 * steps.max())):
         # Once at least half of the balls have arrived, continue with the others alone.
         flies = np.flatnonzero(t < 1.0 - LEAST)
         if len(flies) < len(index) / 2:
@@ -623,31 +615,40 @@ def _flown_once(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The quantities of a flight by the candidate's integrator, and the same plus their error.
 
-    Flights are cached, because an edit of one stage does not change the others.
+    No ball is flown twice: an edit of one stage changes few of the others' balls, and the same
+    scenes are in several samples.
     """
-    # The key of the cache consists of the formulas and a digest of the columns that they read.
-    roots, numbers = (*stage.roots.values(),), hashlib.blake2b()
-    way = data.way(stage)
-    for name in ("kind", stage.spins, *names_in(roots), *(way.reads if way else ())):
-        if name in columns:  # moving symbols have no column
-            numbers.update(columns[name].tobytes())
-    key = stage.name, roots, numbers.digest(), limits, way
-    if key not in data.flights:
-        columns = {**columns, "spin": columns[stage.spins]}
+    # A ball is known by the formulas of its flight and by the numbers that they read.
+    roots, way = (*stage.roots.values(),), data.way(stage)
+    known = data.flights.setdefault((limits, way, stage.quantities), {})
+    names = sorted({stage.spins, *names_in(roots), *(way.reads if way else ())} & columns.keys())
+    given = [columns[name] for name in names if columns[name].dtype.kind == "f"]
+    formulas = digests(roots, {**columns, "spin": columns[stage.spins]}).view(float)
+    rows = [*map(np.atleast_2d, given), formulas]
+    numbers = np.ascontiguousarray(np.concatenate(rows).T)
+    balls = [hashlib.blake2b(row.tobytes(), digest_size=16).digest() for row in numbers]
+    new = np.array([i for i, ball in enumerate(balls) if ball not in known], dtype=int)
+    if new.size or not balls:
+        some = take(columns, new)
+        some["spin"] = some[stage.spins]
         if way is not None:
-            found, doubt = way(stage, columns)
+            found, doubt = way(stage, some)
             again = {quantity: found[quantity] + doubt[quantity] for quantity in found}
         else:
-            # A flight with doubled steps estimates the error of equal steps. Controlled steps have
-            # their own estimate.
-            balls = launched(stage, columns)
-            y, share = _flown(balls, balls.duration, limits)
-            off = share * np.maximum(np.abs(y), 1.0)
-            twice = np.where(share > 0, y + off, flown(balls, balls.duration, DOUBLE))
-            found, again = balls.ended(y), balls.ended(twice)
-        data.flights[key] = found, again
-    known: tuple[dict[str, Array], dict[str, Array]] = data.flights[key]
-    return known
+            launch = launched(stage, some)
+            y, share = _flown(launch, launch.duration, limits)
+            found = launch.ended(y)
+            again = launch.ended(y + share * np.maximum(np.abs(y), 1.0))
+        for k, i in enumerate(new):
+            known[balls[i]] = [x[q][..., k] for x in (found, again) for q in stage.quantities]
+        if len(new) == len(balls):
+            return found, again
+    ends = [np.stack(column, axis=-1) for column in zip(*map(known.get, balls), strict=True)]
+    count = len(stage.quantities)
+    return (
+        dict(zip(stage.quantities, ends[:count], strict=True)),
+        dict(zip(stage.quantities, ends[count:], strict=True)),
+    )
 
 
 @dataclass(frozen=True)
@@ -723,7 +724,7 @@ def compared(
 ) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
     """The residuals of a stage in some scenes, and the values that the stage predicts.
 
-    Flights with doubled steps estimate the error of the judge's own flights. If an edit has added a
+    The method's own estimate is the error of the judge's flights. If an edit has added a
     jump or a kink to the stage (`Data.rough`), the error of steps that cross it without detecting
     it is noise, too.
     """
@@ -736,7 +737,7 @@ def compared(
         again = found = values(stage, own)
     careless = found
     if rough and stage.kind == "flight" and data.way(stage) is None:
-        careless = values(stage, own, UNAWARE)
+        careless = _flown_once(stage, own, data, UNAWARE)[0]
     rows = []
     for quantity in stage.quantities:
         # The residual. A missing answer is no error. A prediction that is not finite is the largest

@@ -41,7 +41,6 @@ from longball.judge.diagnosis.expression import (
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits, edits_of_one_option
 from longball.judge.diagnosis.residual import (
     COARSE,
-    EQUAL,
     FINE,
     HUGE,
     MIDDLE,
@@ -139,17 +138,37 @@ def _median(x: Any) -> float:
     return float(np.median(known)) if known.size else 0.0
 
 
-class Effort(NamedTuple):
-    """Budget of a search: the number of edits that reach each phase."""
+class Layer(NamedTuple):
+    """Budget of a search among some of the edits, which are sorted by their bits.
 
-    # Ranked by their first-order effects: the cheapest edits; and how many others, if none of the
-    # cheapest explains the stage.
-    foreseen: tuple[int, int]
-    tried: int  # computed in the screening scenes
-    held: int  # verified in all scenes
+    Attributes
+    ----------
+    edits
+        The edits that are ranked by their first-order effects.
+    paths
+        The `Explanation.responses` by which they are ranked.
+    tried
+        Number of edits that are computed in the screening scenes; `HELD` of these are verified.
+    pairs
+        True to search for a second edit, too.
+    """
+
+    edits: slice
+    paths: slice
+    tried: int
+    pairs: bool = False
 
 
-ALONE, BESIDE_ANOTHER = Effort((10_000, 70_000), 200, 16), Effort((5000, 0), 50, 16)
+# Three edits in four that are named are in the first layer. Those of the last layer are many: they
+# are ranked along one path only, and without pairs.
+EVERY = slice(None)
+ALONE = (
+    Layer(slice(2_000), EVERY, 50),
+    Layer(slice(10_000), EVERY, 200, pairs=True),
+    Layer(slice(10_000, 80_000), slice(-1, None), 200),
+)
+BESIDE_ANOTHER = (Layer(slice(5_000), EVERY, 50),)
+HELD = 16  # edits of a layer that are verified in all scenes
 # Edits that are tried with a second one, by the kind of stage. Of a flight there are few, because
 # every trial integrates it.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
@@ -245,7 +264,7 @@ class Explanation:
     data: Data
     columns: Mapping[str, Any]
     followed: Followed
-    effort: Effort = ALONE
+    layers: tuple[Layer, ...] = ALONE
     pairs: int = 0
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
     telling: dict[tuple[str, Kind], Index] = field(default_factory=dict)  # what `_telling` returns
@@ -325,7 +344,7 @@ class Explanation:
         columns |= {name: np.repeat(x, len(some)) for name, x in zip(NUMBERS, c.T, strict=False)}
         columns["spin"] = columns[stage.spins]
         # A candidate's own steps are many: screening takes long steps of the exact path instead.
-        way = self.data.way(stage) if limits.exact else None
+        way = self.data.way(stage) if limits.controlled else None
         found = values(stage, columns, limits) if way is None else way(stage, columns)[0]
         rows = np.concatenate([np.atleast_2d(found[q]) for q in stage.quantities])
         off = self._given(some)[:, None] - rows.reshape(len(rows), len(c), len(some))
@@ -375,19 +394,21 @@ class Explanation:
             edits(self.chain, self.stage, defaults(), options),
             edits_of_one_option(self.stage, defaults(), options),
         )
-        cheapest = heapq.nsmallest(sum(self.effort.foreseen), every, key=lambda edit: edit.bits)
-        first, responses = cheapest[: self.effort.foreseen[0]], self.responses
-        found = self._explained_by(first, len(first), responses, unseen, self.pairs)
-        if isinstance(found, Named) or len(first) == len(cheapest):
-            return found
-        # There are many other edits: rank them along one path only, and try no pairs of them.
-        others = cheapest[len(first) :]
-        other = self._explained_by(others, len(cheapest), responses[-1:], unseen)
-        if isinstance(other, Named):
-            return other
-        # Report the nearer of the two nearest edits. Edits of both groups may explain the stage
-        # together with a scheme.
-        return replace(min(found, other, key=attrgetter("left")), near=(*found.near, *other.near))
+        most = max(layer.edits.stop for layer in self.layers)
+        cheapest = heapq.nsmallest(most, every, key=attrgetter("bits"))
+        parts = [range(len(cheapest))[layer.edits] for layer in self.layers]
+        located: list[Located] = []
+        for i, (layer, part) in enumerate(zip(self.layers, parts, strict=True)):
+            if not part or part in parts[i + 1 :]:  # another layer has all its edits
+                continue
+            found = self._explained_by(cheapest[layer.edits], part.stop, layer, unseen)
+            if isinstance(found, Named):
+                return found
+            # The nearest of all edits counts. Those of several layers may explain the stage
+            # together with a scheme.
+            located = [*(located if part.start else ()), found]
+        near = tuple(edit for found in located for edit in found.near)
+        return replace(min(located, key=attrgetter("left"), default=Located()), near=near)
 
     @cached_property
     def responses(self) -> list[tuple[Response | Direct, Array]]:
@@ -416,10 +437,9 @@ class Explanation:
 
     @np.errstate(all="ignore")
     def candidates(
-        self, some: Sequence[Edit], responses: Sequence[tuple[Response | Direct, Array]],
-        needed: float,
+        self, some: Sequence[Edit], layer: Layer, needed: float
     ) -> list[_Screened]:  # fmt: skip
-        """Screen some edits of the stage, ranked by some of its `responses`.
+        """Screen the edits of a layer.
 
         The search ends soon after an edit that saves the bits `needed` in the screening scenes.
 
@@ -437,6 +457,7 @@ class Explanation:
             for by in (0.0, MOVED, -MOVED)
         )
         # Rank the edits by their cost plus that of the errors that their first-order effects leave.
+        responses = self.responses[layer.paths]
         flies, at = self.stage.kind == "flight", responses[0][0].at
         starts = [self._starts(edit, at) for edit in some]
         every = [Effects(way, some, starts, errors) for way, errors in responses]
@@ -454,7 +475,7 @@ class Explanation:
                 continue
             if (key := _fingerprint(stage, probe)) == unchanged:
                 continue
-            if key not in groups and len(groups) == self.effort.tried:
+            if key not in groups and len(groups) == layer.tried:
                 break
             groups.setdefault(key, []).append(edit)
         # The best groups, computed in the screening scenes.
@@ -526,23 +547,17 @@ class Explanation:
         return edit.settled(*self.numbers[edit]), self.numbers[edit]
 
     def _explained_by(
-        self, some: Sequence[Edit], tried: int,
-        responses: Sequence[tuple[Response | Direct, Array]],
-        unseen: Unseen | None, pairs: int = 0,
-    ) -> Named | Located:  # fmt: skip
-        """One or two of `some` edits that explain the stage.
-
-        `tried` is the number of edits tried so far, and `pairs` that of the edits for which a
-        second one is searched for; for `responses` see `candidates`.
-        """
+        self, some: Sequence[Edit], tried: int, layer: Layer, unseen: Unseen | None
+    ) -> Named | Located:
+        """One or two edits of a layer that explain the stage; `tried` edits were tried so far."""
         # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
         # tried.
         needed = CHANCE + math.log2(1 + tried)
-        found = self.candidates(some, responses, needed)
+        found = self.candidates(some, layer, needed)
         near = tuple(one.group[0] for one in found[:NEAR])
         alone = min((one.left for one in found), default=self.null)
         found = [one for one in found if one.left <= HALF * self.null]
-        others = [one for one in found if not one.fitted][: self.effort.held]
+        others = [one for one in found if not one.fitted][:HELD]
         found = [one for one in found if one.fitted or one in others]
         verified = [*self._verified(found, some, needed)]
         # Rule 1 of docs/truth.md: an edit that needs the noise of steps across a jump counts only
@@ -557,9 +572,9 @@ class Explanation:
         # edit to begin with.
         partial = (one for one in verified if one.fit == "partial")
         best = min(partial, key=attrgetter("bits"), default=None)
-        if pairs:
+        if layer.pairs and self.pairs:
             shows = best is not None and self._share(best.r) >= MOST
-            for edit in [best.edit] if best and shows else self._in_pairs(alone, pairs):
+            for edit in [best.edit] if best and shows else self._in_pairs(alone, self.pairs):
                 if (both := self._with_another(edit)) is not None:
                     return both
         if best is None:
@@ -752,7 +767,7 @@ class Explanation:
         key = stage.name, stage.kind, _fingerprint(stage, probe)
         if key not in self.counted:
             with np.errstate(all="ignore"):
-                one, _ = compared(stage, self.data, self.columns, some, limits=EQUAL)
+                one, _ = compared(stage, self.data, self.columns, some)
             self.counted[key] = int(one.wrong.sum())
         return self.counted[key]
 
