@@ -43,7 +43,7 @@ from longball.judge.diagnosis.expression import (
     substitute,
     where,
 )
-from longball.judge.diagnosis.operators import LEFT_OUT, Edit, edits, where_key
+from longball.judge.diagnosis.operators import LEFT_OUT, WITHOUT_BLOCK, Edit, edits, where_key
 from longball.judge.diagnosis.residual import (
     ROUNDING,
     Data,
@@ -173,7 +173,7 @@ def _other_defaults() -> Iterator[Edit]:
         vector = isinstance(getattr(usual.pitch, path.rpartition(".")[2], None), tuple)
         zero = defaults().get(name) == 0.0 and not vector
         more = constant(0.1, node.dimension) if zero else 0.1 * node
-        other = where_key(LEFT_OUT, node, node + more)
+        other = where_key((LEFT_OUT, WITHOUT_BLOCK), node, node + more)
         yield Edit(node, other, 0.0, f"uses another default for {path}")
 
 

@@ -67,10 +67,10 @@ INPUTS = (
     _input("aim_y", "pitch.aim[0]", M),
     _input("aim_z", "pitch.aim[1]", M),
     _input("pitch.velocity", "pitch.velocity", SPEED, True),
-    _input("pitch.spin", "pitch.spin", RATE, True),
+    _input("pitch.spin", "pitch.spin", RATE, True, null=0.0),
     _input("launch.position", "launch.position", M, True),
     _input("launch.velocity", "launch.velocity", SPEED, True),
-    _input("launch.spin", "launch.spin", RATE, True),
+    _input("launch.spin", "launch.spin", RATE, True, null=0.0),
     _input("incoming.position", "incoming.position", M, True),
     _input("incoming.velocity", "incoming.velocity", SPEED, True),
     _input("incoming.spin", "incoming.spin", RATE, True, null=0.0),
@@ -246,7 +246,7 @@ transverse = named("ω_T", norm(cross(spin, u)) / U)
 _ω_lift = switch("reading.spin_parameter", {"transverse": norm(c) / U_lift, "total": norm(spin)})
 _ω_table = switch("reading.spin_parameter", {"transverse": transverse, "total": norm(spin)})
 S_lift = named("S", I["R"] * _ω_lift / U_lift)
-S_drag = I["R"] * _ω_table / U
+S_drag = named("S (drag)", I["R"] * _ω_table / U)
 sound = named(
     "the speed of sound", 331.3 * function("sqrt", I["T"] / 273.15) * constant(1.0, SPEED)
 )
@@ -424,7 +424,9 @@ def own(quantity: str, name: str, dimension: Dimension = NONE, vector: bool = Fa
 OWN: dict[str, Node] = {}
 plate_time = own("plate.time", "plate.time", S)
 plate = own("plate.position", "plate.position", M, True)
-own("plate.velocity", "plate.velocity", SPEED, True)
+crossing = own("plate.velocity", "plate.velocity", SPEED, True)
+own("plate.approach.vertical", "plate.approach.vertical")
+own("plate.approach.horizontal", "plate.approach.horizontal")
 contact_time = own("contact.time", "contact.time", S)
 place = own("contact.position", "contact.position", M, True)
 # No candidate reports these two. They follow from the pitch; an impact scene gives them.
@@ -451,7 +453,8 @@ hang = own("landing.hang_time", "landing.hang_time", S)
 flown = symbol("hang_time", S)
 landing_time = own("landing.time", "landing.time", S)
 landing = own("landing.position", "landing.position", M, True)
-own("landing.velocity", "landing.velocity", SPEED, True)
+coming_down = own("landing.velocity", "landing.velocity", SPEED, True)
+own("landing.angle", "landing.angle")
 own("landing.spin", "landing.spin", RATE, True)
 own("landing.distance", "landing.distance", M)
 fence_time = own("fence.time", "fence.time", S)
@@ -544,11 +547,13 @@ _centred = vector(constant(0.0, M), y, constant(0.0, M))
 arm = named("r", switch("bat.support", {"pivot": _pivoted, "free": _centred}) + I["r_b"] * n)
 ball_inertia = named("I_ball", I["β"] * I["m"] * (I["R"] * I["R"]))
 _cosine_of_tilt, _sine_of_tilt = function("cos", I["θ"]), function("sin", I["θ"])
+_swing = I["ω_bat"] * lever * vector(_cosine_of_tilt, constant(0.0), _sine_of_tilt)
 swinging = named(
     "ω'",
     I["ω_bat"] * vector(-_sine_of_tilt, constant(0.0), _cosine_of_tilt),
 )
-slip = named("g", V + cross(spin_at, -(I["R"] * n)) - V_b - cross(swinging, I["r_b"] * n))
+_turning = cross(swinging, I["r_b"] * n)  # the bat's surface about its axis
+slip = named("g", V + cross(spin_at, -(I["R"] * n)) - V_b - _turning)
 slip_across = named("g_t", slip - dot(slip, n) * n)
 
 
@@ -636,7 +641,19 @@ fence_flown = fence_time - _begun
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
 _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
+# The saturation pressure by other authors: Magnus (WMO), Bolton, Tetens. And the density by the gas
+# constants of dry air and water vapour, J/(kg K).
+_vapours = tuple(
+    named(f"{p:g}·exp({a:g}·t/({b:g} + t))", p * function("exp", a * celsius / (b + celsius)))
+    for p, a, b in ((611.2, 17.62, 243.12), (611.2, 17.67, 243.5), (610.78, 17.27, 237.3))
+)
+_humid = I["φ"] * vapour
+_of_gases = named(
+    "((p - φ·p_s)/287.05 + φ·p_s/461.5)/T", ((pressed - _humid) / 287.05 + _humid / 461.5) / I["T"]
+)
 _in_flight = (
+    *_vapours,
+    _of_gases,
     named("331.3 + 0.606·(T - 273.15)", (331.3 + 0.606 * celsius) * constant(1.0, SPEED)),
     named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])),
     named("a/(1 + ρ·V/2m) (added mass)", LAW / (1.0 + ρ * _ball / (2.0 * I["m"]))),
@@ -651,7 +668,10 @@ _downrange = named(
 _cut = named("P (grip) cut to the cone", dot(grip, n) * _slides)
 OTHERWISE = {
     "normal": (named("(x, y, z - z_b)/|…|", unit(_in_space)),),
-    "bat velocity": (named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y),
+    "bat velocity": (
+        named("L/2", I["L"] / 2.0), named("L/2 + y", I["L"] / 2.0 + y), -y,
+        named("the velocity of the bat's surface", _swing + _turning),
+    ),
     "normal speed": (named("V·n", dot(V, n)), named("-|Ṽ|", -norm(Ṽ))),
     "restitution": (
         named("L/2 + y", I["L"] / 2.0 + y), y,
@@ -837,6 +857,14 @@ CHAIN = (
         "plate", ("plate.position",), "event", {"zero": component(plate, 0)},
         scenes=("pitch", "at-bat"),
     ),
+    _formula(
+        "vertical approach", "plate.approach.vertical",
+        function("atan2", component(crossing, 2), norm(level(crossing))), ("pitch", "at-bat"),
+    ),
+    _formula(
+        "horizontal approach", "plate.approach.horizontal",
+        function("atan2", component(crossing, 1), -component(crossing, 0)), ("pitch", "at-bat"),
+    ),
     _formula("margin", "contact.margin", reach - closest, ("at-bat",)),
     Stage(
         "touching", ("contact.position", "contact.velocity", "contact.spin"), "flight",
@@ -854,7 +882,7 @@ CHAIN = (
     ),
     Stage(
         "bat velocity", ("contact.bat_velocity",), "formula",
-        {"value": I["ω_bat"] * lever * vector(_cosine_of_tilt, constant(0.0), _sine_of_tilt)},
+        {"value": _swing},
         {"value": (
             vector(_swung * _cosine_of_tilt, constant(0.0, SPEED), _swung * _sine_of_tilt),
         )},
@@ -916,6 +944,10 @@ CHAIN = (
     Stage(
         "landing", ("landing.position",), "event",
         {"zero": component(landing, 2) - (I["ground"] + _surface)},
+    ),
+    _formula(
+        "landing angle", "landing.angle",
+        function("atan2", -component(coming_down, 2), norm(level(coming_down))),
     ),
     _formula("time", "landing.time", _begun + hang),
     _formula("distance", "landing.distance", norm(level(landing - _origin))),

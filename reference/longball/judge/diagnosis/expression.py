@@ -441,6 +441,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "cos": np.cos,
     "tan": np.tan,
     "atan": np.arctan,
+    "atan2": np.arctan2,
     "sqrt": np.sqrt,
     "square": np.square,
     "abs": np.abs,
@@ -474,6 +475,8 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
         low[0] = -np.inf
     if mode in ("extrapolated", "extrapolated above"):
         high[last, np.arange(at.shape[1])] = np.inf
+    if mode == "short":
+        high[last, np.arange(at.shape[1])] = 0.0
     if mode == "previous node":
         return lambda x: values[0] + ((x >= at[1:]) * np.diff(values, axis=0)).sum(0)
     first, start = values[0], at[:-1]

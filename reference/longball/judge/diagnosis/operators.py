@@ -15,6 +15,7 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import attrgetter
@@ -270,12 +271,14 @@ class Site:
         Default values of the scenes' keys, by symbol.
     flies
         True if the formula holds during a flight.
-    left_out
-        Symbols of the numbers that some scenes omit.
+    omitted
+        How scenes omit the numbers that some of them omit, by symbol.
     scenes
         Kinds of scenes that have the formula.
     kinds
         Kinds of scenes that have a node of the pool, if not all have it.
+    earlier
+        Earlier states of the ball, as words, place and velocity.
     """
 
     node: Node
@@ -283,16 +286,20 @@ class Site:
     pool: tuple[Node, ...]
     defaults: Mapping[str, float | tuple[float, ...]]
     flies: bool
-    left_out: frozenset[str] = frozenset()
+    omitted: Mapping[str, AbstractSet[str]] = field(default_factory=dict)
     scenes: tuple[str, ...] = ()
     kinds: Mapping[Node, Collection[str]] = field(default_factory=dict)
+    earlier: tuple[tuple[str, Node, Node], ...] = ()
 
-    def where_known(self, other: Node) -> Node:
-        """`other` in scenes that have it, the node elsewhere: impact scenes have no plate."""
-        have = self.kinds.get(other, self.scenes)
+    def where_known(self, other: Node, made: Node | None = None) -> Node:
+        """`made` of another node in scenes that have that; this node elsewhere.
+
+        Impact scenes, for example, have no plate. Left out, it is the other node itself.
+        """
+        made, have = made or other, self.kinds.get(other, self.scenes)
         if set(self.scenes) <= set(have):
-            return other
-        by = {kind: other if kind in have else self.node for kind in self.scenes}
+            return made
+        by = {kind: made if kind in have else self.node for kind in self.scenes}
         return switch("kind", by)
 
     def under(self, *ops: str) -> bool:
@@ -307,8 +314,15 @@ KINDS_OF: dict[Node, Collection[str]] = {
     if any(quantity in stage.quantities for stage in CHAIN)
 }
 
-# What a scene does with the key of a number: it gives the number, omits it, or gives 0.
-GIVEN, LEFT_OUT, ZERO = "given", "left out", "0"
+# What a scene does with the key of a number: it gives the number, gives 0, omits the key, or omits
+# the block that has the key.
+GIVEN, ZERO, LEFT_OUT, WITHOUT_BLOCK = "given", "0", "left out", "without its block"
+# Words for the scenes that omit a number in one of these ways.
+OMITTING = {
+    (LEFT_OUT, WITHOUT_BLOCK): "leaves it out",
+    (LEFT_OUT,): "gives its block without it",
+    (WITHOUT_BLOCK,): "leaves out its block",
+}
 
 
 def key_of(number: Node) -> str:
@@ -316,10 +330,10 @@ def key_of(number: Node) -> str:
     return f"key of {number.data}"
 
 
-def where_key(option: str, number: Node, other: Node) -> Node:
-    """`other` in the scenes with one option of the key, the number elsewhere."""
-    options = dict.fromkeys((GIVEN, LEFT_OUT, ZERO), number)
-    return switch(key_of(number), options | {option: other})
+def where_key(options: Sequence[str], number: Node, other: Node) -> Node:
+    """`other` in the scenes with some options of the key, the number elsewhere."""
+    every = dict.fromkeys((GIVEN, ZERO, LEFT_OUT, WITHOUT_BLOCK), number)
+    return switch(key_of(number), every | dict.fromkeys(options, other))
 
 
 INPUT_NAMES = frozenset(one.symbol.data for one in INPUTS)
@@ -353,8 +367,14 @@ def _others(site: Site) -> Iterator[Option]:
     if a.op in ("symbol", "named"):
         for b in same:
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
-                yield a + b, BITS["sum"] + choice, f"adds {words(b)} to {words(a)}", ()
-                yield a - b, BITS["sum"] + choice, f"subtracts {words(b)} from {words(a)}", ()
+                cost, said = BITS["sum"] + choice, words(b)
+                yield site.where_known(b, a + b), cost, f"adds {said} to {words(a)}", ()
+                yield site.where_known(b, a - b), cost, f"subtracts {said} from {words(a)}", ()
+    if a.op == "unit":
+        for b in like:
+            if b.dimension == a.args[0].dimension and b.op != "unit":
+                text = f"divides {words(a.args[0])} by |{words(b)}|, and not by its own length"
+                yield a.args[0] * (1.0 / norm(b)), BITS["sibling"] + choice, text, ()
 
 
 def in_unit_of(a: Node, b: Node) -> Node:
@@ -390,10 +410,11 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield constant(usual, a.dimension), BITS["default"], text, ()
     # A wrong default shows only in scenes that omit the key. The search begins near the right
     # value, where the edit has an effect.
-    if a.op == "symbol" and a.data in site.left_out:
-        chosen = where_key(LEFT_OUT, a, free(a.dimension))
-        text = f"uses {{c}} for {said} where the scene leaves it out"
-        yield chosen, BITS["free value"] + 1, text, (0.9 * a,)
+    for options, omits in OMITTING.items():
+        if a.op == "symbol" and not site.omitted.get(a.data, frozenset()).isdisjoint(options):
+            chosen = where_key(options, a, free(a.dimension))
+            text = f"uses {{c}} for {said} where the scene {omits}"
+            yield chosen, BITS["free value"] + 3 - len(options), text, (0.9 * a,)
     if a.op in ("symbol", "named") and not a.vector:
         text = f"uses {{c}} for {said}, whatever the scene says"
         yield free(a.dimension), BITS["free value"], text, (a, *USUAL.get(a.data, ()))
@@ -574,6 +595,9 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             yield from (instead(b, at=", on both sides of its limit") for b in sides)
             # As cheap as a wrong sign, because it often gives the same numbers as one.
             yield where(condition, *sides[::-1]), -2.0, f"exchanges the two sides of {said}"
+        case "atan2", (b, c):
+            for other in (function("atan", b / c), function("atan2", c, b)):
+                yield instead(other)
         case "sqrt", (b,):
             yield in_unit_of(a, b), 0.0, f"uses {words(b)} for its root"
         case "abs", (b,):
@@ -701,11 +725,17 @@ def _states(site: Site) -> Iterator[Option]:
     now = substitute(substitute(a, v0, v), r0, r)
     if now is not a and a.op in ("symbol", "named"):
         yield now, BITS["launch"], f"uses {said} of each moment, not of the launch", ()
-    if not depends(a, frozenset(("r", "v"))):
+    if not depends(a, frozenset(("r", "v", "r0", "v0"))):
         return
     at_launch = substitute(substitute(a, v, v0), r, r0)
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
+        if a.op == "named":
+            # A value that was computed for an earlier flight, and is not refreshed.
+            for text, place, velocity in site.earlier:
+                kept = substitute(substitute(at_launch, v0, velocity), r0, place)
+                stays = site.where_known(velocity, kept)
+                yield stays, BITS["launch"] + 1, f"keeps {said} {text}", ()
         if a.op in ("symbol", "component") and a.dimension == M:
             yield a - at_launch, BITS["launch"], f"counts {said} from the launch", ()
     # A force may act for a part of the flight only. The limit is fitted from several starting
@@ -822,6 +852,18 @@ def launches_of(stage: Stage) -> list[Node]:
     return [named(f"the {state} that began {stage.name}", stage.roots[state]) for state in states]
 
 
+def earlier_states(chain: Sequence[Stage], stage: Stage) -> tuple[tuple[str, Node, Node], ...]:
+    """States of the ball before the launch of a flight: of the pitch at its launch and its end."""
+    found = []
+    for one in chain[: chain.index(stage)] if stage.kind == "flight" else ():
+        if one.kind == "flight" and one.name == "touching":
+            place, velocity, _ = launches_of(one)
+            found.append(("of the pitch's launch", place, velocity))
+            found.append(("of the pitch at the contact", *(OWN[q] for q in one.quantities[:2])))
+    launch = stage.roots.get("velocity")
+    return tuple(x for x in found if x[2].args[:1] != (launch,))
+
+
 def edits(
     chain: tuple[Stage, ...],
     stage: Stage,
@@ -836,17 +878,18 @@ def edits(
     """
     arguments = Values(columns).arguments if columns else attrgetter("args")
     pool = (*pool_of(chain, stage, columns), *more)
-    left_out = frozenset(
-        str(one.symbol.data) for one in INPUTS
-        if LEFT_OUT in columns.get(key_of(one.symbol), ())
-    )  # fmt: skip
+    omitted = {
+        str(one.symbol.data): {LEFT_OUT, WITHOUT_BLOCK}.intersection(columns[key_of(one.symbol)])
+        for one in INPUTS if key_of(one.symbol) in columns
+    }  # fmt: skip
     kinds = KINDS_OF | {launch: one.scenes for one in chain for launch in launches_of(one)}
+    earlier = earlier_states(chain, stage)
     for name, root in stage.roots.items():
         flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         # The speed along the path is the named U. Its content is edited as a part of the law.
         nodes = [root] if name == "through" else ordered([root], (), arguments)
-        site = Site(root, (), here, defaults, flies, left_out, stage.scenes, kinds)
+        site = Site(root, (), here, defaults, flies, omitted, stage.scenes, kinds, earlier)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
         yield from _of_functions(root, nodes)
@@ -928,13 +971,16 @@ def _of_regions(
         elsewhere = here.intersection(ordered([form], {region}))
         # Edit the symbols of a definition, not the definitions behind them.
         whole_arm, inside = part is region, region if part is region else _meaning(part)
-        written = ordered([inside], (), _written)
+        written = ordered([_meaning(inside)], (), _written)
         parts = [x for x in (ordered([region]) if whole_arm else written) if x in here]
         if region.op == "named":
             parts = [x for x in parts if x.op in ("named", "symbol", "switch")]
         # Only nodes that also occur outside the region: `_of_formula` has edited all others.
         for node in (x for x in parts if x is not inside and x in elsewhere):
-            site = replace(whole, node=node, parents=tuple(x for x in parts if node in x.args))
+            # Here, another variable of the same unit: there are too many of the others.
+            pool = tuple(x for x in whole.pool if x.dimension == node.dimension)
+            above = tuple(x for x in parts if node in x.args)
+            site = replace(whole, node=node, parents=above, pool=pool)
             # Equal nodes are one object. Wrapped in a name, the node of this region differs from
             # the same node elsewhere, and can be replaced alone.
             hole = named(words(node), node)
@@ -959,7 +1005,7 @@ def _of_zeros(
     for node in nodes:
         usual = defaults.get(node.data) if node.op == "symbol" else None
         if usual and ZERO in columns.get(key_of(node), ()):
-            by = where_key(ZERO, node, constant(usual, node.dimension))
+            by = where_key((ZERO,), node, constant(usual, node.dimension))
             yield Edit(node, by, cost, f"uses {usual:.9g}, its default, for {words(node)} = 0")
             every = substitute(every, node, by)
     if every is not root:
@@ -1014,6 +1060,7 @@ TABLES = {
     "extrapolated above": "extrapolates {} beyond its last node",
     "extrapolated below": "extrapolates {} below its first node",
     "previous node": "does not interpolate in {}",
+    "short": "ends {} at its last node but one",
 }
 _A, _B = symbol("a", NONE, True), symbol("b", NONE, True)
 
@@ -1036,9 +1083,13 @@ def _of_formula(
     operators: Sequence[Operator] = OPERATORS,
 ) -> Iterator[Edit]:  # fmt: skip
     """Edits of the nodes of one form of a formula, except nodes `known` from another form."""
-    leaves = [node for node in nodes if node.op == "symbol" and node not in known]
+    leaves = [
+        node for node in nodes if node not in known and (node.op == "symbol" or (
+            node.op == "component" and node.args[0].op == "symbol" and not whole.flies
+        ))
+    ]  # fmt: skip
     for a, b in itertools.combinations(leaves, 2):
-        if a.dimension == b.dimension and a.vector == b.vector:
+        if (a.dimension, a.vector, a.op) == (b.dimension, b.vector, b.op):
             hole = symbol("hole", a.dimension, a.vector)
             exchanged = substitute(substitute(substitute(form, a, hole), b, a), hole, b)
             said = f"exchanges {words(a)} and {words(b)}"

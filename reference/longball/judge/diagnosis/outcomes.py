@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -199,12 +200,12 @@ class Told:
     def __len__(self) -> int:
         return len(self.ids)
 
-    @property
+    @cached_property
     def suspect(self) -> set[str]:
         """Stages that are wrong; all flights if one of them is, because they share the law."""
         return {*self.before} | (_FLIGHTS if _FLIGHTS & {*self.before} else set())
 
-    @property
+    @cached_property
     def wrong(self) -> Bools:
         """True where the reported fact is not the true one."""
         pairs = zip(self.said, self.right, strict=True)
@@ -534,11 +535,12 @@ class _Way:
 def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> list[_Way]:
     """Edits that explain a whole kind of wrong outcome, sorted by number of scenes and by cost."""
     found: dict[bytes, _Way] = {}  # the cheapest of edits that agree in moved scenes
-    moved = _moved(search.told)
-    known = {_fingerprint(search.tree, i, test, moved) for i, test in enumerate(search.tree.tests)}
+    moved, tests = _moved(search.told), search.tree.tests
+    held_there = [_held(test, moved) for test in tests]
+    unchanged = _fingerprint(held_there)
     pairs = np.array([hash(pair) for pair in _pairs(search.told, left | True)])
     for i, test, edit, bits, text in search.ways():
-        old, within = search.tree.tests[i], ""
+        old, within = tests[i], ""
         if edit is not None and edit.starts:
             settled = search.settled(i, test, old)
             if settled is None:
@@ -565,8 +567,10 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
         if not search.told.suspect.isdisjoint(old.after):
             sure &= ~np.isnan(_held(old, search.told))
         evidence = search.nothing(int(sure.sum())) - spent
-        key = _fingerprint(search.tree, i, test, moved)
-        if evidence < CHANCE or key in known:
+        if evidence < CHANCE:
+            continue
+        key = _fingerprint([*held_there[:i], _held(test, moved), *held_there[i + 1 :]])
+        if key == unchanged:
             continue
         if key not in found or spent < found[key].spent:
             right = f"say {_text(old.says)} if {_all_positive(old)}"
@@ -595,13 +599,11 @@ def _moved(told: Told) -> Told:
     return replace(told, columns=moved, kinds=kinds, ids=ids, given={}, before=())
 
 
-def _fingerprint(tree: Tree, i: int, test: Test, moved: Told) -> bytes:
-    """Outcomes of the moved scenes, as bytes, with `test` in place of test `i`."""
-    tests = [*tree.tests]
-    tests[i] = test
-    found = np.full(len(moved), -1, dtype=np.int8)
-    for code, one in enumerate(tests):
-        found[(found < 0) & (_held(one, moved) == 1)] = code
+def _fingerprint(held: Sequence[Array]) -> bytes:
+    """The number of the first test that holds, of each scene, as bytes."""
+    found = np.full(held[0].shape, -1, dtype=np.int8)
+    for i, one in enumerate(held):
+        found[(found < 0) & (one == 1)] = i
     return found.tobytes()
 
 

@@ -46,7 +46,7 @@ from longball.judge.diagnosis.expression import (
     specialised,
     symbol,
 )
-from longball.judge.diagnosis.operators import GIVEN, LEFT_OUT, ZERO, key_of
+from longball.judge.diagnosis.operators import GIVEN, LEFT_OUT, WITHOUT_BLOCK, ZERO, key_of
 from longball.judge.quantities import values_of
 from longball.model.air import Air
 from longball.model.arrays import Array
@@ -219,26 +219,26 @@ def _with_air(scene: Any) -> Any:
 
 
 def keys(scenes: Sequence[Any], numbers: Mapping[str, Array]) -> dict[str, Array]:
-    """Columns by `key_of`: whether scenes give a number, omit it, or give 0."""
+    """Columns by `key_of`: whether scenes give a number, omit it or its block, or give 0."""
     found = {}
     for node, path, _ in INPUTS:
-        omitted = np.array([_leaves_out(scene, path) for scene in scenes], dtype=bool)
-        given = GIVEN if node.vector else np.where(numbers[str(node.data)] == 0.0, ZERO, GIVEN)
-        found[key_of(node)] = np.where(omitted, LEFT_OUT, given)
+        column = np.array([_in_scene(scene, path) for scene in scenes])
+        if not node.vector:
+            column[(column == GIVEN) & (numbers[str(node.data)] == 0.0)] = ZERO
+        found[key_of(node)] = column
     return found
 
 
-def _leaves_out(scene: Any, path: str) -> bool:
-    """True if a scene omits a key of a path."""
-    block = scene
-    for key in path.partition("[")[0].split("."):
-        fields = getattr(type(block), "model_fields", {})
-        if key not in fields:
-            return False
+def _in_scene(scene: Any, path: str) -> str:
+    """What a scene does with a key: an option of its column, but for ZERO."""
+    block, (*above, last) = scene, path.partition("[")[0].split(".")
+    for key in (*above, last):
+        if key not in getattr(type(block), "model_fields", {}):
+            return GIVEN
         if key not in block.model_fields_set:
-            return True
+            return LEFT_OUT if key == last else WITHOUT_BLOCK
         block = getattr(block, key)
-    return False
+    return GIVEN
 
 
 def _has(scene: Any, key: str) -> bool:
@@ -351,6 +351,16 @@ def evenly(some: Index, most: int) -> Index:
     if len(some) <= most:
         return some
     return np.asarray(some[np.linspace(0, len(some) - 1, most).round().astype(int)])
+
+
+def with_every_option(columns: Columns) -> Index:
+    """Scenes, as few as one for each option, that have every option of all columns."""
+    found = np.zeros(0, dtype=int)
+    for column in columns.values():
+        if column.dtype.kind != "f":
+            options, first = np.unique(column, return_index=True)
+            found = np.append(found, first[~np.isin(options, column[found])])
+    return found
 
 
 _A, _B, _C = DOP853.A[:12, :12], DOP853.B, DOP853.C[:12]
@@ -839,9 +849,9 @@ def seen(chain: Sequence[Stage], data: Data) -> Data:
     if not any(stage.kind == "flight" and is_rough(stage) for stage in chain):
         return data
     _, found = follow(chain, data)
-    wrong = np.unique(np.concatenate([one.some[one.beyond] for one in found]))
+    wrong = np.unique(np.concatenate([one.some[one.wrong] for one in found]))
     _, found = follow(chain, replace(data, given=data.expected, cut={}, slips=None), only=wrong)
-    blind = {(one.stage.name, one.stage.kind): one.some[one.beyond] for one in found}
+    blind = {(one.stage.name, one.stage.kind): one.some[one.wrong] for one in found}
     return replace(data, blind=blind)
 
 

@@ -54,6 +54,7 @@ from longball.judge.diagnosis.residual import (
     inputs,
     take,
     values,
+    with_every_option,
 )
 from longball.judge.diagnosis.response import Direct, Effects, Response, cubic, free
 from longball.judge.diagnosis.unseen import Unseen
@@ -68,8 +69,7 @@ MOST_WRONG, MOST_RIGHT = 60, 30
 # unreliable.
 FAR_OFF = 0.03
 TWINS = 5  # kept of the edits that are equal at this stage: they may differ at other stages
-PROBES = 40  # scenes that are moved at random, to detect equal edits
-TIMES = 3  # copies of each screening scene among these
+TIMES = 3  # further copies of each screening scene among those that are moved at random
 NEAR = 16  # edits that are combined with integration schemes
 # Fractions of the initial cost in the screening scenes. An edit that leaves more than HALF is
 # dropped from the search. One that leaves more than NEARER does not count among `NEAR`, either.
@@ -246,7 +246,7 @@ class Explanation:
     Attributes
     ----------
     all
-        The scenes in which an edit is verified.
+        The scenes in which edits are verified; the good ones then in every scene.
     base, null_all
         Residuals of these scenes without an edit, and their cost in bits.
     few
@@ -277,7 +277,9 @@ class Explanation:
         wrong, right = f.some[f.beyond], f.some[~f.beyond & f.checked]
         sizes = f.relative[f.beyond]
         order = wrong[np.argsort(-sizes, kind="stable")]
-        self.all = np.concatenate([evenly(order, MOST_WRONG), evenly(right, MOST_RIGHT)])
+        beside = with_every_option(take(self.columns, right))
+        beside = np.union1d(right[beside], evenly(right, MOST_RIGHT))
+        self.all = np.concatenate([evenly(order, MOST_WRONG), beside])
         self.base = base = self._compared(stage, self.all)
         self.null_all = cost(_in_floors(base))
         # Screening uses long steps, and scenes in which long steps are accurate.
@@ -447,7 +449,7 @@ class Explanation:
         """
         # Random inputs, in which equal edits are detected. The screening scenes are repeated: if
         # they are few, their random moves still give several values.
-        scenes = np.concatenate([evenly(self.all, PROBES), np.tile(self.all[self.few], TIMES)])
+        scenes = np.concatenate([self.all, np.tile(self.all[self.few], TIMES)])
         probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, scenes)))
         # The candidate's own point, and points beside it in all directions: see `_is_possible`.
         place = str(OWN[self.stage.quantities[0]].data)
@@ -575,7 +577,7 @@ class Explanation:
         if layer.pairs and self.pairs:
             shows = best is not None and self._share(best.r) >= MOST
             for edit in [best.edit] if best and shows else self._in_pairs(alone, self.pairs):
-                if (both := self._with_another(edit)) is not None:
+                if (both := self._with_another(edit, needed)) is not None:
                     return both
         if best is None:
             return Located(near=near)
@@ -607,17 +609,24 @@ class Explanation:
             fit, r = self._fit(edit)
             if self.null_all - cost(r) - edit.bits < needed:
                 continue
+            # A sample may lack the right scenes that the edit breaks.
+            if fit != "partial":
+                fit, _ = self._fit(edit, everywhere=True)
             alike = tuple(e for e in (edit, *twins) if self._is_possible(self.edited(e)))
             yield _Verified(edit, alike, r, self.null_all - cost(r) - edit.bits - needed, fit)
 
-    def _fit(self, edit: Edit) -> tuple[Fit, Array]:
-        """The fit of an edit without a free number in all scenes, and its residuals, in floors."""
-        stage = self.edited(edit)
-        r, wrong = self._in_floors(stage, self.all), self.base.beyond
+    def _fit(self, edit: Edit, everywhere: bool = False) -> tuple[Fit, Array]:
+        """The fit of an edit without a free number, and its residuals, in floors.
+
+        It is that in `all` scenes; or, if `everywhere`, in every scene of the stage.
+        """
+        stage, f = self.edited(edit), self.followed
+        some, wrong = (f.some, f.beyond) if everywhere else (self.all, self.base.beyond)
+        r = self._in_floors(stage, some)
         if is_adequate(r, edit.rough, wrong):
             return "exact", r
         if edit.rough:
-            r = self._in_floors(stage, self.all, rough=True)
+            r = self._in_floors(stage, some, rough=True)
         return "rough" if edit.rough and is_adequate(r, True, wrong) else "partial", r
 
     def _share(self, r: Array) -> float:
@@ -687,8 +696,8 @@ class Explanation:
                 total += cost(_in_floors(compared(stage, self.data, self.columns, few)[0]))
         return total
 
-    def _with_another(self, edit: Edit) -> Named | None:
-        """Two edits that explain the stage together, each of them better than chance."""
+    def _with_another(self, edit: Edit, needed: float) -> Named | None:
+        """Two edits that explain the stage together; each has to save the bits `needed`."""
         edit = self._placed(edit)
         chain = edit.apply(self.chain)
         (stage,) = [s for s, was in zip(chain, self.chain, strict=True) if was is self.stage]
@@ -699,7 +708,11 @@ class Explanation:
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
         if isinstance(second, Located):
             return None
-        return Named((edit, *second.edits), second.evidence)
+        both = (edit, *second.edits)
+        for one in second.edits:
+            (stage,) = one.apply([stage])
+        spent = cost(self._in_floors(stage, self.all)) + sum(one.bits + needed for one in both)
+        return Named(both, second.evidence) if spent < self.null_all else None
 
     def _named(self, adequate: Sequence[tuple[Edit, float]], unseen: Unseen | None) -> Named:
         """Choose among adequate edits: the one that breaks least elsewhere, then the cheapest.
