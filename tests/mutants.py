@@ -518,7 +518,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Mutation testing of longball.")
     parser.add_argument("--sample", type=int, help="how many mutants; by default all")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", help="a module, as model/bat.py")
+    parser.add_argument("--only", default="", help="a module or folder, as model/bat.py")
     parser.add_argument("--again", action="store_true", help="only survivors without a reason")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
     options = parser.parse_args()
@@ -535,7 +535,7 @@ def main() -> None:
     for name in WARM:
         importlib.import_module(name)
     every, reasons = sample(options.seed), known_reasons()
-    asked = [mutant for mutant in every if options.only in (None, mutant.module)]
+    asked = [mutant for mutant in every if mutant.module.startswith(options.only)]
     if options.again:
         asked = [mutant for mutant in asked if reasons.get(mutant.key) == ""]
     reach = record(options.jobs)

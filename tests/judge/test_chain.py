@@ -22,7 +22,7 @@ FAMILIES = [
     "impact-oblique", "at-bat", "at-bat-real", "fence",
 ]  # fmt: skip
 
-# Whose balls touch kinks of the law, or go along them: the chain cannot fly a few of these.
+# Balls of these touch kinks of the law, or go along them: the chain cannot fly a few.
 BENT = ["edges", "flight-kinks", "combined", "various", "various-real"]
 
 # Which of two chords is next to a ball that passes a step of the fence within 1e-15 m of it is
@@ -30,37 +30,51 @@ BENT = ["edges", "flight-kinks", "combined", "various", "various-real"]
 STEPS = "fence-step-right-1e-15", "fence-step-left-1e-15"
 
 
-@pytest.mark.parametrize("family", BENT)
-@pytest.mark.sampled(every=3)
-def test_what_the_chain_cannot_fly_counts_for_nothing(family):
-    data = truth([case for case in known(family) if case.id not in STEPS])
-    chain = specialised_to(data)
-    able = seen(chain, data)
-    _, found = follow(chain, able)
-    assert not any(one.beyond.any() for one in found)
-    assert sum(map(len, able.blind.values())) <= 4  # tables and jumps are flown
+def true_data(family):
+    return truth([case for case in known(family) if case.id not in STEPS])
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.sampled(every=3)
+@pytest.mark.parametrize("family", FAMILIES + BENT)
 def test_every_stage_follows_from_the_true_values_before_it(family):
-    data = truth([case for case in known(family) if case.id not in STEPS])
-    _, found = follow(specialised_to(data), data)
+    data = true_data(family)
+    chain = specialised_to(data)
+    if family in BENT:
+        data = seen(chain, data)
+        assert sum(map(len, data.blind.values())) <= 4  # tables and jumps are flown
+    _, found = follow(chain, data)
     for one in found:
-        ids = [data.cases[i].id for i in one.some[one.wrong]]
+        which = one.beyond if family in BENT else one.wrong
+        ids = [data.cases[i].id for i in one.some[which]]
         assert not ids, (one.stage.name, ids)
     # Something was compared: every quantity that the family has is a stage's.
     compared = {q for one in found if one.checked.any() for q in one.stage.quantities}
     told = {q for q in OWN if np.isfinite(data.given[q]).any()}
     clocks = {"plate.time", "contact.time", "landing.hang_time", "fence.time"}
-    margins = {"contact.margin"}
-    assert told - compared - clocks - margins == set()
+    assert told - compared - clocks <= {"contact.margin"}
+
+
+@pytest.mark.parametrize("family", [*FAMILIES, "various-real"])
+def test_every_form_of_a_formula_has_its_values(family):
+    cases = known(family)
+    data = truth(cases[:: max(1, len(cases) // 6)])
+    chain = specialised_to(data)
+    columns, _ = follow(chain, data)
+    # The lift k C_L U² ê × u/|ê × u| has its size only where nothing drives the ball aside.
+    aside = "air.wind", "air.side_coefficient", "earth"
+    plane = np.all([columns[key] == "none" for key in aside], axis=0)
+    for stage in chain:
+        here = np.isin(columns["kind"], stage.scenes)
+        for name, forms in stage.forms.items():
+            for i, form in enumerate(forms):
+                other = replace(stage, roots={**stage.roots, name: form})
+                some = np.flatnonzero(here & plane if (name, i) == ("law", 0) else here)
+                found, _ = compared(other, data, columns, some)
+                assert not found.beyond.any(), (stage.name, form)
 
 
 @pytest.mark.parametrize("family", ["impact", "flight-both", "at-bat", "fence"])
-@pytest.mark.sampled(every=4)
 def test_a_value_moved_by_a_millionth_does_not_follow(family):
-    data = truth([case for case in known(family) if case.id not in STEPS])
+    data = true_data(family)
     chain = specialised_to(data)
     for quantity in OWN:
         if not np.isfinite(data.given[quantity]).any() or quantity in ("contact.margin",):
