@@ -90,6 +90,8 @@ CALLERS = {
 LIMITS = (60.0, 300.0)  # s of tests for a mutant
 SLOWER = 3.0  # times as long as without a mutant: no end
 COMPILING = 30.0  # s beyond that
+# In place of a line: what runs while the module is imported, which is in no test.
+IMPORTED = "imported"
 # Imported once, before the processes of the mutants are forked.
 WARM = (
     "flint",
@@ -250,6 +252,7 @@ class Reach:
         """Return the tests of a mutant and their times, in their order, up to a limit of s."""
         reached = self.lines.get(mutant.module, {})
         own = [test for line in mutant.lines for test in reached.get(str(line), ())]
+        own = own or reached.get(IMPORTED, [])
         caller = self.lines.get(CALLERS.get(mutant.module, ""), {})
         near = [test for part in (reached, caller) for of in part.values() for test in of]
         ordered = (test for of in (own, near) for test in sorted(of, key=self.seconds.__getitem__))
@@ -342,14 +345,26 @@ def record(jobs: int) -> Reach:
     seconds: dict[str, float] = {}
     lines: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     with ThreadPoolExecutor(jobs) as pool:
-        for reach in pool.map(_recorded, modules):
+        for name, reach in zip(modules, pool.map(_recorded, modules), strict=True):
             seconds |= reach.seconds
+            for module in imported(ROOT / name):
+                lines[module][IMPORTED] += reach.seconds
             for module, reached in reach.lines.items():
                 for line, tests in reached.items():
                     lines[module][line] += tests
     if not seconds:
         sys.exit(f"no test was run; see {SPACE}/output-*")
     return Reach(seconds, lines)
+
+
+def imported(tests: Path) -> Iterator[str]:
+    """Yield the modules of the package that a file of tests imports."""
+    for node in ast.walk(ast.parse(tests.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("longball."):
+            path = Path(*(node.module or "").split(".")[1:])
+            for name in (path, *(path / alias.name for alias in node.names)):
+                if (PACKAGE / name).with_suffix(".py").exists():
+                    yield name.with_suffix(".py").as_posix()
 
 
 def _recorded(tests: str) -> Reach:

@@ -269,7 +269,8 @@ def test_the_chord_beside_a_point():
 def test_the_chord_at_a_step_is_the_one_whose_height_the_clearance_gives():
     scene = parse_scene(
         '{"id": "a", "kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 9, 20]}, '
-        '"fence": {"polyline": [[67, 67, 8], [98, 40, 11.3], [98, 40, 5.2], [118, 12, 9], [60, -60, 1]]}}'
+        '"fence": {"polyline": [[67, 67, 8], '
+        "[98, 40, 11.3], [98, 40, 5.2], [118, 12, 9], [9, -60, 1]]}}"
     )
     at = np.array([[98.0, 98.0, 98.1, 118.0], [40.0, 40.0, 39.86, 12.0], [20.0] * 4])
     tops = np.array([11.3, 5.2, np.nan, 9.0])

@@ -1,4 +1,4 @@
-"""Flights in steps, planted in right answers, are named again: by integrator, step and last step."""
+"""Flights in steps, planted in right answers, are named with integrator, step and last step."""
 
 from __future__ import annotations
 
