@@ -12,10 +12,10 @@ from longball.judge.answers import Answer
 from longball.judge.diagnosis import residual
 from longball.judge.diagnosis.residual import (
     COARSE,
-    DOUBLE,
-    EQUAL,
     FINE,
     HUGE,
+    MIDDLE,
+    UNAWARE,
     Launched,
     begun,
     compared,
@@ -53,7 +53,7 @@ def thrown(duration: Any, pull: Any, **more: Any) -> Launched:
 
 def test_flights_of_any_length():
     """Under -x'' = x: each in its own number of steps, backwards too; none without a time."""
-    times = np.array([0.1, 2.0, 20.0, -1.0, np.nan])
+    times = np.array([0.1, 2.0, 5.0, -1.0, np.nan])
     found = flown(thrown(times, lambda at, t: -at[2]), times)
     with np.errstate(invalid="ignore"):
         expected = np.cos(times) + 20 * np.sin(times)
@@ -63,13 +63,13 @@ def test_flights_of_any_length():
     times = np.array([0.05, 75.0])
     parabola = flown(thrown(times, lambda at, t: np.full(at.shape[1], -10.0)), times)
     assert parabola[2] == pytest.approx(1 + 20 * times - 5 * times**2, rel=1e-13)
-    times = np.array([0.1, 2.0, 20.0])
+    times = np.array([0.1, 2.0, 5.0])
     # The same beside other flights, and by fewer steps less exactly.
     alone = flown(thrown(times[2:3], lambda at, t: -at[2]), times[2:3])
-    assert np.array_equal(alone[:, 0], found[:, 2])
+    assert alone[:, 0] == pytest.approx(found[:, 2], rel=1e-13)
     off = [
         abs(flown(thrown(times[1:2], lambda at, t: -at[2]), times[1:2], limits)[2] - expected[1])
-        for limits in (COARSE, DOUBLE, EQUAL)
+        for limits in (COARSE, MIDDLE, UNAWARE)
     ]
     assert off[0] > off[1] > off[2]
 
@@ -103,7 +103,7 @@ def test_a_jump_on_the_way_is_met_exactly(level: float):
     ]
     found = flown(thrown(times, pull, piece=piece), times)
     assert found[2] == pytest.approx(expected, abs=1e-9)
-    unaware = flown(thrown(times, pull, piece=piece), times, EQUAL)
+    unaware = flown(thrown(times, pull, piece=piece), times, UNAWARE)
     assert abs(unaware[2] - expected).max() > 1e-6
 
 
@@ -281,7 +281,8 @@ def test_the_chord_at_a_step_is_the_one_whose_height_the_clearance_gives():
     assert np.isnan(residual._fences([scene], np.full((3, 1), np.nan), tops)["chord.a"]).all()
 
 
-def test_the_stated_error_of_flights_across_a_kink_is_relative_to_their_numbers():
+@np.errstate(all="ignore")  # as `compared`
+def test_the_stated_error_of_flights_is_relative_to_their_numbers():
     data = truth(known("flight-kinks")[::3])
     chain = specialised_to(data)
     columns, _ = follow(chain, data)
@@ -290,6 +291,4 @@ def test_the_stated_error_of_flights_across_a_kink_is_relative_to_their_numbers(
     for quantity in stage.quantities[:2]:
         size = np.maximum(abs(found[quantity]), 1.0)
         share = abs(again[quantity] - found[quantity]) / size
-        careful = np.isclose(share, residual.TOTAL, rtol=1e-3).all(axis=0)
-        assert careful.sum() > 5
-        assert (share[:, ~careful] < residual.TOTAL).all()
+        assert np.isclose(share, residual.TOTAL, rtol=1e-3).all()
