@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from longball import golden
+from longball.engines.chain import solve
 from longball.engines.verlet import PUSHES, TREATMENTS, Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
@@ -15,6 +16,7 @@ from longball.judge.diagnosis.diagnose import prepared
 from longball.judge.diagnosis.expression import NONE, constant, norm, ordered, substitute
 from longball.judge.diagnosis.residual import compared, follow, seen, specialised_to
 from longball.judge.quantities import values_of
+from longball.model.scene import Ground
 from tests.judge.material import known, truth
 
 FAMILIES = [
@@ -103,21 +105,38 @@ def test_drag_and_lift_have_one_airspeed():
     assert norm(u) not in ordered([changed])
 
 
+def in_steps(engine, scenes):
+    """Right answers of the paper's scheme: the data, and what follows from them."""
+    cases = [case for case in solved(scenes, engine) if decidable(case)]
+    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
+    data, chain = prepared(cases, answers, engine)
+    assert not sum(map(len, data.blind.values()))
+    return data, *follow(chain, data)
+
+
 FORCES = zip(TREATMENTS, itertools.cycle(PUSHES))
 
 
 @pytest.mark.parametrize(("forces", "push"), [*FORCES, ("old_carried", "early")])
 def test_every_stage_and_form_of_the_papers_scheme_follows(forces, push):
     engine = Verlet(dt=0.01, forces=forces, contact_force=push)
-    scenes = [case.scene for case in golden.load("at-bat")[::4]]
-    cases = [case for case in solved(scenes, engine) if decidable(case)]
-    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    data, chain = prepared(cases, answers, engine)
-    assert not sum(map(len, data.blind.values()))
-    columns, found = follow(chain, data)
+    data, columns, found = in_steps(engine, [case.scene for case in golden.load("at-bat")[::4]])
     assert not any(one.beyond.any() for one in found)
     (met,) = (one for one in found if one.stage.name == "contact time")
     assert met.checked.sum() > 5
     (form,) = met.stage.forms["value"]
     other, _ = compared(replace(met.stage, roots={"value": form}), data, columns, met.some)
     assert not other.beyond.any()
+
+
+def test_balls_that_land_while_they_are_pushed():
+    """Balls struck downwards, 0.2 m above the ground."""
+    engine, low = Verlet(dt=0.02), []
+    for case in golden.load("at-bat"):
+        result = solve(case.scene, engine)
+        if result.outcome == "batted" and float(result.impact.velocity[2]) < -5:
+            ground = Ground(height=float(result.contact.position[2]) - 0.2)
+            low.append(case.scene.model_copy(update={"ground": ground}))
+    data, _, found = in_steps(engine, low)
+    assert (data.given["landing.hang_time"] < 2 * engine.dt).sum() > 4
+    assert not any(one.beyond.any() for one in found)

@@ -329,7 +329,6 @@ READ = [
 
 
 @pytest.mark.parametrize(("family", "read", "stage", "edit"), READ)
-@pytest.mark.sampled(every=3)
 def test_a_scene_that_is_read_otherwise_is_named(
     family: str, read: Callable[[dict[str, Any]], None], stage: str, edit: str
 ):

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+import pytest
 
 from longball.judge.diagnosis import operators
 from longball.judge.diagnosis.chain import CHAIN, I, Stage, n, r, v, v0
@@ -385,6 +386,36 @@ def test_a_slip_in_the_function_of_all_products():
 def test_the_default_of_a_zero():
     keys = {operators.key_of(x): np.array([operators.ZERO]), "x": np.array([0.0])}
     assert one(9 * 5) <= {*of_formula(x * y, **keys).values()}
+
+
+def costs(root: Node, form: Node | None = None) -> dict[str, float]:
+    forms = {} if form is None else {"value": (form,)}
+    stage = Stage("", ("impact.impulse",), "formula", {"value": root}, forms)
+    found: dict[str, float] = {}
+    for edit in edits((stage,), stage, {}, COLUMNS):
+        found[edit.words] = min(edit.bits, found.get(edit.words, math.inf))
+    return found
+
+
+def test_costs_in_bits():
+    """One bit more is half as likely: one of more nodes, of another form, or in one use."""
+    short, long = costs(x * y), costs(x * y + z)
+    flip = "flips the sign of x"
+    assert long[flip] - short[flip] == pytest.approx(math.log2((1 + 5) / (1 + 3)))
+    parts = costs(x * y + x * z)
+    one_use = f"{flip} in x·y"
+    assert parts[one_use] > parts[flip] + 1
+    whole = costs(y - z, x * y + x * z)
+    assert whole["flips the sign of x·y"] == parts["flips the sign of x·y"] + 1
+    assert whole[one_use] == parts[one_use] + 1
+    # People err in names and inputs sooner than in what has no name.
+    named_ = costs(named("k", x * y) + z)
+    unnamed = costs(x * y + z + 0.0 * z)
+    assert named_["flips the sign of k"] < named_[flip] < unnamed["flips the sign of x·y"]
+    exchange = "exchanges x and y"
+    assert costs(x * y - z)[exchange] - costs(x - y)[exchange] == pytest.approx(math.log2(3 / 2))
+    choice = costs(x + y), costs(x + y + z * p)
+    assert choice[1]["uses y for x"] > choice[0]["uses y for x"]
 
 
 def test_an_edit_in_some_stages():
