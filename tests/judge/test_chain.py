@@ -11,7 +11,7 @@ from longball.engines.chain import solve
 from longball.engines.verlet import PUSHES, TREATMENTS, Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
-from longball.judge.diagnosis.chain import CHAIN, LAW, OWN, SPEED, U, u
+from longball.judge.diagnosis.chain import ACCELERATION, CHAIN, LAW, OWN, RATE, SPEED, U, u
 from longball.judge.diagnosis.diagnose import prepared
 from longball.judge.diagnosis.expression import NONE, constant, norm, ordered, substitute
 from longball.judge.diagnosis.residual import compared, follow, seen, specialised_to
@@ -86,6 +86,19 @@ def test_a_value_moved_by_a_millionth_does_not_follow(family):
         other = data.__class__(**{**vars(data), "given": {**data.given, quantity: moved}})
         _, found = follow(chain, other)
         assert any(one.wrong.any() for one in found), quantity
+
+
+def test_formulas_have_the_dimension_of_their_quantity():
+    for stage in CHAIN:
+        if stage.kind == "formula":
+            (value,), (quantity,) = stage.roots.values(), stage.quantities
+            assert (value.dimension, value.vector) == (
+                OWN[quantity].dimension, OWN[quantity].vector,
+            ), stage.name  # fmt: skip
+        if stage.kind == "flight":
+            dimensions = [stage.roots[name].dimension for name in ("place", "velocity", "spin")]
+            assert dimensions == [(1, 0, 0), SPEED, RATE]
+            assert stage.roots["law"].dimension == ACCELERATION
 
 
 def test_sums_have_one_dimension():
