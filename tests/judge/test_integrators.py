@@ -157,7 +157,7 @@ def test_wrong_coefficients_of_a_program_are_among_the_slips():
     every = [flown(one.step, 0.1, 3) for one in slips()]
     for mistaken in wrong:
         end = flown(mistaken, 0.1, 3)
-        assert any(np.allclose(end, other, rtol=1e-13) for other in every)
+        assert any(np.allclose(end, other, rtol=1e-13, atol=1e-13) for other in every)
     # The order is unknown if they lead to the path, and 0 if they do not.
     end = [math.sin(1), math.cos(1)]
     with np.errstate(all="ignore"):
@@ -176,7 +176,9 @@ def test_integrators_of_one_kind_fly_together():
         y = np.repeat(ONE, 2 * len(some), axis=1)
         new, _ = every.step(rates, y, 0.0, 0.1, None, 0.1)
         for i, one in enumerate(some):
-            assert np.allclose(new[[0, 3], 2 * i + 1], flown(one.step, 0.1, 1), rtol=1e-14)
+            assert np.allclose(
+                new[[0, 3], 2 * i + 1], flown(one.step, 0.1, 1), rtol=1e-14, atol=1e-15
+            )
 
 
 # --- flights --------------------------------------------------------------------------------------
