@@ -96,9 +96,10 @@ def right() -> Any:
 
 @np.errstate(all="ignore")  # as `diagnose`
 def explained(change: Any, kind: str = "flight") -> Scheme | None:
-    """What explains landings that are changed: a function of their times, and of states at times.
+    """The explanation of landings that are changed.
 
-    `change` returns new values of quantities.
+    `change` is a function of the true times, and of a function from times to states. It returns new
+    values of quantities.
     """
     chain, data = right()
     columns, _ = follow(chain, data)

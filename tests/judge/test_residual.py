@@ -1,4 +1,4 @@
-"""What the judge compares: columns of scenes, flights at kinks, tolerances of numbers."""
+"""Columns of scenes, flights at kinks, and tolerances of numbers, as the judge compares them."""
 
 from __future__ import annotations
 
