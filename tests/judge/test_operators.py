@@ -372,6 +372,17 @@ def test_mistakes_in_one_option_of_a_switch():
     assert {(5, 22), (10, 11), (5, 11)} <= {*found.values()}  # 1 for x
 
 
+def test_mistakes_in_one_definition_of_a_law():
+    """In a definition with two uses of a symbol that is used elsewhere, too."""
+    stage = Stage("", ("impact.impulse",), "formula", {"law": named("k", x * y + x) + x})
+    found = {
+        value(edit.apply((stage,))[0].roots["law"])
+        for edit in edits((stage,), stage, {}, COLUMNS)
+        if edit.words.endswith(" in k")
+    }
+    assert one(1 * 5 + 1 + 2, -2 * 5 - 2 + 2) <= found  # 1 for x; its sign
+
+
 def test_a_slip_in_the_function_of_all_products():
     found = {*of_formula(dot(a, b) + dot(a, a)).values()}
     for i in range(3):
