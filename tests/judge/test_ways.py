@@ -11,6 +11,7 @@ import pytest
 
 from longball.engines.verlet import PUSHES
 from longball.judge.diagnosis.chain import I
+from longball.judge.diagnosis.evidence import CHANCE, cost
 from longball.judge.diagnosis.integrators import (
     EXACT,
     INTEGRATORS,
@@ -21,8 +22,15 @@ from longball.judge.diagnosis.integrators import (
     straight,
 )
 from longball.judge.diagnosis.operators import Edit
-from longball.judge.diagnosis.residual import Data, compared, follow, specialised_to, values
-from longball.judge.diagnosis.schemes import Steps, explain_push, explain_scheme, with_edit
+from longball.judge.diagnosis.residual import (
+    Data,
+    Followed,
+    compared,
+    follow,
+    specialised_to,
+    values,
+)
+from longball.judge.diagnosis.schemes import SOME, Steps, explain_push, explain_scheme, with_edit
 from tests.judge.material import known, truth
 
 
@@ -51,6 +59,11 @@ def integrator(words: str) -> Integrator:
     return next(one for one in (*INTEGRATORS, *slips()) if one.words.startswith(words))
 
 
+def most(one: Followed) -> float:
+    """Bits beyond chance that an explanation of all errors has, before its own cost."""
+    return cost(one.off / one.floor) - CHANCE
+
+
 WAYS = [
     (Way(integrator("explicit Euler"), 0.01), None),
     (Way(integrator("explicit Euler"), 0.0137), None),  # a step that nobody chooses
@@ -61,6 +74,7 @@ WAYS = [
     (Way(integrator("RK4"), 0.02, chord=True), None),
     (Way([*VERLET.values()][1], 0.05, chord=True), None),
     (Way(integrator("RK4 with no k3 in the state of k4"), 0.02), None),
+    (Way(integrator("RK4 with 6/7 times"), 0.02), None),
 ]
 
 
@@ -72,7 +86,7 @@ def test_a_way_is_named(way: Way, dt: float | None):
     found = Steps(stage, data, columns, one).named(dt)
     assert found is not None
     assert found.adequate
-    assert found.evidence > 0
+    assert 0 < found.evidence <= most(one) - found.bits
     assert found.step == pytest.approx(way.h, rel=1e-6)
     assert found.way.chord == way.chord
     # Another integrator may do the same here: it must do so to the last digit.
@@ -116,6 +130,7 @@ def test_errors_of_no_known_scheme_have_an_order():
     steps = Steps(stage, data, columns, one)
     found = steps.order()
     assert (found.order, found.adequate, found.way) == (4, False, None)
+    assert 0 < found.evidence < most(one.of(steps.short(one.wrong, SOME))) - found.bits
     assert found.step == pytest.approx(0.2 * (0.3**5 + 0.7**5) ** 0.25, rel=0.1)
     noise = data.given["landing.velocity"] * np.random.default_rng(1).uniform(
         0.9, 1.1, data.given["landing.velocity"].shape
