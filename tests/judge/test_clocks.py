@@ -126,6 +126,8 @@ def test_a_clock_that_is_late(late: float):
     assert found.adequate
     assert (found.order, found.way) == (None, None)
     assert found.step == abs(late)
+    # One delay, of the position and of the velocity, costs as much as that of one of them.
+    assert found.bits == pytest.approx(rule(np.full(7, late))[0].bits)
     assert ("before" in found.words) == (late > 0)
 
 
