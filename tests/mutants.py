@@ -6,11 +6,11 @@ A mutant is one module with one operator, comparison or constant changed, in a c
 that stands before the real one on the path. A first run of the tests of `TESTS` records which test
 reaches which line, and in what time; of a file of tests that changed as little as the package did,
 an earlier record is kept. A line that runs while its module is imported is in no test: the tests of
-all files that import the module count as reaching it. Each mutant then runs the tests that reach its line, followed
-by those that reach its module, the quickest first, up to `LIMITS[0]` seconds in all; one that
-survives them without a reason, up to `LIMITS[1]`. Killed: a test fails, or none ends in time. The
-others are survivors, whether another test would kill them or not. A mutant for which no test runs
-is an error, of this program or of its lists.
+all files that import the module count as reaching it. Each mutant then runs the tests that reach
+its line, followed by those that reach its module, the quickest first, up to `LIMITS[0]` seconds in
+all; one that survives them without a reason, up to `LIMITS[1]`. Killed: a test fails, or none ends
+in time. The others are survivors, whether another test would kill them or not. A mutant for which
+no test runs is an error, of this program or of its lists.
 
 Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
 which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
