@@ -1,15 +1,16 @@
 """Mutation testing: small faults are planted in the package, and the tests have to notice each.
 
-    python tests/mutants.py [--sample 300] [--seed 1] [--only model/bat.py] [--jobs 2]
+    python tests/mutants.py [--sample 300] [--seed 1] [--only model] [--jobs 2]
 
 A mutant is one module with one operator, comparison or constant changed, in a copy of the package
 that stands before the real one on the path. A first run of the tests of `TESTS` records which test
 reaches which line, and in what time; of a file of tests that changed as little as the package did,
-an earlier record is kept. Each mutant then runs the tests that reach its line, followed
-by those that reach its module, the quickest first, up to `LIMITS[0]` seconds in all; one that
-survives them without a reason, up to `LIMITS[1]`. Killed: a test fails, or none ends in time. The
-others are survivors, whether another test would kill them or not. A mutant for which no test runs
-is an error, of this program or of its lists.
+an earlier record is kept. A line that runs while its module is imported is in no test: the tests of
+all files that import the module count as reaching it. Each mutant then runs the tests that reach
+its line, followed by those that reach its module, the quickest first, up to `LIMITS[0]` seconds in
+all; one that survives them without a reason, up to `LIMITS[1]`. Killed: a test fails, or none ends
+in time. The others are survivors, whether another test would kill them or not. A mutant for which
+no test runs is an error, of this program or of its lists.
 
 Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
 which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
@@ -90,6 +91,8 @@ CALLERS = {
 LIMITS = (60.0, 300.0)  # s of tests for a mutant
 SLOWER = 3.0  # times as long as without a mutant: no end
 COMPILING = 30.0  # s beyond that
+# In place of a line: what runs while the module is imported, which is in no test.
+IMPORTED = "imported"
 # Imported once, before the processes of the mutants are forked.
 WARM = (
     "flint",
@@ -250,6 +253,7 @@ class Reach:
         """Return the tests of a mutant and their times, in their order, up to a limit of s."""
         reached = self.lines.get(mutant.module, {})
         own = [test for line in mutant.lines for test in reached.get(str(line), ())]
+        own = own or reached.get(IMPORTED, [])
         caller = self.lines.get(CALLERS.get(mutant.module, ""), {})
         near = [test for part in (reached, caller) for of in part.values() for test in of]
         ordered = (test for of in (own, near) for test in sorted(of, key=self.seconds.__getitem__))
@@ -342,14 +346,26 @@ def record(jobs: int) -> Reach:
     seconds: dict[str, float] = {}
     lines: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     with ThreadPoolExecutor(jobs) as pool:
-        for reach in pool.map(_recorded, modules):
+        for name, reach in zip(modules, pool.map(_recorded, modules), strict=True):
             seconds |= reach.seconds
+            for module in imported(ROOT / name):
+                lines[module][IMPORTED] += reach.seconds
             for module, reached in reach.lines.items():
                 for line, tests in reached.items():
                     lines[module][line] += tests
     if not seconds:
         sys.exit(f"no test was run; see {SPACE}/output-*")
     return Reach(seconds, lines)
+
+
+def imported(tests: Path) -> Iterator[str]:
+    """Yield the modules of the package that a file of tests imports."""
+    for node in ast.walk(ast.parse(tests.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("longball."):
+            path = Path(*(node.module or "").split(".")[1:])
+            for name in (path, *(path / alias.name for alias in node.names)):
+                if (PACKAGE / name).with_suffix(".py").exists():
+                    yield name.with_suffix(".py").as_posix()
 
 
 def _recorded(tests: str) -> Reach:
@@ -518,7 +534,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Mutation testing of longball.")
     parser.add_argument("--sample", type=int, help="how many mutants; by default all")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", help="a module, as model/bat.py")
+    parser.add_argument("--only", default="", help="a module or folder, as model/bat.py")
     parser.add_argument("--again", action="store_true", help="only survivors without a reason")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
     options = parser.parse_args()
@@ -535,7 +551,7 @@ def main() -> None:
     for name in WARM:
         importlib.import_module(name)
     every, reasons = sample(options.seed), known_reasons()
-    asked = [mutant for mutant in every if options.only in (None, mutant.module)]
+    asked = [mutant for mutant in every if mutant.module.startswith(options.only)]
     if options.again:
         asked = [mutant for mutant in asked if reasons.get(mutant.key) == ""]
     reach = record(options.jobs)

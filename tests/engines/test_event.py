@@ -457,3 +457,9 @@ def test_a_batted_ball_whose_direction_is_left_open_is_not_taken_for_a_vertical_
 
 def test_a_number_with_its_rate_follows_the_rules_of_derivatives() -> None:
     assert (1.0 - Dual(3.0, 2.0)) * Dual(5.0, 7.0) == Dual(-10.0, -24.0)
+
+
+@pytest.mark.parametrize(("u", "w", "size"), [(0.3, 0.2, 0.5), (-0.3, -0.2, 0.5), (30.0, 9.0, 1.0)])
+def test_the_scale_of_a_slow_ball_is_its_speed(u, w, size):
+    start = PlaneState(0.0, 1.0, u, w)
+    assert event.vertical(start, DOUBLES).size == size

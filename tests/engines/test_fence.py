@@ -4,6 +4,7 @@ Outcomes, corners and ties in every engine are in the golden data (`fence`).
 """
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from longball.engines import create
 from longball.engines.batch import Batch
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.event import ground
-from longball.engines.fence import first_crossing
+from longball.engines.fence import chords, first_crossing
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
@@ -164,3 +165,22 @@ def test_a_ball_that_still_rises_at_the_wall_has_no_apex_in_columns():
     scene = flight((50.0, 0.0, 20.0), [[40, 40, 30], [60, 0, 30], [40, -40, 30]])
     results = [solve(scene, Ivp()), *Batch().solve_all([scene] * 2)]
     assert [(one.outcome, one.apex) for one in results] == [("wall", None)] * 3
+
+
+def test_a_point_of_a_chord_is_measured_to_its_nearer_end():
+    """Chords of 10 m whose height rises by 1 m; the second is a step higher."""
+    first, second = chords([[0, 0, 1], [0, 10, 2], [0, 10, 5], [0, 20, 6]], DOUBLES)
+    for y, margin in ((2.5, 2.5), (9.0, 1.0), (0.0, 0.0)):
+        place = first.passed((0.0, y, 3.0), 1e-9, DOUBLES)
+        assert (place.height, place.segment, place.margin) == (1 + y / 10, 0, margin)
+        assert (place.to_break, place.slope) == (margin, 0.1)
+    (whole, joined) = chords([[0, 0, 1], [0, 10, 2], [5, 20, 2]], DOUBLES)
+    assert whole.passed((0.0, 9.0, 3.0), 1e-9, DOUBLES).to_break == 9.0  # it goes on at b
+    assert joined.passed((0.5, 11.0, 3.0), 1e-9, DOUBLES).to_break == pytest.approx(
+        9 * math.sqrt(1.25)
+    )
+    assert second.segment == 2
+    assert first.passed((0.0, 10.1, 3.0), 1e-9, DOUBLES) is None
+    assert first.passed((0.0, 10.1, 3.0), 0.2, DOUBLES) is not None
+    assert first.passed((0.0, -0.1, 3.0), 1e-9, DOUBLES) is None
+    assert first.inside((1.0, 5.0)) == -first.inside((-1.0, 5.0)) == 10.0

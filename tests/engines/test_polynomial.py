@@ -40,6 +40,12 @@ def test_between_turning_points_a_polynomial_only_rises_or_only_falls(seed):
         np.testing.assert_allclose(found, np.sort(wanted), atol=1e-8)
 
 
+def test_a_turning_point_where_the_interval_is_halved():
+    for places in ([0.1, 0.5, 0.9], [0.25, 0.5, 0.625], [0.5, 0.75]):
+        found = turning_points(Series.fromroots(places).integ().coef, 1.0)
+        np.testing.assert_allclose(found, places, atol=1e-12)
+
+
 def test_what_stays_high_is_above_half_of_its_start():
     rng = np.random.default_rng(1)
     high = 0

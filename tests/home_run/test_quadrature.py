@@ -122,7 +122,6 @@ class TestQuadrature:
     # The default reading is in test_cli.py, too.
     @pytest.mark.parametrize("name", GOLDEN)
     @pytest.mark.usefixtures("coarse")
-    @pytest.mark.nightly
     def test_its_error_covers_the_distance_to_a_finer_rule(self, name):
         case = GOLDEN[name]
         row = case.rows[0]
@@ -192,7 +191,6 @@ class TestQuadrature:
         assert near < 0.02 * here.slope
 
     @pytest.mark.usefixtures("coarsest")
-    @pytest.mark.nightly
     def test_threads_change_no_bit(self, monkeypatch):
         monkeypatch.setattr("longball.home_run.quadrature._PAIRS", 1)  # so that both have some
         one, two = (integrals(BASE, PAPER, [0.42], tolerance=1e-2, workers=n) for n in (1, 2))

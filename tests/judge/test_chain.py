@@ -1,19 +1,22 @@
 """The judge's chain as data, held to proven results of every family."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from longball import golden
-from longball.engines.verlet import Verlet
+from longball.engines.chain import solve
+from longball.engines.verlet import PUSHES, TREATMENTS, Verlet
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
-from longball.judge.diagnosis.chain import CHAIN, LAW, OWN, SPEED, U, u
+from longball.judge.diagnosis.chain import ACCELERATION, CHAIN, LAW, OWN, RATE, SPEED, U, u
 from longball.judge.diagnosis.diagnose import prepared
 from longball.judge.diagnosis.expression import NONE, constant, norm, ordered, substitute
 from longball.judge.diagnosis.residual import compared, follow, seen, specialised_to
 from longball.judge.quantities import values_of
+from longball.model.scene import Ground
 from tests.judge.material import known, truth
 
 FAMILIES = [
@@ -22,7 +25,7 @@ FAMILIES = [
     "impact-oblique", "at-bat", "at-bat-real", "fence",
 ]  # fmt: skip
 
-# Whose balls touch kinks of the law, or go along them: the chain cannot fly a few of these.
+# Balls of these touch kinks of the law, or go along them: the chain cannot fly a few.
 BENT = ["edges", "flight-kinks", "combined", "various", "various-real"]
 
 # Which of two chords is next to a ball that passes a step of the fence within 1e-15 m of it is
@@ -30,37 +33,51 @@ BENT = ["edges", "flight-kinks", "combined", "various", "various-real"]
 STEPS = "fence-step-right-1e-15", "fence-step-left-1e-15"
 
 
-@pytest.mark.parametrize("family", BENT)
-@pytest.mark.sampled(every=3)
-def test_what_the_chain_cannot_fly_counts_for_nothing(family):
-    data = truth([case for case in known(family) if case.id not in STEPS])
-    chain = specialised_to(data)
-    able = seen(chain, data)
-    _, found = follow(chain, able)
-    assert not any(one.beyond.any() for one in found)
-    assert sum(map(len, able.blind.values())) <= 4  # tables and jumps are flown
+def true_data(family):
+    return truth([case for case in known(family) if case.id not in STEPS])
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.sampled(every=3)
+@pytest.mark.parametrize("family", FAMILIES + BENT)
 def test_every_stage_follows_from_the_true_values_before_it(family):
-    data = truth([case for case in known(family) if case.id not in STEPS])
-    _, found = follow(specialised_to(data), data)
+    data = true_data(family)
+    chain = specialised_to(data)
+    if family in BENT:
+        data = seen(chain, data)
+        assert sum(map(len, data.blind.values())) <= 4  # tables and jumps are flown
+    _, found = follow(chain, data)
     for one in found:
-        ids = [data.cases[i].id for i in one.some[one.wrong]]
+        which = one.beyond if family in BENT else one.wrong
+        ids = [data.cases[i].id for i in one.some[which]]
         assert not ids, (one.stage.name, ids)
     # Something was compared: every quantity that the family has is a stage's.
     compared = {q for one in found if one.checked.any() for q in one.stage.quantities}
     told = {q for q in OWN if np.isfinite(data.given[q]).any()}
     clocks = {"plate.time", "contact.time", "landing.hang_time", "fence.time"}
-    margins = {"contact.margin"}
-    assert told - compared - clocks - margins == set()
+    assert told - compared - clocks <= {"contact.margin"}
+
+
+@pytest.mark.parametrize("family", [*FAMILIES, "various-real"])
+def test_every_form_of_a_formula_has_its_values(family):
+    cases = known(family)
+    data = truth(cases[:: max(1, len(cases) // 6)])
+    chain = specialised_to(data)
+    columns, _ = follow(chain, data)
+    # The lift k C_L U² ê × u/|ê × u| has its size only where nothing drives the ball aside.
+    aside = "air.wind", "air.side_coefficient", "earth"
+    plane = np.all([columns[key] == "none" for key in aside], axis=0)
+    for stage in chain:
+        here = np.isin(columns["kind"], stage.scenes)
+        for name, forms in stage.forms.items():
+            for i, form in enumerate(forms):
+                other = replace(stage, roots={**stage.roots, name: form})
+                some = np.flatnonzero(here & plane if (name, i) == ("law", 0) else here)
+                found, _ = compared(other, data, columns, some)
+                assert not found.beyond.any(), (stage.name, form)
 
 
 @pytest.mark.parametrize("family", ["impact", "flight-both", "at-bat", "fence"])
-@pytest.mark.sampled(every=4)
 def test_a_value_moved_by_a_millionth_does_not_follow(family):
-    data = truth([case for case in known(family) if case.id not in STEPS])
+    data = true_data(family)
     chain = specialised_to(data)
     for quantity in OWN:
         if not np.isfinite(data.given[quantity]).any() or quantity in ("contact.margin",):
@@ -69,6 +86,19 @@ def test_a_value_moved_by_a_millionth_does_not_follow(family):
         other = data.__class__(**{**vars(data), "given": {**data.given, quantity: moved}})
         _, found = follow(chain, other)
         assert any(one.wrong.any() for one in found), quantity
+
+
+def test_formulas_have_the_dimension_of_their_quantity():
+    for stage in CHAIN:
+        if stage.kind == "formula":
+            (value,), (quantity,) = stage.roots.values(), stage.quantities
+            assert (value.dimension, value.vector) == (
+                OWN[quantity].dimension, OWN[quantity].vector,
+            ), stage.name  # fmt: skip
+        if stage.kind == "flight":
+            dimensions = [stage.roots[name].dimension for name in ("place", "velocity", "spin")]
+            assert dimensions == [(1, 0, 0), SPEED, RATE]
+            assert stage.roots["law"].dimension == ACCELERATION
 
 
 def test_sums_have_one_dimension():
@@ -88,17 +118,38 @@ def test_drag_and_lift_have_one_airspeed():
     assert norm(u) not in ordered([changed])
 
 
-def test_every_stage_and_form_of_the_papers_scheme_follows():
-    engine = Verlet(dt=0.01)
-    scenes = [case.scene for case in golden.load("at-bat")]
+def in_steps(engine, scenes):
+    """Right answers of the paper's scheme: the data, and what follows from them."""
     cases = [case for case in solved(scenes, engine) if decidable(case)]
     answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
     data, chain = prepared(cases, answers, engine)
-    _, found = follow(chain, data)
+    assert not sum(map(len, data.blind.values()))
+    return data, *follow(chain, data)
+
+
+FORCES = zip(TREATMENTS, itertools.cycle(PUSHES))
+
+
+@pytest.mark.parametrize(("forces", "push"), [*FORCES, ("old_carried", "early")])
+def test_every_stage_and_form_of_the_papers_scheme_follows(forces, push):
+    engine = Verlet(dt=0.01, forces=forces, contact_force=push)
+    data, columns, found = in_steps(engine, [case.scene for case in golden.load("at-bat")[::4]])
     assert not any(one.beyond.any() for one in found)
     (met,) = (one for one in found if one.stage.name == "contact time")
-    assert met.checked.sum() > 10
+    assert met.checked.sum() > 5
     (form,) = met.stage.forms["value"]
-    columns, _ = follow(chain, data)
     other, _ = compared(replace(met.stage, roots={"value": form}), data, columns, met.some)
     assert not other.beyond.any()
+
+
+def test_balls_that_land_while_they_are_pushed():
+    """Balls struck downwards, 0.2 m above the ground."""
+    engine, low = Verlet(dt=0.02), []
+    for case in golden.load("at-bat"):
+        result = solve(case.scene, engine)
+        if result.outcome == "batted" and float(result.impact.velocity[2]) < -5:
+            ground = Ground(height=float(result.contact.position[2]) - 0.2)
+            low.append(case.scene.model_copy(update={"ground": ground}))
+    data, _, found = in_steps(engine, low)
+    assert (data.given["landing.hang_time"] < 2 * engine.dt).sum() > 4
+    assert not any(one.beyond.any() for one in found)

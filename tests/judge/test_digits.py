@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
@@ -10,7 +12,14 @@ import pytest
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
-from longball.judge.diagnosis.digits import Digits, digits_of, explain_digits, with_digits
+from longball.judge.diagnosis.digits import (
+    Digits,
+    digits_of,
+    explain_digits,
+    said,
+    slips,
+    with_digits,
+)
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import values_of
 
@@ -37,7 +46,6 @@ def written(family, way, change=lambda quantity, x: x):
 
 @pytest.mark.parametrize("family", ["flight-both", "at-bat", "impact-oblique"])
 @pytest.mark.parametrize("words", WAYS)
-@pytest.mark.sampled(every=3)
 def test_few_digits_explain_what_they_do_to_later_stages(family, words):
     assert explain_digits(*written(family, WAYS[words])) == words
 
@@ -49,7 +57,6 @@ def test_full_digits_are_no_style():
 
 
 @pytest.mark.parametrize("words", WAYS)
-@pytest.mark.sampled(every=3)
 def test_a_mistake_is_still_seen_behind_few_digits(words):
     def farther(quantity, x):
         return 1.01 * x if quantity == "landing.distance" else x
@@ -91,3 +98,62 @@ def test_decimals_that_any_single_has_too_are_decimals():
     numbers = [Decimal(f"{x:.6f}") for x in draw.uniform(8, 16, 60)]
     assert (style := digits_of(numbers)) == Digits("decimals", 6)
     assert style.cut == (pytest.approx(5e-7), 0.0)  # the same for large and small numbers
+
+
+def test_styles_by_hand():
+    numbers = [Decimal("0.00123"), Decimal("45.6"), Decimal("7")]
+    ten = math.log2(10)
+    assert Digits("digits", 3).bits(numbers) == pytest.approx(9 * ten)
+    # With two decimals, 45.6 has four digits, 7 has three, and 0.00123 has none.
+    assert Digits("decimals", 2).bits(numbers) == pytest.approx((4 + 3 + 0) * ten)
+    assert Digits("single").bits(numbers) == 3 * 24
+    assert Digits("digits", 3).cut == (0.0, pytest.approx(0.005))
+    assert Digits("decimals", 3).cut == (pytest.approx(0.0005), 0.0)
+    assert Digits("single").cut == (0.0, 2.0**-24)
+    assert Digits("decimals", 1).words == "writes 1 decimal"
+    assert Digits("digits", 2).words == "writes 2 significant digits"
+
+
+def test_styles_of_several_quantities():
+    two, three = Digits("digits", 2), Digits("decimals", 3)
+    assert said({"a": two, "b": two}, ["a", "b"]) == two.words
+    assert said({"a": two}, ["a", "b"]) == f"{two.words} of a"
+    both = said({"a": two, "b": three, "c": two}, ["a", "b", "c"])
+    assert both == f"{two.words} of a and c; {three.words} of b"
+
+
+def test_single_precision_needs_numbers_that_show_it():
+    draw = np.random.default_rng(1).uniform(1, 9, 20)
+    single = [Decimal(repr(float(np.float32(x)))) for x in draw]
+    assert digits_of(single) == Digits("single")
+    assert digits_of([Decimal(f"{float(np.float32(x)):.9g}") for x in draw]) == Digits("single")
+    assert digits_of([*single, Decimal(repr(1 / 7))]) is None
+    assert digits_of([Decimal(f"{x:.8g}") for x in draw]) == Digits("digits", 8)
+
+
+def test_what_rounding_does_to_later_numbers():
+    cases = [case for case in load("flight-both") if decidable(case)][:30:3]
+    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
+    data = data_of(cases, answers)
+    chain = specialised_to(data)
+    columns, _ = follow(chain, data)
+    some = np.arange(len(cases))
+    (flight,) = (stage for stage in chain if stage.kind == "flight")
+    (distance,) = (stage for stage in chain if stage.name == "distance")
+
+    def moved(stage, **cut):
+        cut = {name.replace("_of_", "."): size for name, size in cut.items()}
+        return slips(stage, replace(data, cut=cut), columns, some)
+
+    # A distance moves with the place by its direction, whose square is 1.
+    place = data.given["landing.position"]
+    assert moved(distance, landing_of_position=(5e-4, 0.0)) == pytest.approx(5e-4, rel=1e-3)
+    by = 1e-6 * np.hypot(*place[:2] ** 2) / np.hypot(*place[:2])
+    assert moved(distance, landing_of_position=(0.0, 1e-6))[0] == pytest.approx(by, rel=1e-3)
+    assert not moved(distance, landing_of_velocity=(1.0, 0.0)).any()
+    # A place moves with the time by the velocity; once, if both times are rounded, √2 times.
+    speed = np.abs(data.given["landing.velocity"])
+    for times in (("hang_time",), ("time",), ("hang_time", "time")):
+        found = moved(flight, **{f"landing_of_{name}": (1e-6, 0.0) for name in times})[:3]
+        expected = 1e-6 * speed * math.sqrt(len(times))
+        assert found == pytest.approx(expected, rel=1e-3, abs=1e-10)

@@ -194,28 +194,6 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
         assert any(mistake in edit for edit in named), named
 
 
-@pytest.mark.parametrize(
-    ("wrong", "name"),
-    [
-        (CARRIED, "1.25 times the impulse"),
-        (PUSH.replace("x /", "0.7 * x /"), "0.7 times half of the contact force"),
-    ],
-)
-@pytest.mark.nightly
-def test_another_contact_force_is_no_longer_the_printed_scheme(
-    wrong: str, name: str, tmp_path: Path
-):
-    text = (FOLDER / "paper_verlet.py").read_text(encoding="utf-8")
-    assert PUSH in text
-    source = tmp_path / "candidate.py"
-    source.write_text(text.replace(PUSH, wrong), encoding="utf-8")
-    judge = Judge(solved(at_bats(40), Ivp()), profile("paper", dt=0.02))
-    verdict = evaluate(judge, [*command(source, tmp_path), "--dt", "0.02"]).verdict
-    assert verdict.diagnosis is not None
-    (named,) = verdict.diagnosis.named
-    assert name in named
-
-
 @pytest.mark.nightly
 def test_single_precision_is_named(cases: list[Known], tmp_path: Path):
     dt = 0.05

@@ -71,12 +71,11 @@ def batted(case: Any) -> str:
     return "struck" if case.scene.kind == "impact" else "batted"
 
 
-def test_true_outcomes_follow_from_true_values(nightly: bool):
-    more = (*FENCES, "pitch", "flight-both", "impact-oblique") if nightly else ()
+def test_true_outcomes_follow_from_true_values():
+    more = (*FENCES, "pitch", "flight-both", "impact-oblique")
     assert findings((*ENDS, *more, "edges")) == []
 
 
-@pytest.mark.nightly
 def test_an_outcome_that_is_never_said():
     found = one(findings(ENDS, lambda c: batted(c) if c.expected.outcome == "separating" else None))
     assert (found.kind, found.edit) == ("named", "never says separating")
@@ -85,7 +84,6 @@ def test_an_outcome_that_is_never_said():
     assert found.wrong == len(separating) > 30
 
 
-@pytest.mark.nightly
 def test_the_length_of_the_bat_for_its_half():
     found = one(
         findings(
@@ -102,7 +100,6 @@ def test_the_length_of_the_bat_for_its_half():
     assert found.remedy == "say beyond_bat if |contact.position_y| > L/2"
 
 
-@pytest.mark.nightly
 def test_one_end_of_the_bat_alone():
     found = one(
         findings(
@@ -172,7 +169,6 @@ def test_segments_counted_from_1():
 
 
 @pytest.mark.parametrize("named", [(), ("touching",)])
-@pytest.mark.sampled(every=2)
 def test_an_outcome_that_is_right_by_a_wrong_value_of_its_own_is_no_mistake_of_its_own(named):
     missed = [c for c in cases_of(BATS) if c.expected.outcome == "missed"]
     found = one(
@@ -205,7 +201,6 @@ def test_a_block_that_the_outcome_does_not_have():
 
 
 @pytest.mark.parametrize(("named", "kind"), [((), "named"), (("pitch",), "located")])
-@pytest.mark.sampled(every=2)
 def test_where_the_pitch_is_wrong_the_true_place_of_the_ball_decides_nothing(named, kind):
     low = [
         c

@@ -64,7 +64,6 @@ def test_speeds_of_one_kind_of_scene_in_kilometres_per_hour():
     assert wrong(data) == []
 
 
-@pytest.mark.nightly
 def test_times_in_milliseconds(truth):
     late = scaled(truth, 1e3, S)
     data, (found,) = outputs(late, specialised_to(late))

@@ -10,8 +10,15 @@ import pytest
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.expression import Values, cross, norm, ordered, symbol
 from longball.judge.diagnosis.operators import FREE, Edit, edits
-from longball.judge.diagnosis.residual import begun, specialised_to, take, values
-from longball.judge.diagnosis.response import Direct, Effects, Response
+from longball.judge.diagnosis.residual import (
+    begun,
+    flown,
+    launched,
+    specialised_to,
+    take,
+    values,
+)
+from longball.judge.diagnosis.response import Direct, Effects, Response, cubic
 from longball.judge.diagnosis.search import defaults
 from tests.judge.material import known, truth
 
@@ -112,3 +119,15 @@ def test_a_slip_in_the_vector_product_of_a_program_shows_in_all_and_in_nothing_e
         nodes = ordered([edit.by])
         assert {norm(a), norm(b)} <= {*nodes}
         assert sum(node.op == "vector" for node in nodes) == 2
+
+
+def test_a_cubic_is_the_path_of_a_parabola():
+    _, stage, columns = stage_of("flight-vacuum", "flight")
+    balls = launched(stage, columns)
+    end = flown(balls, balls.duration)
+    shares = np.array([0.0, 0.2, 0.7, 1.0])
+    found = cubic(end[:6])(balls, shares)
+    for i, share in enumerate(shares):
+        assert found[:6, i] == pytest.approx(flown(balls, share * balls.duration)[:6], rel=1e-9)
+    speed = np.sqrt((found[3:6] ** 2).sum(axis=0))
+    assert found[6] == pytest.approx(speed * shares[:, None] * balls.duration)

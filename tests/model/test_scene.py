@@ -13,6 +13,7 @@ from longball.model.scene import (
     Ground,
     InvalidScene,
     landing_height,
+    may_be_mixed,
     parse_scene,
 )
 
@@ -255,3 +256,18 @@ def test_a_spin_along_the_way_through_the_air_is_refused():
 def test_a_spin_across_the_way_through_the_air_is_taken():
     for case in ACROSS:
         assert parse_scene(spun(*case)).pitch.spin == tuple(case[0]["spin"])
+
+
+def test_scenes_between_valid_ones():
+    """A spin of constant lift, a side force and a polyline may be invalid between valid ones."""
+    spinning = {"launch": LAUNCH | {"spin": [0, 0, 1]}}
+    line = {"fence": {"polyline": [[70, 70, 2], [120, 0, 2], [70, -70, 2]]}}
+    aside = {"air": {"side_coefficient": {"value": 0.1, "direction": [0, 0, 1]}}}
+    law = {"air": {"lift_coefficient": {"law": "linear"}}}
+    mixed = {"flight": [{}, {"fence": {"radius": 100}}, spinning | law, {"air": None} | spinning],
+             "pitch": [{}], "at-bat": [{}], "impact": []}  # fmt: skip
+    alone = {"flight": [spinning, line, aside, spinning | line, spinning | law | line],
+             "pitch": [aside], "at-bat": [line], "impact": [{}]}  # fmt: skip
+    for kind in LEAST:
+        assert all(may_be_mixed(parsed(kind, **values)) for values in mixed[kind]), kind
+        assert not any(may_be_mixed(parsed(kind, **values)) for values in alone[kind]), kind

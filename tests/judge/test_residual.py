@@ -1,0 +1,294 @@
+"""Columns of scenes, flights at kinks, and tolerances of numbers, as the judge compares them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from longball.judge.answers import Answer
+from longball.judge.diagnosis import residual
+from longball.judge.diagnosis.residual import (
+    COARSE,
+    FINE,
+    HUGE,
+    MIDDLE,
+    UNAWARE,
+    Launched,
+    begun,
+    compared,
+    data_of,
+    evenly,
+    flown,
+    follow,
+    follows,
+    inputs,
+    options,
+    specialised_to,
+)
+from longball.judge.quantities import values_of
+from longball.model.scene import AtBatScene, FlightScene, Launch, parse_scene
+from tests.judge.material import known, truth
+
+
+def thrown(duration: Any, pull: Any, **more: Any) -> Launched:
+    """Balls at (0, 0, 1) with 20 m/s upwards, under an acceleration of the height."""
+    duration = np.asarray(duration, float)
+    y = np.zeros((7, len(duration)))
+    y[2], y[5] = 1.0, 20.0
+
+    def rates(at: Any, t: Any, start: Any = None) -> Any:
+        slope = np.zeros_like(at)
+        slope[:3], slope[5], slope[6] = at[3:6], pull(at, t), np.abs(at[5])
+        return slope
+
+    def some(which: Any) -> Launched:
+        return thrown(duration[which], pull, **more)
+
+    piece = more.get("piece", lambda at, t: np.zeros((1, at.shape[1])))
+    return Launched(y, np.zeros((3, len(duration))), duration, rates, lambda y: {}, piece, some)
+
+
+def test_flights_of_any_length():
+    """Under -x'' = x: each in its own number of steps, backwards too; none without a time."""
+    times = np.array([0.1, 2.0, 5.0, -1.0, np.nan])
+    found = flown(thrown(times, lambda at, t: -at[2]), times)
+    with np.errstate(invalid="ignore"):
+        expected = np.cos(times) + 20 * np.sin(times)
+        rising = 20 * np.cos(times) - np.sin(times)
+    assert found[2] == pytest.approx(expected, abs=1e-9, nan_ok=True)
+    assert found[5] == pytest.approx(rising, abs=1e-9, nan_ok=True)
+    times = np.array([0.05, 75.0])
+    parabola = flown(thrown(times, lambda at, t: np.full(at.shape[1], -10.0)), times)
+    assert parabola[2] == pytest.approx(1 + 20 * times - 5 * times**2, rel=1e-13)
+    times = np.array([0.1, 2.0, 5.0])
+    # The same beside other flights, and by fewer steps less exactly.
+    alone = flown(thrown(times[2:3], lambda at, t: -at[2]), times[2:3])
+    assert alone[:6, 0] == pytest.approx(found[:6, 2], rel=1e-12)
+    off = [
+        abs(flown(thrown(times[1:2], lambda at, t: -at[2]), times[1:2], limits)[2] - expected[1])
+        for limits in (COARSE, MIDDLE, UNAWARE)
+    ]
+    assert off[0] > off[1] > off[2]
+
+
+def test_a_flight_that_takes_too_many_steps_is_said_to_be_off():
+    for time, error in ((5.0, residual.TOTAL), (75.0, HUGE)):
+        balls = thrown([time], lambda at, t: -at[2])
+        assert residual._flown(balls, balls.duration, FINE)[1] == [error]
+
+
+@pytest.mark.parametrize("level", [5.0, 15.37, 20.9])
+def test_a_jump_on_the_way_is_met_exactly(level: float):
+    """Gravity is 10 below a height and 20 above it; parabolas on both sides."""
+
+    def pull(at: Any, t: Any) -> Any:
+        return np.where(at[2] > level, -20.0, -10.0)
+
+    def piece(at: Any, t: Any) -> Any:
+        return np.atleast_2d(at[2] > level)
+
+    up = 2.0 - np.sqrt(4.0 - (level - 1.0) / 5.0)  # 1 + 20 t - 5 t² = level
+    speed = 20.0 - 10.0 * up
+    times = np.array([up / 2, up + speed / 20 + 0.1, up + speed / 10 + 0.7])
+    rest = times - up
+    above = level + speed * rest - 10 * rest**2
+    rest -= speed / 10
+    expected = [
+        1 + 20 * times[0] - 5 * times[0] ** 2,
+        above[1] if rest[1] < 0 else level - speed * rest[1] - 5 * rest[1] ** 2,
+        level - speed * rest[2] - 5 * rest[2] ** 2,
+    ]
+    found = flown(thrown(times, pull, piece=piece), times)
+    assert found[2] == pytest.approx(expected, abs=1e-9)
+    unaware = flown(thrown(times, pull, piece=piece), times, UNAWARE)
+    assert abs(unaware[2] - expected).max() > 1e-6
+
+
+def test_a_time_in_the_law():
+    times = np.array([2.0, 3.0])
+    found = flown(thrown(times, lambda at, t: 6.0 * t), times)
+    assert found[2] == pytest.approx(1 + 20 * times + times**3, rel=1e-13)
+
+
+def test_steep_flights_are_repeated():
+    """A rate of 300/s, in steps that equal ones would make too long."""
+    times = np.array([5.0])
+    with np.errstate(all="ignore"):  # as `values`
+        found = flown(thrown(times, lambda at, t: -300.0 * at[5]), times)
+    assert found[2] == pytest.approx(1 + 20 / 300, rel=1e-9)
+    assert abs(found[5]) < 1e-6
+
+
+def test_evenly():
+    every = np.arange(100)
+    assert np.array_equal(evenly(every, 3), [0, 50, 99])
+    assert np.array_equal(evenly(every[:3], 3), every[:3])
+    assert len(evenly(every, 40)) == len({*evenly(every, 40).tolist()}) == 40
+
+
+def test_columns_of_scenes():
+    launch = Launch(position=(0, 0, 1), velocity=(30, 1, 20))
+    calm = FlightScene(id="a", launch=launch, air=None)
+    spinning = calm.model_copy(update={"launch": launch.model_copy(update={"spin": (1, 2, 3)})})
+    found = inputs([calm, AtBatScene(id="b")])
+    assert found["launch.velocity"][:, 0].tolist() == [30, 1, 20]
+    assert np.isnan(found["launch.velocity"][:, 1]).all()
+    assert np.isnan(found["V_0"][0])
+    assert found["β"].tolist() == [0.4, 0.4]
+    assert found["ρ_0"][0] == found["ρ_0"][1]  # the air that a null stands for
+    assert (options(calm)["air"], options(calm)["spin"], options(calm)["pitch"]) == (
+        "none", "none", "aimed",
+    )  # fmt: skip
+    assert options(spinning)["spin"] == options(spinning)["spin after"] == "given"
+    rubbed = AtBatScene.model_validate({"bat": {"friction": 0.3}})
+    assert (options(rubbed)["spin"], options(rubbed)["spin after"]) == ("none", "given")
+
+
+def test_tables_of_different_lengths():
+    tables = [case.scene for case in known("various-real", "flight-kinks")
+              if "table" in options(case.scene)["air.drag_coefficient"]]  # fmt: skip
+    found = inputs(tables)
+    lengths = set()
+    for i, scene in enumerate(tables):
+        at = scene.air.drag_coefficient.at
+        lengths.add(len(at))
+        column = found["air.drag_coefficient.at"][:, i]
+        assert column[: len(at)].tolist() == [*at]
+        assert (column[len(at) :] == at[-1]).all()
+    assert len(lengths) > 1
+
+
+@pytest.fixture(scope="module")
+def drives() -> Any:
+    data = truth(known("flight-both")[::4])
+    return specialised_to(data), data
+
+
+def test_errors_within_the_tolerance_follow(drives: Any):
+    chain, data = drives
+    (stage,) = (stage for stage in chain if stage.name == "distance")
+    some = np.arange(len(data.cases))
+    columns, _ = follow(chain, data)
+
+    def told(by: float, **more: Any) -> Any:
+        given = {**data.given, "landing.distance": data.given["landing.distance"] * (1 + by)}
+        other = replace(data, given=given, **more)
+        return compared(stage, other, follow(chain, other)[0], some)[0]
+
+    assert not told(2e-13).wrong.any()
+    assert told(3e-12).wrong.all()
+    assert not told(3e-12).beyond.any()
+    assert told(2e-9).beyond.all()
+    assert told(2e-9).relative == pytest.approx(np.full(len(some), 2e-9), rel=1e-3)
+    assert not told(1e-6, granted=1.0).wrong.any()
+    assert not told(1e-6, cut={"landing.distance": (0.0, 2e-6)}).wrong.any()
+    assert not told(1e-6, cut={"landing.distance": (1e-3, 0.0)}).wrong.any()
+    assert told(1e-4, cut={"landing.distance": (1e-3, 0.0)}).wrong.any()
+    silent = {**data.given, "landing.distance": np.full(len(some), np.nan)}
+    found, _ = compared(stage, replace(data, given=silent), columns, some)
+    assert not found.checked.any()
+    blind = replace(data, blind={("distance", "formula"): some[:3]})
+    assert compared(stage, blind, columns, some)[0].checked.tolist() == [False] * 3 + [True] * (
+        len(some) - 3
+    )
+    assert follows(chain, data)
+
+
+def test_a_formula_without_a_value_is_the_largest_error(drives: Any):
+    chain, data = drives
+    (stage,) = (stage for stage in chain if stage.name == "distance")
+    (root,) = stage.roots.values()
+    endless = stage.edited(root, root / (0.0 * root))
+    some = np.arange(3)
+    found, _ = compared(endless, data, follow(chain, data)[0], some)
+    assert (found.off == HUGE).all()
+
+
+def test_where_the_pitch_is_wrong_what_follows_from_the_ball_is_left_out():
+    data = truth(known("at-bat")[::5])
+    chain = specialised_to(data)
+    _, before = follow(chain, data)
+    moved = {**data.given, "contact.position": data.given["contact.position"] + 0.01}
+    _, found = follow(chain, replace(data, given=moved))
+    for one, was in zip(found, before, strict=True):
+        if one.stage.name in ("normal speed", "velocity after"):
+            assert len(one.some) < len(was.some)
+        if one.stage.name in ("bat velocity", "impulse"):
+            assert len(one.some) == len(was.some)
+
+
+def test_the_duration_of_a_flight_comes_from_the_time_nearer_to_the_truth():
+    data = truth(known("at-bat")[::5])
+    right = begun(data)["hang_time"]
+    flies = np.isfinite(data.expected["landing.hang_time"])
+    for wrong in ("landing.hang_time", "landing.time"):
+        given = {**data.given, wrong: data.given[wrong] + 0.1}
+        found = begun(replace(data, given=given))["hang_time"]
+        assert found[flies] == pytest.approx(right[flies], abs=1e-12)
+        given[wrong] = np.full_like(right, np.nan)
+        found = begun(replace(data, given=given))["hang_time"]
+        assert found[flies] == pytest.approx(right[flies], abs=1e-12)
+
+
+def test_a_margin_is_compared_where_the_pitch_is_that_of_the_truth():
+    cases = known("at-bat")[::9]
+    told = {}
+    for i, case in enumerate(cases):
+        numbers = dict(values_of(case.expected))
+        if "plate.position" in numbers:
+            x, y, z = map(float, numbers["plate.position"])
+            numbers["plate.position"] = (x, y, z + (1e-6 if i % 2 else 1e-11))
+        told[case.id] = Answer(case.id, case.expected.outcome, numbers)
+    found = np.isfinite(data_of(cases, told).given["contact.margin"])
+    true = np.isfinite(truth(cases).given["contact.margin"])
+    odd = np.arange(len(cases)) % 2 == 1
+    assert np.array_equal(found, true & ~odd)
+    assert found.any()
+
+
+def test_the_chord_beside_a_point():
+    """At a step of the fence two chords are as near: the height decides."""
+    cases = [case for case in known("fence") if case.scene.fence.polyline][:12]
+    data = truth(cases)
+    ends = np.array([data.columns["chord.a"], data.columns["chord.b"]])
+    at = data.given["fence.position"]
+    there = np.isfinite(at).all(axis=0)
+    a, b = ends[:, :2]
+    share = ((at[:2] - a) * (b - a)).sum(0) / ((b - a) ** 2).sum(0)
+    foot = a + share * (b - a)
+    assert (share[there] > -1e-9).all()
+    assert (share[there] < 1 + 1e-9).all()
+    assert abs(foot - at[:2])[:, there].max() < 1e-9
+    top = ends[0, 2] + share * (ends[1, 2] - ends[0, 2])
+    assert (at[2] - data.given["fence.clearance"])[there] == pytest.approx(top[there], abs=1e-9)
+
+
+def test_the_chord_at_a_step_is_the_one_whose_height_the_clearance_gives():
+    scene = parse_scene(
+        '{"id": "a", "kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 9, 20]}, '
+        '"fence": {"polyline": [[67, 67, 8], '
+        "[98, 40, 11.3], [98, 40, 5.2], [118, 12, 9], [9, -60, 1]]}}"
+    )
+    at = np.array([[98.0, 98.0, 98.1, 118.0], [40.0, 40.0, 39.86, 12.0], [20.0] * 4])
+    tops = np.array([11.3, 5.2, np.nan, 9.0])
+    found = residual._fences([scene] * 4, at, tops)
+    assert found["chord.a"][:, 0].tolist() == [67, 67, 8]
+    assert found["chord.a"][:, 1].tolist() == [98, 40, 5.2]
+    assert found["chord.b"][:, 2].tolist() == [118, 12, 9]
+    assert np.isnan(residual._fences([scene], np.full((3, 1), np.nan), tops)["chord.a"]).all()
+
+
+@np.errstate(all="ignore")  # as `compared`
+def test_the_stated_error_of_flights_is_relative_to_their_numbers():
+    data = truth(known("flight-kinks")[::3])
+    chain = specialised_to(data)
+    columns, _ = follow(chain, data)
+    (stage,) = (stage for stage in chain if stage.kind == "flight")
+    found, again = residual._flown_once(stage, columns, data, FINE)
+    for quantity in stage.quantities[:2]:
+        size = np.maximum(abs(found[quantity]), 1.0)
+        share = abs(again[quantity] - found[quantity]) / size
+        assert np.isclose(share, residual.TOTAL, rtol=1e-3, atol=0.0).all()
