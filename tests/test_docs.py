@@ -198,10 +198,11 @@ def test_there_is_something_to_try():
 
 def test_the_page_on_trust_has_the_numbers_of_the_search():
     page = " ".join((ROOT / "docs/truth.md").read_text(encoding="utf-8").split())
-    cheapest, most = ALONE.foreseen
-    assert f"the {cheapest:,} cheapest edits of a step" in page
-    assert f"at all others, at most {most:,}" in page
-    assert f"the {ALONE.tried} that fit the errors best" in page
+    small, cheap, others = ALONE
+    assert f"the {small.edits.stop:,} cheapest edits of a step" in page
+    assert f"the {cheap.edits.stop:,} cheapest" in page
+    assert f"at most {others.edits.stop - others.edits.start:,} others" in page
+    assert f"{small.tried} of the first layer or the {cheap.tried} of a later one" in page
 
 
 def test_help_has_an_example_and_names_the_form_of_every_value(called):

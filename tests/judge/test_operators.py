@@ -103,11 +103,14 @@ def test_numbers():
 
 def test_a_number_that_a_scene_leaves_out_and_its_usual_values():
     g = I["g"]
-    options = [*operators._numbers(Site(g, (), (), {}, False, frozenset("g")))]
-    (by, start) = next((by, starts[0]) for by, *_, starts in options if by.op == "switch")
-    keys = {operators.key_of(g): np.array(["given", "left out", "0"])}
-    assert value(by, g=9.0 + np.zeros(3), **keys) == (9, 0.5, 9)
-    assert value(start, g=10.0) == (9,)
+    scenes = np.array(["given", "left out", "without its block", "0"])
+    without = [(9, 0.5, 0.5, 9), (9, 0.5, 9, 9), (9, 9, 0.5, 9)]
+    for omitted, expected in (({"left out"}, without[:2]), ({*scenes}, without), (set(), [])):
+        options = [*operators._numbers(Site(g, (), (), {}, False, {"g": omitted}))]
+        found = [(by, starts[0]) for by, *_, starts in options if by.op == "switch"]
+        columns = {"g": 9.0 + np.zeros(4), operators.key_of(g): scenes}
+        assert [value(by, **columns) for by, _ in found] == expected
+        assert all(value(start, g=10.0) == (9,) for _, start in found)
     (*_, starts) = options[-1]
     assert {*starts} == {g, *GRAVITIES}
     *_, (*_, starts) = operators._numbers(Site(I["ρ_0"], (), (), {}, False))
@@ -230,7 +233,7 @@ def test_siblings():
     assert kin(where(x - 1.0, y, z)) == one(5, 11)
     assert kin(table(x, "key")) == one(3.5, 4)
     assert kin(table(x - 3.0, "key")) == one(0, 2)
-    assert kin(table(x + 2.0, "key")) == one(2.5, 3)
+    assert kin(table(x + 2.0, "key")) == one(2.5, 3, 4)
     assert kin(dot(a, b)) == one(*mixed(A, B), *mixed(B, A))
     assert kin(cross(a, b)) == three(*slipped(A, B))
     parts = [math.hypot(*A[[0, 1]]), math.hypot(*A[[0, 2]]), math.hypot(*A[[1, 2]])]

@@ -366,7 +366,7 @@ def _folded(node: Node) -> Node:
         case "product", (a, b) if (is_(a, 1.0) and a.dimension == NONE) or (
             is_(b, 1.0) and b.dimension == NONE
         ):
-            return b if is_(a, 1.0) else a
+            return b if is_(a, 1.0) and a.dimension == NONE else a
         case "quotient", (a, _) if is_(a, 0.0):
             return constant(0.0, node.dimension, node.vector)
         # -1·(-1·x), from an edit that flips a sign which is flipped already.

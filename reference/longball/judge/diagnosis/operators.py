@@ -738,9 +738,12 @@ def _states(site: Site) -> Iterator[Option]:
                 yield stays, BITS["launch"] + 1, f"keeps {said} {text}", ()
         if a.op in ("symbol", "component") and a.dimension == M:
             yield a - at_launch, BITS["launch"], f"counts {said} from the launch", ()
+    if not depends(a, frozenset(("r", "v"))):
+        return
     # A force may act for a part of the flight only. The limit is fitted from several starting
     # values, because far from the right limit the effect does not depend on it.
-    if not (site.under("sum") or not site.parents or a.op == "named"):
+    whole = site.under("sum") or not site.parents or a.op == "named"
+    if not whole or (a.vector and a.dimension == NONE):  # a direction is not switched off
         return
     cost = BITS["condition"]
     speed, steep = norm(v), component(unit(v), 2)

@@ -532,7 +532,7 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
     before, beyond = np.zeros_like(t), np.zeros_like(t)
     here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
     doubt = np.full(len(t), HUGE)
-    for _ in range(CUTS + int(2 * steps.max())):
+    for _ in range(CUTS + int(10 * steps.max())):
         # Once at least half of the balls have arrived, continue with the others alone.
         flies = np.flatnonzero(t < 1.0 - LEAST)
         if len(flies) < len(index) / 2:
