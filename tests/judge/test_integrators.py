@@ -47,15 +47,7 @@ def flown(step: Any, h: float, count: int) -> Any:
     return y[[0, 3], 0]
 
 
-HALF = VERLET[Treatment(0.5, False, False)]
-IS_1 = pytest.mark.xfail(strict=True, reason="the table says 2")
-
-
-@pytest.mark.parametrize(
-    "one",
-    [pytest.param(one, marks=[IS_1] if one is HALF else []) for one in INTEGRATORS],
-    ids=lambda one: one.words,
-)
+@pytest.mark.parametrize("one", INTEGRATORS, ids=lambda one: one.words)
 def test_the_order_of_an_integrator(one: Integrator):
     end = np.array([math.sin(1.0), math.cos(1.0)])
     coarse, fine = (abs(flown(one.step, 1 / n, n) - end).max() for n in (64, 128))
@@ -235,7 +227,9 @@ def test_a_chord_of_the_exact_path(drives: Any):
     assert rows(stage, found) == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("one", [EULER, HALF], ids=lambda one: one.words)
+@pytest.mark.parametrize(
+    "one", [EULER, VERLET[Treatment(0.5, False, False)]], ids=lambda one: one.words
+)
 def test_many_steps_are_interpolated_from_few(drives: Any, one: Integrator, monkeypatch: Any):
     stage, columns = drives
     monkeypatch.setattr(integrators, "DIRECT", 10**6)

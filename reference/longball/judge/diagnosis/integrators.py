@@ -207,7 +207,7 @@ _ROUNDS = 8  # iterations of an implicit velocity
 VERLET = {
     Treatment(ahead, False, carries): Integrator(
         f"velocity Verlet with {words}{', which the next step begins with' * carries}",
-        order if ahead != 0.5 or carries else 2,
+        order,
         _table((0, 1, 1), ((), (0.5,), (0.5,)), ((), (ahead,), (0.5, 0.5)), carries),
     )
     for (ahead, (words, order)), carries in product(_FORCES.items(), (False, True))
