@@ -209,6 +209,8 @@ class Reasoned:
 # Errors below this fraction of a stage's first errors are not explained further: the number of a
 # named edit is rounded, which may show in a few scenes.
 LAST = 1e-7
+# A later flight is explained before the first wrong one if it tells more by this factor.
+CLEARER = 2.0
 ENOUGH = 20  # wrong scenes: twice those of a screening, so that their conditions differ
 ROUNDS = 3  # explanations of one stage; each explains the rest of the one before
 
@@ -303,15 +305,17 @@ def _is_left(one: Followed, wrong: Index) -> bool:
 
 
 def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]:
-    """The stage to explain next: the first wrong one, or a flight that tells more.
+    """The stage to explain next: the first wrong one, or a flight that tells far more.
 
-    All flights share one law. One with `ENOUGH` wrong scenes tells as much as any; the first of
-    them, a pitch, takes least time.
+    All flights share one law. One with `ENOUGH` wrong scenes tells as much as any.
     """
-    flights = [both for both in wrong if both[0].kind == "flight"]
-    if wrong[0][0].kind != "flight":
-        return wrong[0]
-    return max(flights, key=lambda both: min(both[1].beyond.sum(), ENOUGH))
+
+    def tells(both: tuple[Stage, Followed]) -> int:
+        return min(int(both[1].beyond.sum()), ENOUGH)
+
+    first = wrong[0]
+    most = max((both for both in wrong if both[0].kind == "flight"), key=tells, default=first)
+    return most if first[0].kind == "flight" and tells(most) > CLEARER * tells(first) else first
 
 
 def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:

@@ -53,6 +53,7 @@ from longball.judge.diagnosis.expression import (
     axes,
     component,
     constant,
+    contains,
     cross,
     depends,
     dot,
@@ -953,27 +954,33 @@ def _of_regions(
     """
     here, places = frozenset(nodes), math.log2(1 + len(nodes))
     used = Counter(arg for node in nodes for arg in dict.fromkeys(node.args))
-    # A region is an expression, the argument of it that contains the mistake (or the expression
-    # itself), and words for its position.
-    regions: list[tuple[Node, Node, str]] = []
+    # A region is an expression, the number of the argument that contains the mistake (None for the
+    # expression itself), and words for its position.
+    regions: list[tuple[Node, int | None, str]] = []
     for node in nodes:
         if node.op == "switch":
             key, options = node.data
-            arms = zip(options, node.args, strict=True)
-            regions += [(arm, arm, f" where {key} is {option}") for option, arm in arms]
-        for arg in node.args if node.op != "switch" else ():
-            if used[arg] > 1 and _meaning(arg).op in PRODUCTS:
-                regions.append((node, arg, f" in {words(node)}"))
+            for i, (option, arm) in enumerate(zip(options, node.args, strict=True)):
+                # If another option has the same expression, it stays right there.
+                shared = contains(_without(form, node, i), arm)
+                at = f" where {key} is {option}"
+                regions.append((node, i, at) if shared else (arm, None, at))
+        for i, arg in enumerate(node.args if node.op != "switch" else ()):
+            if used[arg] > 1 and _meaning(arg).op in PRODUCTS and arg not in node.args[:i]:
+                regions.append((node, i, f" in {words(node)}"))
         # The law is long, and a program has a function for each of its definitions: one of them may
         # be wrong. In short formulas this would repeat the edits of a single use in `_of_formula`.
         if node.op == "named" and whole.flies:
-            regions.append((node, node, f" in {words(node)}"))
-    for region, part, at in regions:
-        if region not in here or region in known:
+            regions.append((node, None, f" in {words(node)}"))
+    for region, which, at in regions:
+        part = region if which is None else region.args[which]
+        if region not in here or part not in here or region in known:
             continue
-        elsewhere = here.intersection(ordered([form], {region}))
+        # Nodes outside the region, also in options that only right scenes have.
+        rest = form if which is None else _without(form, region, which)
+        elsewhere = frozenset(ordered([rest], {region}))
         # Edit the symbols of a definition, not the definitions behind them.
-        whole_arm, inside = part is region, region if part is region else _meaning(part)
+        whole_arm, inside = which is None, region if which is None else _meaning(part)
         written = ordered([_meaning(inside)], (), _written)
         parts = [x for x in (ordered([region]) if whole_arm else written) if x in here]
         if region.op == "named":
@@ -987,9 +994,13 @@ def _of_regions(
             # Equal nodes are one object. Wrapped in a name, the node of this region differs from
             # the same node elsewhere, and can be replaced alone.
             hole = named(words(node), node)
-            opened = substitute(inside, node, hole)
+            opened = (_instead if node in written else substitute)(inside, node, hole)
             if not whole_arm:
-                opened = rebuilt(region, [opened if arg is part else arg for arg in region.args])
+                once = region.op == "switch"
+                opened = rebuilt(region, [
+                    opened if (k == which if once else arg is part) else arg
+                    for k, arg in enumerate(region.args)
+                ])  # fmt: skip
             if form is not root:
                 opened = substitute(form, region, opened)
             variable = node in written and node.op in ("symbol", "named")
@@ -1071,6 +1082,20 @@ _A, _B = symbol("a", NONE, True), symbol("b", NONE, True)
 def _written(node: Node) -> tuple[Node, ...]:
     """The arguments of a node as people write them: a definition is only its name."""
     return () if node.op == "named" else node.args
+
+
+def _without(root: Node, node: Node, i: int) -> Node:
+    """An expression without one of the arguments of a node."""
+    return substitute(root, node, rebuilt(node, [*node.args[:i], _A, *node.args[i + 1 :]]))
+
+
+def _instead(root: Node, old: Node, new: Node) -> Node:
+    """An expression with `new` in place of a node, but not inside the definitions that it uses."""
+    body, made = _meaning(root), {old: new}
+    for node in ordered([body], (), _written):
+        if node.op != "named" and any(arg in made for arg in node.args):
+            made.setdefault(node, rebuilt(node, [made.get(arg, arg) for arg in node.args]))
+    return rebuilt(root, [made[body]]) if body is not root else made[body]
 
 
 PRODUCTS = "product", "quotient", "sum"  # operations that programs write out again
