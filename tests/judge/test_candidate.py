@@ -68,9 +68,9 @@ CONDUCT = {
     "prints rubbish for ever": (
         "say('s0')\nwhile True: print('thinking', flush=True); time.sleep(.05)", HASTY, 1,
         "no answer came for 1 s"),
-    "crashes": ("say('s0'); say('s1'); os.abort()", GENEROUS, 2,
+    "crashes": ("list(ids()); say('s0'); say('s1'); os.abort()", GENEROUS, 2,
                 "was ended by signal SIGABRT; it answered 2 of 5 scenes"),
-    "ends early": ("say('s0'); sys.exit(3)", GENEROUS, 1,
+    "ends early": ("list(ids()); say('s0'); sys.exit(3)", GENEROUS, 1,
                    "ended with status 3; it answered 1 of 5 scenes"),
     "ends with a status": (f"{EVERY}\nsys.exit(3)", GENEROUS, 5,
                            "it ended with status 3; it answered 5 of 5 scenes"),

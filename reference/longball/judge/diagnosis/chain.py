@@ -435,6 +435,7 @@ V, spin_at = (
     named(str(pitched.data), switch("kind", {"impact": given, "at-bat": pitched}))
     for pitched, given in zip(_brought, (given_velocity, given_spin), strict=True)
 )
+brought_path = own("contact.path", "the pitch's path", M)  # no candidate reports it, either
 n = own("contact.normal", "n", NONE, True)
 V_b = own("contact.bat_velocity", "V_b", SPEED, True)
 w = own("contact.normal_speed", "Ṽ·n", SPEED)
@@ -700,7 +701,9 @@ OTHERWISE = {
     "plate": (reach,),
     "margin": (named("|σ_b|", function("abs", I["σ_b"], dimension=M)),),
     "fence margin": (named("the chord's length", norm(_chord)),),
-    **dict.fromkeys(("pitch", "touching", "flight", "fence"), _in_flight),
+    **dict.fromkeys(("pitch", "touching"), _in_flight),
+    # A program may go on with the path or the time of the pitch.
+    **dict.fromkeys(("flight", "fence"), (*_in_flight, brought_path, contact_time)),
 }  # fmt: skip
 
 # --- the stages -----------------------------------------------------------------------------------
@@ -717,7 +720,7 @@ class Stage:
     name
         Name in verdicts.
     quantities
-        Computed quantities. Those of a flight are position, velocity and spin at its end.
+        Computed quantities. Those of a flight are position, velocity, spin and path at its end.
     kind
         A "formula" has the root `value`. A "flight" has `place`, `velocity`, `spin`, `duration`,
         `rate` (of the place), `law` (the acceleration), `spin_left`, and `through` (the speed
@@ -867,8 +870,9 @@ CHAIN = (
     ),
     _formula("margin", "contact.margin", reach - closest, ("at-bat",)),
     Stage(
-        "touching", ("contact.position", "contact.velocity", "contact.spin"), "flight",
-        _pitched(contact_time), _thrown_forms, ("at-bat",),
+        "touching",
+        ("contact.position", "contact.velocity", "contact.spin", "contact.path"),
+        "flight", _pitched(contact_time), _thrown_forms, ("at-bat",),
     ),
     _formula("touching", "contact.position", given_position, ("impact",)),
     Stage(

@@ -103,13 +103,13 @@ def _errors(data: Data, chain: Sequence[Stage], only: Index | None = None) -> Er
     _, followed = follow(chain, data, only=only)
     found: dict[tuple[str, str, str], tuple[float, int]] = {}
     for one in followed:
-        # A flight has a vector for each of its quantities, other stages have one quantity.
+        # A flight has three vectors and a path, other stages have one quantity.
         rows = np.nan_to_num(np.abs(one.off) / one.scale)
         wrong = np.abs(one.off) > one.tolerance
-        width = len(rows) // len(one.stage.quantities) if one.stage.kind == "flight" else len(rows)
-        for i in range(len(rows) // width):
+        width = 3 if one.stage.kind == "flight" else len(rows)
+        for i, quantity in enumerate(one.stage.quantities):
             some = slice(i * width, (i + 1) * width)
-            key = one.stage.name, one.stage.kind, one.stage.quantities[i]
+            key = one.stage.name, one.stage.kind, quantity
             found[key] = float(rows[some].max(initial=0.0)), int(wrong[some].any())
     return found
 

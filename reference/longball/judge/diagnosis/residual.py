@@ -445,6 +445,8 @@ def launched(stage: Stage, columns: Columns) -> Launched:
             left = Evaluator([roots["spin_left"]], columns, MOVING)
             share = left(r=y[:3], v=y[3:6], t=duration, path=y[6])[0]
             found[names[2]] = share * columns["ω0"]
+        if len(names) > 3:
+            found[names[3]] = y[6]
         return found
 
     @cache  # only controlled steps need the pieces of the law
@@ -837,9 +839,9 @@ def begun(data: Data) -> dict[str, Any]:
     return columns
 
 
-# Velocity and spin of the ball at the bat. Candidates do not report them. They follow from the
-# pitch, and are unknown where the pitch is wrong.
-_BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin"))
+# Velocity, spin and path of the ball at the bat. Candidates do not report them. They follow from
+# the pitch, and are unknown where the pitch is wrong.
+_BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin", "path"))
 _TO_THE_BAT = "pitch", "touching"
 
 

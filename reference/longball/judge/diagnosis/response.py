@@ -302,7 +302,7 @@ class Effects:
     ) -> None:  # fmt: skip
         known, off = np.isfinite(off), np.nan_to_num(off)  # missing values count as right
         spin_alone = len(off) > ROWS and not off[:ROWS].any()
-        rows = slice(ROWS, None) if spin_alone else slice(ROWS)
+        rows = slice(ROWS, ROWS + 3) if spin_alone else slice(ROWS)
         known, off = known[rows], off[rows]
         sizes = np.sqrt((off * off).sum(axis=0))
         wrong = sizes > sizes.max(initial=0.0) * RIGHT
