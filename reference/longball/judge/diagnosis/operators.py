@@ -597,8 +597,7 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             # As cheap as a wrong sign, because it often gives the same numbers as one.
             yield where(condition, *sides[::-1]), -2.0, f"exchanges the two sides of {said}"
         case "atan2", (b, c):
-            for other in (function("atan", b / c), function("atan2", c, b)):
-                yield instead(other)
+            yield from map(instead, (function("atan", b / c), function("atan2", c, b)))
         case "sqrt", (b,):
             yield in_unit_of(a, b), 0.0, f"uses {words(b)} for its root"
         case "abs", (b,):
@@ -858,14 +857,17 @@ def launches_of(stage: Stage) -> list[Node]:
 
 def earlier_states(chain: Sequence[Stage], stage: Stage) -> tuple[tuple[str, Node, Node], ...]:
     """States of the ball before the launch of a flight: of the pitch at its launch and its end."""
-    found = []
-    for one in chain[: chain.index(stage)] if stage.kind == "flight" else ():
+    before = chain[: chain.index(stage)] if stage.kind == "flight" else ()
+    found: list[tuple[str, Node, Node]] = []
+    for one in before:
         if one.kind == "flight" and one.name == "touching":
-            place, velocity, _ = launches_of(one)
+            (place, velocity, _), (at, then) = (
+                launches_of(one),
+                [OWN[q] for q in one.quantities[:2]],
+            )
             found.append(("of the pitch's launch", place, velocity))
-            found.append(("of the pitch at the contact", *(OWN[q] for q in one.quantities[:2])))
-    launch = stage.roots.get("velocity")
-    return tuple(x for x in found if x[2].args[:1] != (launch,))
+            found.append(("of the pitch at the contact", at, then))
+    return tuple(found)
 
 
 def edits(

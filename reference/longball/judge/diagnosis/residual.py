@@ -230,7 +230,7 @@ def keys(scenes: Sequence[Any], numbers: Mapping[str, Array]) -> dict[str, Array
 
 
 def _in_scene(scene: Any, path: str) -> str:
-    """What a scene does with a key: an option of its column, but for ZERO."""
+    """An option of a key's column, except ZERO: whether a scene gives it, omits it or its block."""
     block, (*above, last) = scene, path.partition("[")[0].split(".")
     for key in (*above, last):
         if key not in getattr(type(block), "model_fields", {}):
