@@ -62,7 +62,7 @@ PUSHED = Model(
 )
 
 
-# All but batch, which takes a model in columns alone
+# Without batch, which takes a model for columns only.
 every_engine = pytest.mark.parametrize(
     ("engine", "error"),
     [

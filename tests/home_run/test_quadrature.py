@@ -92,9 +92,9 @@ class TestClearance:
             self.clearance(self.inputs), table["landing.distance"] - 150.0
         )
 
-    @pytest.mark.parametrize("aside", [0.0, 0.6])  # m, of the release
-    def test_aims_touch_where_they_are_to(self, aside: float):
-        base = replaced(BASE, {"pitch.release[1]": aside})
+    @pytest.mark.parametrize("release_y", [0.0, 0.6])  # m
+    def test_pitches_touch_the_bat_at_the_given_y(self, release_y: float):
+        base = replaced(BASE, {"pitch.release[1]": release_y})
         aim = Clearance(base, 0.42, Batch()).aim_to_touch(-0.45, self.inputs)
         table = solve_columns(
             base,

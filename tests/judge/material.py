@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from longball.golden import load
 from longball.home_run import draw, paper_at_bats, scenes
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import decidable
-from longball.judge.diagnosis.residual import Data, data_of
+from longball.judge.diagnosis.chain import Stage
+from longball.judge.diagnosis.residual import Data, Followed, compared, data_of, follow
 from longball.judge.quantities import values_of
 from longball.model.readings import SamplingReading
 from longball.model.result import Result
@@ -78,6 +82,24 @@ def truth(cases: Sequence[Any]) -> Data:
     return data_of(
         cases, {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
     )
+
+
+def planted(
+    data: Data, chain: Sequence[Stage], given: Callable[[Any], Mapping[str, Any]]
+) -> tuple[Data, Any]:
+    """Return answers with other values of some quantities, and the columns that follow.
+
+    `given` computes these values from the columns of the answers in `data`.
+    """
+    told = given(follow(chain, data)[0])
+    told = {q: np.where(np.isfinite(data.given[q]), x, np.nan) for q, x in told.items()}
+    data = replace(data, given={**data.given, **told})
+    return data, follow(chain, data)[0]
+
+
+def off(stage: Stage, data: Data, columns: Any) -> Followed:
+    """Return the residuals of a stage in all of its scenes."""
+    return compared(stage, data, columns, np.flatnonzero(np.isin(columns["kind"], stage.scenes)))[0]
 
 
 def collected(cases, results: list[Result]) -> Collector:

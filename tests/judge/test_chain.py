@@ -25,7 +25,8 @@ FAMILIES = [
     "impact-oblique", "at-bat", "at-bat-real", "fence",
 ]  # fmt: skip
 
-# Balls of these touch kinks of the law, or go along them: the chain cannot fly a few.
+# In a few scenes of these families the ball touches a kink of the law, or follows one: the judge
+# cannot fly those.
 BENT = ["edges", "flight-kinks", "combined", "various", "various-real"]
 
 # Which of two chords is next to a ball that passes a step of the fence within 1e-15 m of it is
@@ -62,9 +63,9 @@ def test_every_form_of_a_formula_has_its_values(family):
     data = truth(cases[:: max(1, len(cases) // 6)])
     chain = specialised_to(data)
     columns, _ = follow(chain, data)
-    # The lift k C_L U² ê × u/|ê × u| has its size only where nothing drives the ball aside.
-    aside = "air.wind", "air.side_coefficient", "earth"
-    plane = np.all([columns[key] == "none" for key in aside], axis=0)
+    # In the first other form, k C_L U² ê × u/|ê × u|, |ê × u| = U holds only for motion in a plane.
+    sideways = "air.wind", "air.side_coefficient", "earth"
+    plane = np.all([columns[key] == "none" for key in sideways], axis=0)
     for stage in chain:
         here = np.isin(columns["kind"], stage.scenes)
         for name, forms in stage.forms.items():

@@ -27,6 +27,7 @@ from longball.judge.diagnosis.residual import FINE, Stepping, follow, specialise
 from longball.judge.diagnosis.search import Named, defaults
 from longball.judge.quantities import values_of
 from longball.model.scene import parse_scene
+from tests.judge import material
 from tests.judge.material import known, truth
 from tests.planted.sources import edited_lab
 
@@ -210,10 +211,8 @@ def planted(
         )
         edit = next(e for e in every_edit if e.words == text)
         (wrong,) = (edit.settled(1.0005, 0.0) if edit.starts else edit).apply([wrong])
-    made = values(wrong, columns, steps)
-    given = {q: np.where(np.isfinite(told), made.get(q, told), np.nan)
-             for q, told in data.given.items()}  # fmt: skip
-    found = reason(replace(data, given=given), chain).steps
+    data, _ = material.planted(data, chain, lambda columns: values(wrong, columns, steps))
+    found = reason(data, chain).steps
     return [e.words for step in found if isinstance(step.found, Named) for e in step.found.edits]
 
 

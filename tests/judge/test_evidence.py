@@ -1,4 +1,4 @@
-"""Bits, fits and round numbers, beside what they are by hand."""
+"""Bits, fits and round numbers, compared with values computed by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Expressions: their values beside NumPy's, their words, and what is left without a switch."""
+"""Values of expressions compared with NumPy's, their words, and expressions without switches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Integrators in fixed steps: their orders, and steps written out; ends, long flights, pushes."""
+"""Integrators in fixed steps: their orders, their steps written out, last steps, long flights."""
 
 from __future__ import annotations
 
@@ -123,7 +123,6 @@ def test_an_integrator_is_its_step_written_out(words: str):
     x, v, left, h = 0.0, 1.0, None, 0.05
     for k in range(4):
         x, v, left = PLAIN[words](x, v, k * h, h, left)
-    # The implicit velocity takes a few iterations only.
     assert flown(one.step, h, 4) == pytest.approx([x, v], rel=1e-12)
 
 

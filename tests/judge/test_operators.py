@@ -1,4 +1,4 @@
-"""Operators on small formulas: the values of all that they put in place of a node."""
+"""Operators on small formulas: the values of every replacement of a node."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def given(
     operator: Callable[[Site], Iterator[Any]], node: Node, *parents: Node, pool: Any = (),
     flies: bool = False, **more: Any,
 ) -> set[Any]:  # fmt: skip
-    """The values of an operator's replacements, of which each is one of its own."""
+    """The distinct values of an operator's replacements."""
     site = Site(node, parents, pool, more.pop("defaults", {}), flies, **more)
     return {value(by) for by, *_ in operator(site)}
 
@@ -422,7 +422,7 @@ def test_costs_in_bits():
     whole = costs(y - z, x * y + x * z)
     assert whole["flips the sign of x·y"] == parts["flips the sign of x·y"] + 1
     assert whole[one_use] == parts[one_use] + 1
-    # People err in names and inputs sooner than in what has no name.
+    # Edits of named nodes and of inputs are cheaper than those of nodes without a name.
     named_ = costs(named("k", x * y) + z)
     unnamed = costs(x * y + z + 0.0 * z)
     assert named_["flips the sign of k"] < named_[flip] < unnamed["flips the sign of x·y"]

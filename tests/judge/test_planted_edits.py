@@ -7,8 +7,7 @@ seen; its words do not count.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -18,17 +17,10 @@ import pytest
 
 from longball.judge.diagnosis.chain import I, Kind, Stage, v, v0
 from longball.judge.diagnosis.expression import Node, axes, constant, ordered, substitute, words
-from longball.judge.diagnosis.residual import (
-    Data,
-    Followed,
-    compared,
-    follow,
-    specialised_to,
-    values,
-)
+from longball.judge.diagnosis.residual import Data, specialised_to, values
 from longball.judge.diagnosis.search import PAIRS, Explanation, Named
 from longball.model.scene import AtBatScene
-from tests.judge.material import known, truth
+from tests.judge.material import known, off, planted, truth
 
 USUAL: Any = AtBatScene(id="usual")
 
@@ -155,21 +147,9 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
 }  # fmt: skip
 
 
-def planted(data: Data, chain: Sequence[Stage], given: Callable[[Any], Any]) -> tuple[Data, Any]:
-    """Answers with other values of some quantities, and their columns."""
-    told = given(follow(chain, data)[0])
-    told = {q: np.where(np.isfinite(data.given[q]), x, np.nan) for q, x in told.items()}
-    data = replace(data, given={**data.given, **told})
-    return data, follow(chain, data)[0]
-
-
-def off(stage: Stage, data: Data, columns: Any) -> Followed:
-    return compared(stage, data, columns, np.flatnonzero(np.isin(columns["kind"], stage.scenes)))[0]
-
-
 @np.errstate(all="ignore")  # as `diagnose`
 def check(stage: Stage, given: Callable[[Any], Any], *families: str) -> None:
-    """Assert that what gives other values of a stage is named, and holds in other scenes."""
+    """Assert that the edit which gives these values of a stage is named, and holds elsewhere."""
     chain, some, others = right(*families)
     data, columns = planted(some, chain, given)
     wrong = off(stage, data, columns)
@@ -195,7 +175,7 @@ def level(a: Any) -> Any:
 
 
 # Mistakes in other formulas and at the ends of flights: the family, the stage's kind, the quantity,
-# and what the program gives.
+# and the program's formula for it.
 OTHERS: list[tuple[str, Kind, str, Callable[[Any], Any]]] = [
     ("impact-oblique", "formula", "impact.friction_margin", lambda c: c["friction_margin"] - 1),
     ("impact-oblique", "formula", "impact.spin", lambda c: -c["ω⁺"]),
@@ -240,8 +220,8 @@ def test_another_wrong_formula_is_named(
     check(stage, lambda columns: {quantity: given(columns)}, family)
 
 
-# Mistakes in the law and the start of flights: the family, a node of the law by its words, and what
-# stands for it.
+# Mistakes in the law and the launch of flights: the family, a node of the law by its words, and the
+# node that replaces it.
 FLIGHTS: dict[str, tuple[str, str, Callable[[Node], Node]]] = {
     "another g": ("flight-both", "g", lambda g: constant(9.81, g.dimension)),
     "no U": ("flight-both", "U", lambda U: constant(1.0, U.dimension)),

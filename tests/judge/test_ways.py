@@ -1,4 +1,4 @@
-"""Flights in steps, planted in right answers, are named with integrator, step and last step."""
+"""Flights of an integrator, planted in right answers: the judge names it, its step and its end."""
 
 from __future__ import annotations
 
@@ -22,16 +22,10 @@ from longball.judge.diagnosis.integrators import (
     straight,
 )
 from longball.judge.diagnosis.operators import Edit
-from longball.judge.diagnosis.residual import (
-    Data,
-    Followed,
-    compared,
-    follow,
-    specialised_to,
-    values,
-)
+from longball.judge.diagnosis.residual import Data, Followed, compared, specialised_to, values
 from longball.judge.diagnosis.schemes import SOME, Steps, explain_push, explain_scheme, with_edit
-from tests.judge.material import known, truth
+from tests.judge import material
+from tests.judge.material import known, off, truth
 
 
 @cache
@@ -44,15 +38,12 @@ def flights(family: str = "flight-both") -> tuple[Any, Any, Data]:
 
 
 @np.errstate(all="ignore")  # as `diagnose`
-def planted(way: Any, data: Data, chain: Any, stage: Any) -> tuple[Data, Any, Any]:
-    """Answers whose flights are flown in a way; their columns, and their errors."""
-    columns, _ = follow(chain, data)
-    found, _ = way(stage, {**columns, "spin": columns[stage.spins]})
-    given = {q: np.where(np.isfinite(data.given[q]), found[q], np.nan) for q in stage.quantities}
-    data = replace(data, given={**data.given, **given})
-    columns, every = follow(chain, data)
-    (one,) = (one for one in every if one.stage is stage)
-    return data, columns, one
+def planted(way: Any, data: Data, chain: Any, stage: Any) -> tuple[Data, Any, Followed]:
+    """Answers with the flights of an integrator; their columns, and the residuals of the stage."""
+    data, columns = material.planted(
+        data, chain, lambda columns: way(stage, {**columns, "spin": columns[stage.spins]})[0]
+    )
+    return data, columns, off(stage, data, columns)
 
 
 def integrator(words: str) -> Integrator:

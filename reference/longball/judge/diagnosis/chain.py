@@ -435,7 +435,7 @@ V, spin_at = (
     named(str(pitched.data), switch("kind", {"impact": given, "at-bat": pitched}))
     for pitched, given in zip(_brought, (given_velocity, given_spin), strict=True)
 )
-brought_path = own("contact.path", "the pitch's path", M)  # no candidate reports it, either
+own("contact.path", "the pitch's path", M)  # no candidate reports it, either
 n = own("contact.normal", "n", NONE, True)
 V_b = own("contact.bat_velocity", "V_b", SPEED, True)
 w = own("contact.normal_speed", "Ṽ·n", SPEED)
@@ -642,12 +642,12 @@ fence_flown = fence_time - _begun
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
 _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
-# The saturation pressure by other authors: Magnus (WMO), Bolton, Tetens. And the density by the gas
-# constants of dry air and water vapour, J/(kg K).
+# The saturation pressure by Magnus (WMO), Bolton and Tetens, in that order.
 _vapours = tuple(
     named(f"{p:g}·exp({a:g}·t/({b:g} + t))", p * function("exp", a * celsius / (b + celsius)))
     for p, a, b in ((611.2, 17.62, 243.12), (611.2, 17.67, 243.5), (610.78, 17.27, 237.3))
 )
+# The density from the gas constants of dry air and water vapour, J/(kg K).
 _humid = I["φ"] * vapour
 _of_gases = named(
     "((p - φ·p_s)/287.05 + φ·p_s/461.5)/T", ((pressed - _humid) / 287.05 + _humid / 461.5) / I["T"]
@@ -701,9 +701,7 @@ OTHERWISE = {
     "plate": (reach,),
     "margin": (named("|σ_b|", function("abs", I["σ_b"], dimension=M)),),
     "fence margin": (named("the chord's length", norm(_chord)),),
-    **dict.fromkeys(("pitch", "touching"), _in_flight),
-    # A program may go on with the path or the time of the pitch.
-    **dict.fromkeys(("flight", "fence"), (*_in_flight, brought_path, contact_time)),
+    **dict.fromkeys(("pitch", "touching", "flight", "fence"), _in_flight),
 }  # fmt: skip
 
 # --- the stages -----------------------------------------------------------------------------------

@@ -49,6 +49,7 @@ from longball.judge.diagnosis.expression import (
     Dimension,
     M,
     Node,
+    S,
     Values,
     axes,
     component,
@@ -273,13 +274,13 @@ class Site:
     flies
         True if the formula holds during a flight.
     omitted
-        How scenes omit the numbers that some of them omit, by symbol.
+        The ways (`OMITTING`) in which scenes omit a number, by symbol.
     scenes
         Kinds of scenes that have the formula.
     kinds
         Kinds of scenes that have a node of the pool, if not all have it.
     earlier
-        Earlier states of the ball, as words, place and velocity.
+        Earlier states of the ball: words, place and velocity.
     """
 
     node: Node
@@ -293,9 +294,9 @@ class Site:
     earlier: tuple[tuple[str, Node, Node], ...] = ()
 
     def where_known(self, other: Node, made: Node | None = None) -> Node:
-        """`made` of another node in scenes that have that; this node elsewhere.
+        """`made`, or `other` itself, in scenes that have the node `other`; elsewhere this node.
 
-        Impact scenes, for example, have no plate. Left out, it is the other node itself.
+        Impact scenes, for example, have no plate.
         """
         made, have = made or other, self.kinds.get(other, self.scenes)
         if set(self.scenes) <= set(have):
@@ -315,8 +316,7 @@ KINDS_OF: dict[Node, Collection[str]] = {
     if any(quantity in stage.quantities for stage in CHAIN)
 }
 
-# What a scene does with the key of a number: it gives the number, gives 0, omits the key, or omits
-# the block that has the key.
+# Options of a number's key: a scene gives the number, gives 0, omits the key, or omits its block.
 GIVEN, ZERO, LEFT_OUT, WITHOUT_BLOCK = "given", "0", "left out", "without its block"
 # Words for the scenes that omit a number in one of these ways.
 OMITTING = {
@@ -829,11 +829,11 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         found |= dict.fromkeys(component(place, i) for place in places for i in range(3))
     if stage.kind == "flight":
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
-        # A program may reuse a value from before the launch of this ball.
-        launch = stage.roots["velocity"]
-        for one in itertools.takewhile(lambda one: one.roots.get("velocity") is not launch, chain):
+        # A program may reuse a state from before the launch of this ball, or go on with the time or
+        # the path.
+        for one in before_launch(chain, stage):
             kept = (*(OWN[q] for q in one.quantities), *launches_of(one))
-            found |= dict.fromkeys(x for x in kept if x.vector)
+            found |= dict.fromkeys(x for x in kept if x.vector or x.dimension in (M, S))
     if stage.kind == "formula":
         earlier = (one.quantities for one in chain[: chain.index(stage)])
         found |= dict.fromkeys(OWN[q] for quantities in earlier for q in quantities)
@@ -855,19 +855,24 @@ def launches_of(stage: Stage) -> list[Node]:
     return [named(f"the {state} that began {stage.name}", stage.roots[state]) for state in states]
 
 
+def before_launch(chain: Sequence[Stage], stage: Stage) -> list[Stage]:
+    """The stages before the launch of the ball of a flight."""
+    launch = stage.roots["velocity"]
+    return [*itertools.takewhile(lambda one: one.roots.get("velocity") is not launch, chain)]
+
+
 def earlier_states(chain: Sequence[Stage], stage: Stage) -> tuple[tuple[str, Node, Node], ...]:
-    """States of the ball before the launch of a flight: of the pitch at its launch and its end."""
-    before = chain[: chain.index(stage)] if stage.kind == "flight" else ()
-    found: list[tuple[str, Node, Node]] = []
-    for one in before:
-        if one.kind == "flight" and one.name == "touching":
-            (place, velocity, _), (at, then) = (
-                launches_of(one),
-                [OWN[q] for q in one.quantities[:2]],
+    """States of the ball at the launch and at the ends of earlier flights; see `Site.earlier`."""
+    found: dict[Node, tuple[str, Node, Node]] = {}
+    for one in before_launch(chain, stage) if stage.kind == "flight" else ():
+        if one.kind == "flight":
+            place, velocity, _ = launches_of(one)
+            found.setdefault(
+                one.roots["velocity"], (f"of the launch of {one.name}", place, velocity)
             )
-            found.append(("of the pitch's launch", place, velocity))
-            found.append(("of the pitch at the contact", at, then))
-    return tuple(found)
+            place, velocity = (OWN[q] for q in one.quantities[:2])
+            found[velocity] = f"of the end of {one.name}", place, velocity
+    return tuple(found.values())
 
 
 def edits(
@@ -998,9 +1003,9 @@ def _of_regions(
             hole = named(words(node), node)
             opened = (_instead if node in written else substitute)(inside, node, hole)
             if not whole_arm:
-                once = region.op == "switch"
+                # Options are separate; equal factors or terms are edited together.
                 opened = rebuilt(region, [
-                    opened if (k == which if once else arg is part) else arg
+                    opened if arg is part and (k == which or region.op != "switch") else arg
                     for k, arg in enumerate(region.args)
                 ])  # fmt: skip
             if form is not root:

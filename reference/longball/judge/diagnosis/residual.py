@@ -135,7 +135,7 @@ class Data:
         Scenes that are not compared, by the stage's name and kind: the right chain does not
         reproduce the true value from true earlier values. A ball may graze a jump of the law.
     flights
-        Balls that were flown, by stage: a cache.
+        The ends of balls that were flown, by steps, integrator and quantities: a cache.
     """
 
     cases: Sequence[Case]
@@ -491,6 +491,7 @@ def _flown(balls: Launched, duration: Array, limits: Stepping) -> tuple[Array, A
 
 
 def _in_equal_steps(balls: Launched, duration: Array, steps: Array) -> tuple[Array, Array]:
+    """Fly balls in equal steps, and return the states and 0: their errors are not estimated."""
     y, h = balls.y, duration / steps
     for step in range(int(steps.max())):
         y = np.where(step < steps, _step(balls, y, step * h, h)[0], y)
@@ -627,10 +628,10 @@ def _flown_once(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The quantities of a flight by the candidate's integrator, and the same plus their error.
 
-    No ball is flown twice: an edit of one stage changes few of the others' balls, and the same
-    scenes are in several samples.
+    No ball is flown twice: an edit of one stage changes few flights of the others, and samples of
+    scenes overlap.
     """
-    # A ball is known by the formulas of its flight and by the numbers that they read.
+    # The key of a ball: the formulas of its flight, and the numbers that they read.
     roots, way = (*stage.roots.values(),), data.way(stage)
     known = data.flights.setdefault((limits, way, stage.quantities), {})
     names = sorted({stage.spins, *names_in(roots), *(way.reads if way else ())} & columns.keys())
@@ -736,7 +737,7 @@ def compared(
 ) -> tuple[Followed, dict[str, Array]]:  # fmt: skip
     """The residuals of a stage in some scenes, and the values that the stage predicts.
 
-    The method's own estimate is the error of the judge's flights. If an edit has added a
+    The integration method estimates the error of the judge's flights. If an edit has added a
     jump or a kink to the stage (`Data.rough`), the error of steps that cross it without detecting
     it is noise, too.
     """

@@ -427,7 +427,7 @@ def _unit(rows: Array) -> tuple[Array, Array]:
     return sizes, np.divide(rows, sizes[:, None], out=np.zeros_like(rows), where=sizes[:, None] > 0)
 
 
-ROWS = 6  # position and velocity; the rows after them are the spin
+ROWS = 6  # position and velocity; the next three are the spin, and the last is the path
 FAR = 1e9  # in units of the error: larger effects are ignored
 RIGHT = 1e-9  # a scene is right if its error is below this fraction of the largest one
 PARALLEL = 1e-7  # fraction of an effect: an orthogonal part below it is rounding

@@ -159,8 +159,8 @@ class Layer(NamedTuple):
     pairs: bool = False
 
 
-# Three edits in four that are named are in the first layer. Those of the last layer are many: they
-# are ranked along one path only, and without pairs.
+# Most named edits are in the first layer. The last layer has many more: it ranks them along one path
+# only, and tries no pairs.
 EVERY = slice(None)
 ALONE = (
     Layer(slice(2_000), EVERY, 50),
@@ -293,15 +293,14 @@ class Explanation:
         # with a small error, relative to the candidate's, come first.
         shows = near & is_wrong & (missed <= SHARE * np.abs(base.off).max(axis=0)).all(axis=0)
         shows = shows if shows.any() else near & is_wrong
-        self.few = few = np.concatenate([
-            evenly(np.flatnonzero(shows), WRONG),
-            evenly(np.flatnonzero(near & ~is_wrong), RIGHT),
-        ])  # fmt: skip
-        # First-order effects are most reliable where errors are small.
-        mild = np.flatnonzero(is_wrong)  # from the worst to the least
-        small = int((base.relative[mild] < FAR_OFF).sum())
-        mild = mild[-max(small, math.ceil(len(mild) / 3)) :]
-        self.mild = np.concatenate([evenly(mild, WRONG), evenly(np.flatnonzero(~is_wrong), RIGHT)])
+        failing = np.flatnonzero(shows)  # from the worst to the least
+        passing = evenly(np.flatnonzero(near & ~is_wrong), RIGHT)
+        self.few = few = np.concatenate([evenly(failing, WRONG), passing])
+        # First-order effects are computed in long steps, too. They are most reliable where errors
+        # are small.
+        small = int((base.relative[failing] < FAR_OFF).sum())
+        mild = failing[-max(small, math.ceil(len(failing) / 3)) :]
+        self.mild = np.concatenate([evenly(mild, WRONG), passing])
         # The error of long steps is computed once, without an edit, and subtracted from every
         # trial. The remainder is proportional to the effect of the edit. The effect of the right
         # edit is the residual, so a fraction of the residual is allowed as noise. Where the law has
@@ -438,9 +437,7 @@ class Explanation:
         return found
 
     @np.errstate(all="ignore")
-    def candidates(
-        self, some: Sequence[Edit], layer: Layer, needed: float
-    ) -> list[_Screened]:  # fmt: skip
+    def candidates(self, some: Sequence[Edit], layer: Layer, needed: float) -> list[_Screened]:
         """Screen the edits of a layer.
 
         The search ends soon after an edit that saves the bits `needed` in the screening scenes.
