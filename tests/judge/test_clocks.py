@@ -1,4 +1,4 @@
-"""Clocks of a candidate: rules for the times of its states, and the bits that they cost."""
+"""Clocks of a candidate: rules for the times of its states, and their cost in bits."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_steps_are_searched_from_the_shortest_to_the_longest():
 
 
 def rule(behind, told=None):
-    """The rule for states that are so far behind the reported times, with its words."""
+    """The rule for states that are `behind` the reported times, s, and its words."""
     told = TIMES if told is None else told
     found = clocks._rule(told, told - behind, None)
     return found, found.text.format("a state", "the time")
@@ -114,7 +114,7 @@ def explained(change: Any, kind: str = "flight") -> Scheme | None:
     (stage,) = (one for one in chain if one.kind == kind and one.name in ("flight", "landing"))
     one, _ = compared(stage, data, columns, np.arange(len(data.cases)))
     found = explain_scheme(chain, stage, data, columns, one)
-    if found is not None and kind == "flight":  # no more than all that the errors cost
+    if found is not None and kind == "flight":  # at most the cost of all errors
         assert 0 < found.evidence <= cost(one.off / one.floor) - found.bits - CHANCE
     return found
 

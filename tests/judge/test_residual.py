@@ -1,4 +1,4 @@
-"""Columns of scenes, flights at kinks, and tolerances of numbers, as the judge compares them."""
+"""Columns of scenes, flights across kinks, and the tolerances with which numbers are compared."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_flights_of_any_length():
     parabola = flown(thrown(times, lambda at, t: np.full(at.shape[1], -10.0)), times)
     assert parabola[2] == pytest.approx(1 + 20 * times - 5 * times**2, rel=1e-13)
     times = np.array([0.1, 2.0, 5.0])
-    # The same beside other flights, and by fewer steps less exactly.
+    # Other flights of the batch change nothing. Fewer steps have larger errors.
     alone = flown(thrown(times[2:3], lambda at, t: -at[2]), times[2:3])
     assert alone[:6, 0] == pytest.approx(found[:6, 2], rel=1e-12)
     off = [
@@ -74,7 +74,7 @@ def test_flights_of_any_length():
     assert off[0] > off[1] > off[2]
 
 
-def test_a_flight_that_takes_too_many_steps_is_said_to_be_off():
+def test_a_flight_with_too_many_steps_states_a_huge_error():
     for time, error in ((5.0, residual.TOTAL), (75.0, HUGE)):
         balls = thrown([time], lambda at, t: -at[2])
         assert residual._flown(balls, balls.duration, FINE)[1] == [error]
@@ -113,8 +113,8 @@ def test_a_time_in_the_law():
     assert found[2] == pytest.approx(1 + 20 * times + times**3, rel=1e-13)
 
 
-def test_steep_flights_are_repeated():
-    """A rate of 300/s, in steps that equal ones would make too long."""
+def test_steps_shorten_where_the_law_is_steep():
+    """A decay of 300/s, which the longest steps would not resolve."""
     times = np.array([5.0])
     with np.errstate(all="ignore"):  # as `values`
         found = flown(thrown(times, lambda at, t: -300.0 * at[5]), times)
@@ -138,7 +138,7 @@ def test_columns_of_scenes():
     assert np.isnan(found["launch.velocity"][:, 1]).all()
     assert np.isnan(found["V_0"][0])
     assert found["β"].tolist() == [0.4, 0.4]
-    assert found["ρ_0"][0] == found["ρ_0"][1]  # the air that a null stands for
+    assert found["ρ_0"][0] == found["ρ_0"][1]  # null is replaced by the default air
     assert (options(calm)["air"], options(calm)["spin"], options(calm)["pitch"]) == (
         "none", "none", "aimed",
     )  # fmt: skip
@@ -207,7 +207,7 @@ def test_a_formula_without_a_value_is_the_largest_error(drives: Any):
     assert (found.off == HUGE).all()
 
 
-def test_where_the_pitch_is_wrong_what_follows_from_the_ball_is_left_out():
+def test_stages_that_need_the_ball_at_the_bat_are_omitted_where_the_pitch_is_wrong():
     data = truth(known("at-bat")[::5])
     chain = specialised_to(data)
     _, before = follow(chain, data)
@@ -233,7 +233,7 @@ def test_the_duration_of_a_flight_comes_from_the_time_nearer_to_the_truth():
         assert found[flies] == pytest.approx(right[flies], abs=1e-12)
 
 
-def test_a_margin_is_compared_where_the_pitch_is_that_of_the_truth():
+def test_a_margin_is_compared_only_where_the_pitch_is_right():
     cases = known("at-bat")[::9]
     told = {}
     for i, case in enumerate(cases):
@@ -250,7 +250,7 @@ def test_a_margin_is_compared_where_the_pitch_is_that_of_the_truth():
 
 
 def test_the_chord_beside_a_point():
-    """At a step of the fence two chords are as near: the height decides."""
+    """At a step of the fence two chords are equally near: the height decides."""
     cases = [case for case in known("fence") if case.scene.fence.polyline][:12]
     data = truth(cases)
     ends = np.array([data.columns["chord.a"], data.columns["chord.b"]])

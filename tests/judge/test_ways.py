@@ -51,7 +51,7 @@ def integrator(words: str) -> Integrator:
 
 
 def most(one: Followed) -> float:
-    """Bits beyond chance that an explanation of all errors has, before its own cost."""
+    """Evidence of an explanation of all errors, in bits, before its own cost."""
     return cost(one.off / one.floor) - CHANCE
 
 
@@ -80,7 +80,7 @@ def test_a_way_is_named(way: Way, dt: float | None):
     assert 0 < found.evidence <= most(one) - found.bits
     assert found.step == pytest.approx(way.h, rel=1e-6)
     assert found.way.chord == way.chord
-    # Another integrator may do the same here: it must do so to the last digit.
+    # Another integrator may give the same numbers: it has to agree to the last digit.
     again, *_ = planted(found.way, right, chain, stage)
     for quantity in stage.quantities[:2]:
         off = again.given[quantity] - data.given[quantity]

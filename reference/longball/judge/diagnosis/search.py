@@ -159,8 +159,8 @@ class Layer(NamedTuple):
     pairs: bool = False
 
 
-# Most named edits are in the first layer. The last layer has many more: it ranks them along one path
-# only, and tries no pairs.
+# Most named edits are in the first layer. The last layer has many more edits: it ranks them along
+# one path only, and tries no pairs.
 EVERY = slice(None)
 ALONE = (
     Layer(slice(2_000), EVERY, 50),
