@@ -10,6 +10,7 @@ import pytest
 
 from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.expression import (
+    ARGUMENT,
     KG,
     NONE,
     Evaluator,
@@ -28,6 +29,7 @@ from longball.judge.diagnosis.expression import (
     each,
     evaluate,
     function,
+    matrix,
     named,
     names_in,
     norm,
@@ -38,6 +40,7 @@ from longball.judge.diagnosis.expression import (
     switch,
     symbol,
     table,
+    times,
     unit,
     vector,
     where,
@@ -59,7 +62,8 @@ OF_NUMBERS = {
     "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan, "atan": np.arctan,
     "sqrt": np.sqrt, "square": lambda x: x**2, "abs": abs, "positive": lambda x: x.clip(0),
     "rises": lambda x: np.array([0.0, 0, 1]), "rounded_0": np.round,
-    "rounded_1": lambda x: np.array([-1.5, 0, 2.2]),
+    "rounded_1": lambda x: np.array([-1.5, 0, 2.2]), "truncated": lambda x: np.array([-1.0, 0, 2]),
+    "single": lambda x: x,
 }  # fmt: skip
 VALUES = [
     (x + y, X + Y), (2.0 - x, 2 - X), (x * y, X * Y), (x / y, X / Y), (1.0 / y, 1 / Y), (-x, -X),
@@ -72,6 +76,8 @@ VALUES = [
     (axes(a, ((0, 0, 1), (0, -1, 0), (0, 0, 0)), ""), [A[2], -A[1], 0 * X]),
     (where(x, y, 2.0 * y), np.where(X > 0, Y, 2 * Y)), (function("least", x, y), np.minimum(X, Y)),
     (switch("kind", {"one": x, "two": y}), np.array([X[0], Y[1], X[2]])),
+    (times(matrix("K", x * cross(b, ARGUMENT)), a), X * np.cross(B, A, axis=0)),
+    (function("single", b, vector=True), np.float32(B)),
     (x * a, X * A), (constant(2.0, M, True) + a, 2 + A),
     *((function(op, x), of(X)) for op, of in OF_NUMBERS.items() if op not in ("log", "sqrt")),
     *((function(op, y), of(Y)) for op, of in OF_NUMBERS.items() if op in ("log", "sqrt")),
@@ -229,7 +235,8 @@ def test_numbers_that_change_at_kinks_and_jumps():
         (constant(math.pi), "π"), (constant(0.1), "0.1"), (named("k", x + y), "k"),
         (axes(a, (), "(x, 0, z)"), "a as (x, 0, z)"), (function("least", x, y), "least(x, y)"),
         (function("sizes", a), "|a_x| + |a_y| + |a_z|"), (x * (x / y), "x·x/y"),
-        (each("by_component", a, b), "a·b by component"), (I["m"], "m"),
+        (each("by_component", a, b), "a·b by component"), (times(matrix("K", ARGUMENT), a), "K·a"),
+        (I["m"], "m"),
     ],
 )  # fmt: skip
 def test_words(node: Node, text: str):

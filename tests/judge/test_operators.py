@@ -13,6 +13,7 @@ import pytest
 from longball.judge.diagnosis import operators
 from longball.judge.diagnosis.chain import CHAIN, I, Stage, n, r, v, v0
 from longball.judge.diagnosis.expression import (
+    ARGUMENT,
     NONE,
     M,
     Node,
@@ -23,11 +24,13 @@ from longball.judge.diagnosis.expression import (
     dot,
     evaluate,
     function,
+    matrix,
     named,
     norm,
     switch,
     symbol,
     table,
+    times,
     unit,
     where,
 )
@@ -180,13 +183,17 @@ def test_shapes():
     assert given(operators._shapes, p * p) == one(3, 9)
     assert not given(operators._shapes, constant(2.0))
     assert not given(operators._shapes, a / p)
+    assert given(operators._shapes, a) == three(A)  # whole numbers keep all digits
     half = symbol("half")
-    for number, found in ((1.4567, (1, 1.5, 1.46, 1.457)), (-1.4567, (-1, -1.5, -1.46, -1.457))):
+    for number, found in (
+        (1.7654, (1, 2, 1.8, 1.77, 1.765)),
+        (-1.7654, (-1, -2, -1.8, -1.77, -1.765)),
+    ):
         shapes = operators._shapes(Site(half, (half * y,), (), {}, False))
         every = {value(by, half=number, **{FREE: -9.0 if number < 0 else 0.5}) for by, *_ in shapes}
         limited = -9.0 if number < 0 else 0.5
         assert every == one(
-            number**2, 1 / number, abs(number), max(number, 0), limited, *found
+            number**2, 1 / number, abs(number), max(number, 0), limited, *found, np.float32(number)
         )  # fmt: skip
     assert given(operators._shapes, norm(a), norm(a) + p) == one(21)
 
@@ -227,6 +234,7 @@ def test_siblings():
     assert kin(function("sin", x)) == one(math.cos(2), math.tan(2), 2, 1)
     assert kin(function("cos", x)) == one(math.sin(2), math.tan(2), 2, 1)
     assert kin(function("sqrt", p)) == one(3)
+    assert kin(function("exp", x)) == one(3)
     assert kin(function("abs", p - q)) == one(-4, 4)
     assert kin(1.0 - x) == one(2)
     assert kin(where(x - 3.0, y, z)) == one(5, 11)
@@ -395,6 +403,12 @@ def test_a_slip_in_the_function_of_all_products():
     lengths = {*of_formula(norm(a) + dot(a, unit(b))).values()}
     size, other = (math.sqrt(X @ X - 2 * X[0] ** 2) for X in (A, B))
     assert one(size + (A @ B - 2 * A[0] * B[0]) / other) <= lengths
+
+
+def test_a_mistake_in_a_function_with_a_matrix():
+    turned = cross(b, ARGUMENT)
+    found = {*of_formula(times(matrix("K", 2.0 * ARGUMENT + turned), a)).values()}
+    assert three(2 * A - np.cross(B, A), np.cross(B, A), 2 * A) <= found
 
 
 def test_the_default_of_a_zero():

@@ -16,7 +16,15 @@ import numpy as np
 import pytest
 
 from longball.judge.diagnosis.chain import I, Kind, Stage, v, v0
-from longball.judge.diagnosis.expression import Node, axes, constant, ordered, substitute, words
+from longball.judge.diagnosis.expression import (
+    Node,
+    axes,
+    constant,
+    matrix,
+    ordered,
+    substitute,
+    words,
+)
 from longball.judge.diagnosis.residual import Data, specialised_to, values
 from longball.judge.diagnosis.search import PAIRS, Explanation, Named
 from longball.model.scene import AtBatScene
@@ -242,3 +250,12 @@ def test_a_wrong_law_is_named(mistake: str):
     old = next(node for node in ordered(stage.roots.values()) if words(node) == text)
     wrong = stage.edited(old, new(old))
     check(stage, lambda columns: values(wrong, columns), family)
+
+
+def test_a_mistake_in_the_matrix_of_the_friction_is_named():
+    stage = next(s for s in right("impact-oblique")[0] if s.name == "friction margin")
+    (K,) = (node for node in ordered(stage.roots.values()) if node.op == "matrix")
+    turned = next(node for node in ordered(K.args[:1]) if words(node) == "r × a")
+    other = matrix("K", substitute(K.args[0], turned, -turned))
+    wrong = stage.edited(K, other)
+    check(stage, lambda columns: values(wrong, columns), "impact-oblique")

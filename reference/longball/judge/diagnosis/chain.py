@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
 from longball.judge.diagnosis.expression import (
+    ARGUMENT,
     KG,
     NONE,
     Dimension,
@@ -26,6 +27,7 @@ from longball.judge.diagnosis.expression import (
     depends,
     dot,
     function,
+    matrix,
     named,
     norm,
     solve,
@@ -33,6 +35,7 @@ from longball.judge.diagnosis.expression import (
     switch,
     symbol,
     table,
+    times,
     unit,
     vector,
     where,
@@ -558,7 +561,7 @@ slip = named("g", V + cross(spin_at, -(I["R"] * n)) - V_b - _turning)
 slip_across = named("g_t", slip - dot(slip, n) * n)
 
 
-def _mobility(a: Node) -> Node:
+def _of_rigid_bodies(a: Node) -> Node:
     """K applied to a vector, with the n·K n of the rigid bodies (docs/model.md)."""
     turned = cross(arm, a)
     shaken = vector(
@@ -572,7 +575,8 @@ def _mobility(a: Node) -> Node:
     )
 
 
-_stiff = 1.0 / μ - dot(n, _mobility(n))
+_rigid = matrix("K", _of_rigid_bodies(ARGUMENT))
+_stiff = 1.0 / μ - dot(n, times(_rigid, n))
 
 
 def mobility(a: Node) -> Node:
@@ -580,7 +584,7 @@ def mobility(a: Node) -> Node:
 
     Without friction, the impulse is then that of the paper, Eq. 9.
     """
-    return _mobility(a) + _stiff * dot(n, a) * n
+    return times(_rigid, a) + _stiff * dot(n, a) * n
 
 
 # The gripping impulse solves K P = …, for the columns of K. It is kept while |P_t| ≤ μ_f P_n, which

@@ -152,9 +152,9 @@ def named(name: str, x: Node) -> Node:
     return _node("named", (x,), name, x.dimension, x.vector)
 
 
-def function(op: str, *args: Node, dimension: Dimension = NONE) -> Node:
-    """A scalar function of `OPERATIONS`, such as sin or exp, applied to nodes."""
-    return _node(op, args, None, dimension)
+def function(op: str, *args: Node, dimension: Dimension = NONE, vector: bool = False) -> Node:
+    """A function of `OPERATIONS`, such as sin or exp, applied to nodes."""
+    return _node(op, args, None, dimension, vector)
 
 
 def norm(v: Node) -> Node:
@@ -224,7 +224,32 @@ def table(x: Node, key: str, mode: str = "linear") -> Node:
     return _node("table", (x,), (key, mode), NONE)
 
 
+ARGUMENT = symbol("a", NONE, True)  # of the function in `matrix`
+
+
+def matrix(name: str, form: Node) -> Node:
+    """The matrix of a linear function of vectors, from the function's value for `ARGUMENT`.
+
+    A program has the function once. An edit of the form is in all columns of the matrix.
+    """
+    columns = (substitute(form, ARGUMENT, vector(*row)) for row in _UNIT)
+    return _node("matrix", (form, *columns), name, form.dimension)
+
+
+_UNIT = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def times(k: Node, v: Node) -> Node:
+    """A matrix applied to a vector."""
+    return _node("times", (k, v), None, _sum(k.dimension, v.dimension), True)
+
+
 # --- graphs ---------------------------------------------------------------------------------------
+
+
+def evaluated(node: Node) -> tuple[Node, ...]:
+    """The arguments from which a node's value is computed."""
+    return node.args[1:] if node.op == "matrix" else node.args
 
 
 def ordered(
@@ -425,6 +450,8 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "quotient": np.divide,
     "negative": np.negative,
     "named": lambda x: x,
+    "matrix": lambda *columns: np.array(np.broadcast_arrays(*columns)),
+    "times": lambda k, v: np.add.reduce(k * v[:, None]),
     "norm": _norm,
     "sizes": lambda v: np.abs(v).sum(0),  # |x| + |y| + |z|
     "unit": _unit,
@@ -448,6 +475,8 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "positive": lambda x: np.maximum(x, 0.0),
     "least": np.minimum,
     "rises": lambda x: (x > 0) * 1.0,  # 1 where the argument is positive, else 0
+    "truncated": np.trunc,
+    "single": lambda x: np.float64(np.float32(x)),
     **{f"rounded_{i}": partial(np.round, decimals=i) for i in range(4)},
 }
 
@@ -541,7 +570,7 @@ class Values:
     def arguments(self, node: Node) -> Sequence[Node]:
         """Arguments on which a node's value depends: of a switch, the options that occur."""
         if node.op != "switch":
-            return node.args
+            return evaluated(node)
         if node not in self._arguments:
             self._arguments[node] = [node.args[i] for i in _occurring(node, self.columns)]
         return self._arguments[node]
@@ -703,6 +732,7 @@ _FORMATS = {
     "square": "{}²",
     "dot": "{} · {}",
     "cross": "{} × {}",
+    "times": "{}·{}",
     "sizes": "|{0}_x| + |{0}_y| + |{0}_z|",
     "unit": "{0}/|{0}|",
     "rises": "[{} > 0]",
@@ -738,6 +768,8 @@ def words(node: Node) -> str:
             return f"⟨{node.data[0]}⟩"
         case "table":
             return f"table({args[0]})"
+        case "matrix":
+            return str(node.data)
         case "sum" if args[1].startswith("-"):
             return f"{args[0]} - {args[1][1:]}"
         case "product" if args[0] == "-1":

@@ -18,7 +18,6 @@ from collections.abc import Callable, Collection, Container, Iterable, Iterator,
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from functools import partial
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -42,6 +41,7 @@ from longball.judge.diagnosis.chain import (
     v0,
 )
 from longball.judge.diagnosis.expression import (
+    ARGUMENT,
     JUMPS,
     KINKS,
     NONE,
@@ -59,7 +59,9 @@ from longball.judge.diagnosis.expression import (
     depends,
     dot,
     each,
+    evaluated,
     function,
+    matrix,
     named,
     norm,
     ordered,
@@ -532,6 +534,10 @@ def _shapes(site: Site) -> Iterator[Option]:
     if a.op == "product" and a.args[0] is a.args[1]:  # a square is a product, `R·R`
         one = a.args[0] * constant(1.0, a.args[0].dimension)
         yield one, BITS["square"], f"does not square {words(a.args[0])}", ()
+    if a.op == "symbol":
+        for op, text in ROUNDINGS.items():
+            by = function(op, a, dimension=a.dimension, vector=a.vector)
+            yield by, BITS["rounded"] + math.log2(len(ROUNDINGS)), text.format(said), ()
     if a.vector or a.op == "constant":
         return
     if a.op in ("symbol", "named", "norm"):
@@ -553,12 +559,14 @@ def _shapes(site: Site) -> Iterator[Option]:
         # Only starts between the right values and the wrong ones show which scenes it changes.
         starts = tuple(x * a for x in (0.5, 0.9, 1.3, 1.8))
         yield limited, BITS["clamp"], f"limits {said} to {{c}}", starts
-    if a.op == "symbol":
-        for digits in (0, 1, 2, 3):
-            yield (
-                function(f"rounded_{digits}", a, dimension=a.dimension),
-                BITS["rounded"] + 2, f"rounds {said} to {digits} decimals", (),
-            )  # fmt: skip
+
+
+# Operations that drop digits of an input.
+ROUNDINGS = {
+    **{f"rounded_{i}": f"rounds {{}} to {i} decimals" for i in range(4)},
+    "truncated": "drops the decimals of {}",
+    "single": "rounds {} to single precision",
+}
 
 
 def _siblings(site: Site) -> Iterator[Option]:
@@ -598,6 +606,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             yield where(condition, *sides[::-1]), -2.0, f"exchanges the two sides of {said}"
         case "atan2", (b, c):
             yield from map(instead, (function("atan", b / c), function("atan2", c, b)))
+        case "exp", (b,):
+            yield instead(1.0 + b)
         case "sqrt", (b,):
             yield in_unit_of(a, b), 0.0, f"uses {words(b)} for its root"
         case "abs", (b,):
@@ -819,7 +829,8 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     if stage.kind == "event":  # and the starting position of the flight that it ends
         ends = (s for s in chain if s.kind == "flight" and s.quantities[0] == stage.quantities[0])
         roots += [flight.roots["place"] for flight in ends]
-    again = frozenset((str(r_dot.data),))  # equals v, which would be in the pool twice
+    # The argument of a function has no value, and dr/dt would be in the pool twice: it equals v.
+    again = frozenset((str(r_dot.data), str(ARGUMENT.data)))
     for node in ordered(roots):
         variable = node.op in ("symbol", "named", "component") and node.data != FREE
         if variable and not depends(node, again):
@@ -887,7 +898,7 @@ def edits(
     `columns` hold the scenes' options of switches, and restrict the edits to these options; without
     columns, all options are edited. `more` are further nodes for the pool.
     """
-    arguments = Values(columns).arguments if columns else attrgetter("args")
+    arguments = Values(columns).arguments if columns else evaluated
     pool = (*pool_of(chain, stage, columns), *more)
     omitted = {
         str(one.symbol.data): {LEFT_OUT, WITHOUT_BLOCK}.intersection(columns[key_of(one.symbol)])
@@ -904,6 +915,7 @@ def edits(
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
         yield from _of_functions(root, nodes)
+        yield from _of_matrices(nodes, site, arguments)
         yield from _of_zeros(root, nodes, defaults, columns)
         for form in stage.forms.get(name, ()):
             others = ordered([form], (), arguments)
@@ -1071,6 +1083,22 @@ def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
         yield Edit(root, made[root], cost, text)
 
 
+def _of_matrices(
+    nodes: Sequence[Node], whole: Site, arguments: Callable[[Node], Sequence[Node]]
+) -> Iterator[Edit]:
+    """Edits of the function whose matrix is in a formula."""
+    for node in nodes:
+        if node.op != "matrix":
+            continue
+        form = node.args[0]
+        inside = ordered([form], (), arguments)
+        # Nodes that do not depend on its argument are edited as those of the formula.
+        known = [x for x in inside if not depends(x, frozenset((str(ARGUMENT.data),)))]
+        for edit in _of_formula(form, form, inside, known, whole, (*OF_ITSELF, _siblings)):
+            new = matrix(node.data, substitute(form, edit.place, edit.new))
+            yield replace(edit, place=node, by=new, within=None)
+
+
 FUNCTIONS = (
     ("scalar product of", ("dot", "norm", "unit"), _mixed),
     ("vector product of", ("cross",), _slipped),
@@ -1139,6 +1167,8 @@ def _of_formula(
         using = parents[node]
         if node.op == "switch" and [p.op for p in using] == ["named"]:
             continue  # the named node is edited instead
+        if node.op == "matrix":  # see `_of_matrices`
+            continue
         # The parent of a node under a name is the operation that uses the name.
         above = [q for p in using for q in ([p] if p.op != "named" else parents[p])]
         site = replace(whole, node=node, parents=tuple(above or using))

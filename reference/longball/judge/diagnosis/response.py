@@ -55,7 +55,7 @@ class Many:
                 width = next(width for width in WIDTHS if width >= len(some))
                 # The values of the replacements, with the scenes of one edit after those of
                 # another.
-                shape = (3,) if (within[1] if within else place).vector else ()
+                shape = np.shape(self.at.of(within[1] if within else place))[:-1]
                 value = np.zeros((*shape, width, count))
                 for k, i in enumerate(some):
                     edit, c = changes[i]
