@@ -249,9 +249,12 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     # The sensitivity of a ball without forces is right to a factor, which is enough (`NODES`).
     # Edits of the law are tried on whole flights only, not again on their parts.
     effects = Response(stage, at, sensitivity=free, nodes=NODES) if flies else Direct(stage, at)
-    passed = {"through", "law"} if stage.name in PARTS else {"through"}
+    passed = {"through", "law"} if stage.name in PARTS else set[str]()
+    # The speed along the path is one node, as it is for the operators.
     nodes = {
-        name: frozenset(ordered([root])) for name, root in stage.roots.items() if name not in passed
+        name: frozenset([root] if name == "through" else ordered([root]))
+        for name, root in stage.roots.items()
+        if name not in passed
     }
     return _Effects(stage, some, nodes, effects, np.array(rows))
 

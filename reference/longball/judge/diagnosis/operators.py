@@ -534,7 +534,8 @@ def _shapes(site: Site) -> Iterator[Option]:
     if a.op == "product" and a.args[0] is a.args[1]:  # a square is a product, `R·R`
         one = a.args[0] * constant(1.0, a.args[0].dimension)
         yield one, BITS["square"], f"does not square {words(a.args[0])}", ()
-    if a.op == "symbol":
+    # Of inputs only: a rounded position would be on every surface.
+    if a.data in INPUT_NAMES:
         for op, text in ROUNDINGS.items():
             by = function(op, a, dimension=a.dimension, vector=a.vector)
             yield by, BITS["rounded"] + math.log2(len(ROUNDINGS)), text.format(said), ()
