@@ -34,7 +34,7 @@ from longball.judge.diagnosis.residual import (
 )
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.schemes import Steps, explain_push, explain_scheme, with_edit
-from longball.judge.diagnosis.search import PAIRS, Explanation, Located, Named
+from longball.judge.diagnosis.search import ALONE, PAIRS, Explanation, Located, Named
 from longball.judge.diagnosis.unseen import Solve, Unseen
 
 
@@ -262,7 +262,10 @@ def reason(
             data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
             columns, last = follow(chain, data)
             continue
-        search = Explanation(chain, stage, data, columns, one, pairs=PAIRS[stage.kind])
+        # If a part of the errors is explained, the search for the rest has a smaller budget.
+        rest = any(_is_part_of(step, stage) for step in steps)
+        layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
+        search = Explanation(chain, stage, data, columns, one, layers, pairs)
         found = search.explain(unseen)
         if isinstance(found, Named):
             for edit in found.edits:
@@ -299,6 +302,13 @@ def reason(
         located.append(stage)
 
 
+def _is_part_of(step: Step, stage: Stage) -> bool:
+    """True if a step explains a part of the errors of a stage, or of another flight of the law."""
+    was = step.followed.stage
+    same = (was.name, was.kind) == (stage.name, stage.kind) or was.kind == stage.kind == "flight"
+    return same and isinstance(step.found, Named) and step.found.mends is not None
+
+
 def _is_left(one: Followed, wrong: Index) -> bool:
     """True if a rough edit explains a stage: few errors are left, relative to its wrong scenes."""
     return is_adequate(one.off / one.floor, rough=True, wrong=np.isin(one.some, wrong))
@@ -331,7 +341,7 @@ def _confirmed(
     refuted = unseen.refuting(chain, data, dt)
     for step in steps:
         stage, cause = step.followed.stage, step.found
-        if isinstance(cause, Named):
+        if isinstance(cause, Named) and cause.mends is None:
             count = refuted(stage, any(edit.rough for edit in cause.edits), None)
             cause = cause if count is None else Located(cause.edits[0], refuted=count)
         elif isinstance(cause, Scheme) and cause.adequate:

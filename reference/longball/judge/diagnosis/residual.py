@@ -782,6 +782,12 @@ def compared(
     return Followed(stage, some, off, tolerance, floor, scale), found
 
 
+def mended(before: Followed, after: Followed) -> tuple[int, int]:
+    """The number of wrong scenes that an edit makes right, and of right ones that it breaks."""
+    wrong, left = before.beyond, after.beyond
+    return int((wrong & ~left).sum()), int((left & ~wrong).sum())
+
+
 def is_rough(stage: Stage) -> bool:
     """True if a stage has jumps or kinks, at which a few scenes may have errors."""
     roots = (root for name, root in stage.roots.items() if name != "through")

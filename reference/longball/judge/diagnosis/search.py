@@ -12,6 +12,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -25,6 +26,8 @@ from longball.judge.diagnosis.chain import OWN, Kind, Stage
 from longball.judge.diagnosis.evidence import (
     ADEQUATE,
     CHANCE,
+    DIGIT,
+    NUMBER,
     cost,
     fitted,
     is_adequate,
@@ -52,6 +55,7 @@ from longball.judge.diagnosis.residual import (
     evenly,
     follow,
     inputs,
+    mended,
     take,
     values,
     with_every_option,
@@ -93,6 +97,8 @@ class Named:
     edits: tuple[Edit, ...]
     evidence: float  # bits beyond chance
     same: tuple[Edit, ...] = ()  # edits that give equal numbers in all scenes
+    # Of an edit that explains only a part of the errors: the number of scenes.
+    mends: int | None = None
 
 
 @dataclass(frozen=True)
@@ -102,6 +108,7 @@ class Located:
     nearest: Edit | None = None
     left: float = 1.0  # fraction of the initial cost that remains with `nearest`
     near: tuple[Edit, ...] = ()  # the edits with the smallest cost in the screening scenes
+    part: Named | None = None  # an edit that explains a part of the errors
     # If new scenes refute `nearest`: the number of those that do, and of all new scenes.
     refuted: tuple[int, int] | None = None
 
@@ -225,6 +232,8 @@ class _Verified(NamedTuple):
         Residuals of the edit, in floors.
     evidence
         Bits beyond chance.
+    number
+        Bits of the free number.
     """
 
     edit: Edit
@@ -232,6 +241,7 @@ class _Verified(NamedTuple):
     r: Array
     evidence: float
     fit: Fit
+    number: float
 
     @property
     def bits(self) -> float:
@@ -408,6 +418,10 @@ class Explanation:
             # The nearest of all edits counts. Those of several layers may explain the stage
             # together with a scheme.
             located = [*(located if part.start else ()), found]
+        # An edit that explains some scenes and breaks none is one of several mistakes.
+        named = [one.part for one in located if one.part is not None]
+        if named:
+            return max(named, key=lambda one: one.mends or 0)
         near = tuple(edit for found in located for edit in found.near)
         return replace(min(located, key=attrgetter("left"), default=Located()), near=near)
 
@@ -552,6 +566,8 @@ class Explanation:
         # Rule 2 of docs/truth.md: bits beyond chance and the choice among the edits that were
         # tried.
         needed = CHANCE + math.log2(1 + tried)
+        if self.null_all < needed:  # no edit can save more than the errors cost
+            return Located()
         found = self.candidates(some, layer, needed)
         near = tuple(one.group[0] for one in found[:NEAR])
         alone = min((one.left for one in found), default=self.null)
@@ -571,14 +587,40 @@ class Explanation:
         # edit to begin with.
         partial = (one for one in verified if one.fit == "partial")
         best = min(partial, key=attrgetter("bits"), default=None)
-        if layer.pairs and self.pairs:
+        if layer.pairs and self.pairs and self.null_all >= 2 * needed:
             shows = best is not None and self._share(best.r) >= MOST
             for edit in [best.edit] if best and shows else self._in_pairs(alone, self.pairs):
                 if (both := self._with_another(edit, needed)) is not None:
                     return both
         if best is None:
             return Located(near=near)
-        return Located(best.edit, cost(best.r) / self.null_all, near)
+        part = self._of_a_part(verified, unseen)
+        return Located(best.edit, cost(best.r) / self.null_all, near, part)
+
+    def _of_a_part(self, verified: Sequence[_Verified], unseen: Unseen | None) -> Named | None:
+        """The edit that explains the largest part of the errors; None if no edit explains a part.
+
+        It makes many of the wrong scenes right, and breaks no other.
+        """
+        found = defaultdict[int, list[tuple[Edit, float]]](list)  # by the scenes that they mend
+        for one in verified:
+            # A number without a short form is fitted to a few scenes that are alike.
+            if one.fit == "partial" and one.number <= NUMBER + SHORT * DIGIT:
+                after = self._compared(self.edited(one.edit), self.followed.some, one.edit.rough)
+                mends, breaks = mended(self.followed, after)
+                if not breaks:
+                    found[mends] += [(edit, one.evidence) for edit in one.alike]
+        least = max(FEWEST, PART * self.followed.beyond.sum())
+        for mends in sorted((n for n in found if n >= least), reverse=True):
+            held = [
+                (edit, evidence)
+                for edit, evidence in found[mends]
+                if unseen is None
+                or unseen.holds(self.chain, self.stage, edit, self.data.ways, part=True)
+            ]
+            if held:
+                return replace(self._named(held, None), mends=mends)
+        return None
 
     def _verified(
         self, found: Sequence[_Screened], some: Sequence[Edit], needed: float
@@ -610,7 +652,8 @@ class Explanation:
             if fit != "partial":
                 fit, _ = self._fit(edit, everywhere=True)
             alike = tuple(e for e in (edit, *twins) if self._is_possible(self.edited(e)))
-            yield _Verified(edit, alike, r, self.null_all - cost(r) - edit.bits - needed, fit)
+            evidence = self.null_all - cost(r) - edit.bits - needed
+            yield _Verified(edit, alike, r, evidence, fit, more[1])
 
     def _fit(self, edit: Edit, everywhere: bool = False) -> tuple[Fit, Array]:
         """The fit of an edit without a free number, and its residuals, in floors.
@@ -797,6 +840,9 @@ class Explanation:
 MOST = 0.5
 RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
+# An edit explains a part of the errors if it mends so many wrong scenes, and this fraction of them.
+FEWEST, PART = 3, 0.3
+SHORT = 8  # digits of a free number whose edit may explain a part of the errors
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
 BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
 ELSEWHERE = 8  # pairs that are compared by the errors of other stages

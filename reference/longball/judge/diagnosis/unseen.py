@@ -35,6 +35,7 @@ from longball.judge.diagnosis.residual import (
     evenly,
     follow,
     follows,
+    mended,
     seen,
 )
 from longball.judge.diagnosis.schemes import explain_scheme
@@ -102,9 +103,13 @@ class Unseen:
         return other
 
     def holds(
-        self, chain: tuple[Stage, ...], stage: Stage, edit: Edit, ways: Mapping[str, Flying]
-    ) -> bool:
-        """True if an edited stage reproduces the candidate's numbers in these scenes."""
+        self, chain: tuple[Stage, ...], stage: Stage, edit: Edit, ways: Mapping[str, Flying],
+        part: bool = False,
+    ) -> bool:  # fmt: skip
+        """True if an edited stage reproduces the candidate's numbers in these scenes.
+
+        Of an edit that explains a `part` of the errors, True if it does so here, too.
+        """
         if self.data is None:
             return True
         (edited,) = edit.apply([stage])
@@ -115,6 +120,9 @@ class Unseen:
         columns = self._followed[1]
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         f, without = (compared(one, data, columns, some)[0] for one in (edited, stage))
+        if part:
+            mends, breaks = mended(without, f)
+            return not breaks and (mends > 0 or not without.beyond.any())
         return is_adequate(f.off / f.floor, edit.rough, without.beyond)
 
     @cached_property
