@@ -259,3 +259,27 @@ def test_a_mistake_in_the_matrix_of_the_friction_is_named():
     other = matrix("K", substitute(K.args[0], turned, -turned))
     wrong = stage.edited(K, other)
     check(stage, lambda columns: values(wrong, columns), "impact-oblique")
+
+
+@pytest.mark.parametrize("breaks", [False, True])
+@np.errstate(all="ignore")
+def test_an_edit_that_explains_a_part_of_the_errors_and_breaks_no_scene(breaks: bool):
+    chain, some, _ = right("impact")
+    (stage,) = (s for s in chain if s.quantities[0] == "impact.energy_change")
+
+    def given(columns: dict[str, Any]) -> dict[str, Any]:
+        c = numbers(columns)
+        other = lost(c) if breaks else lost(c) ** 3 * c.y + 1.0  # right, or what nobody writes
+        return {"impact.energy_change": np.where(c.y > np.median(c.y), lost(c, c.m), other)}
+
+    data, columns = planted(some, chain, given)
+    wrong = off(stage, data, columns)
+    found = Explanation(chain, stage, data, columns, wrong).explain()
+    if breaks:
+        assert not isinstance(found, Named)
+    else:
+        assert isinstance(found, Named)
+        y = columns["contact.position"][1]
+        assert found.mends == (wrong.beyond & (y > np.median(y))).sum()
+        after = off(found.edits[0].apply([stage])[0], data, columns)
+        assert after.beyond.sum() == wrong.beyond.sum() - found.mends

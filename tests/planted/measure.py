@@ -49,7 +49,7 @@ from longball.judge.diagnosis.evidence import ADEQUATE, ROUGH
 from longball.judge.diagnosis.findings import Finding
 from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outputs import outputs
-from longball.judge.diagnosis.residual import Data, follow, switches
+from longball.judge.diagnosis.residual import Data, follow, mended, switches
 from longball.judge.diagnosis.schemes import explain_scheme
 from longball.judge.diagnosis.search import Named
 from longball.judge.diagnosis.unseen import Solve
@@ -89,6 +89,8 @@ class Told:
     ----------
     edit, scheme
         The cause, if it is one of these; else it is an output, or digits.
+    part
+        True if the edit explains a part of the errors.
     """
 
     stage: str
@@ -96,6 +98,7 @@ class Told:
     words: str
     edit: Edit | None = None
     scheme: Scheme | None = None
+    part: bool = False
 
 
 def told_by(made: Conclusion) -> list[Told]:
@@ -106,7 +109,8 @@ def told_by(made: Conclusion) -> list[Told]:
     for step in made.steps:
         stage, found = step.followed.stage.name, step.found
         if isinstance(found, Named):
-            told += [Told(stage, "named", edit.words, edit=edit) for edit in found.edits]
+            part = found.mends is not None
+            told += [Told(stage, "named", edit.words, edit, part=part) for edit in found.edits]
         elif isinstance(found, Scheme):
             kind = "named" if found.adequate else "located"
             told.append(Told(stage, kind, found.words, scheme=found))
@@ -200,7 +204,7 @@ def judged(subject: Subject, most: int, count: int) -> dict[str, Any]:
     findings = [
         {
             "stage": x.stage, "kind": x.kind, "words": x.words, "is_edit": x.edit is not None,
-            "rough": bool((x.edit and x.edit.rough) or x.scheme), "off": holds(x),
+            "rough": bool((x.edit and x.edit.rough) or x.scheme), "off": holds(x), "part": x.part,
         }
         for x in told_by(made)
     ]  # fmt: skip
@@ -217,7 +221,8 @@ def _holding(
 ) -> Callable[[Told], list[int]]:
     """From what is told to how many numbers of its stage it leaves wrong in new scenes.
 
-    Of a conversion, digits, or a clock it is 1 of 1 if the new scenes do not show the same.
+    Of a conversion, digits, or a clock it is 1 of 1 if the new scenes do not show the same. Of a
+    part of the errors, the numbers are those of the scenes that the edit breaks.
     """
     data, converted = with_digits(plain, again), list[Finding]()
     if made.outputs:
@@ -235,6 +240,12 @@ def _holding(
             own = [f for f in every if f.stage.name == told.stage and f.wrong.any()]
             found = [explain_scheme(made.chain, f.stage, data, columns, f, dt) for f in own]
             return [int(not all(x is not None and x.adequate for x in found)), 1]
+        if told.part and told.edit is not None:
+            edited = follow(told.edit.apply(chain), data)[1]
+            pairs = zip(follow(chain, data)[1], edited, strict=True)
+            counts = [mended(a, b) for a, b in pairs if a.stage.name == told.stage]
+            mends, breaks = (sum(column) for column in zip(*counts, strict=True))
+            return [breaks if mends else 1, max(1, mends + breaks)]
         return _off(every, shaken, told.stage)
 
     return left
@@ -292,9 +303,11 @@ def grade(row: Mapping[str, Any]) -> Grade:
     findings = row["findings"]
     names = [f for f in findings if f["kind"] == "named"]
     false = [f"{f['stage']} {f['words']}" for f in names if not is_right(row, f)]
+    parts = [f for f in names if f["part"]]
     places = [f["stage"] for f in findings if f["stage"] not in ("output", "digits")]
     return Grade(
-        bool(names) and not false,
+        # A part of the errors counts as named if the rest is named, too.
+        bool(names) and not false and not (parts and len(names) < len(findings)),
         bool(findings)
         and all(stage in row["first"] for stage in places[:1])
         and all(stage in row["everywhere"] for stage in places),

@@ -39,7 +39,7 @@ def test_wilson_interval_of_none_in_300():
 
 def test_name_is_right_only_within_four_floors_everywhere():
     finding = {"stage": "flight", "kind": "named", "words": "uses 2 times lift",
-               "is_edit": True, "rough": False, "off": [0, 90]}  # fmt: skip
+               "is_edit": True, "rough": False, "off": [0, 90], "part": False}  # fmt: skip
     row = {"source": "planted", "passed": False, "first": ["flight"], "everywhere": ["flight"],
            "findings": [finding]}  # fmt: skip
     assert measure.grade(row).named
@@ -48,6 +48,9 @@ def test_name_is_right_only_within_four_floors_everywhere():
     assert not measure.grade(row | {"findings": [finding | {"off": [4, 90], "rough": True}]}).false
     assert not measure.grade(row | {"first": ["pitch"]}).located
     assert measure.grade(row | {"findings": []}).reassured
+    part, rest = finding | {"part": True}, finding | {"kind": "located"}
+    assert measure.grade(row | {"findings": [part, finding]}).named
+    assert not measure.grade(row | {"findings": [part, rest]}).named
 
 
 @pytest.mark.parametrize("family", ["flight-both", "pitch", "impact", "at-bat", "fence"])
