@@ -476,6 +476,8 @@ class Explanation:
         every = [Effects(way, some, starts, errors) for way, errors in responses]
         self.fits = every[0]
         ranks = np.argsort(np.min([one.bits() for one in every], axis=0), kind="stable")
+        if flies:  # flights are expensive: not for an edit that explains nothing to first order
+            ranks = ranks[np.min([one.left() for one in every], axis=0)[ranks] <= UNLIKE]
         # Group equal edits. Skip an edit that changes nothing, and a constant in place of a divisor
         # if it divides by 0 in every scene.
         groups: dict[bytes, list[Edit]] = {}
@@ -839,6 +841,7 @@ class Explanation:
 # An edit that explains at least this fraction of the wrong scenes is tried as one of two mistakes.
 MOST = 0.5
 RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
+UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
 # An edit explains a part of the errors if it mends so many wrong scenes, and this fraction of them.
 FEWEST, PART = 3, 0.3
