@@ -12,6 +12,7 @@ import pytest
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
+from longball.judge.diagnosis.diagnose import diagnose
 from longball.judge.diagnosis.digits import (
     Digits,
     digits_of,
@@ -157,3 +158,18 @@ def test_what_rounding_does_to_later_numbers():
         found = moved(flight, **{f"landing_of_{name}": (1e-6, 0.0) for name in times})[:3]
         expected = 1e-6 * speed * math.sqrt(len(times))
         assert found == pytest.approx(expected, rel=1e-3, abs=1e-10)
+
+
+def test_digits_that_explain_every_error_are_named():
+    cases = [case for case in load("impact") if decidable(case)]
+    answers = {
+        case.id: Answer(case.id, case.expected.outcome, {
+            quantity: tuple(Decimal(f"{float(x):.8g}") for x in value)
+            for quantity, value in values_of(case.expected).items()
+        })
+        for case in cases
+    }  # fmt: skip
+    (found,) = diagnose(cases, answers).findings
+    assert found.edit == "writes 8 significant digits"
+    assert found.wrong > 10
+    assert 1e-8 < found.worst < 1e-5

@@ -151,6 +151,8 @@ def conclude(
     digits = None
     if not found and not any(step.explained for step in reasoned.steps):
         digits = explain_digits(chain, plain, answers, lambda: unseen is None or unseen.follows)
+        if digits is not None:  # the errors that they explain
+            _, first = follow(chain, plain)
     return Conclusion(first, mended, found, digits, reasoned.steps, reasoned.chain, reasoned.data)
 
 
