@@ -367,7 +367,16 @@ def _others(site: Site) -> Iterator[Option]:
         if a.op == b.op == "symbol" and not a.vector:
             cost = BITS["other"] + BITS["free factor"] + choice
             yield free() * b, cost, f"uses {{c}} times {words(b)} for {words(a)}", (a / b,)
-    if a.op in ("symbol", "named"):
+    # Where the scene leaves the number out, a program may take another one.
+    for options, omits in OMITTING.items():
+        if a.op == "symbol" and not site.omitted.get(a.data, frozenset()).isdisjoint(options):
+            cost = BITS["other"] + choice + 3 - len(options)
+            vectors = (x for x in site.pool if x.vector and x.op in ("symbol", "named"))
+            parts = [component(x, i) for x in vectors for i in range(3)]
+            for b in (*same, *(x for x in parts if x.dimension == a.dimension)):
+                text = f"uses {words(b)} for {words(a)} where the scene {omits}"
+                yield where_key(options, a, site.where_known(b)), cost, text, ()
+    if a.op in ("symbol", "named", "component"):
         for b in same:
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
                 cost, said = BITS["sum"] + choice, words(b)
@@ -534,9 +543,10 @@ def _shapes(site: Site) -> Iterator[Option]:
     if a.op == "product" and a.args[0] is a.args[1]:  # a square is a product, `R·R`
         one = a.args[0] * constant(1.0, a.args[0].dimension)
         yield one, BITS["square"], f"does not square {words(a.args[0])}", ()
-    # Of inputs only: a rounded position would be on every surface.
-    if a.data in INPUT_NAMES:
-        for op, text in ROUNDINGS.items():
+    # Definitions keep their decimals: a rounded position would be on every surface.
+    if a.data in INPUT_NAMES or a.op == "named":
+        for op in ROUNDINGS if a.op == "symbol" else ("single",):
+            text = ROUNDINGS[op]
             by = function(op, a, dimension=a.dimension, vector=a.vector)
             yield by, BITS["rounded"] + math.log2(len(ROUNDINGS)), text.format(said), ()
     if a.vector or a.op == "constant":
@@ -840,6 +850,11 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         places = [x for x in found if x.op == "symbol" and x.vector and x.dimension == M]
         found |= dict.fromkeys(component(place, i) for place in places for i in range(3))
     if stage.kind == "flight":
+        # Other numbers of the scenes, such as the height of the ground.
+        found |= dict.fromkeys(
+            one.symbol for one in INPUTS if not one.symbol.vector
+            and np.isfinite(columns.get(one.symbol.data, 0.0)).all()
+        )  # fmt: skip
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
         # A program may reuse a state from before the launch of this ball, or go on with the time or
         # the path.

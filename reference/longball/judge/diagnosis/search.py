@@ -16,7 +16,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -409,15 +409,23 @@ class Explanation:
         cheapest = heapq.nsmallest(most, every, key=attrgetter("bits"))
         parts = [range(len(cheapest))[layer.edits] for layer in self.layers]
         located: list[Located] = []
+        names: list[tuple[int, Named]] = []  # with the number of scenes that they leave wrong
         for i, (layer, part) in enumerate(zip(self.layers, parts, strict=True)):
             if not part or part in parts[i + 1 :]:  # another layer has all its edits
                 continue
             found = self._explained_by(cheapest[layer.edits], part.stop, layer, unseen)
+            # All flights share one law. A name that does not hold in the others competes with those
+            # of further layers.
             if isinstance(found, Named):
-                return found
+                names.append((self._left_by(found), found))
+                if names[-1][0] == 0:
+                    return found
+                continue
             # The nearest of all edits counts. Those of several layers may explain the stage
             # together with a scheme.
             located = [*(located if part.start else ()), found]
+        if names:
+            return min(names, key=itemgetter(0))[1]
         # An edit that explains some scenes and breaks none is one of several mistakes.
         named = [one.part for one in located if one.part is not None]
         if named:
@@ -605,9 +613,10 @@ class Explanation:
         It makes many of the wrong scenes right, and breaks no other.
         """
         found = defaultdict[int, list[tuple[Edit, float]]](list)  # by the scenes that they mend
-        for one in verified:
-            # A number without a short form is fitted to a few scenes that are alike.
-            if one.fit == "partial" and one.number <= NUMBER + SHORT * DIGIT:
+        # One number of an event is little: in many scenes another coordinate is 0, too.
+        for one in verified if self.stage.kind != "event" else ():
+            # A number of many digits may fit a few scenes that are alike.
+            if one.fit == "partial" and one.number <= NUMBER + DIGIT:
                 after = self._compared(self.edited(one.edit), self.followed.some, one.edit.rough)
                 mends, breaks = mended(self.followed, after)
                 if not breaks:
@@ -803,6 +812,15 @@ class Explanation:
 
         return min(found.values(), key=wrong)[0]
 
+    def _left_by(self, found: Named) -> int:
+        """The number of scenes that are wrong in the flights which a name changes."""
+        chain = self.chain
+        for edit in found.edits:
+            chain = edit.apply(chain)
+        pairs = zip(self.chain, chain, strict=True)
+        flights = [s for was, s in pairs if s is not was and s.kind == self.stage.kind == "flight"]
+        return sum(self._wrong(s) for s in flights)
+
     def _broken(self, edit: Edit) -> int:
         """The number of scenes that an edit makes wrong at other stages; below 0 if it mends some.
 
@@ -845,7 +863,6 @@ UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
 # An edit explains a part of the errors if it mends so many wrong scenes, and this fraction of them.
 FEWEST, PART = 3, 0.3
-SHORT = 8  # digits of a free number whose edit may explain a part of the errors
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
 BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
 ELSEWHERE = 8  # pairs that are compared by the errors of other stages
