@@ -407,6 +407,11 @@ def branches_at(
     return branches
 
 
+def form_at(law: Law, state: State, numbers: Numbers) -> Law:
+    """Return the law on the branches of a state; see `branches_at`."""
+    return law.on(branches_at(law, state, numbers)) if law.switches else law
+
+
 def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:
     """Return the law on the branch by which the spin decays in a state that a flight has reached.
 

@@ -580,34 +580,6 @@ class Law:
         bound = self.switching_function(switch).bind(known, numbers.functions)
         return lambda state: bound(*state)[0]
 
-    def branches(self, state: Any, numbers: Numbers) -> list[Any]:
-        """Return the branch of each switch in a state, or in many: the number of thresholds passed.
-
-        The numbers must not have radii.
-        """
-
-        def passed(form: Law) -> list[Any]:
-            counts = []
-            for switch in self.switches:
-                values = (form.beyond(switch, x, numbers)(state) for x in switch.thresholds)
-                counts.append(sum((value > 0 for value in values), start=0))
-            return counts
-
-        winds = [switch.is_wind for switch in self.switches]
-        below = passed(self.on([0] * len(winds)))
-        if not any(winds):
-            return below
-        # Above the threshold of the wind, the other switches have another airspeed: evaluate both.
-        above, more = below[winds.index(True)], passed(self.on([*map(int, winds)]))
-        return [
-            above if is_wind else less * (1 - above) + above * beyond
-            for is_wind, less, beyond in zip(winds, below, more, strict=True)
-        ]
-
-    def at(self, state: Any, numbers: Numbers) -> Law:
-        """Return the law with the branches valid in a state, whose numbers have no radii."""
-        return self.on([*map(int, self.branches(state, numbers))]) if self.switches else self
-
 
 PAPER = "drag", "lift", "gravity"  # the strengths of its law
 
