@@ -9,7 +9,7 @@ another part. `solve` and its kin make results of scenes, one by one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, get_args
 
@@ -45,7 +45,7 @@ from longball.model import result as written
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Force, Law, State, in_plane, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector
-from longball.model.quantities import nested, replaced
+from longball.model.quantities import nested, replaced, viewed
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
 from longball.model.vectors import dot, minus
@@ -1062,7 +1062,15 @@ def solve_with_restitutions(
     return results
 
 
-def quantities_of(scene: Scene, engine: Engine) -> dict[str, Any]:
+def view_of(scene: Scene, values: Mapping[str, Any]) -> Any:
+    """Return a scene with columns, or other objects, in place of its numbers."""
+    view = viewed(scene, values)
+    if hasattr(scene, "ground"):
+        view.ground = viewed(scene.ground, values, "ground")  # of a pitch: the model's
+    return view
+
+
+def quantities_of(scene: Any, engine: Engine) -> dict[str, Any]:
     """Return a result's quantities and outcome by name, in the engine's own numbers.
 
     Raises `ArithmeticError` or `ValueError` if there is no result: `CannotSolve`, `InvalidScene`,

@@ -9,12 +9,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import compress, pairwise
 from operator import attrgetter
-from types import NoneType, SimpleNamespace
+from types import NoneType
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from longball.engines import chain, create
 from longball.engines.batch import records
@@ -32,7 +32,6 @@ from longball.model import quantities
 from longball.model.arrays import Array
 from longball.model.frame import Frame
 from longball.model.law import law_of
-from longball.model.readings import Reading
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
 
@@ -117,7 +116,7 @@ def solve_columns_with_slopes(
     def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[SlopeTable]) -> None:
         part = tables[0].part(rows)
         jets = slopes.ColumnJets(NUMBERS, np.zeros(len(part), bool))
-        view = _view(scene, slopes.seeded_columns(scene, cells, names))
+        view = chain.view_of(scene, slopes.seeded_columns(scene, cells, names))
         run = slopes.SlopeColumns(view, flyer, MODEL, table=part, jets=jets)
         chain.CHAINS[scene.kind](run)
         part.withdraw_what_is_not_finite()
@@ -164,13 +163,14 @@ def solve_columns_with_restitutions(
 
     def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Table]) -> None:
         met = Table(rows.stop - rows.start)
-        contact = chain.meet_bat(_run(scene, cells, flyer, MODEL, met))
+        view = chain.view_of(scene, cells)
+        contact = chain.meet_bat(Columns(view, flyer, MODEL, table=met))
         for ball, table in zip(balls, tables, strict=True):
             part = table.part(rows)
             part.outcome[:], part.alone[rows] = met.whole, met.alone
             for name, column in met.columns.items():
                 part.column(name, column)[rows] = column
-            chain.finish(_run(ball, cells, flyer, MODEL, part), contact)
+            chain.finish(Columns(chain.view_of(ball, cells), flyer, MODEL, table=part), contact)
             part.withdraw_what_is_not_finite()
 
     tables = _in_blocks(solve_block, scene, known, lambda n: [Table(n) for _ in balls], threads)
@@ -193,41 +193,6 @@ def _checked(scene: Scene, columns: Mapping[str, ArrayLike]) -> dict[str, Array]
         if np.shape(column) != (n,) or not np.isfinite(column).all():
             raise ValueError(f"{name} must have {n} finite numbers, as the longest column has")
     return {name: np.array(column, np.float64) for name, column in columns.items()}
-
-
-def _run(
-    scene: Scene, columns: Mapping[str, Array], flyer: BatchFlyer, model: Model, table: Table
-) -> Columns:
-    """Return the run of a chain over columns."""
-    return Columns(_view(scene, columns), flyer, model, table=table)
-
-
-def _view(scene: Scene, columns: Mapping[str, Any]) -> SimpleNamespace:
-    """Return a scene with columns, or numbers, in place of its numbers."""
-    # Models would validate their numbers, so the chain gets namespaces with the same attributes.
-    view: SimpleNamespace = _with_columns(scene, columns, "")
-    if hasattr(scene, "ground"):
-        view.ground = _with_columns(scene.ground, columns, "ground")  # of a pitch: the model's
-    return view
-
-
-def _with_columns(value: Any, columns: Mapping[str, Any], name: str) -> Any:
-    """Return a part of a scene with columns for those of its numbers that have them."""
-    # Floats first: isinstance of a pydantic model is slow.
-    if isinstance(value, float):
-        return columns.get(name, value)
-    if isinstance(value, tuple):
-        return tuple(_with_columns(x, columns, f"{name}[{i}]") for i, x in enumerate(value))
-    if isinstance(value, BaseModel) and not isinstance(value, Reading):
-        prefix = f"{name}." if name else ""
-        if name and not any(column.startswith(prefix) for column in columns):
-            return value  # without columns
-        parts = {
-            key: _with_columns(getattr(value, key), columns, prefix + key)
-            for key in type(value).model_fields
-        }
-        return SimpleNamespace(**parts, block=type(value))
-    return value
 
 
 def _named(
@@ -333,7 +298,8 @@ def _solve(
 
     def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Table]) -> None:
         part = tables[0].part(rows)
-        chain.CHAINS[scene.kind](_run(scene, cells, flyer, model, part))
+        view = chain.view_of(scene, cells)
+        chain.CHAINS[scene.kind](Columns(view, flyer, model, table=part))
         part.withdraw_what_is_not_finite()
 
     (table,) = _in_blocks(solve_block, scene, columns, lambda n: [Table(n)], threads, model)
