@@ -199,7 +199,7 @@ class Table:
 
 
 class BatchFlyer(Protocol):
-    """Protocol of engines that fly many balls at once; `batch.engine.Batch` is one."""
+    """Protocol of engines that fly many balls at once; `batch.many.Batch` is one."""
 
     @property
     def description(self) -> str:
