@@ -279,8 +279,7 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
         time, end = float(step.t_old), float(step.t)
         if isinstance(step, Series):
-            ends = [*(begin for begin, _ in step.parts[1:]), step.t]
-            for (begin, series), until in zip(step.parts, ends, strict=True):
+            for begin, until, series in step.parts:
                 yield PolynomialPiece(begin, _length(begin, until), law.state, series)
             continue
         while time < end:

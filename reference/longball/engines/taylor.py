@@ -133,13 +133,13 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         self._low = np.zeros(self.n)
 
     def _step_impl(self) -> tuple[bool, str | None]:
-        self._parts: list[tuple[float, Array]] = []
+        self._parts: list[tuple[float, float, Array]] = []
         after = [event(self.t, self.y) for event in self._until]
         while True:
             begin, (moved, message) = self.t, self._advance()
             if not moved:  # the next step fails, too, if this one has a series
                 return bool(self._parts), message
-            self._parts.append((begin, self._x))
+            self._parts.append((begin, self.t, self._x))
             before, after = after, [event(self.t, self.y) for event in self._until]
             same = all(a * b > 0 for a, b in zip(before, after, strict=True))
             if not (self._until and same) or self.t == self.t_bound:
@@ -180,11 +180,11 @@ class Series(DenseOutput):  # type: ignore[misc]
     Attributes
     ----------
     parts
-        When each begins, and its coefficients, of shape (n, order + 2): of the powers of the time
-        since then, for each component of the state.
+        When each begins and ends, and its coefficients, of shape (n, order + 2): of the powers of
+        the time since it begins, for each component of the state.
     """
 
-    def __init__(self, parts: list[tuple[float, Array]], t: float) -> None:
+    def __init__(self, parts: list[tuple[float, float, Array]], t: float) -> None:
         super().__init__(parts[0][0], t)
         self.parts = parts
         self._sense = 1.0 if t > self.t_old else -1.0
@@ -197,7 +197,7 @@ class Series(DenseOutput):  # type: ignore[misc]
         number = len(self.parts) - 1
         while number > 0 and self._sense * (t - self.parts[number][0]) < 0:
             number -= 1
-        begin, coefficients = self.parts[number]
+        begin, _, coefficients = self.parts[number]
         return values_at(coefficients, t - begin)
 
     def _call_impl(self, t: Array) -> Array:
