@@ -25,12 +25,12 @@ from longball.engines.event import BatSection, Curve, Event, Events, Piece
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import Arithmetic, Dual
-from longball.engines.variation import RATE, variational
 from longball.model.inputs import TRACKED, launched, tracked, value_of
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers, Undecided
 from longball.model.quantities import flat, number, unknown
 from longball.model.scene import InvalidScene, Scene
+from longball.model.trace import RATE, variational
 
 
 class Seed(float):
