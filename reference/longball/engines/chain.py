@@ -989,9 +989,9 @@ def solve(scene: Scene, engine: Engine | ManyAtOnce, model: Model = MODEL) -> Re
     return result
 
 
-def solve_once(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
+def solve_once(scene: Scene, engine: Engine) -> Result:
     """Return the result of a scene by this engine, without a check of its digits."""
-    result: Result = _follow(Run(scene, engine, model), CHAINS[scene.kind])
+    result: Result = _follow(Run(scene, engine, MODEL), CHAINS[scene.kind])
     return result
 
 

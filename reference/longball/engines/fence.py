@@ -165,8 +165,8 @@ def at_stop(name: str, stop: Stop, sense: int, numbers: Numbers) -> Event:
         name,
         "the ball reaches the fence",
         lambda state: sense * (stop.s - state.s),
-        lambda state: state._replace(s=stop.s),
         numbers.where(abs(stop.s) > 1, abs(stop.s), numbers.exact(1.0)),
+        place=lambda state: state._replace(s=stop.s),
     )
 
 

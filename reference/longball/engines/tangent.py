@@ -281,7 +281,7 @@ class Tangent(PathEngine):
                 return plain_of(event.value(jets_of(state, law.state)))
 
             size, slope = plain_of(event.size), plain_of(event.slope)
-            return Event(event.name, event.question, value, lambda state: state, size, slope)
+            return Event(event.name, event.question, value, size, slope)
 
         ends = [inner(event) for event in events]
         first, last = plain_of(begin), plain_of(limit)
