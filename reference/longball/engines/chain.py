@@ -45,7 +45,7 @@ from longball.model import result as written
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Force, Law, State, in_plane, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector
-from longball.model.quantities import nested, replaced, viewed
+from longball.model.quantities import replaced, viewed
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
 from longball.model.vectors import dot, minus
@@ -838,20 +838,21 @@ def _cross_fence_in_plane(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
     """Fly to the ground, or to the place of the fence that the ball heads for, ahead or behind."""
     numbers, start = run.numbers, ball.start
     error = numbers.exact(_heading_error(run))
-    stops, fences = {}, []
+    places, fences = {}, []
     for name, sense in (("fence", 1), ("fence_behind", -1)):
-        stops[name] = stop_at(run.scene.fence, ball.frame, start.s, sense, error, numbers)
-        fences.append(at_stop(name, stops[name], sense, numbers))
+        fence = run.scene.fence
+        s, places[name] = stop_at(fence, ball.frame, start.s, sense, error, numbers)
+        fences.append(at_stop(name, s, sense, numbers))
     flight = fly(
         run, ball.law, start, lambda state: [run.ground(state), *fences], run.time_limit, rows
     )
     inside = rows & (flight.stopped("ground") | flight.stopped("time"))
     if run.any(inside):
         _come_down(run, ball, flight, outcome, inside)
-    for name, stop in stops.items():
+    for name, place in places.items():
         stopped = rows & flight.stopped(name)
         if run.any(stopped):
-            _meet_fence(run, ball, flight, stop.place, outcome, stopped)
+            _meet_fence(run, ball, flight, place, outcome, stopped)
 
 
 def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> None:
@@ -1026,7 +1027,8 @@ def solve_with_path(
         run = Run(scene, one, model)
         return _follow(run, CHAINS[scene.kind]), Trajectory(tuple(run.legs))
 
-    return to_digits(scene, engine, flown)
+    # Only of numbers that carry their own error is it known how many digits are right.
+    return flown(engine) if engine.numbers.rounding else to_digits(scene, engine, flown)
 
 
 def solve_with_points(scene: Scene, engine: Engine | ManyAtOnce, points: int) -> Result:
@@ -1116,12 +1118,19 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
             return tuple(map(run.numbers.report, value))
         return value if isinstance(value, str | int) else run.numbers.report(value)
 
-    quantities = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
+    blocks: dict[str, Any] = {}
+    for name, value in run.answer.items():
+        *outer, key = name.split(".")
+        block = blocks
+        for step in outer:
+            block = block.setdefault(step, {})
+        block[key] = reported(value)
+    outcome = blocks.pop("outcome", None)
     return Result(
         id=run.scene.id,
         engine=run.engine.description,
-        outcome=None if error else run.answer["outcome"],
+        outcome=None if error else outcome,
         error=None if error is None else str(error),
         code=None if error is None else error.code,
-        **nested(quantities),
+        **blocks,
     )
