@@ -164,8 +164,6 @@ class Table:
         for name, value in answer.items():
             if name == "outcome":
                 self.whole[place] = OUTCOMES.index(value)
-            elif isinstance(value, tuple):
-                self.write(i, {f"{name}[{k}]": x for k, x in enumerate(value)})
             else:
                 self.column(name, value)[place] = value
 

@@ -8,7 +8,7 @@ left to `longball.engines.tangent`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
@@ -233,20 +233,10 @@ class JetFlights(Flights):
     def highest(self, numbers: Any) -> Start:
         """See `Flights`; the ball is highest where it ceases to rise."""
         time, state = self.mark
-        climb = self.law.variables.index("w")
-        top = _moved(self.law, time, state, rate_of(state.w), lambda speeds: speeds[climb])
+        speeds = self.law.rates(NUMBERS)(*map(plain_of, state))
+        falls = speeds[self.law.variables.index("w")]
+        top = _later(time, state, speeds, -_quotient(rate_of(state.w), falls))
         return Flights.highest(replace(self, mark=top), numbers)
-
-
-def _moved(
-    law: Law, time: Any, state: Any, change: Any, falls: Callable[[Sequence[Any]], Any]
-) -> Start:
-    """Return the time and state of an event, from those at a fixed time.
-
-    Its value has there the derivative `change`, and a rate in time that follows from the state's.
-    """
-    speeds = law.rates(NUMBERS)(*map(plain_of, state))
-    return _later(time, state, speeds, -_quotient(change, falls(speeds)))
 
 
 def _later(time: Any, state: Any, speeds: Sequence[Any], late: Any) -> Start:
@@ -370,8 +360,8 @@ class SlopeColumns(Columns):
         change = 0.5 * rate_of(bat.outside(state))
         speed = _norm(*map(plain_of, bat.frame.velocity(state)))
         self._require_steep(falls, plain_of(bat.reach) * speed, change, rows & (code == 1))
-        moved = _moved(_plain_law(law), time, state, change, lambda _: falls)
-        return Touch(margin, code, *moved)
+        speeds = _plain_law(law).rates(NUMBERS)(*touching)
+        return Touch(margin, code, *_later(time, state, speeds, -_quotient(change, falls)))
 
 
 # Of a flight. Most take less than 30; one that takes more than this all but rests on its way, and
