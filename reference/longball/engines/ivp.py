@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 from typing import Any
 
@@ -133,8 +134,8 @@ class Ivp(PathEngine):
             # `events` lists the ground first; reversed, any other event is reported instead.
             ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
             # `terminal` asks once for each time, and so once for each step.
-            left = count(_MANY_STEPS, -1)
-            ends.append(terminal("many steps", lambda _, left=left: next(left), law.state))
+            countdown = partial(lambda left, _: next(left), count(_MANY_STEPS, -1))
+            ends.append(terminal("many steps", countdown, law.state))
             # A trial step may overflow; the step control then takes a shorter one or gives up.
             with np.errstate(all="ignore"):
                 solution = scipy.integrate.solve_ivp(

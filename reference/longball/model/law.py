@@ -771,7 +771,7 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
         # Without spin S = 0, and the first value holds everywhere: no nodes, no switch.
         lines = [(numbers.exact(given.values[0]), numbers.exact(0.0))]
     else:
-        table = type(given) if isinstance(given, Block) else given.block
+        table: Any = type(given) if isinstance(given, Block) else given.block
         nodes, lines = table.lines(given, numbers.exact)
     if given.of == "mach":
         sound = speed_of_sound(scene, numbers)
