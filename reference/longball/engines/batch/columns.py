@@ -380,7 +380,7 @@ class Columns(Run):
     def _touched_at(
         self, flown: Flown, law: Law, bat: BatSection, touch: Touch, rows: Flags
     ) -> Touch:
-        """Return how balls meet the bat, with time and state."""
+        """Return contacts with their times and states."""
         time, state = records.noted(flown.ends, law)
         return replace(touch, time=time, state=state)
 
