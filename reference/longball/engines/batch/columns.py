@@ -215,7 +215,7 @@ class BatchFlyer(Protocol):
 class Flights(Flight):
     """Ends, launches and marks of flights; `stop` holds codes of `records`.
 
-    See `longball.engines.batch.engine.OneFlight` for the marks.
+    See `longball.engines.batch.flights.arrival_dtype` for the marks.
     """
 
     launch: Start
