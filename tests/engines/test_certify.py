@@ -9,7 +9,7 @@ from decimal import Decimal
 import pytest
 
 from longball.engines import certify, create
-from longball.engines.certify import Certifying, certified
+from longball.engines.certify import Certifying
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.lines import solve_lines
@@ -67,7 +67,7 @@ def test_the_radius_holds_golden_values(engine: str, step: int):
     """Which an independent method has confirmed."""
     held = 0
     for case in golden(step):
-        found = certified(case.scene, create(engine))
+        found = solve(case.scene, Certifying(create(engine)))
         if found.error is None:
             check(found, case.expected)
             held += 1
@@ -77,13 +77,13 @@ def test_the_radius_holds_golden_values(engine: str, step: int):
 @pytest.mark.parametrize("engine", ["ivp", "batch", "multiprecision"])
 @pytest.mark.sampled(every=3)
 def test_values_are_the_engines_own(engine: str):
-    alone, found = solve(AT_BAT, create(engine)), certified(AT_BAT, create(engine))
+    alone, found = solve(AT_BAT, create(engine)), solve(AT_BAT, Certifying(create(engine)))
     assert {n: float(x) for n, x in numbers(found)} == {n: float(x) for n, x in numbers(alone)}
     assert found.engine == alone.engine
 
 
 def test_the_paper_scheme_is_told_how_far_off_it_is():
-    found = certified(FLIGHT, create("verlet", dt=0.01))
+    found = solve(FLIGHT, Certifying(create("verlet", dt=0.01)))
     truth = solve(FLIGHT, IVP).landing.distance
     error = abs(found.landing.distance.value - truth)
     assert error <= float(found.landing.distance.radius) <= 1.1 * error
@@ -91,7 +91,7 @@ def test_the_paper_scheme_is_told_how_far_off_it_is():
 
 def test_an_outcome_that_is_wrong_is_not_certified():
     """The paper's step of 0.05 s jumps past the bat."""
-    alone, found = solve(AT_BAT, create("verlet")), certified(AT_BAT, create("verlet"))
+    alone, found = solve(AT_BAT, create("verlet")), solve(AT_BAT, Certifying(create("verlet")))
     assert found.certificate == "the outcome is proven to be batted, not missed"
     assert found.model_copy(update={"certificate": None}) == alone
 
@@ -105,9 +105,9 @@ def test_a_wrong_number_gets_a_radius_that_says_so():
 
 def test_more_digits_are_taken_where_few_leave_much_open(monkeypatch):
     monkeypatch.setattr(certify, "DIGITS", (1,))
-    rough = certified(AT_BAT, IVP)
+    rough = solve(AT_BAT, Certifying(IVP))
     monkeypatch.setattr(certify, "DIGITS", (1, 20))
-    fine = certified(AT_BAT, IVP)
+    fine = solve(AT_BAT, Certifying(IVP))
     check(fine, solve(AT_BAT, Enclosure(40)))
     assert float(rough.landing.distance.radius) > 10 * float(fine.landing.distance.radius)
 
@@ -118,11 +118,11 @@ def test_what_cannot_be_proven_says_why():
         '{"id":"x","kind":"flight","air":null,"gravity":10,"time_limit":10,'
         '"launch":{"position":[0,0,0],"velocity":[1,0,50]}}'
     )
-    found = certified(tie, create("verlet"))
+    found = solve(tie, Certifying(create("verlet")))
     assert found.outcome == "landed"
     assert found.certificate.startswith("the enclosure with 60 digits proves nothing: whether")
     # With an error there is nothing to certify.
-    assert certified(tie, IVP) == solve(tie, IVP)
+    assert solve(tie, Certifying(IVP)) == solve(tie, IVP)
 
 
 def test_a_number_without_a_proof_is_not_passed_over():

@@ -20,7 +20,7 @@ from analysis.random_scenes import random_scene
 from longball.engines import create, event
 from longball.engines.chain import solve, solve_once
 from longball.engines.enclosure import Enclosure
-from longball.engines.fence import Stop, at_stop
+from longball.engines.fence import at_stop
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import Dual, PolynomialPiece
 from longball.model.frame import Frame
@@ -72,7 +72,7 @@ def make(surface, at, start, numbers):
         case "vertical":
             return event.vertical(start, numbers)
         case "fence":
-            return at_stop("fence", Stop(numbers.exact(at[0]), None), 1, numbers)
+            return at_stop("fence", numbers.exact(at[0]), 1, numbers)
         case "past":
             return event.past(frame_of(at, numbers), numbers.exact(at[2]), numbers)
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 import sympy as sp
 
+from longball.engines.path_engine import branches_at, form_at
 from longball.model.air import WindProfile
 from longball.model.frame import Frame
 from longball.model.law import (
@@ -142,7 +143,7 @@ def test_a_law_of_several_forms_computes_nothing_before_one_is_chosen():
     for there, branch, wind in ((state, 1, 12.0), (below, 0, 0.0)):
         blown = law_of(scene(Air(lift_coefficient=0.0, wind=(wind, 0.0, 0.0))), ALONG_X, DOUBLES)
         wanted = blown.rates(DOUBLES)(*there)
-        assert law.branches(there, DOUBLES) == [branch]
+        assert branches_at(law, there, DOUBLES) == [branch]
         assert law.on([branch]).rates(DOUBLES)(*there) == wanted
-        assert law.at(there, DOUBLES).rates(DOUBLES)(*there) == wanted
+        assert form_at(law, there, DOUBLES).rates(DOUBLES)(*there) == wanted
         assert law.on([branch]).drift(0.0) == (wind, 0.0, 0.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import longball as lb
+from longball.engines.path_engine import form_at
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.numbers import DOUBLES
@@ -39,7 +40,9 @@ def acceleration(pitch):
     frame, start = launch_frame(pitch.pitch.release, pitch.pitch.velocity, DOUBLES, spin)
     law = law_of(pitch, frame, DOUBLES)
     state = law.state_of(start)
-    rates = dict(zip(law.variables, law.at(state, DOUBLES).rates(DOUBLES)(*state), strict=True))
+    rates = dict(
+        zip(law.variables, form_at(law, state, DOUBLES).rates(DOUBLES)(*state), strict=True)
+    )
     u, v, w = rates["u"], rates.get("v", 0.0), rates["w"]
     return [frame.cos * u - frame.sin * v, frame.sin * u + frame.cos * v, w]
 

@@ -48,12 +48,6 @@ class Certifying(ManyAtOnce):
         return [result.data() for result in self.solve_all(scenes, threads)]
 
 
-def certified(scene: Scene, engine: Engine | ManyAtOnce) -> Result:
-    """Return an engine's result of a scene, each number with a proven error; see `certify`."""
-    (result,) = Certifying(engine).solve_all([scene])
-    return result
-
-
 def certify(scene: Scene, result: Result) -> Result:
     """Return the result of a scene, by any engine, with a proven error for each of its numbers.
 

@@ -9,7 +9,7 @@ another part. `solve` and its kin make results of scenes, one by one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, get_args
 
@@ -44,11 +44,10 @@ from longball.model import impact as formulas
 from longball.model import result as written
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Force, Law, State, in_plane, law_of
-from longball.model.numbers import N, Numbers, Undecided, Vector
-from longball.model.quantities import nested, replaced
+from longball.model.numbers import N, Numbers, Undecided, Vector, dot, minus
+from longball.model.quantities import replaced, viewed
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
-from longball.model.vectors import dot, minus
 
 # --- the run of a chain ---------------------------------------------------------------------------
 
@@ -838,20 +837,21 @@ def _cross_fence_in_plane(run: Run, ball: Batted, outcome: Outcome, rows: Mask) 
     """Fly to the ground, or to the place of the fence that the ball heads for, ahead or behind."""
     numbers, start = run.numbers, ball.start
     error = numbers.exact(_heading_error(run))
-    stops, fences = {}, []
+    places, fences = {}, []
     for name, sense in (("fence", 1), ("fence_behind", -1)):
-        stops[name] = stop_at(run.scene.fence, ball.frame, start.s, sense, error, numbers)
-        fences.append(at_stop(name, stops[name], sense, numbers))
+        fence = run.scene.fence
+        s, places[name] = stop_at(fence, ball.frame, start.s, sense, error, numbers)
+        fences.append(at_stop(name, s, sense, numbers))
     flight = fly(
         run, ball.law, start, lambda state: [run.ground(state), *fences], run.time_limit, rows
     )
     inside = rows & (flight.stopped("ground") | flight.stopped("time"))
     if run.any(inside):
         _come_down(run, ball, flight, outcome, inside)
-    for name, stop in stops.items():
+    for name, place in places.items():
         stopped = rows & flight.stopped(name)
         if run.any(stopped):
-            _meet_fence(run, ball, flight, stop.place, outcome, stopped)
+            _meet_fence(run, ball, flight, place, outcome, stopped)
 
 
 def _cross_fence_in_space(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> None:
@@ -989,9 +989,9 @@ def solve(scene: Scene, engine: Engine | ManyAtOnce, model: Model = MODEL) -> Re
     return result
 
 
-def solve_once(scene: Scene, engine: Engine, model: Model = MODEL) -> Result:
+def solve_once(scene: Scene, engine: Engine) -> Result:
     """Return the result of a scene by this engine, without a check of its digits."""
-    result: Result = _follow(Run(scene, engine, model), CHAINS[scene.kind])
+    result: Result = _follow(Run(scene, engine, MODEL), CHAINS[scene.kind])
     return result
 
 
@@ -1026,7 +1026,8 @@ def solve_with_path(
         run = Run(scene, one, model)
         return _follow(run, CHAINS[scene.kind]), Trajectory(tuple(run.legs))
 
-    return to_digits(scene, engine, flown)
+    # Only of numbers that carry their own error is it known how many digits are right.
+    return flown(engine) if engine.numbers.rounding else to_digits(scene, engine, flown)
 
 
 def solve_with_points(scene: Scene, engine: Engine | ManyAtOnce, points: int) -> Result:
@@ -1062,7 +1063,15 @@ def solve_with_restitutions(
     return results
 
 
-def quantities_of(scene: Scene, engine: Engine) -> dict[str, Any]:
+def view_of(scene: Scene, values: Mapping[str, Any]) -> Any:
+    """Return a scene with columns, or other objects, in place of its numbers."""
+    view = viewed(scene, values)
+    if hasattr(scene, "ground"):
+        view.ground = viewed(scene.ground, values, "ground")  # of a pitch: the model's
+    return view
+
+
+def quantities_of(scene: Any, engine: Engine) -> dict[str, Any]:
     """Return a result's quantities and outcome by name, in the engine's own numbers.
 
     Raises `ArithmeticError` or `ValueError` if there is no result: `CannotSolve`, `InvalidScene`,
@@ -1108,12 +1117,19 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
             return tuple(map(run.numbers.report, value))
         return value if isinstance(value, str | int) else run.numbers.report(value)
 
-    quantities = {name: reported(x) for name, x in run.answer.items() if name != "outcome"}
+    blocks: dict[str, Any] = {}
+    for name, value in run.answer.items():
+        *outer, key = name.split(".")
+        block = blocks
+        for step in outer:
+            block = block.setdefault(step, {})
+        block[key] = reported(value)
+    outcome = blocks.pop("outcome", None)
     return Result(
         id=run.scene.id,
         engine=run.engine.description,
-        outcome=None if error else run.answer["outcome"],
+        outcome=None if error else outcome,
         error=None if error is None else str(error),
         code=None if error is None else error.code,
-        **nested(quantities),
+        **blocks,
     )

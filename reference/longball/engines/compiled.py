@@ -45,7 +45,6 @@ SOURCES = (
     "engines/batch/*.py",
     "engines/compiled.py",
     "engines/series.py",
-    "engines/variation.py",
     "model/law.py",
     "model/trace.py",
 )

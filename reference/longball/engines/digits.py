@@ -29,9 +29,6 @@ def to_digits(
     if none of them has the digits.
     """
     result, rest = solved(engine)
-    # Only numbers that carry their own error can show that digits are missing.
-    if engine.numbers.rounding:
-        return result, rest
     digits: int = engine.digits
     for finer in engine.finer():
         if result.code != "undecided" and not _missed(scene, result, digits):

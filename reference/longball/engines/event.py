@@ -28,7 +28,7 @@ class Event(NamedTuple):
 
     >>> from longball.engines.ivp import Ivp
     >>> from longball.model.law import PlaneState, law_with
-    >>> far = Event("far", "it is 20 m away", lambda at: 20.0 - at.s, lambda at: at, 20.0)
+    >>> far = Event("far", "it is 20 m away", lambda at: 20.0 - at.s, size=20.0)
     >>> start = PlaneState(s=0.0, z=4.9, u=30.0, w=0.0)
     >>> flight = Ivp().fly(law_with({"gravity": 9.8}), start, [far], 60.0)
     >>> flight.stop, round(flight.time, 9), round(flight.state.z, 9)
@@ -40,9 +40,10 @@ class Event(NamedTuple):
     # The function that falls through zero. It is built of + - * only, and so takes states of
     # numbers, of polynomials and of dual numbers alike
     value: Callable[[Any], Any]
-    place: Callable[[Any], Any]  # puts a state that is at the event to rounding exactly there
     size: N  # scale of the value: its error is a state's relative error times this
     slope: N | float = 1.0  # Lipschitz constant of the value in the coordinates, per m
+    # Puts a state that is at the event to rounding exactly there
+    place: Callable[[Any], Any] = lambda state: state
 
 
 Events = Sequence[Event]
@@ -54,8 +55,8 @@ def ground(height: N, start: State, numbers: Numbers) -> Event:
         "ground",
         "the ball touches the ground",
         lambda state: state.z - height,
-        lambda state: state._replace(z=height),
         _size(numbers, height, start.z),
+        place=lambda state: state._replace(z=height),
     )
 
 
@@ -65,8 +66,8 @@ def risen(height: N, start: State, numbers: Numbers) -> Event:
         "risen",
         "the ball rises to the height that it lands at",
         lambda state: height - state.z,
-        lambda state: state._replace(z=height),
         _size(numbers, height, start.z),
+        place=lambda state: state._replace(z=height),
     )
 
 
@@ -80,7 +81,7 @@ def plate(frame: Frame, start: State, numbers: Numbers) -> Event:
     # is far longer than x₀, and an error of s changes x little.
     slope = abs(frame.cos) if in_plane(start) else numbers.exact(1.0)
     size = slope * _size(numbers, frame.x / slope)
-    return Event("plate", "the ball reaches the plate", frame.towards_x, place, size, slope)
+    return Event("plate", "the ball reaches the plate", frame.towards_x, size, slope, place)
 
 
 def vertical(start: State, numbers: Numbers) -> Event:
@@ -96,9 +97,9 @@ def vertical(start: State, numbers: Numbers) -> Event:
         "vertical",
         "the ball turns vertical",
         lambda state: state.u,
-        lambda state: state._replace(u=nothing),
         numbers.where(speed < most, speed, most),
         nothing,
+        lambda state: state._replace(u=nothing),
     )
 
 
@@ -108,7 +109,6 @@ def past(frame: Frame, reach: N, numbers: Numbers) -> Event:
         "past",
         "the ball passes the bat",
         lambda state: frame.towards_x(state) + reach,
-        lambda state: state,
         _size(numbers, frame.x, reach),
     )
 

@@ -96,15 +96,12 @@ def chords(polyline: Sequence[Sequence[float]], numbers: Numbers) -> list[Chord]
 # --- flights in a vertical plane ------------------------------------------------------------------
 
 
-class Stop(NamedTuple):
-    """Distance s along the flight's plane to the fence, and the point of the fence there."""
-
-    s: N
-    place: Place
-
-
-def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbers) -> Stop:
+def stop_at(
+    fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbers
+) -> tuple[N, Place]:
     """First crossing of the fence by a ball that flies from s along its heading, or against it.
+
+    Returns the distance along the flight's plane, m, and the point of the fence there.
 
     `sense` is 1 along the heading, -1 against it; `error` is the relative error of directions. If
     there is no crossing, the distance is `_FAR`. The function uses masks in place of branches, so
@@ -129,8 +126,8 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
         radius = numbers.exact(fence.radius)
         ahead = frame.x * frame.cos + frame.y * frame.sin
         inside = radius * radius - frame.x * frame.x - frame.y * frame.y
-        return Stop(numbers.sqrt(ahead * ahead + inside) * sense - ahead, nowhere)
-    first = Stop(sense * far, nowhere)
+        return numbers.sqrt(ahead * ahead + inside) * sense - ahead, nowhere
+    nearest, first = sense * far, nowhere
     for chord in chords(fence.polyline, numbers):
         left_a, aside_a, near_a = seen(chord.a, chord.open_a)
         left_b, aside_b, near_b = seen(chord.b, chord.open_b)
@@ -150,23 +147,20 @@ def stop_at(fence: Any, frame: Frame, s: N, sense: int, error: N, numbers: Numbe
         )
         # Keep the nearest of several crossings ahead of s.
         nearer = (hit | near_a | near_b) & (sense * (there - s) > 0)
-        nearer = nearer & (sense * (there - first.s) < 0)
-        parts = zip(place, first.place, strict=True)
-        first = Stop(
-            numbers.where(nearer, there, first.s),
-            Place(*(numbers.where(nearer, a, b) for a, b in parts)),
-        )
-    return first
+        nearer = nearer & (sense * (there - nearest) < 0)
+        nearest = numbers.where(nearer, there, nearest)
+        first = Place(*(numbers.where(nearer, a, b) for a, b in zip(place, first, strict=True)))
+    return nearest, first
 
 
-def at_stop(name: str, stop: Stop, sense: int, numbers: Numbers) -> Event:
-    """Event: a flight in a vertical plane reaches the fence."""
+def at_stop(name: str, s: N, sense: int, numbers: Numbers) -> Event:
+    """Event: a flight in a vertical plane reaches the fence, at a distance along its plane, m."""
     return Event(
         name,
         "the ball reaches the fence",
-        lambda state: sense * (stop.s - state.s),
-        lambda state: state._replace(s=stop.s),
-        numbers.where(abs(stop.s) > 1, abs(stop.s), numbers.exact(1.0)),
+        lambda state: sense * (s - state.s),
+        numbers.where(abs(s) > 1, abs(s), numbers.exact(1.0)),
+        place=lambda state: state._replace(s=s),
     )
 
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 from typing import Any
 
@@ -132,7 +133,9 @@ class Ivp(PathEngine):
             # If two terminal events occur in one step, solve_ivp reports the first of the list.
             # `events` lists the ground first; reversed, any other event is reported instead.
             ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
-            ends.append(terminal("many steps", _countdown(_MANY_STEPS), law.state))
+            # `terminal` asks once for each time, and so once for each step.
+            countdown = partial(lambda left, _: next(left), count(_MANY_STEPS, -1))
+            ends.append(terminal("many steps", countdown, law.state))
             # A trial step may overflow; the step control then takes a shorter one or gives up.
             with np.errstate(all="ignore"):
                 solution = scipy.integrate.solve_ivp(
@@ -173,7 +176,8 @@ class Ivp(PathEngine):
     ) -> Iterator[tuple[Piece, float, float, float]]:
         """Yield the pieces of a pitch in which to search for the contact.
 
-        Near the plate, one Taylor expansion about the crossing replaces the pieces. The bat's
+        Near the plate, one Taylor expansion about the crossing, which is valid for its length on
+        both sides of that time, replaces the pieces. The bat's
         height comes from the state at the crossing, too. An error of that state therefore moves bat
         and ball together, and cancels in their distance. A law with switches has no such expansion.
         """
@@ -183,7 +187,10 @@ class Ivp(PathEngine):
             for piece in pitch.path.pieces():
                 yield piece, 0.0, piece.length, error
             return
-        centred = self.around(law, pitch.time, pitch.state)
+        series, length = Expander(law)(np.array(pitch.state, dtype=float))
+        if not length > 0:
+            raise OutOfRange(_BEYOND)
+        centred = PolynomialPiece(pitch.time, length, law.state, series)
         speed = math.hypot(*bat.frame.velocity(pitch.state))
         # Keep the expansion short: contact is a zero of d² - reach², whose rounding error grows
         # with the largest d² on the piece.
@@ -199,16 +206,6 @@ class Ivp(PathEngine):
                 yield centred, begin - pitch.time, half, 0.0
             if piece.begin + piece.length > end:
                 yield piece, max(0.0, end - piece.begin), piece.length, error
-
-    def around(self, law: Law, time: float, state: State) -> PolynomialPiece:
-        """Taylor expansion of the flight about a time, s since the launch, and its state.
-
-        It is valid for its length on both sides of that time.
-        """
-        series, reach = Expander(law)(np.array(state, dtype=float))
-        if not reach > 0:
-            raise OutOfRange(_BEYOND)
-        return PolynomialPiece(time, reach, law.state, series)
 
 
 # The expansion at the plate extends beyond the bat by this multiple of R + r_b: far enough to pass
@@ -242,15 +239,6 @@ def terminal(
     return falls
 
 
-def _countdown(steps: int) -> Callable[[Any], int]:
-    """An event that ends the integration after a number of steps.
-
-    It counts its own calls: `terminal` calls it once for each time.
-    """
-    left = count(steps, -1)
-    return lambda _: next(left)
-
-
 def meeting(bat: BatSection) -> Iterator[Event]:
     """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
 
@@ -258,14 +246,9 @@ def meeting(bat: BatSection) -> Iterator[Event]:
     from one end of the step to the other.
     """
     reach, size = bat.reach, bat.reach * bat.reach
-    yield Event("contact", "the ball touches the bat", bat.outside, lambda state: state, size)
-    yield Event(
-        "closest approach",
-        "the ball is closest to the bat",
-        lambda state: -bat.approach(state),
-        lambda state: state,
-        reach,
-    )
+    yield Event("contact", "the ball touches the bat", bat.outside, size)
+    question = "the ball is closest to the bat"
+    yield Event("closest approach", question, lambda state: -bat.approach(state), reach)
 
 
 def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
@@ -279,8 +262,7 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
         time, end = float(step.t_old), float(step.t)
         if isinstance(step, Series):
-            ends = [*(begin for begin, _ in step.parts[1:]), step.t]
-            for (begin, series), until in zip(step.parts, ends, strict=True):
+            for begin, until, series in step.parts:
                 yield PolynomialPiece(begin, _length(begin, until), law.state, series)
             continue
         while time < end:

@@ -137,7 +137,7 @@ class PathEngine(Engine, ABC):
                 if direction > 0:  # events fall through zero, and this value rises
                     value = partial(lambda beyond, state: -beyond(state), value)
                 size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
-                event = Event("switch", switch.question, value, lambda state: state, size)
+                event = Event("switch", switch.question, value, size)
                 function = form.switching_function(switch)
                 switching.append(_SwitchEvent(event, which, direction, function, threshold))
         return switching
@@ -210,8 +210,8 @@ class PathEngine(Engine, ABC):
                 "apex",
                 "the ball comes to rest",
                 lambda state: state.w - wind,
-                lambda state: state._replace(w=wind),
-                1.0,
+                size=1.0,
+                place=lambda state: state._replace(w=wind),
             )
             for piece in self.steps(up, start, begin, limit, [apex, *events]):
                 top = first_fall(
@@ -405,6 +405,11 @@ def branches_at(
             # The thresholds rise, so that the branch is the number of those below the value.
             branches[which] += numbers.positive(there, off, question)
     return branches
+
+
+def form_at(law: Law, state: State, numbers: Numbers) -> Law:
+    """Return the law on the branches of a state; see `branches_at`."""
+    return law.on(branches_at(law, state, numbers)) if law.switches else law
 
 
 def arrived(law: Law, state: State, numbers: Numbers, error: N) -> Law:

@@ -1,6 +1,6 @@
 """Derivatives of results by numbers of a scene, by jets through the chain, for any path engine.
 
-A `Jet` is a number and its derivative by one number x of the scene, which `seeded` marks. The chain
+A `Jet` is a number and its derivative by one number x of the scene, which a `Seed` marks. The chain
 works for every number system, and so for jets. Two things are added:
 
 - A flight is integrated with its derivative ``ξ = ∂(state)/∂x`` at a fixed time, which obeys the
@@ -16,25 +16,21 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, NamedTuple, TypeVar
+from typing import Any, ClassVar, NamedTuple
 
-from pydantic import BaseModel
-
-from longball.engines.chain import quantities_of
+from longball.engines.chain import quantities_of, view_of
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import CannotSolve, Touch
 from longball.engines.event import BatSection, Curve, Event, Events, Piece
 from longball.engines.path import Flight
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import Arithmetic, Dual
-from longball.engines.variation import RATE, variational
 from longball.model.inputs import TRACKED, launched, tracked, value_of
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, Numbers, Undecided
-from longball.model.quantities import flat, steps_of, unknown
+from longball.model.quantities import flat, number, unknown
 from longball.model.scene import InvalidScene, Scene
-
-B = TypeVar("B", bound=BaseModel)
+from longball.model.trace import RATE, variational
 
 
 class Seed(float):
@@ -54,22 +50,6 @@ class Seed(float):
         return Seed(float(self) + float(other), self.rate + getattr(other, "rate", 0.0))
 
     __radd__ = __add__
-
-
-def seeded(block: B, rates: Mapping[str, float]) -> B:
-    """Return a scene, or a block, with seeds in place of the named numbers."""
-    for name, rate in rates.items():
-        block = _marked(block, steps_of(name), rate)
-    return block
-
-
-def _marked(block: Any, steps: Sequence[str], rate: float) -> Any:
-    if not steps:
-        return Seed(block, rate)
-    step, *rest = steps
-    if isinstance(block, BaseModel):
-        return block.model_copy(update={step: _marked(getattr(block, step), rest, rate)})
-    return tuple(_marked(x, rest, rate) if str(i) == step else x for i, x in enumerate(block))
 
 
 class Jet(Arithmetic):
@@ -301,7 +281,7 @@ class Tangent(PathEngine):
                 return plain_of(event.value(jets_of(state, law.state)))
 
             size, slope = plain_of(event.size), plain_of(event.slope)
-            return Event(event.name, event.question, value, lambda state: state, size, slope)
+            return Event(event.name, event.question, value, size, slope)
 
         ends = [inner(event) for event in events]
         first, last = plain_of(begin), plain_of(limit)
@@ -470,8 +450,8 @@ _GOOD, _ROUNDINGS = 1e-12, 8
 # --- derivatives ----------------------------------------------------------------------------------
 
 
-def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
-    """Return a scene with a seed for an input, and the rate of the input.
+def seeded_by(scene: Scene, name: str) -> tuple[Any, float]:
+    """Return a view of a scene with a seed for an input, and the rate of the input.
 
     The rate is the size of the input, so that derivatives have the size of the result.
     """
@@ -482,7 +462,8 @@ def seeded_by(scene: Scene, name: str) -> tuple[Scene, float]:
         parts = {known: Jet(x, float(known == name)) for known, x in tracked(scene).items()}
         vectors = launched(parts, Jets(DOUBLES))
         rates = {f"{v}[{i}]": float(x.rate) for v, of in vectors.items() for i, x in enumerate(of)}
-    return seeded(scene, {path: rate * speed for path, rate in rates.items()}), speed
+    seeds = {path: Seed(number(scene, path), rate * speed) for path, rate in rates.items()}
+    return view_of(scene, seeds), speed
 
 
 def derivatives_by(scene: Scene, name: str, engine: PathEngine) -> dict[str, Any]:

@@ -133,42 +133,33 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         self._low = np.zeros(self.n)
 
     def _step_impl(self) -> tuple[bool, str | None]:
-        self._parts: list[tuple[float, Array]] = []
+        self._parts: list[tuple[float, float, Array]] = []
         after = [event(self.t, self.y) for event in self._until]
-        while True:
-            begin, (moved, message) = self.t, self._advance()
-            if not moved:  # the next step fails, too, if this one has a series
-                return bool(self._parts), message
-            self._parts.append((begin, self._x))
-            before, after = after, [event(self.t, self.y) for event in self._until]
-            same = all(a * b > 0 for a, b in zip(before, after, strict=True))
-            if not (self._until and same) or self.t == self.t_bound:
-                return True, None
-
-    def _advance(self) -> tuple[bool, str | None]:
-        """Advance by one series.
-
-        Close to rest, steps are shorter than the spacing of times: the state then moves on, and
-        the time is `waited` for until it shows.
-        """
-        waited = 0.0
-        for _ in range(_MOST_SHORT_STEPS):
-            self._x, length = self._expand(self.y)
-            if not length > 0:
-                return False, "the rates are beyond the range of double precision"
+        waited, short = 0.0, 0
+        while short < _MOST_SHORT_STEPS:
+            x, length = self._expand(self.y)
+            if not length > 0:  # the next step fails, too, if this one has a series
+                return bool(self._parts), "the rates are beyond the range of double precision"
             length = min(length, self._max_step)
-            t = self.t + (waited + self.direction * length)
-            if length >= abs(self.t_bound - self.t):
+            begin, t = self.t, self.t + (waited + self.direction * length)
+            if length >= abs(self.t_bound - begin):
                 t = self.t_bound
-            if t != self.t:
-                # The difference of two times that are close is exact. The next step compensates for
-                # the rounding of the state.
-                self.y, self._low = advanced(self._x, t - self.t - waited, self._low)
-                self.t = t
+            if t == begin:
+                # Close to rest, a series is shorter than the spacing of times: the state moves on,
+                # and the time is `waited` for until it shows.
+                self.y, self._low = advanced(x, self.direction * length, self._low)
+                waited, short = waited + self.direction * length, short + 1
+                continue
+            # The difference of two times that are close is exact. The next step compensates for the
+            # rounding of the state.
+            self.y, self._low = advanced(x, t - begin - waited, self._low)
+            self.t, waited, short = t, 0.0, 0
+            self._parts.append((begin, t, x))
+            before, after = after, [event(t, self.y) for event in self._until]
+            same = all(a * b > 0 for a, b in zip(before, after, strict=True))
+            if not (self._until and same) or t == self.t_bound:
                 return True, None
-            self.y, self._low = advanced(self._x, self.direction * length, self._low)
-            waited += self.direction * length
-        return False, self.TOO_SMALL_STEP
+        return bool(self._parts), self.TOO_SMALL_STEP
 
     def _dense_output_impl(self) -> Callable[[float], Array]:
         return Series(self._parts, self.t)
@@ -180,11 +171,11 @@ class Series(DenseOutput):  # type: ignore[misc]
     Attributes
     ----------
     parts
-        When each begins, and its coefficients, of shape (n, order + 2): of the powers of the time
-        since then, for each component of the state.
+        When each begins and ends, and its coefficients, of shape (n, order + 2): of the powers of
+        the time since it begins, for each component of the state.
     """
 
-    def __init__(self, parts: list[tuple[float, Array]], t: float) -> None:
+    def __init__(self, parts: list[tuple[float, float, Array]], t: float) -> None:
         super().__init__(parts[0][0], t)
         self.parts = parts
         self._sense = 1.0 if t > self.t_old else -1.0
@@ -197,7 +188,7 @@ class Series(DenseOutput):  # type: ignore[misc]
         number = len(self.parts) - 1
         while number > 0 and self._sense * (t - self.parts[number][0]) < 0:
             number -= 1
-        begin, coefficients = self.parts[number]
+        begin, _, coefficients = self.parts[number]
         return values_at(coefficients, t - begin)
 
     def _call_impl(self, t: Array) -> Array:

@@ -46,13 +46,13 @@ from longball.engines.compiled import BEYOND, Code
 from longball.engines.engine import CannotSolve, Launch, OutOfRange, Stepped, TooLong, Touch
 from longball.engines.event import TURNS_VERTICAL, BatSection, Event, Events, inside_bat
 from longball.engines.path import Flight, Path
-from longball.engines.path_engine import branches_at, no_direction, require_law
+from longball.engines.path_engine import branches_at, form_at, no_direction, require_law
 from longball.engines.polynomial import ARRAYS, Dual
 from longball.model.arrays import Array
 from longball.model.atmosphere import ROUGHNESS
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
-from longball.model.numbers import DOUBLES, Numbers, Vector, plus
+from longball.model.numbers import DOUBLES, Numbers, Vector
 from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
 from longball.model.trace import Names, Program, run_source
 
@@ -198,7 +198,7 @@ class Verlet(Stepped):
         for event in events:
             if event.value(start) > 0.0:
                 continue
-            rates = law.at(start, DOUBLES).rates(DOUBLES)(*start)
+            rates = form_at(law, start, DOUBLES).rates(DOUBLES)(*start)
             _, acceleration = _halves(rates)
             # Where the value neither rises nor falls, its second derivative tells.
             changes = rates, (*acceleration, *(0.0 for _ in acceleration))
@@ -303,7 +303,8 @@ class Verlet(Stepped):
             )
         position, velocity = _halves(before)
         place, split = position[: len(velocity)], 2 * len(velocity)
-        along = plus(before[split:], ahead, law.at(before, DOUBLES).rates(DOUBLES)(*before)[split:])
+        rates = form_at(law, before, DOUBLES).rates(DOUBLES)(*before)
+        along = plus(before[split:], ahead, rates[split:])
         touching = law.state(*plus(place, ahead, velocity), *velocity, *along)
         return SteppedTouch(
             margin,
@@ -376,18 +377,20 @@ class Verlet(Stepped):
                 force = march(states, *begin, force, self.dt, *treatment, _parameters(form))
             # A step is taken on one branch of the law, whatever it passes. The first one that ends
             # on another branch is the last of the array; the next step begins on that branch.
-            turned = np.zeros(states.shape[1] - 1, bool)
+            passed, turned = np.zeros((2, states.shape[1] - 1), bool)
+            # Below the ground, where a step may end, a profile of the wind may be undefined.
             with np.errstate(all="ignore"):
-                others = zip(_branches(law, states[:, 1:], ARRAYS), branches, strict=True)
-                passed: Any = np.any([there != now for there, now in others], axis=0)
+                for switch, branch in zip(law.switches, branches, strict=True):
+                    for number, threshold in enumerate(switch.thresholds):
+                        beyond = form.beyond(switch, threshold, ARRAYS)(states[:, 1:])
+                        passed |= (beyond > 0.0) != (number < branch)
                 if "side" in form.strengths:
                     # The airspeed passes the direction of the side force, which turns round: its
                     # cross products at the two ends have opposite signs.
-                    parts = form.aside(form.state(*_aloft(form, states)), ARRAYS)
-                    aside = np.array(np.broadcast_arrays(*parts))
+                    aside = np.array(np.broadcast_arrays(*form.aside(form.state(*states), ARRAYS)))
                     turned = np.einsum("ij,ij->j", aside[:, :-1], aside[:, 1:]) < 0.0
-            passed = passed | turned
-            if np.any(passed):
+            passed |= turned
+            if passed.any():
                 states = states[:, : 2 + int(np.argmax(passed))]
             yield done, states
             last, done, length = (
@@ -395,10 +398,10 @@ class Verlet(Stepped):
                 done + states.shape[1] - 1,
                 min(4 * length, _MOST_STEPS),
             )
-            if np.any(passed):
-                if np.any(turned[: states.shape[1] - 1]):
+            if passed.any():
+                if turned[: states.shape[1] - 1].any():
                     raise no_direction(done * self.dt)
-                branches = _branches(law, last, DOUBLES)
+                branches = branches_at(law, law.state(*last.tolist()), DOUBLES)
                 require_law(law, branches, done * self.dt)
                 form = law.on(branches)
                 force = _acceleration(form, last.tolist())
@@ -409,20 +412,6 @@ class Verlet(Stepped):
                 f"the numbers do not stay finite in steps of {self.dt!r} s, or an "
                 "implicit step does not settle: the step is too long for these forces"
             )
-
-
-def _branches(law: Law, state: Any, numbers: Any) -> list[Any]:
-    """Branches of a law in a state, or in the columns of many."""
-    return law.branches(_aloft(law, state), numbers)
-
-
-def _aloft(law: Law, state: Any) -> Any:
-    """Raise states to a height at which the profile of the wind is defined; see `print_law`."""
-    if ROUGHNESS not in law.strengths:
-        return state
-    z = law.variables.index("z")
-    height = np.where(state[z] > -law.strengths[ROUGHNESS], state[z], 0.0)
-    return [*state[:z], height, *state[z + 1 :]]
 
 
 # --- the rules between the steps ------------------------------------------------------------------
@@ -508,6 +497,11 @@ def line_touch(before: State, bat: BatSection, root: AppendixBRoot) -> float | N
 def _distance(bat: BatSection, state: State) -> Any:
     """Return the distance from the bat's axis, m, of a state, or of states in columns."""
     return np.hypot(bat.frame.towards_x(state), state.z - bat.height)
+
+
+def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[float, ...]:
+    """Return ``a + factor b``, component by component."""
+    return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
 
 
 def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:
@@ -609,8 +603,7 @@ def air_in_space(law_in: Callable[[Frame], Law]) -> Callable[..., Vector]:
         frame, launch = launch_frame(position, velocity, DOUBLES)
         law = law_in(frame)
         there = law.state_of(launch)
-        form = law.on(_branches(law, there, DOUBLES)) if law.switches else law
-        acceleration = _acceleration(form, there)
+        acceleration = _acceleration(form_at(law, there, DOUBLES), there)
         state = PlaneState if len(acceleration) == 2 else SpaceState
         return frame.velocity(state(*(0.0 for _ in acceleration), *acceleration))
 

@@ -129,8 +129,8 @@ def _passes_corner_within_errors(scene: FlightScene) -> bool:
     # The place is rounded to 2⁻⁵³ of that way; an engine may add `SLACK` times as much and pass.
     frame, start = launch_frame(scene.launch.position, scene.launch.velocity, DOUBLES)
     error = SLACK * 2.0**-53
-    found = stop_at(scene.fence, frame, start.s, 1, error, DOUBLES)
-    return bool(found.place.to_break <= error * abs(found.s))
+    s, place = stop_at(scene.fence, frame, start.s, 1, error, DOUBLES)
+    return bool(place.to_break <= error * abs(s))
 
 
 # The profile `exact` allows two digits less than attainable. The attainable error is that of inputs

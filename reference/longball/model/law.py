@@ -36,9 +36,18 @@ from longball.model.atmosphere import (
     wind_strengths,
 )
 from longball.model.block import Block
-from longball.model.numbers import N, Numbers, Vector, present
-from longball.model.trace import ZERO, Node, Program
-from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
+from longball.model.numbers import (
+    N,
+    Numbers,
+    Vector,
+    cross,
+    minus,
+    part_across,
+    plus,
+    present,
+    scaled,
+)
+from longball.model.trace import ZERO, Node, Program, norm
 
 
 class PlaneState(NamedTuple):
@@ -580,34 +589,6 @@ class Law:
         bound = self.switching_function(switch).bind(known, numbers.functions)
         return lambda state: bound(*state)[0]
 
-    def branches(self, state: Any, numbers: Numbers) -> list[Any]:
-        """Return the branch of each switch in a state, or in many: the number of thresholds passed.
-
-        The numbers must not have radii.
-        """
-
-        def passed(form: Law) -> list[Any]:
-            counts = []
-            for switch in self.switches:
-                values = (form.beyond(switch, x, numbers)(state) for x in switch.thresholds)
-                counts.append(sum((value > 0 for value in values), start=0))
-            return counts
-
-        winds = [switch.is_wind for switch in self.switches]
-        below = passed(self.on([0] * len(winds)))
-        if not any(winds):
-            return below
-        # Above the threshold of the wind, the other switches have another airspeed: evaluate both.
-        above, more = below[winds.index(True)], passed(self.on([*map(int, winds)]))
-        return [
-            above if is_wind else less * (1 - above) + above * beyond
-            for is_wind, less, beyond in zip(winds, below, more, strict=True)
-        ]
-
-    def at(self, state: Any, numbers: Numbers) -> Law:
-        """Return the law with the branches valid in a state, whose numbers have no radii."""
-        return self.on([*map(int, self.branches(state, numbers))]) if self.switches else self
-
 
 PAPER = "drag", "lift", "gravity"  # the strengths of its law
 
@@ -790,7 +771,8 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
         # Without spin S = 0, and the first value holds everywhere: no nodes, no switch.
         lines = [(numbers.exact(given.values[0]), numbers.exact(0.0))]
     else:
-        nodes, lines = given.lines(numbers.exact)
+        table: Any = type(given) if isinstance(given, Block) else given.block
+        nodes, lines = table.lines(given, numbers.exact)
     if given.of == "mach":
         sound = speed_of_sound(scene, numbers)
         nodes = tuple(node * sound for node in nodes)

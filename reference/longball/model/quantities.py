@@ -11,6 +11,7 @@ import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
@@ -44,11 +45,6 @@ def vector_of(name: str) -> tuple[str, ...]:
     """Return the names of all components of a number's vector, or the name of a scalar."""
     vector, bracket, _ = name.partition("[")
     return tuple(f"{vector}[{i}]" for i in range(3)) if bracket else (name,)
-
-
-def steps_of(name: str) -> list[str]:
-    """Return the keys and indices of a name: pitch, aim, 0."""
-    return [step for step, _ in _STEP.findall(name)]
 
 
 # A table looks up the same few names in every row.
@@ -121,6 +117,26 @@ def rewritten(block: B, values: Mapping[str, object]) -> B:
     for name, value in values.items():
         data = _put(data, [*_path(name)], value)
     return type(block).model_validate(data)
+
+
+def viewed(block: Any, values: Mapping[str, Any], name: str = "") -> Any:
+    """Return a block as a namespace, with other objects in place of some of its numbers.
+
+    The objects may be columns, or numbers that know more than a float; nothing is validated. Inner
+    blocks without such numbers stay; a namespace names the class of its block.
+    """
+    # Floats first: isinstance of a pydantic model is slow.
+    if isinstance(block, float):
+        return values.get(name, block)
+    if isinstance(block, tuple):
+        return tuple(viewed(x, values, f"{name}[{i}]") for i, x in enumerate(block))
+    prefix = f"{name}." if name else ""
+    known = not name or any(path.startswith(prefix) for path in values)
+    if not (known and isinstance(block, BaseModel)):
+        return block
+    fields = type(block).model_fields
+    parts = {key: viewed(getattr(block, key), values, prefix + key) for key in fields}
+    return SimpleNamespace(**parts, block=type(block))
 
 
 def flat(data: Any) -> list[tuple[str, Any]]:

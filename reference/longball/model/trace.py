@@ -17,7 +17,7 @@ import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import Any, cast
 
 Scalar = float  # Python's numbers, which are exact
@@ -253,6 +253,13 @@ def squares(node: Node) -> tuple[Node, ...]:
     return tuple(bases) if rest is ZERO else ()
 
 
+def norm(a: Iterable[Any]) -> Node:
+    """Return ``|a|`` of a vector of nodes, in the form that `squares` recognises."""
+    # A sum of squares under a root has bounded derivatives; see `derivative`.
+    squared = total(square(x) for x in a if x is not ZERO)
+    return squared if squared is ZERO else sqrt(squared)
+
+
 def derivative(
     node: Node, by: Node, known: dict[Node, Node] | None = None, ratio: str = "unit"
 ) -> Node:
@@ -436,3 +443,69 @@ def trace(
     inputs = [*map(variable, variables), *map(parameter, parameters)]
     outputs = tuple(as_node(output) for output in formula(*inputs))
     return Program(tuple(variables), tuple(parameters), outputs)
+
+
+# --- derivatives by variables and parameters ------------------------------------------------------
+
+# Of the names of derivatives.
+RATE = "_rate"
+
+
+@cache
+def partials(program: Program) -> tuple[tuple[Node, ...], ...]:
+    """Return the derivatives of a program's outputs, output by output.
+
+    They are by the variables and by the parameters, in order.
+    """
+    known = (*program.variables, *program.parameters)
+    # `derivative` differentiates by variables: make the parameters variables, too.
+    names = [variable(name) for name in known]
+    # A unit vector's component is x/r, whose derivative is that of the quotient.
+    functions: dict[str, Callable[..., Any]] = {
+        "sqrt": sqrt,
+        "exp": exp,
+        "log": log,
+        "unit": operator.truediv,
+    }
+    of_names = program.bind(dict(zip(known, names, strict=True)), functions)
+    derived: list[dict[Any, Any]] = [{} for _ in known]
+    derivatives = [
+        derivative(as_node(output), name, known_so_far)
+        for output in of_names(*names[: len(program.variables)])
+        for name, known_so_far in zip(names, derived, strict=True)
+    ]
+    # Turn the parameters back, so that what depends on them alone is computed once for a flight.
+    as_they_were = (*map(variable, program.variables), *map(parameter, program.parameters))
+    bound = Program(known, (), tuple(derivatives)).bind({}, functions)(*as_they_were)
+    nodes = tuple(map(as_node, bound))
+    return tuple(nodes[i : i + len(known)] for i in range(0, len(nodes), len(known)))
+
+
+@cache
+def variational(program: Program) -> Program:
+    """Return the program of a law ``state' = f(state, p)`` and its variational equation.
+
+    ``ξ' = (∂f/∂state) ξ + ∂f/∂p dp/dx`` for the derivative ξ of a state by a number x (Hairer,
+    Nørsett and Wanner, *Solving Ordinary Differential Equations I*, Sec. I.14). Variables and
+    parameters are followed by their derivatives.
+    """
+    rates = [
+        *(variable(name + RATE) for name in program.variables),
+        *(parameter(name + RATE) for name in program.parameters),
+    ]
+    changes = (
+        total(slope * rate for slope, rate in zip(slopes, rates, strict=True))
+        for slopes in partials(program)
+    )
+    return Program(
+        (*program.variables, *(name + RATE for name in program.variables)),
+        (*program.parameters, *(name + RATE for name in program.parameters)),
+        (*program.outputs, *changes),
+    )
+
+
+@cache
+def with_partials(program: Program) -> Program:
+    """Return a program whose outputs are followed by their derivatives, as of `partials`."""
+    slopes = tuple(slope for of_output in partials(program) for slope in of_output)
+    return Program(program.variables, program.parameters, (*program.outputs, *slopes))

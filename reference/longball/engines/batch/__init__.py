@@ -3,12 +3,11 @@
 `writer` writes machine code on sixteen lanes. Of a law `expansion` makes a step, a Taylor series,
 and `tangents` its derivatives; `flights` flies records to their ends, whose events `roots` finds on
 a step's polynomials, in code that `jit` helps to compile.
-`records` writes and reads the records; `engine` makes an engine of it, for one scene at a time;
-`columns` gives the chain columns for numbers, `slopes` columns with derivatives, and `many` is what
-one calls.
+`records` writes and reads the records; `columns` gives the chain columns for numbers, `slopes`
+columns with derivatives; `many` has the engine and the functions for columns.
 """
 
-from longball.engines.batch.engine import Batch as Batch
+from longball.engines.batch.many import Batch as Batch
 from longball.engines.batch.many import solve_columns as solve_columns
 from longball.engines.batch.many import solve_columns_as_data as solve_columns_as_data
 from longball.engines.batch.many import (

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, Self, cast, get_args
+from typing import Any, NamedTuple, Protocol, Self, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,8 +164,6 @@ class Table:
         for name, value in answer.items():
             if name == "outcome":
                 self.whole[place] = OUTCOMES.index(value)
-            elif isinstance(value, tuple):
-                self.write(i, {f"{name}[{k}]": x for k, x in enumerate(value)})
             else:
                 self.column(name, value)[place] = value
 
@@ -199,7 +197,7 @@ class Table:
 
 
 class BatchFlyer(Protocol):
-    """Protocol of engines that fly many balls at once; `batch.engine.Batch` is one."""
+    """Protocol of engines that fly many balls at once; `batch.many.Batch` is one."""
 
     @property
     def description(self) -> str:
@@ -217,7 +215,7 @@ class BatchFlyer(Protocol):
 class Flights(Flight):
     """Ends, launches and marks of flights; `stop` holds codes of `records`.
 
-    See `longball.engines.batch.engine.OneFlight` for the marks.
+    See `longball.engines.batch.flights.arrival_dtype` for the marks.
     """
 
     launch: Start
@@ -256,6 +254,13 @@ def _where(numbers: Any, flags: Any, yes: Start, no: Start) -> Start:
     return Start(numbers.where(flags, yes.time, no.time), type(no.state)(*state))
 
 
+class Flown(NamedTuple):
+    """Arrivals, and derivatives of their states, (times, variables, inputs, rows), if wanted."""
+
+    ends: Records
+    rates: Any = None
+
+
 @dataclass
 class Columns(Run):
     """The run of a chain over the rows of a table."""
@@ -284,16 +289,22 @@ class Columns(Run):
     def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> Flights:
         """See `Run`. Flights without support in the compiled code are left to the scalar chain."""
         launch = Start(0.0, law.state_of(start))
-        if records.flies_in_lanes(law):
-            alone = without_size(events, rows)
-            ends = self._flown(law, launch, events, limit, rows & ~alone)
-            stops, arrived = records.stops(ends, events), records.placed(ends, law, events)
-            mark = records.noted(ends, law, "mark_")
-            alone = alone | (rows & (stops == Stop.FALLBACK))
-        else:
-            alone, stops, arrived, mark = rows, NOT_FLOWN, launch, launch
-        self.leave(alone)
-        return Flights(Path(()), stops, *arrived, launch, mark)
+        if not records.flies_in_lanes(law):
+            self.leave(rows)
+            return self.flights(law, NOT_FLOWN, launch, launch, launch)
+        # An event of an infinite size, such as the plate for a pitch along its plane, is one that
+        # the scalar engine rejects.
+        size: Any = sum(event.size for event in events)
+        alone = rows & ~np.isfinite(getattr(size, "value", size))
+        flown = self._flown(law, launch, events, limit, rows & ~alone)
+        stops = records.stops(flown.ends, events)
+        self.leave(alone | (rows & (stops == Stop.FALLBACK)))
+        end = self._arrived(flown, law, events, limit, rows)
+        return self.flights(law, stops, end, launch, self._noted(flown, law, "mark_"))
+
+    def flights(self, law: Law, stops: Any, end: Start, launch: Start, mark: Start) -> Flights:
+        """Return flights by their ends."""
+        return Flights(Path(()), stops, *end, launch, mark)
 
     def _flown(
         self,
@@ -303,12 +314,25 @@ class Columns(Run):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
-        fly: Callable[[Records, Program], Records] | None = None,
+    ) -> Flown:
+        """Fly the rows of a mask."""
+        fly = self.engine.fly_all
+        return Flown(self._flown_by(fly, law, start, events, limit, rows, bat))
+
+    def _flown_by(
+        self,
+        fly: Callable[[Records, Program], Records],
+        law: Law,
+        start: Start,
+        events: Events,
+        limit: Any,
+        rows: Flags,
+        bat: Bat | None,
     ) -> Records:
         """Fly the rows of a mask; return arrivals of all rows, or a single one for all."""
         # If no number of the flight differs between rows, it is flown once.
         if rows.any():
-            error, fly = self.engine.flight_error, fly or self.engine.fly_all
+            error = self.engine.flight_error
             starts = records.records_of(law, start, events, limit, error, bat, rows)
             flown = fly(starts, records.in_lanes(law).program)
             if flown.ndim == 0 or rows.all():
@@ -323,29 +347,42 @@ class Columns(Run):
             ends[rows] = flown
         return ends
 
+    def _noted(self, flown: Flown, law: Law, prefix: str = "") -> Start:
+        """Return time and state that arrivals hold under names with a prefix."""
+        return records.noted(flown.ends, law, prefix)
+
+    def _arrived(self, flown: Flown, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
+        """Return when and where flights ended, those that an event stopped being put onto it."""
+        time, state = records.noted(flown.ends, law)
+        return Start(time, records.placed(flown.ends["stop"], state, events, self.numbers))
+
     def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Flags) -> Touch:
         """See `Run`."""
-        start = self._near(bat, pitch)
-        error = margin_error(bat, pitch.state.z, self.engine.flight_error, NUMBERS)
-        over = [past(bat.frame, bat.reach, NUMBERS), *events]
-        ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
-        code, margin = self._how_they_meet(ends, over, rows)
-        return Touch(margin, code, *records.noted(ends, law))
+        numbers = self.numbers
+        error = margin_error(bat, pitch.state.z, self.engine.flight_error, numbers)
+        over = [past(bat.frame, bat.reach, numbers), *events]
+        # The search begins at the sampling plane, if nothing that counts can happen before it: the
+        # ball is farther from the bat there than at the touching, and than at the plate.
+        far = records.APPROACH * abs(bat.frame.cos)
+        clear = (bat.reach < far) & (abs(bat.height - pitch.state.z) < far)
+        start = _where(numbers, clear, pitch.mark, pitch.launch)
+        flown = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
 
-    def _near(self, bat: BatSection, pitch: Any) -> Start:
-        """Start of the search for the bat: the sampling plane, if nothing can happen before it."""
-        clear = records.approach_is_clear(bat, pitch.state.z)
-        return _where(self.numbers, clear, pitch.mark, pitch.launch)
-
-    def _how_they_meet(self, ends: Records, over: Events, rows: Flags) -> tuple[Any, Any]:
-        """Return 1 for a contact, 0 for a miss, -1 if undecided, and the margin, m."""
-        stops = records.stops(ends, over)
+        # 1 for a contact, 0 for a miss, -1 if undecided
+        stops = records.stops(flown.ends, over)
         self.leave(rows & (stops == Stop.FALLBACK))
         touched = stops == Stop.TOUCH
         missed = np.isin(stops, [records.STOPS[name] for name in ("past", "ground", "time")])
-        margin = np.where(touched | missed, ends["margin"], np.nan)[()]
+        margin = np.where(touched | missed, flown.ends["margin"], np.nan)[()]
         code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
-        return code, margin
+        return self._touched_at(flown, law, bat, Touch(margin, code), rows)
+
+    def _touched_at(
+        self, flown: Flown, law: Law, bat: BatSection, touch: Touch, rows: Flags
+    ) -> Touch:
+        """Return contacts with their times and states."""
+        time, state = records.noted(flown.ends, law)
+        return replace(touch, time=time, state=state)
 
     def leave(self, rows: Flags) -> bool:
         """See `Run`."""
@@ -365,12 +402,3 @@ class Columns(Run):
 
     def follow(self, frame: Any, flight: Flight, begin: Any, rows: Flags) -> None:
         """See `Run`."""
-
-
-def without_size(events: Events, rows: Flags) -> Flags:
-    """Return flags of the rows of a mask in which the size of an event is infinite or NaN.
-
-    An example is the plate for a pitch along its plane, which the scalar engine rejects.
-    """
-    flags: Flags = rows & ~np.isfinite(sum(event.size for event in events))
-    return flags

@@ -151,29 +151,18 @@ def linear(law: Law, value: Callable[[Any], Any]) -> list[Any]:
     return [*(part.rate for part in along), along[0].value]
 
 
-def approach_is_clear(bat: BatSection, plate: Any) -> Any:
-    """True if the approach to the plate, at height `plate`, holds all that counts of a pitch.
-
-    Before it the ball is farther from the bat than the touching, and than at the plate.
-    """
-    far = APPROACH * abs(bat.frame.cos)
-    return (bat.reach < far) & (abs(bat.height - plate) < far)
-
-
 def noted(end: Records, law: Law, prefix: str = "") -> Start:
     """Return time and state that arrivals hold under names with a prefix."""
     time, *state = (end[prefix + name][()] for name in ("time", *law.variables))
     return Start(time, law.state(*state))
 
 
-def placed(end: Records, law: Law, events: Events) -> Start:
-    """Return when and where flights ended, those that an event stopped being put onto it."""
-    time, state = noted(end, law)
+def placed(stop: Any, state: State, events: Events, numbers: Any) -> State:
+    """Return the states at the ends of flights, those that an event stopped being put onto it."""
     for i, event in enumerate(events):
-        stopped = end["stop"] == i
-        there = event.place(state)
-        state = law.state(*(np.where(stopped, x, y)[()] for x, y in zip(there, state, strict=True)))
-    return Start(time, state)
+        there = zip(event.place(state), state, strict=True)
+        state = type(state)(*(numbers.where(stop == i, x, y) for x, y in there))
+    return state
 
 
 def stops(end: Records, events: Events) -> Any:

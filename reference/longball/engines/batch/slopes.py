@@ -8,7 +8,7 @@ left to `longball.engines.tangent`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
@@ -19,19 +19,19 @@ from longball.engines.batch.columns import (
     NUMBERS,
     Columns,
     Flights,
+    Flown,
     Table,
-    without_size,
 )
 from longball.engines.batch.flights import Stop
-from longball.engines.batch.records import NOT_FLOWN, Bat, Start
+from longball.engines.batch.records import Bat, Start
 from longball.engines.batch.tangents import TIMES
 from longball.engines.engine import Touch
-from longball.engines.event import BatSection, Event, Events, margin_error, past
+from longball.engines.event import BatSection, Event, Events
 from longball.engines.path import Path
 from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
 from longball.model.arrays import Array, Flags, Integers
 from longball.model.inputs import TRACKED, launched, tracks_of
-from longball.model.law import Law, State
+from longball.model.law import Law
 from longball.model.quantities import number
 from longball.model.scene import FlightScene, Scene
 from longball.model.trace import Program
@@ -233,20 +233,10 @@ class JetFlights(Flights):
     def highest(self, numbers: Any) -> Start:
         """See `Flights`; the ball is highest where it ceases to rise."""
         time, state = self.mark
-        climb = self.law.variables.index("w")
-        top = _moved(self.law, time, state, rate_of(state.w), lambda speeds: speeds[climb])
+        speeds = self.law.rates(NUMBERS)(*map(plain_of, state))
+        falls = speeds[self.law.variables.index("w")]
+        top = _later(time, state, speeds, -_quotient(rate_of(state.w), falls))
         return Flights.highest(replace(self, mark=top), numbers)
-
-
-def _moved(
-    law: Law, time: Any, state: Any, change: Any, falls: Callable[[Sequence[Any]], Any]
-) -> Start:
-    """Return the time and state of an event, from those at a fixed time.
-
-    Its value has there the derivative `change`, and a rate in time that follows from the state's.
-    """
-    speeds = law.rates(NUMBERS)(*map(plain_of, state))
-    return _later(time, state, speeds, -_quotient(change, falls(speeds)))
 
 
 def _later(time: Any, state: Any, speeds: Sequence[Any], late: Any) -> Start:
@@ -283,33 +273,12 @@ class SlopeColumns(Columns):
             slopes = self.table.slopes_of(name)[:, self.table.rows]
             np.copyto(slopes, rate_of(value), where=rows)
 
-    def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> JetFlights:
-        """See `Run`."""
-        # The lanes fly plain numbers, by the same records as without derivatives: same bits.
-        plain, launch = _plain_law(law), Start(0.0, law.state_of(start))
-        known = [_plain_event(event) for event in events]
-        if not records.flies_in_lanes(plain):
-            self.leave(rows)
-            stops: Any = NOT_FLOWN
-            return JetFlights(
-                Path(()), stops, *launch, launch, launch, numbers=self.jets, law=plain
-            )
-
-        # derivatives at fixed times, then at the events
-        alone = without_size(known, rows)
-        ends, jets = self._flown_in_jets(law, launch, known, limit, rows & ~alone)
-        stops = records.stops(ends, known)
-        self.leave(alone | (rows & (stops == Stop.FALLBACK)))
-        state, mark = (self._noted(ends, jets, law, which) for which in (0, 1))
-        end = self._stopped(plain, events, known, ends, state, limit)
-
-        # A flight that ends at its start continues after the least change: that is a corner.
-        starts = (stops != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
-        self.jets.doubt(rows & starts)
-        self.jets.doubt(rows & (ends["steps"] > _MOST_STEPS))
+    def flights(self, law: Law, stops: Any, end: Start, launch: Start, mark: Start) -> JetFlights:
+        """See `Columns`."""
+        plain = _plain_law(law)
         return JetFlights(Path(()), stops, *end, launch, mark, numbers=self.jets, law=plain)
 
-    def _flown_in_jets(
+    def _flown(
         self,
         law: Law,
         start: Start,
@@ -317,114 +286,82 @@ class SlopeColumns(Columns):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
-    ) -> tuple[Any, Array]:
-        """Fly the rows of a mask, with derivatives; see `Columns._flown`.
-
-        The derivatives are of shape (times, variables, inputs, rows).
-        """
+    ) -> Flown:
+        """Fly the rows of a mask, with derivatives at fixed times; see `Columns._flown`."""
+        # The lanes fly plain numbers, by the same records as without derivatives: same bits.
         plain, state = _plain_law(law), start.state
         still = Start(plain_of(start.time), type(state)(*map(plain_of, state)))
-        shape = TIMES, len(plain.variables), self.table.inputs, len(rows)
-        jets = np.full(shape, math.nan)
+        known = [_plain_event(event) for event in events]
+        met = None if bat is None else Bat(_plain_section(bat.section), plain_of(bat.error))
+        rates = np.full((TIMES, len(plain.variables), self.table.inputs, len(rows)), math.nan)
 
         def fly(begun: Any, program: Program) -> Any:
             # dp/dx of (1) in `tangents`, and ξ where the flight starts
             strengths = records.in_lanes(law).strengths
-            sources = [*start.state, *(strengths[name] for name in program.parameters)]
+            sources = [*state, *(strengths[name] for name in program.parameters)]
             changes = np.empty((len(sources), self.table.inputs, begun.size))
             flown: Any = slice(begun.size) if begun.ndim == 0 or rows.all() else rows
             for change, x in zip(changes, sources, strict=True):
                 rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
                 change[...] = rate[:, flown]
             ends, some = self.engine.fly_all_with_tangents(begun, program, changes)
-            jets[..., rows if flown is rows else slice(None)] = some
+            rates[..., rows if flown is rows else slice(None)] = some
             return ends
 
-        ends = self._flown(plain, still, events, plain_of(limit), rows, bat, fly)
-        return ends, jets
+        ends = self._flown_by(fly, plain, still, known, plain_of(limit), rows, met)
+        return Flown(ends, rates)
 
-    def _noted(self, ends: Any, jets: Array, law: Law, which: int) -> Start:
-        """Return time and state at the end or at a mark, which are at a fixed time."""
-        time, state = records.noted(ends, _plain_law(law), flights.PREFIXES[which])
-        return Start(time, type(state)(*map(ColumnJet, state, jets[which])))
+    def _noted(self, flown: Flown, law: Law, prefix: str = "") -> Start:
+        """See `Columns`; the times are fixed."""
+        time, state = records.noted(flown.ends, law, prefix)
+        rates = flown.rates[flights.PREFIXES.index(prefix)]
+        return Start(time, type(state)(*map(ColumnJet, state, rates)))
 
-    def _stopped(
-        self,
-        law: Law,
-        events: Events,
-        known: Events,
-        ends: Any,
-        end: Start,
-        limit: Any,
-    ) -> Start:
-        """Correct derivatives at a fixed time for the shift of the event's time.
-
-        An event, a zero of g, moves by ``dt/dx = -(∂g/∂x)/ġ``.
-        """
-        numbers, state, stop = self.jets, end.state, ends["stop"]
-        speeds = law.rates(NUMBERS)(*map(plain_of, state))
+    def _arrived(self, flown: Flown, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
+        """See `Columns`; an event, a zero of g, moves by ``dt/dx = -(∂g/∂x)/ġ``."""
+        plain, stop, end = _plain_law(law), flown.ends["stop"], self._noted(flown, law)
+        speeds = plain.rates(NUMBERS)(*map(plain_of, end.state))
         late: Any = np.where(stop == Stop.TIME_LIMIT, rate_of(limit), 0.0)
-        for i, (event, plain) in enumerate(zip(events, known, strict=True)):
-            here = stop == i
-            change = rate_of(event.value(state))
-            *slopes, _ = records.linear(law, plain.value)
-            falls = sum((x * v for x, v in zip(slopes, speeds, strict=True)), np.float64(0.0))
-            self._require_steep(slopes, speeds, falls, change, here)
-            late = np.where(here, -_quotient(change, falls), late)
-        time, moved = _later(end.time, state, speeds, late)
         for i, event in enumerate(events):
-            there = event.place(moved)
-            moved = type(state)(
-                *(numbers.where(stop == i, x, y) for x, y in zip(there, moved, strict=True))
-            )
-        return Start(time, moved)
+            here = stop == i
+            change = rate_of(event.value(end.state))
+            *slopes, _ = records.linear(plain, _plain_event(event).value)
+            falls = sum((x * v for x, v in zip(slopes, speeds, strict=True)), np.float64(0.0))
+            half = len(speeds) // 2
+            self._require_steep(falls, _norm(*slopes[:half]) * _norm(*speeds[:half]), change, here)
+            late = np.where(here, -_quotient(change, falls), late)
+        time, moved = _later(end.time, end.state, speeds, late)
 
-    def _require_steep(
-        self,
-        slopes: Sequence[Any],
-        speeds: Sequence[Any],
-        falls: Any,
-        change: Any,
-        rows: Flags,
-    ) -> None:
+        # A flight that ends at its start continues after the least change: that is a corner.
+        starts = (stop != Stop.TIME_LIMIT) & (flown.ends["time"] == 0.0)
+        self.jets.doubt(rows & (starts | (flown.ends["steps"] > _MOST_STEPS)))
+        return Start(time, records.placed(stop, moved, events, self.jets))
+
+    def _require_steep(self, falls: Any, across: Any, change: Any, rows: Flags) -> None:
         """Leave rows to be solved alone in which a surface is grazed, or met at a small angle."""
-        half = len(speeds) // 2
-        across = _norm(*slopes[:half])
-        speed = _norm(*speeds[:half])
-        steep = (falls < 0) & is_steep(falls, across * speed, NUMBERS.rounding)
+        steep = (falls < 0) & is_steep(falls, across, NUMBERS.rounding)
         self.jets.doubt(rows & ~steep & np.any(change != 0, axis=0))
 
-    def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Flags) -> Touch:
-        """See `Run`."""
-        numbers, plain = self.jets, _plain_law(law)
-        start = self._near(bat, pitch)
-        error = plain_of(margin_error(bat, pitch.state.z, self.engine.flight_error, numbers))
-        over = [_plain_event(x) for x in (past(bat.frame, bat.reach, numbers), *events)]
-        parts = {name: plain_of(getattr(bat.frame, name)) for name in ("x", "y", "cos", "sin")}
-        frame = replace(bat.frame, **parts)
-        section = BatSection(frame, plain_of(bat.height), plain_of(bat.reach))
-        limit = self.time_limit
-        ends, jets = self._flown_in_jets(law, start, over, limit, rows, Bat(section, error))
-        code, margin = self._how_they_meet(ends, over, rows)
-
+    def _touched_at(
+        self, flown: Flown, law: Law, bat: BatSection, touch: Touch, rows: Flags
+    ) -> Touch:
+        """See `Columns`."""
+        code: Any = touch.touched
         # where the margin is taken: to first order, it does not change with the time of that
-        nearest = self._noted(ends, jets, law, 2).state
-        distance = bat.distance(nearest, numbers)
-        margin = ColumnJet(margin, rate_of(bat.reach - distance))
-        numbers.doubt(rows & (plain_of(distance) <= ON_THE_AXIS * section.reach))
+        distance = bat.distance(self._noted(flown, law, "nearest_").state, self.jets)
+        margin = ColumnJet(touch.margin, rate_of(bat.reach - distance))
+        self.jets.doubt(rows & (plain_of(distance) <= ON_THE_AXIS * plain_of(bat.reach)))
 
         # the touching, where half the square of the distance falls at the rate d·v
-        state = self._noted(ends, jets, law, 1).state
-        noted = Start(*records.noted(ends, plain))
-        state = type(state)(
-            *(ColumnJet(plain_of(x), rate_of(y)) for x, y in zip(noted.state, state, strict=True))
-        )
-        falls = section.approach(type(state)(*map(plain_of, state)))
+        time, touching = records.noted(flown.ends, law)
+        marked = self._noted(flown, law, "mark_").state
+        state = type(touching)(*map(ColumnJet, touching, map(rate_of, marked)))
+        falls = _plain_section(bat).approach(touching)
         change = 0.5 * rate_of(bat.outside(state))
         speed = _norm(*map(plain_of, bat.frame.velocity(state)))
-        steep = (falls < 0) & is_steep(falls, section.reach * speed, NUMBERS.rounding)
-        numbers.doubt(rows & (code == 1) & ~steep & np.any(change != 0, axis=0))
-        return Touch(margin, code, *_moved(plain, noted.time, state, change, lambda _: falls))
+        self._require_steep(falls, plain_of(bat.reach) * speed, change, rows & (code == 1))
+        speeds = _plain_law(law).rates(NUMBERS)(*touching)
+        return Touch(margin, code, *_later(time, state, speeds, -_quotient(change, falls)))
 
 
 # Of a flight. Most take less than 30; one that takes more than this all but rests on its way, and
@@ -439,6 +376,11 @@ def _norm(*components: Any) -> Any:
 def _plain_law(law: Law) -> Law:
     plain = replace(law, strengths={name: plain_of(x) for name, x in law.strengths.items()})
     return records.formed(plain)
+
+
+def _plain_section(bat: BatSection) -> BatSection:
+    parts = {name: plain_of(getattr(bat.frame, name)) for name in ("x", "y", "cos", "sin")}
+    return BatSection(replace(bat.frame, **parts), plain_of(bat.height), plain_of(bat.reach))
 
 
 def _plain_event(event: Event) -> Event:

@@ -39,9 +39,8 @@ from longball.engines.batch.writer import (
     once,
 )
 from longball.engines.series import recurrence
-from longball.engines.variation import with_partials
 from longball.model.arrays import Array
-from longball.model.trace import ZERO, Node, Program
+from longball.model.trace import ZERO, Node, Program, with_partials
 
 # Flights computed together: their matrix fits into the first-level cache.
 LANES = 8 if binding.get_host_cpu_features().get("avx512f") else 4

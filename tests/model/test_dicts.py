@@ -6,12 +6,12 @@ from typing import get_args
 
 import pytest
 
-from longball.model import dicts, typed
+from longball.model import dicts, schema
 from longball.model.scene import KINDS, Scene
 
 
 def test_the_file_is_what_the_models_say():
-    assert typed.FILE.read_text(encoding="utf-8") == typed.text()
+    assert schema.DICTS.read_text(encoding="utf-8") == schema.dicts()
 
 
 @pytest.mark.parametrize("kind", get_args(Scene))
