@@ -233,13 +233,13 @@ def test_what_is_planted_is_named(family: str, words: str):
 def test_a_heading_of_each_moment_is_named():
     """It shows only in the few scenes in which a ball turns round."""
     words = "uses h of each moment, not of the launch"
-    assert planted(["flight-wind"], 1, words) == [words]
+    assert planted(["flight-wind"], 3, words) == [words]
 
 
 def test_one_option_with_a_mistake_in_it_is_named():
     words = "uses reading.bat_ball_restitution = as_printed in every scene, and flips the sign of "
     words += "m/M_eff in e·(1 + m/M_eff) + m/M_eff"
-    assert planted(["impact"], 1, words, at="restitution") == [words]
+    assert planted(["impact"], 3, words, at="restitution") == [words]
 
 
 @NIGHTLY  # by day, two mistakes in one formula are named
@@ -252,7 +252,7 @@ def test_two_mistakes_are_named_of_which_one_shows_in_a_few_scenes():
 
 def test_a_law_with_a_jump_is_named_although_steps_cross_it_unawares():
     words = "applies lift only on the way up"
-    assert planted(["flight-both"], 3, words, steps=Stepping(0.03, 400)) == [words]
+    assert planted(["flight-both"], 6, words, steps=Stepping(0.03, 400)) == [words]
 
 
 @NIGHTLY
