@@ -334,6 +334,8 @@ lb.home_run_probability(0.4, reading={"inertia": "rod"})
 # values
 lb.solve(lb.Pitch(), certify="yes") -> certify = 'yes' is not True or False
 lb.solve_many([], certify=1) -> certify = 1 is not True or False
+lb.solve_many([], paths=1) -> paths = 1
+lb.solve_many([], paths=2, certify=True) -> cannot be certified
 lb.solve_many([], workers="a") -> workers = 'a' is not a whole number
 lb.home_run_probability(0.4, workers=2.5) -> workers = 2.5 is not a whole
 lb.home_run_probability(0.4, "monte-carlo", seed=-1) -> seed = -1 is less than 0

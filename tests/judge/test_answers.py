@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from longball.judge.answers import COLUMNS, LONGEST_LINE, BadTable, read_results
+from longball.judge.answers import COLUMNS, BadTable, read_results
 from longball.judge.quantities import QUANTITIES
 from longball.model import result
 
@@ -64,14 +64,6 @@ def test_json_lines_keep_every_digit(tmp_path: Path):
     assert b.values["landing.time"] == (Decimal("4.25"),)
     assert c.error == "too hard\\x1b"
     assert "landing.hang_time is" in said(collected)
-
-
-def test_a_line_that_is_too_long_is_one_line(tmp_path: Path):
-    long = b"x" * (3 * LONGEST_LINE)
-    collected = read_results(written(tmp_path, "r.jsonl", long + b'\n{"id": "a"}\n!'), ASKED)
-    assert list(collected.answers) == ["a"]
-    assert f"line 1: longer than {LONGEST_LINE} bytes" in said(collected)
-    assert "line 3: not JSON" in said(collected)
 
 
 def test_a_table(tmp_path: Path):
