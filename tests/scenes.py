@@ -132,7 +132,7 @@ def random_scene(rng):
         x, y, z = written["launch"]["velocity"]
         written["launch"]["velocity"] = [abs(x) + abs(y), y, z]
     if "fence" in written and rng.random() < 0.5:
-        far, top = rng.uniform(5, 80), rng.uniform(0.5, 10)
+        far, top = rng.uniform(5, 80), rng.uniform(1, 20)
         written["fence"] = {"polyline": [[far, far, top], [1.5 * far, 0, 5], [far, -far, top]]}
     if "height_offset" in written.get("swing", {}) and rng.random() < 0.5:
         written["swing"]["height_offset"] = rng.uniform(-0.08, 0.08)
