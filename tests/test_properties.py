@@ -22,8 +22,12 @@ from longball.model.numbers import DOUBLES
 from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import (
+    Ball,
+    Bat,
+    Incoming,
     InvalidScene,
     Launch,
+    Rotation,
     parse_scene,
 )
 from tests import exact
@@ -94,6 +98,35 @@ def test_a_mirrored_or_turned_flight_is_the_same_bit_for_bit(scene):
         assert (there.time, there.distance) == (here.time, here.distance)
         assert there.position == moved(here.position)
         assert there.velocity == moved(here.velocity)
+
+
+# Times 2, lengths 4 and masses 4³, so that densities stay: by how much other quantities grow.
+LARGER = {
+    "position": 4.0, "velocity": 2.0, "bat_velocity": 2.0, "normal": 1.0, "normal_speed": 2.0,
+    "restitution": 1.0, "impulse": 128.0, "energy_change": 256.0,
+}  # fmt: skip
+
+
+@given(paper_scenes("impact"))
+def test_an_impact_of_larger_bodies_is_the_same_bit_for_bit(scene):
+    ball, bat, swing, incoming = scene.ball, scene.bat, scene.swing, scene.incoming
+    larger = altered(
+        scene,
+        ball=Ball(mass=64 * ball.mass, radius=4 * ball.radius, restitution=ball.restitution),
+        bat=Bat(mass=64 * bat.mass, length=4 * bat.length, radius=4 * bat.radius),
+        swing=Rotation(angular_speed=swing.angular_speed / 2, tilt=swing.tilt),
+        incoming=Incoming(
+            position=tuple(4 * x for x in incoming.position),
+            velocity=tuple(2 * v for v in incoming.velocity),
+            bat_height=4 * incoming.bat_height,
+        ),
+    )
+    here, there = solve(scene), solve(larger)
+    assert there.outcome == here.outcome
+    for block in ("contact", "impact"):
+        small, large = (dict(getattr(result, block) or ()) for result in (here, there))
+        for name in LARGER.keys() & small.keys():
+            assert np.array_equal(large[name], LARGER[name] * np.array(small[name])), name
 
 
 # ---- invariants and balance laws -----------------------------------------------------------------
