@@ -85,9 +85,9 @@ def cover(noticed: np.ndarray, lacking: np.ndarray, most: int) -> Iterator[tuple
 # --- scenes ---------------------------------------------------------------------------------------
 
 
-def drawn(count: int, seed: int = SEED) -> Iterator[Scene]:
+def drawn(count: int, seed: int = SEED, first: int = 0) -> Iterator[Scene]:
     """Yield random scenes of all kinds, a third of them of the paper's model."""
-    for number in range(count):
+    for number in range(first, first + count):
         kind = list(KINDS)[number % len(KINDS)]
         generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
         scene: Scene | None = None

@@ -11,7 +11,6 @@ Each docstring gives the equation and its reason. `drag` and `lift` are k_D and 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from operator import methodcaller
 from types import SimpleNamespace
 from typing import Any, NamedTuple, Protocol
@@ -33,7 +32,6 @@ class Functions(Protocol):
     def atan(self, x: N, /) -> N: ...
     def sinh(self, x: N, /) -> N: ...
     def cosh(self, x: N, /) -> N: ...
-    def asinh(self, x: N, /) -> N: ...
 
 
 # Functions that call methods of their arguments: ``sqrt(x)`` is ``x.sqrt()``.
@@ -72,15 +70,6 @@ def parabola_to_floor(start: PlaneState, gravity: N, floor: N, functions: Functi
     w = -functions.sqrt(start.w * start.w + 2 * gravity * (start.z - floor))
     time = (start.w - w) / gravity
     return Moment(time, PlaneState(start.s + start.u * time, floor, start.u, w))
-
-
-def parabola_to_wall(start: PlaneState, gravity: N, wall: N) -> Moment:
-    """Return time and state at which a ball under gravity alone reaches ``s = wall``.
-
-    ``t = (wall - s₀)/u₀``, since u is constant. The plane x = 0 is such a wall for a pitch.
-    """
-    time = (wall - start.s) / start.u
-    return Moment(time, parabola(start, gravity, time)._replace(s=wall))
 
 
 def rise(start: PlaneState, drag: N, gravity: N, time: N, functions: Functions) -> PlaneState:
@@ -189,17 +178,6 @@ def weightless(
 # --- invariants -----------------------------------------------------------------------------------
 
 
-def drag_only_invariant(state: PlaneState, drag: N, gravity: N, functions: Functions) -> N:
-    """Return ``1/u² + (k_D/g) [p √(1 + p²) + arsinh p]``, p = w/u, s²/m²: constant without lift.
-
-    With the slope p as the variable, u' = -k_D V u and p' = -g/u give
-    d(1/u²)/dp = -2 (k_D/g) √(1 + p²), the derivative of the bracket times -k_D/g; u > 0.
-    """
-    p = state.w / state.u
-    bracket = p * functions.sqrt(1 + p * p) + functions.asinh(p)
-    return 1 / (state.u * state.u) + drag / gravity * bracket
-
-
 def energy(state: PlaneState, gravity: N) -> N:
     """Return ``E = g z + V²/2``, m²/s², the energy per unit mass: constant without drag.
 
@@ -234,24 +212,6 @@ def phugoid_rate(state: PlaneState, drag: N, lift: N, gravity: N, functions: Fun
     squared = state.u * state.u + state.w * state.w
     speed = functions.sqrt(squared)
     return -drag * speed * (lift * squared * speed - gravity * state.u)
-
-
-# --- scaling --------------------------------------------------------------------------------------
-
-
-def scaled_state(state: PlaneState, length: N, functions: Functions) -> PlaneState:
-    """Return the state with lengths times λ = `length` and times times √λ.
-
-    With `scaled_strengths` its path is the scaled path: every term of the equations of motion, k V²
-    and g, stays the same, and so does length/time².
-    """
-    root = functions.sqrt(length)
-    return PlaneState(length * state.s, length * state.z, root * state.u, root * state.w)
-
-
-def scaled_strengths(strengths: Mapping[str, N], length: N) -> dict[str, N]:
-    """Return the strengths of a law with k_D and k_L divided by λ = `length` and g unchanged."""
-    return {n: k if n == "gravity" else k / length for n, k in strengths.items()}
 
 
 def _terminal_speed(drag: N, gravity: N, functions: Functions) -> N:

@@ -198,7 +198,8 @@ class Coefficient:
         if self.name == "spin":
             return c["constant"] + c["per_spin"] * spin
         if self.name == "crisis":
-            fall = 1 / (1 + of(U).exp((U - c["speed"]) / c["width"]))
+            beyond = min((U - c["speed"]) / c["width"], 700)  # e^700 is a double, e^710 is none
+            fall = 1 / (1 + of(U).exp(beyond))
             at_speed = c["high_speed"] + (c["low_speed"] - c["high_speed"]) * fall
             return at_speed + c["per_spin"] * spin
         if self.name == "rational":

@@ -1,7 +1,7 @@
 """The oracle against exact results: what the engines are held to has to be true.
 
 Its steps are good to 1e-13 each, and a flight takes at most some hundred. What follows from no law
-of physics, such as tables and weather, `golden/test_confirmed.py` compares with proven values.
+of physics, such as tables and weather, `oracle_check.py` compares with proven values.
 """
 
 import ast

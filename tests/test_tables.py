@@ -341,7 +341,3 @@ def test_paths_come_with_the_results():
         assert table.path[row][:, 1:4] == pytest.approx(path.at(times).position, abs=1e-9)
     (solution,) = lb.solve_many([{"kind": "at-bat"}], paths=3)
     assert len(solution.to_dict()["path"]) == 3
-    with pytest.raises(ValueError, match="paths = 1"):
-        lb.solve_many([], paths=1)
-    with pytest.raises(ValueError, match="cannot be certified"):
-        lb.solve_many([], paths=2, certify=True)

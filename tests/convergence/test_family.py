@@ -29,7 +29,11 @@ def test_steps_are_sorted_and_counted_once():
 
 def test_an_error_without_truth_is_that_against_the_next_step():
     steps = np.geomspace(0.1, 0.01, 12)  # neighbours that differ by a fifth
-    (seen,) = study(lambda h: 7.0 + 3.0 * h**1.7, steps).orders
+    report = study(lambda h: 7.0 + 3.0 * h**1.7, steps, expected=1.7)
+    (seen,), (limit,) = report.orders, report.limits
+    assert (seen.quantity, seen.verdict, report.passed) == ("value", "as expected", True)
+    assert (seen.order, seen.constant) == pytest.approx((1.7, 3.0), rel=1e-6)
+    assert limit.value[0] == pytest.approx(7.0, abs=1e-12)
     errors = [rung.error for rung in seen.rungs]
     assert errors[-1] is None
     assert errors[:-1] == pytest.approx(list(3.0 * steps[:-1] ** 1.7), rel=1e-6)

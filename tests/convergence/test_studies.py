@@ -27,17 +27,6 @@ SCENES = [
 # ---- functions of the step -----------------------------------------------------------------------
 
 
-def test_a_number_needs_no_truth():
-    report = study(lambda h: 7.0 + 3.0 * h**1.7, STEPS, expected=1.7)
-    (seen,) = report.orders
-    assert (seen.quantity, seen.verdict) == ("value", "as expected")
-    assert seen.order == pytest.approx(1.7, abs=1e-6)
-    assert seen.constant == pytest.approx(3.0, rel=1e-5)
-    (limit,) = report.limits
-    assert limit.value[0] == pytest.approx(7.0, abs=1e-12)
-    assert report.passed
-
-
 def test_each_number_of_an_array_has_its_order():
     def values(step):
         return [[1.0 + step, 2.0 - step**2], [0.0, 3.0]]
@@ -285,18 +274,6 @@ def test_what_solve_many_returns_is_a_result():
     assert "distance" in {order.quantity for order in report.orders}
     with pytest.raises(TypeError, match="type dict"):
         converge(lambda dt: [{}], scenes, STEPS)
-
-
-def test_our_own_scheme_by_itself_and_against_the_parabola():
-    """A projectile without air, on which interpolation is all that is left of the error."""
-    scenes = [s.model_copy(update={"air": None}) for s in SCENES]
-    truth = []
-    for scene in scenes:
-        time = (20 + math.sqrt(20**2 + 2 * 9.8)) / 9.8
-        truth.append(landed(scene, scene.launch.velocity[0] * time))
-    report = converge(lambda h: [solve(s, Verlet(h)) for s in scenes], scenes, STEPS, truth)
-    assert distance_of(report).order == pytest.approx(2, abs=0.1)
-    assert distance_of(report).jumps
 
 
 # ---- what is written ----------------------------------------------------------------------------

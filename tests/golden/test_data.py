@@ -19,7 +19,7 @@ from longball.engines.enclosure import Enclosure
 from longball.golden.case import decisive
 from longball.golden.checker import check
 from longball.golden.files import CHECKSUMS, HEADER, export, schemas
-from longball.golden.reader import DATA
+from longball.golden.reader import DATA, EXTENDED
 from longball.home_run import draw, paper_at_bats, scenes, with_restitution
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
@@ -38,11 +38,6 @@ def test_the_set_is_what_its_files_say_and_a_sample_is_solved_again():
     assert report.failures == ()
     assert report.solved_again == 5
     assert report.cases == len(CASES) + len(golden.probabilities().cases) >= 500
-
-
-def test_an_unknown_family_is_refused_by_name():
-    with pytest.raises(ValueError, match="no family 'bunts'; the families are flight-vacuum"):
-        golden.load("bunts")
 
 
 def test_lines_obey_the_shipped_schemas():
@@ -184,6 +179,13 @@ def test_the_independent_method_agrees():
     assert max(case.confirmation.agreement for case in compared) < 1.0
     alone = {case.id for case in CASES if case.expected.outcome} - {case.id for case in compared}
     assert alone == {case.id for case in CASES if "unconfirmed" in case.flags}
+
+
+def test_real_baseball_has_many_cases_all_proven_and_confirmed():
+    for family in EXTENDED:
+        few = family in ("hard-real", "defaults", "various-real")  # with no law of their own
+        assert len(cases_of(family)) >= (30 if few else 40)
+        assert not any({"unconfirmed", "wide"} & {*case.flags} for case in cases_of(family))
 
 
 def test_all_outcomes_and_every_reading_that_matters_are_there():

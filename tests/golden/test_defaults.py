@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel
 
-from longball.judge.candidate import run
 from longball.judge.coverage import coverage
-from longball.model.scene import KINDS, parse_scene, written_out
+from longball.model.scene import KINDS, parse_scene
 from tests.scenes import all_cases, cases_of
 
 CASES = cases_of("defaults")
@@ -50,22 +48,6 @@ def test_its_lines_hold_no_more_than_was_written():
                    and "ball" in scene and len(scene["ball"]) == 4 for scene in bare)  # fmt: skip
     for case in CASES:
         assert parse_scene(case.scene.as_written()) == case.scene
-
-
-def test_a_program_gets_scenes_as_they_are_written():
-    program = (
-        "import json, sys\n"
-        "for line in sys.stdin:\n"
-        "    scene = json.loads(line)\n"
-        "    print(json.dumps({'id': scene['id'], 'error': ' '.join(scene)}), flush=True)\n"
-    )
-    scene = parse_scene('{"id":"a","kind":"pitch","pitch":{"speed":40.0}}')
-    for asked, keys in (
-        (scene, "id kind pitch"),
-        (written_out(scene), "id kind ball reading air gravity time_limit pitch"),
-    ):
-        found = run([sys.executable, "-c", program], [asked])
-        assert found.collected.answers["a"].error == keys
 
 
 def test_another_default_changes_its_cases():

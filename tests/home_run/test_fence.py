@@ -1,11 +1,8 @@
 """Home runs over a fence."""
 
-import json
-
 import numpy as np
 import pytest
 
-from longball.cli.homerun import base_scene
 from longball.engines.batch import Batch
 from longball.engines.ivp import Ivp
 from longball.home_run import estimate, integrals, monte_carlo, paper_at_bats
@@ -57,11 +54,3 @@ def test_a_park_of_chords():
 def test_quadrature_knows_no_fence():
     with pytest.raises(ValueError, match="not a fence"):
         integrals(fenced(radius=150.0), PAPER, [0.42])
-
-
-def test_the_command_takes_a_radius_or_a_file(tmp_path):
-    file = tmp_path / "park.json"
-    file.write_text(json.dumps(PARK.model_dump()))
-    assert base_scene({}, [], "110.5").fence == Fence(radius=110.5)
-    assert base_scene({}, [], str(file)).fence == PARK
-    assert base_scene({}, []).fence is None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from longball.judge.answers import COLUMNS, LONGEST_LINE, BadTable, read_results
+from longball.judge.answers import COLUMNS, BadTable, Collector, read_results
 from longball.judge.quantities import QUANTITIES
 from longball.model import result
 
@@ -66,12 +66,48 @@ def test_json_lines_keep_every_digit(tmp_path: Path):
     assert "landing.hang_time is" in said(collected)
 
 
-def test_a_line_that_is_too_long_is_one_line(tmp_path: Path):
-    long = b"x" * (3 * LONGEST_LINE)
-    collected = read_results(written(tmp_path, "r.jsonl", long + b'\n{"id": "a"}\n!'), ASKED)
-    assert list(collected.answers) == ["a"]
-    assert f"line 1: longer than {LONGEST_LINE} bytes" in said(collected)
-    assert "line 3: not JSON" in said(collected)
+# Lines of output, and what is said of each; "": nothing.
+LINES = [
+    (b'{"id": "a", "outcome": "landed", "landing": {"distance": 1.5}}', ""),
+    (b"hello", "not JSON from character 1 on: hello"),
+    (b"\xff\xfe", "not UTF-8 text: byte 1 is 0xff"),
+    (b"[1, 2]", "not a result, which is a JSON object"),
+    (b'{"outcome": 1}', "not a result: it has no id"),
+    (b'{"id": 7}', "not a result: the id 7 is not text"),
+    (b"", ""),
+    (b"[" * 60_000, "not a result: brackets nested too deeply"),
+    (b'{"id": "z"}', "no scene has the id z"),
+    (b'{"id": "a", "outcome": "missed"}', "a is answered again; the first answer counts"),
+    (b'{"id": "b", "outcome": "lan', 'not JSON from character 24 on: "lan; it is cut off'),
+    (b'{"id": "b", "landing": {"distance": 1', "it is cut off"),
+    (b'{"id": "b", "landing": {"distance": 1}', "it is cut off"),
+    (b'{"id": "b"} and more', "not JSON from character 13 on: and more"),
+    (b'{"id": "\\u001b]0;evil\\u0007' + b"x" * 1000 + b'"}', "no scene has the id \\x1b]0;evil"),
+    (b'{"id": "b", "outcome": "home run", "landing": 150, "plate": null}',
+     "home run is not an outcome"),
+    (b'{"id": "c", "outcome": ["landed"], "landing": {"distance": NaN, "time": 1e999, '
+     b'"hang_time": "4", "position": [1, 2], "velocity": [1, true, null]}}',
+     'landing.position is ["1", "2"]; must be three finite numbers'),
+    (b'{"id": "d", "landing": {"distance": ' + b"9" * 20_000 + b"}}", "landing.distance is 9999"),
+    (b'{"id": "e", "landing": {"distance": 1e-999999999999}}', "e: landing.distance is 1"),
+]  # fmt: skip
+
+
+def test_lines_that_are_no_answers_are_told_and_the_rest_read():
+    collector = Collector([*ASKED, "d", "e"])
+    for number, (line, _) in enumerate(LINES, 1):
+        collector.take_line(number, line)
+    for number, (_, sentence) in enumerate(LINES, 1):
+        found = [issue.sentence for issue in collector.issues if issue.line == number]
+        assert any(sentence in one for one in found) if sentence else not found, number
+        assert not any("\x1b" in one or len(one) > 200 for one in found)
+        cut = any("it is cut off" in one for one in found)
+        assert cut == ("it is cut off" in sentence)
+    a, b, c = (collector.answers[name] for name in ASKED)
+    assert (a.outcome, a.values) == ("landed", {"landing.distance": (Decimal("1.5"),)})
+    assert "b: landing is not a JSON object" in said(collector)
+    assert "c: landing.distance is NaN; must be a finite number" in said(collector)
+    assert (b.outcome, c.outcome, c.values, len(c.unreadable)) == (None, None, {}, 5)
 
 
 def test_a_table(tmp_path: Path):

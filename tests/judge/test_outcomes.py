@@ -76,96 +76,78 @@ def test_true_outcomes_follow_from_true_values():
     assert findings((*ENDS, *more, "edges")) == []
 
 
-def test_an_outcome_that_is_never_said():
-    found = one(findings(ENDS, lambda c: batted(c) if c.expected.outcome == "separating" else None))
-    assert (found.kind, found.edit) == ("named", "never says separating")
-    assert found.remedy == "say separating if Ṽ·n > 0"
-    separating = [c for c in cases_of(ENDS) if c.expected.outcome == "separating"]
-    assert found.wrong == len(separating) > 30
+def instead(outcome: Said, of: str, where: Said = lambda case: True) -> dict[str, Said]:
+    """Another outcome in place of one, in some scenes."""
+    return {"outcome": lambda c: outcome(c) if c.expected.outcome == of and where(c) else None}
 
 
-def test_the_length_of_the_bat_for_its_half():
-    found = one(
-        findings(
-            ENDS,
-            lambda c: (
-                batted(c)
-                if c.expected.outcome == "beyond_bat" and abs(side(c)) < c.scene.bat.length
-                else None
-            ),
-        )
-    )
-    assert found.edit is not None
-    assert found.edit.startswith("says beyond_bat if |contact.position_y| > L, not if")
-    assert found.remedy == "say beyond_bat if |contact.position_y| > L/2"
+def hang_time(case: Any) -> float:
+    return float(case.expected.landing.hang_time)
 
 
-def test_one_end_of_the_bat_alone():
-    found = one(
-        findings(
-            ENDS,
-            lambda c: batted(c) if c.expected.outcome == "beyond_bat" and side(c) < 0 else None,
-        )
-    )
-    assert found.edit is not None
-    assert found.edit.startswith("says beyond_bat if contact.position_y > L/2, not if |")
+def in_front_of_the_plate(case: Any) -> dict[str, bool]:
+    where = case.expected.fence or case.expected.landing
+    told = "landing.fair" in told_by(case.expected)
+    return {"landing.fair": float(where.position[0]) > 0} if told else {}
+
+
+def always_grips(case: Any) -> dict[str, str]:
+    slides = told_by(case.expected).get("impact.mode") == "slide"
+    return {"impact.mode": "grip"} if slides else {}
+
+
+def counted_from_1(case: Any) -> dict[str, Any]:
+    segment = told_by(case.expected).get("fence.segment")
+    return {} if segment is None else {"fence.segment": segment + 1}
+
+
+# Families, what is said in them in place of the truth, and what is found: the beginning of the
+# edit, and the remedy.
+NAMED = {
+    "an outcome is never said": (
+        ENDS, instead(batted, "separating"), "never says separating", "say separating if Ṽ·n > 0"),
+    "L for L/2": (
+        ENDS, instead(batted, "beyond_bat", lambda c: abs(side(c)) < c.scene.bat.length),
+        "says beyond_bat if |contact.position_y| > L, not if",
+        "say beyond_bat if |contact.position_y| > L/2"),
+    "one end of the bat": (
+        ENDS, instead(batted, "beyond_bat", lambda c: side(c) < 0),
+        "says beyond_bat if contact.position_y > L/2, not if |", ""),
+    "a condition is dropped": (
+        FENCES, instead(lambda c: "home_run", "landed", lambda c: c.expected.fence),
+        "says home_run whether or not the ball is fair", ""),
+    "what is in front of the plate is fair": (
+        FENCES, {"told": in_front_of_the_plate},
+        "says true if place_x > 0, not if place_x > |place_y|", ""),
+    "a ball always grips": (("impact-oblique",), {"told": always_grips}, "never says slide", ""),
+    "segments from 1": (FENCES, {"told": counted_from_1}, "fence.segment is 1 too large", ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", NAMED)
+def test_a_wrong_condition_is_named(mistake: str):
+    families, said, edit, remedy = NAMED[mistake]
+    found = one(findings(families, **said))
+    assert found.kind == "named"
+    assert str(found.edit).startswith(edit)
+    assert str(found.remedy).startswith(remedy)
+    true = {c.id: (c.expected.outcome, told_by(c.expected)) for c in cases_of(families)}
+    other, told = said.get("outcome", lambda c: None), said.get("told", lambda c: {})
+    changed = [
+        c for c in cases_of(families)
+        if (other(c) or true[c.id][0], true[c.id][1] | told(c)) != true[c.id]
+    ]  # fmt: skip
+    assert found.wrong == len(changed) > 0
 
 
 def test_a_limit_of_the_candidates_own_lies_between_its_values():
     late = 5.0
-
-    def flown(case: Any) -> float:
-        return float(case.expected.landing.hang_time)
-
-    found = one(
-        findings(
-            ("flight-both", "flight-drag"),
-            lambda c: "airborne" if c.expected.outcome == "landed" and flown(c) > late else None,
-        )
-    )
+    said = instead(lambda c: "airborne", "landed", lambda c: hang_time(c) > late)
+    found = one(findings(("flight-both", "flight-drag"), **said))
     assert found.edit is not None
     assert found.edit.startswith("says airborne if the time of flight > 5, not if")
     low, high = found.edit.rpartition("between ")[2].rstrip(")").split(" and ")
     assert float(low) <= late <= float(high)
-
-
-def test_a_condition_that_is_dropped():
-    fouls = [c for c in cases_of(FENCES) if c.expected.fence and c.expected.outcome == "landed"]
-    found = one(findings(FENCES, lambda c: "home_run" if c in fouls else None))
-    assert found.edit == "says home_run whether or not the ball is fair"
-    assert found.wrong == len(fouls) > 0
-
-
-def test_what_is_in_front_of_the_plate_taken_for_fair():
-    def fair(case: Any) -> dict[str, bool]:
-        where = case.expected.fence or case.expected.landing
-        if where is None or "landing.fair" not in told_by(case.expected):
-            return {}
-        return {"landing.fair": float(where.position[0]) > 0}
-
-    found = one(findings(FENCES, told=fair))
-    assert found.quantity == "landing.fair"
-    assert found.edit == "says true if place_x > 0, not if place_x > |place_y|"
-
-
-def test_a_ball_that_always_grips():
-    found = one(
-        findings(
-            ("impact-oblique",),
-            told=lambda c: (
-                {"impact.mode": "grip"} if told_by(c.expected).get("impact.mode") == "slide" else {}
-            ),
-        )
-    )
-    assert found.edit == "never says slide"
-
-
-def test_segments_counted_from_1():
-    def shifted(case: Any) -> dict[str, Any]:
-        segment = told_by(case.expected).get("fence.segment")
-        return {} if segment is None else {"fence.segment": segment + 1}
-
-    assert one(findings(FENCES, told=shifted)).edit == "fence.segment is 1 too large"
 
 
 @pytest.mark.parametrize("named", [(), ("touching",)])

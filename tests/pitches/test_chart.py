@@ -117,11 +117,6 @@ WRONG_TABLES = {
         "(1 rows: pitch_type is missing; 1 rows: release_speed is missing)",
     ),
     "header only": (statcast(), "table: the table has a header, and nothing below it"),
-    "empty": (io.StringIO(""), "table: the table is empty"),
-    "ragged": (
-        statcast("FF,90,0,2,3,1,7"),
-        "table: line 2: 7 cells, but the head has 6",
-    ),
 }  # fmt: skip
 
 

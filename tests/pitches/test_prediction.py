@@ -159,21 +159,16 @@ def test_the_command_draws(tmp_path):
     assert run.exit_code == 2
 
 
-@pytest.mark.parametrize(
-    ("arguments", "stdin", "sentence"),
-    [
-        (("-", *COMMAND), "a,b\n1,2\n", "the table has no such columns; its columns are a, b"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n99,0.5\n", "is it in rad?"),
-        (("-", "--games", str(EXAMPLE), *COMMAND), FLIES, "the table of games: temperature"),
-        (("-", "--kind", "batted"), "launch_speed,launch_angle\n46,28\n", "is it in m/s?"),
-        (("-", "--games", "nowhere.csv", *COMMAND), FLIES, "nowhere.csv: cannot be read"),
-    ],
-)
-def test_what_is_wrong_is_said(arguments, stdin, sentence):
-    run = longball(*arguments, stdin=stdin)
-    assert run.exit_code == 2
-    assert sentence in " ".join(run.stderr.split())
-    assert not run.stdout
+def test_what_is_wrong_is_said():
+    what_if = "launch_speed,launch_angle\n"
+    for options, stdin, sentence in (
+        ((), f"{what_if}99,0.5\n", "is it in rad?"),
+        ((), f"{what_if}46,28\n", "is it in m/s?"),
+        (("--games", str(EXAMPLE)), FLIES, "the table of games: temperature"),
+    ):
+        run = longball("-", *COMMAND, *options, stdin=stdin)
+        assert (run.exit_code, run.stdout) == (2, "")
+        assert sentence in " ".join(run.stderr.split())
 
 
 def test_a_row_that_is_no_scene_is_named_and_costs_the_others_nothing(tmp_path):

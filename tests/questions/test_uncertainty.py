@@ -9,6 +9,7 @@ import pytest
 
 import longball as lb
 from longball.model.quantities import nested
+from tests.calls import check_wrong_calls
 
 
 def vacuum(angle):
@@ -114,29 +115,23 @@ def test_another_outcome_nearby_is_said():
         lb.uncertainty(scene, {"launch.speed": 10.0}, quantities=["landing.distance"])
 
 
-@pytest.mark.parametrize(
-    ("spread", "sentence"),
-    [
-        ({"launch.sped": 1.0}, "did you mean launch.speed"),
-        ({"launch.speed": 0.0}, "must be positive"),
-        ({"launch.speed": -1.0}, "must be positive"),
-        ({}, "no number of the scene is uncertain"),
-        ({"gravity": {"gravity": 1.0, "launch.speed": 0.0}}, "names of its columns"),
-        (
-            {
-                "gravity": {"gravity": 1.0, "launch.speed": 2.0},
-                "launch.speed": {"gravity": 2.0, "launch.speed": 1.0},
-            },
-            "negative variance",
-        ),
-    ],
-)
-def test_what_is_no_spread_is_refused(spread, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        lb.uncertainty(vacuum(0.5), spread)
+WRONG = """
+spread({"launch.sped": 1.0}) -> did you mean launch.speed
+spread({"launch.speed": 0.0}) -> must be positive
+spread({}) -> no number of the scene is uncertain
+spread({"gravity": {"gravity": 1.0, "launch.speed": 0.0}}) -> names of its columns
+spread({"gravity": {"gravity": 1, "time_limit": 2}, "time_limit": {"gravity": 2, "time_limit": 1}})
+    -> negative variance
+lb.uncertainty(GROUND, {"launch.position[0]": 0.01}) -> ends where it starts
+"""
 
 
-def test_it_is_refused_where_there_is_no_derivative():
-    scene = lb.Flight(launch={"position": [0, 0, 0], "velocity": [30, 0, 0]})
-    with pytest.raises(lb.CannotSolve, match="ends where it starts"):
-        lb.uncertainty(scene, {"launch.position[0]": 0.01})
+GROUND = lb.Flight(launch={"position": [0, 0, 0], "velocity": [30, 0, 0]})
+
+
+def spread(sigma):
+    return lb.uncertainty(vacuum(0.5), sigma)
+
+
+def test_what_is_no_spread_or_has_no_derivative_is_refused():
+    check_wrong_calls(WRONG, globals())
