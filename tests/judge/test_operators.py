@@ -82,8 +82,16 @@ def test_another_node():
     assert not given(operators._others, constant(3.0), pool=(x, y))
 
 
+def test_another_node_where_a_scene_leaves_the_key_out():
+    m, M = I["m"], I["M"]
+    site = Site(m, (), (M, I["g"]), {}, False, {"m": {"left out"}})
+    found = [by for by, *_ in operators._others(site) if by.op == "switch"]
+    columns = {operators.key_of(m): np.array(["given", "left out"]), "M": 3.0}
+    assert [value(by, **columns) for by in found] == [(17, 3), (17, 3)]  # one way or either
+
+
 def test_another_node_where_a_scene_has_it():
-    site = Site(p, (), (q,), {}, False, frozenset(), ("flight", "impact"), {q: {"flight"}})
+    site = Site(p, (), (q,), {}, False, {}, ("flight", "impact"), {q: {"flight"}})
     (by, *_), *_ = operators._others(site)
     assert value(by, kind=np.array(["flight", "impact"])) == (7, 3)
 

@@ -175,7 +175,7 @@ ALONE = (
     Layer(slice(10_000, 80_000), slice(-1, None), 200),
 )
 BESIDE_ANOTHER = (Layer(slice(5_000), EVERY, 50),)
-HELD = 16  # edits of a layer that are verified in all scenes
+HELD = 6  # edits of a layer that are verified in all scenes
 # Edits that are tried with a second one, by the kind of stage. Of a flight there are few, because
 # every trial integrates it.
 PAIRS: Mapping[Kind, int] = {"flight": 1, "formula": 4, "event": 2}
@@ -480,12 +480,17 @@ class Explanation:
         # Rank the edits by their cost plus that of the errors that their first-order effects leave.
         responses = self.responses[layer.paths]
         flies, at = self.stage.kind == "flight", responses[0][0].at
-        starts = [self._starts(edit, at) for edit in some]
-        every = [Effects(way, some, starts, errors) for way, errors in responses]
-        self.fits = every[0]
-        ranks = np.argsort(np.min([one.bits() for one in every], axis=0), kind="stable")
-        if flies:  # flights are expensive: not for an edit that explains nothing to first order
-            ranks = ranks[np.min([one.left() for one in every], axis=0)[ranks] <= UNLIKE]
+        bits: list[Array] = []
+        for first in range(0, len(some), CHUNK):
+            part = some[first : first + CHUNK]
+            starts = [self._starts(edit, at) for edit in part]
+            every = [Effects(way, part, starts, errors) for way, errors in responses]
+            self.fits = every[0]
+            # Flights are expensive: not for an edit that explains nothing to first order.
+            unlike = flies & (np.min([one.left() for one in every], axis=0) > UNLIKE)
+            bits.append(np.where(unlike, np.inf, np.min([one.bits() for one in every], axis=0)))
+        total = np.concatenate(bits)
+        ranks = np.argsort(total, kind="stable")[: np.isfinite(total).sum()]
         # Group equal edits. Skip an edit that changes nothing, and a constant in place of a divisor
         # if it divides by 0 in every scene.
         groups: dict[bytes, list[Edit]] = {}
@@ -859,6 +864,7 @@ class Explanation:
 # An edit that explains at least this fraction of the wrong scenes is tried as one of two mistakes.
 MOST = 0.5
 RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
+CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
 # An edit explains a part of the errors if it mends so many wrong scenes, and this fraction of them.
