@@ -189,8 +189,10 @@ area = named("A", math.pi * (I["R"] * I["R"]))
 k = named("k", ρ * area / (2.0 * I["m"]))
 
 # The logarithmic profile of the wind, ln((z + z_0)/z_0)/ln((h + z_0)/z_0).
-rise = function("log", (component(r, 2) + I["z_0"]) / I["z_0"]) / function(
-    "log", (I["wind.height"] + I["z_0"]) / I["z_0"]
+rise = named(
+    "the wind's profile",
+    function("log", (component(r, 2) + I["z_0"]) / I["z_0"])
+    / function("log", (I["wind.height"] + I["z_0"]) / I["z_0"]),
 )
 # The textbook profile, which programs use in place of `rise`: z_0 is not added, and the wind is 0
 # below z_0.
@@ -317,6 +319,14 @@ def _heading_by_parts(velocity: Node) -> Node:
     )
 
 
+def _heading_by_angle(velocity: Node) -> Node:
+    ahead, aside, _ = _parts(velocity)
+    angle = named("φ", function("atan2", aside, ahead))
+    return where(
+        norm(level(velocity)), vector(function("cos", angle), function("sin", angle), 0), e_x
+    )
+
+
 def _headed(heading: Callable[[Node], Node]) -> Node:
     """h, the horizontal direction of the launch; of the velocity, if lift is always up."""
     options = {"fixed_spin_axis": heading(v0), "always_up": heading(v)}
@@ -409,9 +419,13 @@ LAW = _law(-(k * C_D * U * u), k * C_L * U_lift * cross(about, u_lift), _spinnin
 # law in vectors, and one component in place of another is one edit of the law by components.
 OTHER_FORMS = (
     _law(-(k * C_D * U * u), k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)), _spinning),
+    _law(
+        -(k * C_D * U * u),
+        k * C_L * U_lift * cross(cross(_headed(_heading_by_angle), e_z), u_lift), _spinning,
+    ),
     _by_components(),
     _in_launch_frame(),
-)
+)  # fmt: skip
 
 # --- the collision --------------------------------------------------------------------------------
 

@@ -278,6 +278,8 @@ def reason(
             # If the edit also mends an earlier flight, report the mistake there.
             right, earlier = _right(last), wrong[: wrong.index((stage, one))]
             mended = next((other for s, other in earlier if (s.name, s.kind) in right), one)
+            if mended is not one:  # there, it explains all errors
+                found = replace(found, mends=None)
             steps.append(Step(mended, found))
             continue
         # No edit explains the stage: try schemes, and then schemes with an edit of the law. Such

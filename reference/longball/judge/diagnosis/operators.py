@@ -283,6 +283,8 @@ class Site:
         Kinds of scenes that have a node of the pool, if not all have it.
     earlier
         Earlier states of the ball: words, place and velocity.
+    usual
+        Nodes of the pool that are definitions of other programs (`Stage.pool`).
     """
 
     node: Node
@@ -294,6 +296,7 @@ class Site:
     scenes: tuple[str, ...] = ()
     kinds: Mapping[Node, Collection[str]] = field(default_factory=dict)
     earlier: tuple[tuple[str, Node, Node], ...] = ()
+    usual: Collection[Node] = ()
 
     def where_known(self, other: Node, made: Node | None = None) -> Node:
         """`made`, or `other` itself, in scenes that have the node `other`; elsewhere this node.
@@ -362,7 +365,9 @@ def _others(site: Site) -> Iterator[Option]:
             if b.dimension != a.dimension:
                 yield in_unit_of(a, b), cost, f"uses {words(b)} for {words(a)}", ()
     for b in same:
-        yield site.where_known(b), BITS["other"] + choice, f"uses {words(b)} for {words(a)}", ()
+        # Definitions that people use are few.
+        cost = BITS["other"] + (math.log2(1 + len(site.usual)) if b in site.usual else choice)
+        yield site.where_known(b), cost, f"uses {words(b)} for {words(a)}", ()
         # A multiple of another input: a program may compute one number from the other.
         if a.op == b.op == "symbol" and not a.vector:
             cost = BITS["other"] + BITS["free factor"] + choice
@@ -512,6 +517,12 @@ def _scopes(site: Site) -> Iterator[Option]:
             for factor, said in _factors_with_words(one):
                 text = f"multiplies {words(other)} by {said}, too"
                 yield one + factor * other, cost, text, ()
+        for one, square in (a.args, a.args[::-1]):
+            x = square.args[0] if square.op == "negative" else square
+            if x.op == "product" and x.args[0] is x.args[1] and a.dimension == NONE:
+                whole = one - x.args[0] if square.op == "negative" else one + x.args[0]
+                text = f"squares {words(whole)}, not {words(x.args[0])} alone"
+                yield whole * whole, cost, text, ()
     if a.op == "product":
         for factor, whole in (a.args, a.args[::-1]):
             if _meaning(whole).op == "sum" and factor.dimension == NONE and not factor.vector:
@@ -922,12 +933,14 @@ def edits(
     }  # fmt: skip
     kinds = KINDS_OF | {launch: one.scenes for one in chain for launch in launches_of(one)}
     earlier = earlier_states(chain, stage)
+    known: dict[Node, Node] = {}
+    usual = frozenset(specialised(x, columns, known) for x in stage.pool)
     for name, root in stage.roots.items():
         flies = name in FLYING
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         # The speed along the path is the named U. Its content is edited as a part of the law.
         nodes = [root] if name == "through" else ordered([root], (), arguments)
-        site = Site(root, (), here, defaults, flies, omitted, stage.scenes, kinds, earlier)
+        site = Site(root, (), here, defaults, flies, omitted, stage.scenes, kinds, earlier, usual)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
         yield from _of_functions(root, nodes)

@@ -818,10 +818,10 @@ class Explanation:
         return min(found.values(), key=wrong)[0]
 
     def _left_by(self, found: Named) -> int:
-        """The number of scenes that are wrong in the flights which a name changes."""
+        """The number of wrong scenes in all flights with the definition that a name changes."""
         chain = self.chain
         for edit in found.edits:
-            chain = edit.apply(chain)
+            chain = replace(edit, only=None).apply(chain)
         pairs = zip(self.chain, chain, strict=True)
         flights = [s for was, s in pairs if s is not was and s.kind == self.stage.kind == "flight"]
         return sum(self._wrong(s) for s in flights)
