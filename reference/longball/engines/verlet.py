@@ -52,7 +52,7 @@ from longball.model.arrays import Array
 from longball.model.atmosphere import ROUGHNESS
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Law, PlaneState, SpaceState, State
-from longball.model.numbers import DOUBLES, Numbers, Vector
+from longball.model.numbers import DOUBLES, Numbers, Vector, plus
 from longball.model.readings import AppendixBRoot, ContactForce, VerletForces, VerletLanding
 from longball.model.trace import Names, Program, run_source
 
@@ -497,11 +497,6 @@ def line_touch(before: State, bat: BatSection, root: AppendixBRoot) -> float | N
 def _distance(bat: BatSection, state: State) -> Any:
     """Return the distance from the bat's axis, m, of a state, or of states in columns."""
     return np.hypot(bat.frame.towards_x(state), state.z - bat.height)
-
-
-def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[float, ...]:
-    """Return ``a + factor b``, component by component."""
-    return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
 
 
 def _halves(state: Sequence[T]) -> tuple[tuple[T, ...], tuple[T, ...]]:

@@ -36,18 +36,9 @@ from longball.model.atmosphere import (
     wind_strengths,
 )
 from longball.model.block import Block
-from longball.model.numbers import (
-    N,
-    Numbers,
-    Vector,
-    cross,
-    minus,
-    part_across,
-    plus,
-    present,
-    scaled,
-)
-from longball.model.trace import ZERO, Node, Program, norm
+from longball.model.numbers import N, Numbers, Vector, present
+from longball.model.trace import ZERO, Node, Program
+from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
 
 
 class PlaneState(NamedTuple):

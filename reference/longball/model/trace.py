@@ -253,13 +253,6 @@ def squares(node: Node) -> tuple[Node, ...]:
     return tuple(bases) if rest is ZERO else ()
 
 
-def norm(a: Iterable[Any]) -> Node:
-    """Return ``|a|`` of a vector of nodes, in the form that `squares` recognises."""
-    # A sum of squares under a root has bounded derivatives; see `derivative`.
-    squared = total(square(x) for x in a if x is not ZERO)
-    return squared if squared is ZERO else sqrt(squared)
-
-
 def derivative(
     node: Node, by: Node, known: dict[Node, Node] | None = None, ratio: str = "unit"
 ) -> Node:
