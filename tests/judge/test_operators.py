@@ -184,6 +184,8 @@ def test_scopes():
     assert not given(operators._scopes, p * named("sum", p + q))
     either = switch("kind", {"flight": y * p, "impact": x * p})
     assert given(operators._scopes, either + q) == one(5 * 3 + 5 * 7, 5 * 3 + 7)
+    assert one((1 - 2) ** 2) <= given(operators._scopes, 1.0 - x * x)
+    assert one((1 + 2) ** 2) <= given(operators._scopes, 1.0 + x * x)
 
 
 def test_shapes():
