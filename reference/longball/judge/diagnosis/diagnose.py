@@ -289,7 +289,7 @@ def reason(
         if data.way(stage) is None:
             steps_of = Steps(stage, data, columns, one)
             scheme = explain_scheme(chain, stage, data, columns, one, dt, steps_of)
-            if stage.kind == "flight" and not (scheme and scheme.adequate):
+            if stage.kind == "flight" and not rest and not (scheme and scheme.adequate):
                 like = steps_of.nearest()
                 near = _beside(like, chain, stage, data, columns, one) if like else found.near
                 both = with_edit(steps_of, near, dt, like)

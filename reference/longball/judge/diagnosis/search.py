@@ -108,7 +108,6 @@ class Located:
     nearest: Edit | None = None
     left: float = 1.0  # fraction of the initial cost that remains with `nearest`
     near: tuple[Edit, ...] = ()  # the edits with the smallest cost in the screening scenes
-    part: Named | None = None  # an edit that explains a part of the errors
     # If new scenes refute `nearest`: the number of those that do, and of all new scenes.
     refuted: tuple[int, int] | None = None
 
@@ -280,6 +279,8 @@ class Explanation:
     telling: dict[tuple[str, Kind], Index] = field(default_factory=dict)  # what `_telling` returns
     # Free numbers with their bits, by edit: what `settled` has fitted.
     numbers: dict[Edit, tuple[float, float]] = field(default_factory=dict)
+    # Edits of all layers that are better than chance, but do not explain every scene.
+    partial: list[_Verified] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -427,9 +428,8 @@ class Explanation:
         if names:
             return min(names, key=itemgetter(0))[1]
         # An edit that explains some scenes and breaks none is one of several mistakes.
-        named = [one.part for one in located if one.part is not None]
-        if named:
-            return max(named, key=lambda one: one.mends or 0)
+        if (one := self._of_a_part(unseen)) is not None:
+            return one
         near = tuple(edit for found in located for edit in found.near)
         return replace(min(located, key=attrgetter("left"), default=Located()), near=near)
 
@@ -600,7 +600,8 @@ class Explanation:
         # of the wrong scenes, it is the best edit, and a second one is searched for beside it.
         # Otherwise neither explains much alone, and the first-order effects of all pairs show which
         # edit to begin with.
-        partial = (one for one in verified if one.fit == "partial")
+        partial = [one for one in verified if one.fit == "partial"]
+        self.partial += partial
         best = min(partial, key=attrgetter("bits"), default=None)
         if layer.pairs and self.pairs and self.null_all >= 2 * needed:
             shows = best is not None and self._share(best.r) >= MOST
@@ -609,19 +610,18 @@ class Explanation:
                     return both
         if best is None:
             return Located(near=near)
-        part = self._of_a_part(verified, unseen)
-        return Located(best.edit, cost(best.r) / self.null_all, near, part)
+        return Located(best.edit, cost(best.r) / self.null_all, near)
 
-    def _of_a_part(self, verified: Sequence[_Verified], unseen: Unseen | None) -> Named | None:
+    def _of_a_part(self, unseen: Unseen | None) -> Named | None:
         """The edit that explains the largest part of the errors; None if no edit explains a part.
 
         It makes many of the wrong scenes right, and breaks no other.
         """
         found = defaultdict[int, list[tuple[Edit, float]]](list)  # by the scenes that they mend
         # One number of an event is little: in many scenes another coordinate is 0, too.
-        for one in verified if self.stage.kind != "event" else ():
+        for one in self.partial if self.stage.kind != "event" else ():
             # A number of many digits may fit a few scenes that are alike.
-            if one.fit == "partial" and one.number <= NUMBER + DIGIT:
+            if one.number <= NUMBER + DIGIT:
                 after = self._compared(self.edited(one.edit), self.followed.some, one.edit.rough)
                 mends, breaks = mended(self.followed, after)
                 if not breaks:
@@ -762,7 +762,7 @@ class Explanation:
             return None
         # Search for the second edit in the chain with the first one applied, without pairs.
         second = Explanation(chain, stage, self.data, self.columns, f, BESIDE_ANOTHER).explain()
-        if isinstance(second, Located):
+        if isinstance(second, Located) or second.mends is not None:
             return None
         both = (edit, *second.edits)
         for one in second.edits:
