@@ -236,6 +236,7 @@ def reason(
     tried: Counter[tuple[str, str]] = Counter()
     begun: defaultdict[tuple[str, str], float] = defaultdict(float)
     located: list[Stage] = []
+    partly: list[Stage] = []  # a part of their errors is explained
     while True:
         wrong = [
             (stage, one)
@@ -265,7 +266,7 @@ def reason(
             columns, last = follow(chain, data)
             continue
         # If a part of the errors is explained, the search for the rest has a smaller budget.
-        rest = any(_is_part_of(step, stage) for step in steps)
+        rest = any(_is_same_step(stage, other) for other in partly)
         layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
         search = Explanation(chain, stage, data, columns, one, layers, pairs)
         found = search.explain(unseen)
@@ -278,6 +279,8 @@ def reason(
             # If the edit also mends an earlier flight, report the mistake there.
             right, earlier = _right(last), wrong[: wrong.index((stage, one))]
             mended = next((other for s, other in earlier if (s.name, s.kind) in right), one)
+            if found.mends is not None:
+                partly.append(stage)
             if mended is not one:  # there, it explains all errors
                 found = replace(found, mends=None)
             steps.append(Step(mended, found))
@@ -306,11 +309,9 @@ def reason(
         located.append(stage)
 
 
-def _is_part_of(step: Step, stage: Stage) -> bool:
-    """True if a step explains a part of the errors of a stage, or of another flight of the law."""
-    was = step.followed.stage
-    same = (was.name, was.kind) == (stage.name, stage.kind) or was.kind == stage.kind == "flight"
-    return same and isinstance(step.found, Named) and step.found.mends is not None
+def _is_same_step(a: Stage, b: Stage) -> bool:
+    """True for one stage, and for two flights: they share one law."""
+    return (a.name, a.kind) == (b.name, b.kind) or a.kind == b.kind == "flight"
 
 
 def _is_left(one: Followed, wrong: Index) -> bool:
