@@ -183,7 +183,7 @@ def test_the_independent_method_agrees():
 
 def test_real_baseball_has_many_cases_all_proven_and_confirmed():
     for family in EXTENDED:
-        few = family in ("hard-real", "defaults", "various-real")  # with no law of their own
+        few = family in ("hard-real", "defaults", "various-real")  # test no law of their own
         assert len(cases_of(family)) >= (30 if few else 40)
         assert not any({"unconfirmed", "wide"} & {*case.flags} for case in cases_of(family))
 

@@ -66,7 +66,7 @@ def test_json_lines_keep_every_digit(tmp_path: Path):
     assert "landing.hang_time is" in said(collected)
 
 
-# Lines of output, and what is said of each; "": nothing.
+# Lines of output with a part of the complaint about each; right lines have no complaint.
 LINES = [
     (b'{"id": "a", "outcome": "landed", "landing": {"distance": 1.5}}', ""),
     (b"hello", "not JSON from character 1 on: hello"),

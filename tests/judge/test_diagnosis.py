@@ -47,7 +47,8 @@ def diagnosed(cases: Sequence[Case], read: Read, **options: Any) -> Diagnosis:
     return diagnose(cases, collected(cases, results).answers, **options)
 
 
-def as_it_is(scene: dict[str, Any]) -> None: ...
+def as_it_is(scene: dict[str, Any]) -> None:
+    """Read the scene without a mistake."""
 
 
 def half_of_drag(scene: dict[str, Any]) -> None:
@@ -93,7 +94,7 @@ def one_law_per_revolution_a_minute(scene: dict[str, Any]) -> None:
         drag["per_spin"] *= 30 / math.pi
 
 
-# Every third case of some families, and what is found at the first wrong stage.
+# Families, how a program misreads their scenes, the first wrong stage, and the edit that is named.
 READ = [
     ("at-bat flight-spin-lift impact", as_it_is, None, ""),
     ("pitch", speed_in_miles_per_hour, "pitch",
@@ -138,11 +139,11 @@ def test_a_wrong_default_is_named_with_the_scenes_that_leave_the_key_out():
 
 
 def test_a_mistake_is_reported_where_it_is_made_first():
-    """Pitches are thrown before balls are batted; the many flights tell more of it."""
+    """The finding is at the pitch, although the batted balls are more and are searched first."""
     cases = [*known("pitch")[::9], *known("flight-both")[::3]]
     (found,) = diagnosed(cases, own_gravity).findings
     assert (found.stage, found.edit) == ("pitch", "uses 9.81 for g, whatever the scene says")
-    # In answers that change from run to run no cause is sought.
+    # If answers change from run to run, the judge looks for no cause.
     found = diagnosed(cases, own_gravity, causes=False)
     assert {f.kind for f in found.findings} == {"located"}
 

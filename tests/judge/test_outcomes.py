@@ -101,8 +101,7 @@ def counted_from_1(case: Any) -> dict[str, Any]:
     return {} if segment is None else {"fence.segment": segment + 1}
 
 
-# Families, what is said in them in place of the truth, and what is found: the beginning of the
-# edit, and the remedy.
+# Families, the program's wrong facts, the beginning of the edit that is named, and the remedy.
 NAMED = {
     "an outcome is never said": (
         ENDS, instead(batted, "separating"), "never says separating", "say separating if Ṽ·n > 0"),
@@ -116,7 +115,7 @@ NAMED = {
     "a condition is dropped": (
         FENCES, instead(lambda c: "home_run", "landed", lambda c: c.expected.fence),
         "says home_run whether or not the ball is fair", ""),
-    "what is in front of the plate is fair": (
+    "every ball that lands in front of the plate is fair": (
         FENCES, {"told": in_front_of_the_plate},
         "says true if place_x > 0, not if place_x > |place_y|", ""),
     "a ball always grips": (("impact-oblique",), {"told": always_grips}, "never says slide", ""),

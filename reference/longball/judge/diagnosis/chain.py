@@ -414,18 +414,19 @@ def _in_launch_frame() -> Node:
     return _law(spread(*(-(_drag * each) for each in frame(u))), lift, _per_turn(c))
 
 
-LAW = _law(-(k * C_D * U * u), k * C_L * U_lift * cross(about, u_lift), _spinning)
+def _in_vectors(paper_lift: Node) -> Node:
+    return _law(-(k * C_D * U * u), paper_lift, _spinning)
+
+
+LAW = _in_vectors(k * C_L * U_lift * cross(about, u_lift))
 # Other forms of the same law, in which other mistakes are small: a wrong axis is one edit of the
 # law in vectors, and one component in place of another is one edit of the law by components.
 OTHER_FORMS = (
-    _law(-(k * C_D * U * u), k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift)), _spinning),
-    _law(
-        -(k * C_D * U * u),
-        k * C_L * U_lift * cross(cross(_headed(_heading_by_angle), e_z), u_lift), _spinning,
-    ),
+    _in_vectors(k * C_L * (U_lift * U_lift) * unit(cross(about, u_lift))),
+    _in_vectors(k * C_L * U_lift * cross(cross(_headed(_heading_by_angle), e_z), u_lift)),
     _by_components(),
     _in_launch_frame(),
-)  # fmt: skip
+)
 
 # --- the collision --------------------------------------------------------------------------------
 

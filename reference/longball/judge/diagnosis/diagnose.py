@@ -151,7 +151,7 @@ def conclude(
     digits = None
     if not found and not any(step.explained for step in reasoned.steps):
         digits = explain_digits(chain, plain, answers, lambda: unseen is None or unseen.follows)
-        if digits is not None:  # the errors that they explain
+        if digits is not None:  # report the errors without an allowance for the digits
             _, first = follow(chain, plain)
     return Conclusion(first, mended, found, digits, reasoned.steps, reasoned.chain, reasoned.data)
 
@@ -266,7 +266,8 @@ def reason(
             columns, last = follow(chain, data)
             continue
         # If a part of the errors is explained, the search for the rest has a smaller budget.
-        rest = any(_is_same_step(stage, other) for other in partly)
+        # All flights share one law.
+        rest = any((s.name, s.kind) == at or s.kind == stage.kind == "flight" for s in partly)
         layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
         search = Explanation(chain, stage, data, columns, one, layers, pairs)
         found = search.explain(unseen)
@@ -307,11 +308,6 @@ def reason(
             columns, last = follow(chain, data)
             continue
         located.append(stage)
-
-
-def _is_same_step(a: Stage, b: Stage) -> bool:
-    """True for one stage, and for two flights: they share one law."""
-    return (a.name, a.kind) == (b.name, b.kind) or a.kind == b.kind == "flight"
 
 
 def _is_left(one: Followed, wrong: Index) -> bool:

@@ -232,11 +232,11 @@ def matrix(name: str, form: Node) -> Node:
 
     A program has the function once. An edit of the form is in all columns of the matrix.
     """
-    columns = (substitute(form, ARGUMENT, vector(*row)) for row in _UNIT)
+    columns = (substitute(form, ARGUMENT, vector(*row)) for row in UNIT)
     return _node("matrix", (form, *columns), name, form.dimension)
 
 
-_UNIT = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+UNIT = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # the rows of the unit matrix
 
 
 def times(k: Node, v: Node) -> Node:

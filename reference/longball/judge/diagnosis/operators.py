@@ -45,6 +45,7 @@ from longball.judge.diagnosis.expression import (
     JUMPS,
     KINKS,
     NONE,
+    UNIT,
     Columns,
     Dimension,
     M,
@@ -230,8 +231,6 @@ FACTORS = {
 # Constants that programs have built in: the fit of a free number also starts from these.
 USUAL = {"g": GRAVITIES, "ρ_0": DENSITIES}
 
-_UNIT = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-
 
 def _axes() -> dict[str, tuple[tuple[float, ...], ...]]:
     """Vectors with flipped, omitted or exchanged components, by the way people write them."""
@@ -244,13 +243,13 @@ def _axes() -> dict[str, tuple[tuple[float, ...], ...]]:
         name = ", ".join(
             {1.0: "", -1.0: "-", 0.0: "0"}[s] + ("xyz"[i] if s else "") for i, s in enumerate(signs)
         )
-        found[f"({name})"] = tuple(tuple(s * x for x in _UNIT[i]) for i, s in enumerate(signs))
+        found[f"({name})"] = tuple(tuple(s * x for x in UNIT[i]) for i, s in enumerate(signs))
     for order in itertools.permutations(range(3)):
         if order != (0, 1, 2):
-            found[f"({', '.join('xyz'[i] for i in order)})"] = tuple(_UNIT[i] for i in order)
+            found[f"({', '.join('xyz'[i] for i in order)})"] = tuple(UNIT[i] for i in order)
     # Quarter turns about z: of frames in which y is forwards.
-    found["(y, -x, z)"] = (_UNIT[1], (-1.0, 0.0, 0.0), _UNIT[2])
-    found["(-y, x, z)"] = ((0.0, -1.0, 0.0), _UNIT[0], _UNIT[2])
+    found["(y, -x, z)"] = (UNIT[1], (-1.0, 0.0, 0.0), UNIT[2])
+    found["(-y, x, z)"] = ((0.0, -1.0, 0.0), UNIT[0], UNIT[2])
     return found
 
 
@@ -309,6 +308,14 @@ class Site:
         by = {kind: made if kind in have else self.node for kind in self.scenes}
         return switch("kind", by)
 
+    def omissions(self) -> Iterator[tuple[tuple[str, ...], str, float]]:
+        """Ways in which scenes omit the node, if it is a number: options, words and bits."""
+        for options, omits in OMITTING.items():
+            if self.node.op == "symbol" and not self.omitted.get(
+                self.node.data, frozenset()
+            ).isdisjoint(options):
+                yield options, f"where the scene {omits}", 3.0 - len(options)
+
     def under(self, *ops: str) -> bool:
         """True if one of these operations uses the node."""
         return any(parent.op in ops for parent in self.parents)
@@ -365,7 +372,7 @@ def _others(site: Site) -> Iterator[Option]:
             if b.dimension != a.dimension:
                 yield in_unit_of(a, b), cost, f"uses {words(b)} for {words(a)}", ()
     for b in same:
-        # Definitions that people use are few.
+        # There are few such definitions, so that the choice among them costs little.
         cost = BITS["other"] + (math.log2(1 + len(site.usual)) if b in site.usual else choice)
         yield site.where_known(b), cost, f"uses {words(b)} for {words(a)}", ()
         # A multiple of another input: a program may compute one number from the other.
@@ -373,14 +380,12 @@ def _others(site: Site) -> Iterator[Option]:
             cost = BITS["other"] + BITS["free factor"] + choice
             yield free() * b, cost, f"uses {{c}} times {words(b)} for {words(a)}", (a / b,)
     # Where the scene leaves the number out, a program may take another one.
-    for options, omits in OMITTING.items():
-        if a.op == "symbol" and not site.omitted.get(a.data, frozenset()).isdisjoint(options):
-            cost = BITS["other"] + choice + 3 - len(options)
-            vectors = (x for x in site.pool if x.vector and x.op in ("symbol", "named"))
-            parts = [component(x, i) for x in vectors for i in range(3)]
-            for b in (*same, *(x for x in parts if x.dimension == a.dimension)):
-                text = f"uses {words(b)} for {words(a)} where the scene {omits}"
-                yield where_key(options, a, site.where_known(b)), cost, text, ()
+    for options, where_omitted, bits in site.omissions():
+        vectors = (x for x in site.pool if x.vector and x.op in ("symbol", "named"))
+        parts = [component(x, i) for x in vectors for i in range(3)]
+        for b in (*same, *(x for x in parts if x.dimension == a.dimension)):
+            by, text = where_key(options, a, site.where_known(b)), f"uses {words(b)} for {words(a)}"
+            yield by, BITS["other"] + choice + bits, f"{text} {where_omitted}", ()
     if a.op in ("symbol", "named", "component"):
         for b in same:
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
@@ -427,11 +432,10 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield constant(usual, a.dimension), BITS["default"], text, ()
     # A wrong default shows only in scenes that omit the key. The search begins near the right
     # value, where the edit has an effect.
-    for options, omits in OMITTING.items():
-        if a.op == "symbol" and not site.omitted.get(a.data, frozenset()).isdisjoint(options):
-            chosen = where_key(options, a, free(a.dimension))
-            text = f"uses {{c}} for {said} where the scene {omits}"
-            yield chosen, BITS["free value"] + 3 - len(options), text, (0.9 * a,)
+    for options, where_omitted, bits in site.omissions():
+        chosen = where_key(options, a, free(a.dimension))
+        text = f"uses {{c}} for {said} {where_omitted}"
+        yield chosen, BITS["free value"] + bits, text, (0.9 * a,)
     if a.op in ("symbol", "named") and not a.vector:
         text = f"uses {{c}} for {said}, whatever the scene says"
         yield free(a.dimension), BITS["free value"], text, (a, *USUAL.get(a.data, ()))

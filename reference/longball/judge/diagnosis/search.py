@@ -486,7 +486,7 @@ class Explanation:
             starts = [self._starts(edit, at) for edit in part]
             every = [Effects(way, part, starts, errors) for way, errors in responses]
             self.fits = every[0]
-            # Flights are expensive: not for an edit that explains nothing to first order.
+            # Flights are expensive: skip edits that explain almost nothing to first order.
             unlike = flies & (np.min([one.left() for one in every], axis=0) > UNLIKE)
             bits.append(np.where(unlike, np.inf, np.min([one.bits() for one in every], axis=0)))
         total = np.concatenate(bits)
@@ -618,9 +618,9 @@ class Explanation:
         It makes many of the wrong scenes right, and breaks no other.
         """
         found = defaultdict[int, list[tuple[Edit, float]]](list)  # by the scenes that they mend
-        # One number of an event is little: in many scenes another coordinate is 0, too.
+        # An event has a single residual, which wrong coordinates make 0 in many scenes, too.
         for one in self.partial if self.stage.kind != "event" else ():
-            # A number of many digits may fit a few scenes that are alike.
+            # A number with many digits may fit a few similar scenes by coincidence.
             if one.number <= NUMBER + DIGIT:
                 after = self._compared(self.edited(one.edit), self.followed.some, one.edit.rough)
                 mends, breaks = mended(self.followed, after)
@@ -631,8 +631,7 @@ class Explanation:
             held = [
                 (edit, evidence)
                 for edit, evidence in found[mends]
-                if unseen is None
-                or unseen.holds(self.chain, self.stage, edit, self.data.ways, part=True)
+                if unseen is None or unseen.mends(self.chain, self.stage, edit, self.data.ways)
             ]
             if held:
                 return replace(self._named(held, None), mends=mends)

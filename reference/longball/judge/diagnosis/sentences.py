@@ -80,7 +80,7 @@ def named(
     same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
     sentence = f"{stage.name}: your program {edit}. This step is wrong {_where(one)}."
     if found.mends is not None:
-        sentence += f" That explains {found.mends} of these scenes, and not the others."
+        sentence += f" This edit explains {found.mends} of these scenes, and not the others."
     if same:
         sentence += f" Equivalent in these scenes: {'; '.join(same)}."
     return _finding(

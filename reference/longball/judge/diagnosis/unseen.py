@@ -30,6 +30,7 @@ from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import (
     Data,
     Flying,
+    Followed,
     compared,
     data_of,
     evenly,
@@ -103,15 +104,30 @@ class Unseen:
         return other
 
     def holds(
-        self, chain: tuple[Stage, ...], stage: Stage, edit: Edit, ways: Mapping[str, Flying],
-        part: bool = False,
-    ) -> bool:  # fmt: skip
-        """True if an edited stage reproduces the candidate's numbers in these scenes.
-
-        Of an edit that explains a `part` of the errors, True if it does so here, too.
-        """
-        if self.data is None:
+        self, chain: tuple[Stage, ...], stage: Stage, edit: Edit, ways: Mapping[str, Flying]
+    ) -> bool:
+        """True if an edited stage reproduces the candidate's numbers in these scenes."""
+        if (both := self._with_and_without(chain, stage, edit, ways)) is None:
             return True
+        f, without = both
+        return is_adequate(f.off / f.floor, edit.rough, without.beyond)
+
+    def mends(
+        self, chain: tuple[Stage, ...], stage: Stage, edit: Edit, ways: Mapping[str, Flying]
+    ) -> bool:
+        """True if an edit makes some wrong scenes right, if there are any, and breaks none."""
+        if (both := self._with_and_without(chain, stage, edit, ways)) is None:
+            return True
+        f, without = both
+        mends, breaks = mended(without, f)
+        return not breaks and (mends > 0 or not without.beyond.any())
+
+    def _with_and_without(
+        self, chain: tuple[Stage, ...], stage: Stage, edit: Edit, ways: Mapping[str, Flying]
+    ) -> tuple[Followed, Followed] | None:
+        """Residuals of a stage with and without an edit; None if there are no new scenes."""
+        if self.data is None:
+            return None
         (edited,) = edit.apply([stage])
         rough = frozenset((stage.name,) if edit.rough else ())
         data = replace(self.data, ways=ways, rough=rough)
@@ -119,11 +135,7 @@ class Unseen:
             self._followed = chain, follow(chain, data)[0]
         columns = self._followed[1]
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
-        f, without = (compared(one, data, columns, some)[0] for one in (edited, stage))
-        if part:
-            mends, breaks = mended(without, f)
-            return not breaks and (mends > 0 or not without.beyond.any())
-        return is_adequate(f.off / f.floor, edit.rough, without.beyond)
+        return compared(edited, data, columns, some)[0], compared(stage, data, columns, some)[0]
 
     @cached_property
     def follows(self) -> bool:
