@@ -87,6 +87,12 @@ def spins_in_revolutions_per_minute(scene: dict[str, Any]) -> None:
             scene[block]["spin"] = [x * math.pi / 30 for x in spin]
 
 
+def heavier_bats_with_friction(scene: dict[str, Any]) -> None:
+    """As of a program with a collision of its own for bats with friction."""
+    if scene.get("bat", {}).get("friction") is not None:
+        scene["bat"]["mass"] = 1.1 * scene["bat"].get("mass", 0.9)
+
+
 def one_law_per_revolution_a_minute(scene: dict[str, Any]) -> None:
     """As of a program that writes each law on its own: the drag crisis has the same spin."""
     drag = scene["air"]["drag_coefficient"]
@@ -107,6 +113,8 @@ READ = [
      "uses 9.8, its default, for g = 0"),
     ("at-bat-real", spins_in_revolutions_per_minute, "pitch",
      "uses 0.104719755 times the scene's spin (revolutions per minute taken for rad/s)"),
+    ("impact impact-oblique", heavier_bats_with_friction, "restitution",
+     "uses 1.1 times M where bat.friction is given"),
     pytest.param("flight-both", half_of_drag, "flight", "uses 0.5 times C_D for C_L",
                  marks=NIGHTLY),
     pytest.param("flight-spin-drag", one_law_per_revolution_a_minute, "flight",

@@ -271,6 +271,8 @@ def reason(
         layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
         search = Explanation(chain, stage, data, columns, one, layers, pairs)
         found = search.explain(unseen)
+        if isinstance(found, Located) and not rest:
+            found = search.of_one_option() or found
         if isinstance(found, Named):
             for edit in found.edits:
                 before, chain = chain, edit.apply(chain)

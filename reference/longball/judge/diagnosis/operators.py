@@ -145,6 +145,12 @@ class Edit:
         added = {*ordered([self.by])}.difference(ordered([self.place]))
         return any(node.op in JUMPS | KINKS for node in added)
 
+    def where(self, key: str, option: str, options: Iterable[str]) -> Edit:
+        """The edit in the scenes with one option of a switch; `options` are all of them."""
+        by = switch(key, dict.fromkeys(options, self.place) | {option: self.new})
+        words = f"{self.words} where {key} is {option}"
+        return replace(self, by=by, within=None, words=words, only=None)
+
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
         only = None if self.only is None else {(stage.name, stage.kind) for stage in self.only}
@@ -449,8 +455,9 @@ def _factors(site: Site) -> Iterator[Option]:
     if a.op in ("product", "quotient") and site.under("product", "quotient"):
         return  # the factors of a product are edited one by one
     yield -1.0 * a, BITS["factor"] + 1, f"flips the sign of {said}", ()
-    if a.op == "unit" and site.under("product"):
-        return  # a multiple of a unit vector equals one of the number beside it
+    direction = a.vector and a.dimension == NONE and a.op in ("unit", "named")
+    if direction and site.parents and all(p.op == "product" for p in site.parents):
+        return  # a multiple of a direction equals one of the number beside it
     fits = a.op in ("symbol", "named", "norm") or not site.parents or site.under("switch")
     if fits:
         yield free() * a, BITS["free factor"], f"uses {{c}} times {said}", (1.0, 3.0, 0.3)

@@ -680,6 +680,8 @@ class Followed:
     tolerance, floor
         A number is right if its residual is below the tolerance. A residual below the floor, the
         noise, needs no explanation.
+    finest
+        The floor if no error is granted: what a precise candidate leaves.
     scale
         Size to which errors are relative.
 
@@ -690,7 +692,7 @@ class Followed:
     >>> stage = next(one for one in CHAIN if one.name == "distance")
     >>> off = np.array([[1e-15, 0.02, np.nan]])
     >>> limit, size = np.full((1, 3), 1e-9), np.full((1, 3), 100.0)
-    >>> f = Followed(stage, np.arange(3), off, tolerance=limit, floor=limit, scale=size)
+    >>> f = Followed(stage, np.arange(3), off, limit, limit, limit, scale=size)
     >>> f.checked, f.beyond, f.relative
     (array([ True,  True, False]), array([False,  True, False]), array([1.e-17, 2.e-04, 0.e+00]))
     """
@@ -700,12 +702,13 @@ class Followed:
     off: Array
     tolerance: Array
     floor: Array
+    finest: Array
     scale: Array
 
     def of(self, which: Index) -> Followed:
         """Some of the scenes, by their places in `some`."""
-        parts = (x[:, which] for x in (self.off, self.tolerance, self.floor, self.scale))
-        return Followed(self.stage, self.some[which], *parts)
+        every = self.off, self.tolerance, self.floor, self.finest, self.scale
+        return Followed(self.stage, self.some[which], *(x[:, which] for x in every))
 
     @property
     def checked(self) -> NDArray[np.bool_]:
@@ -770,16 +773,20 @@ def compared(
             unsure = np.maximum(unsure, np.quantile(unsure, 0.9, axis=1, keepdims=True))
         absolute, relative = data.cut.get(quantity, (0.0, 0.0))
         short = absolute + relative * np.abs(given) if stage.kind != "event" else 0.0
-        least = np.maximum(SLACK * data.attainable[quantity][some], data.granted) + short
+        attained = SLACK * data.attainable[quantity][some]
+        least = np.maximum(attained, data.granted) + short
         tolerance = np.maximum(least, ROUNDING * large) + 4 * unsure
-        floor = np.maximum(least, NOISE * large) + unsure
-        rows.append((off, tolerance + 0 * off, floor + 0 * off, large + 0 * off))
-    off, tolerance, floor, scale = (np.concatenate(part) for part in zip(*rows, strict=True))
+        floor, finest = (
+            np.maximum(x, NOISE * large) + unsure for x in (least, attained + short)
+        )
+        row = off, tolerance, floor, finest, large
+        rows.append([x + 0 * off for x in row])
+    off, tolerance, floor, finest, scale = map(np.concatenate, zip(*rows, strict=True))
     off[:, np.isin(some, data.blind.get((stage.name, stage.kind), ()))] = np.nan
     if data.slips is not None:
         slipped = data.slips(stage, data, columns, some)
-        tolerance, floor = tolerance + 4 * slipped, floor + slipped
-    return Followed(stage, some, off, tolerance, floor, scale), found
+        tolerance, floor, finest = tolerance + 4 * slipped, floor + slipped, finest + slipped
+    return Followed(stage, some, off, tolerance, floor, finest, scale), found
 
 
 def mended(before: Followed, after: Followed) -> tuple[int, int]:

@@ -47,6 +47,7 @@ from longball.judge.diagnosis.residual import (
     FINE,
     HUGE,
     MIDDLE,
+    SWITCHES,
     Data,
     Followed,
     Index,
@@ -229,6 +230,8 @@ class _Verified(NamedTuple):
         `Explanation._is_possible` rejects.
     r
         Residuals of the edit, in floors.
+    left
+        Bits that these residuals cost.
     evidence
         Bits beyond chance.
     number
@@ -238,6 +241,7 @@ class _Verified(NamedTuple):
     edit: Edit
     alike: tuple[Edit, ...]
     r: Array
+    left: float
     evidence: float
     fit: Fit
     number: float
@@ -245,7 +249,7 @@ class _Verified(NamedTuple):
     @property
     def bits(self) -> float:
         """The cost of the edit and of what it leaves."""
-        return cost(self.r) + self.edit.bits
+        return self.left + self.edit.bits
 
 
 @dataclass
@@ -258,6 +262,8 @@ class Explanation:
         The scenes in which edits are verified; the good ones then in every scene.
     base, null_all
         Residuals of these scenes without an edit, and their cost in bits.
+    finer
+        The floors there in units of the finest ones (`Followed.finest`), which give the costs.
     few
         Positions in `all` of the screening scenes.
     mild
@@ -292,7 +298,8 @@ class Explanation:
         beside = np.union1d(right[beside], evenly(right, MOST_RIGHT))
         self.all = np.concatenate([evenly(order, MOST_WRONG), beside])
         self.base = base = self._compared(stage, self.all)
-        self.null_all = cost(_in_floors(base))
+        self.finer = base.floor / base.finest
+        self.null_all = cost(_in_floors(base) * self.finer)
         # Screening uses long steps, and scenes in which long steps are accurate.
         is_wrong = np.isin(self.all, wrong)
         every = np.arange(len(self.all))
@@ -325,6 +332,7 @@ class Explanation:
         self.off = np.where(lost, self._given(few), base.off[:, few])
         self.roughly = base.floor[:, few] + steps * np.abs(self.off)
         self.null = cost(self.off / self.roughly)
+        self.finer_few = self.roughly / (base.finest[:, few] + steps * np.abs(self.off))
 
     # --- residuals --------------------------------------------------------------------------------
 
@@ -433,6 +441,41 @@ class Explanation:
         near = tuple(edit for found in located for edit in found.near)
         return replace(min(located, key=attrgetter("left"), default=Located()), near=near)
 
+    def of_one_option(self) -> Named | None:
+        """Edits that explain the stage, made only in the scenes with one option of a switch.
+
+        A program may have code of its own for these scenes.
+        """
+        f, columns = self.followed, {**self.columns, "spin": self.columns[self.stage.spins]}
+        # Search in the scenes with all options that the wrong scenes share: the others are right.
+        shared, like = list[tuple[int, str, str]](), np.ones_like(f.beyond)
+        for key in SWITCHES & columns.keys():
+            options, here = columns[key][f.some], columns[key][f.some[f.beyond]]
+            if (here == here[0]).all() and (options != here[0]).any():
+                shared.append((len(np.unique(options)), key, str(here[0])))
+                like &= options == here[0]
+        if (f.checked & ~like).sum() < FEWEST:
+            return None
+        few = f.of(np.flatnonzero(like))
+        layers = self.layers[:2]
+        found = Explanation(
+            self.chain, self.stage, self.data, self.columns, few, layers, self.pairs
+        ).explain()
+        choice = math.log2(1 + len(shared))
+        if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
+            return None
+        # One of the options is the condition. That of the switch with fewest options is likeliest.
+        for _, key, option in sorted(shared):
+            every = np.unique(columns[key]).tolist()
+            edits = [self._placed(edit.where(key, option, every)) for edit in found.edits]
+            stage = self.stage
+            for edit in edits:
+                (stage,) = edit.apply([stage])
+            rough = any(edit.rough for edit in edits)
+            if not self._compared(stage, f.some, rough).beyond.any():
+                return Named(tuple(edits), found.evidence - choice)
+        return None
+
     @cached_property
     def responses(self) -> list[tuple[Response | Direct, Array]]:
         """First-order effects along a path, with the errors that they are compared with.
@@ -507,6 +550,7 @@ class Explanation:
                 break
             groups.setdefault(key, []).append(edit)
         # The best groups, computed in the screening scenes.
+        null = cost(self.off / self.roughly * self.finer_few)
         found, last = list[_Screened](), math.inf
         for k, group in enumerate(groups.values()):
             if flies and k > last + FURTHER:  # flights are expensive: stop soon after a good edit
@@ -526,7 +570,8 @@ class Explanation:
             else:
                 (r,), number = screened(np.zeros((1, 0))), 0.0
             left = cost(r)
-            explains = is_adequate(r, edit.rough) and self.null - left - edit.bits - number > needed
+            saved = null - cost(r * self.finer_few)
+            explains = is_adequate(r, edit.rough) and saved - edit.bits - number > needed
             # Many edits explain a few screening scenes, and most of them fail in others.
             if explains and self._fit(self.settled(group[0])[0])[0] != "partial":
                 last = k
@@ -610,7 +655,7 @@ class Explanation:
                     return both
         if best is None:
             return Located(near=near)
-        return Located(best.edit, cost(best.r) / self.null_all, near)
+        return Located(best.edit, best.left / self.null_all, near)
 
     def _of_a_part(self, unseen: Unseen | None) -> Named | None:
         """The edit that explains the largest part of the errors; None if no edit explains a part.
@@ -644,9 +689,9 @@ class Explanation:
 
         An edit is good if it saves the bits `needed`; `some` are all edits that were ranked.
         """
-        for i, (left, group, is_fitted) in enumerate(found):
+        for i, (screened, group, is_fitted) in enumerate(found):
             # A group that leaves much is verified only if it is the best: it may be one of two.
-            if i > 0 and left > RIVAL * self.null and not is_fitted:
+            if i > 0 and screened > RIVAL * self.null and not is_fitted:
                 continue
             (edit, more), twins = self.settled(group[0]), group[1:TWINS]
             if group[0].starts:
@@ -661,14 +706,15 @@ class Explanation:
             else:
                 twins = [twin for twin in twins if not twin.starts]
             fit, r = self._fit(edit)
-            if self.null_all - cost(r) - edit.bits < needed:
+            left = cost(r * self.finer)
+            if self.null_all - left - edit.bits < needed:
                 continue
             # A sample may lack the right scenes that the edit breaks.
             if fit != "partial":
                 fit, _ = self._fit(edit, everywhere=True)
             alike = tuple(e for e in (edit, *twins) if self._is_possible(self.edited(e)))
-            evidence = self.null_all - cost(r) - edit.bits - needed
-            yield _Verified(edit, alike, r, evidence, fit, more[1])
+            evidence = self.null_all - left - edit.bits - needed
+            yield _Verified(edit, alike, r, left, evidence, fit, more[1])
 
     def _fit(self, edit: Edit, everywhere: bool = False) -> tuple[Fit, Array]:
         """The fit of an edit without a free number, and its residuals, in floors.
@@ -766,7 +812,8 @@ class Explanation:
         both = (edit, *second.edits)
         for one in second.edits:
             (stage,) = one.apply([stage])
-        spent = cost(self._in_floors(stage, self.all)) + sum(one.bits + needed for one in both)
+        left = cost(self._in_floors(stage, self.all) * self.finer)
+        spent = left + sum(one.bits + needed for one in both)
         return Named(both, second.evidence) if spent < self.null_all else None
 
     def _named(self, adequate: Sequence[tuple[Edit, float]], unseen: Unseen | None) -> Named:
