@@ -776,9 +776,7 @@ def compared(
         attained = SLACK * data.attainable[quantity][some]
         least = np.maximum(attained, data.granted) + short
         tolerance = np.maximum(least, ROUNDING * large) + 4 * unsure
-        floor, finest = (
-            np.maximum(x, NOISE * large) + unsure for x in (least, attained + short)
-        )
+        floor, finest = (np.maximum(x, NOISE * large) + unsure for x in (least, attained + short))
         row = off, tolerance, floor, finest, large
         rows.append([x + 0 * off for x in row])
     off, tolerance, floor, finest, scale = map(np.concatenate, zip(*rows, strict=True))
