@@ -88,7 +88,7 @@ def spins_in_revolutions_per_minute(scene: dict[str, Any]) -> None:
 
 
 def heavier_bats_with_friction(scene: dict[str, Any]) -> None:
-    """As of a program with a collision of its own for bats with friction."""
+    """As of a program with a separate collision for bats with friction."""
     if scene.get("bat", {}).get("friction") is not None:
         scene["bat"]["mass"] = 1.1 * scene["bat"].get("mass", 0.9)
 

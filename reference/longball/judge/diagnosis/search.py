@@ -444,7 +444,7 @@ class Explanation:
     def of_one_option(self) -> Named | None:
         """Edits that explain the stage, made only in the scenes with one option of a switch.
 
-        A program may have code of its own for these scenes.
+        A program may have separate code for these scenes.
         """
         f, columns = self.followed, {**self.columns, "spin": self.columns[self.stage.spins]}
         # Search in the scenes with all options that the wrong scenes share: the others are right.
