@@ -21,7 +21,7 @@ from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
 from longball.judge.diagnosis.diagnose import diagnose, reason
-from longball.judge.diagnosis.expression import ordered
+from longball.judge.diagnosis.expression import evaluate, ordered
 from longball.judge.diagnosis.findings import Diagnosis
 from longball.judge.diagnosis.operators import edits, edits_of_one_option
 from longball.judge.diagnosis.residual import FINE, Stepping, follow, specialised_to, values
@@ -180,6 +180,22 @@ def test_noise_of_the_spin_alone_has_no_name_and_no_clock():
     reasoned = reason(replace(data, given=given), specialised_to(data))
     assert [step.followed.stage.name for step in reasoned.steps] == ["flight"]
     assert not reasoned.steps[0].explained
+
+
+def test_another_form_of_the_normal_is_no_mistake():
+    """A ball that touches late is inside the bat; (r - axis)/(R + r_b) is then no unit vector."""
+    data = truth(known("at-bat")[::9])
+    chain = specialised_to(data)
+    (at,) = (i for i, stage in enumerate(chain) if stage.name == "normal")
+
+    def given(columns: dict[str, Any]) -> dict[str, Any]:
+        place = columns["contact.position"] - 0.002 * columns["n"]
+        form, _ = chain[at].forms["value"]
+        made = evaluate(form, {**columns, "contact.position": place})
+        return {"contact.position": place, "contact.normal": made}
+
+    data, _ = material.planted(data, chain, given)
+    assert not reason(data, chain[at : at + 1]).steps
 
 
 # --- edits of the chain ---------------------------------------------------------------------------

@@ -631,7 +631,10 @@ _chord = level(_b - _a)
 _beside = level(at_fence - _a)
 # The height of the fence is linear along the chord.
 _passed = dot(_beside, unit(_chord))
-_top = component(_a, 2) + (component(_b, 2) - component(_a, 2)) * (_passed / norm(_chord))
+_top = component(_a, 2) + named(
+    "the fence's rise along the chord",
+    (component(_b, 2) - component(_a, 2)) * (_passed / norm(_chord)),
+)
 fence_top = named(
     "fence's height", switch("fence", {"a circle": constant(0.0, M), "a polyline": _top})
 )

@@ -258,6 +258,12 @@ def reason(
         if any(_is_same_flight(stage, other) for other in located):
             tried[at] = ROUNDS
             continue
+        # After a mistake, forms of a formula may differ: those of the normal if the ball is not on
+        # the bat's surface. A candidate that uses another one makes no mistake here.
+        if (form := _in_other_form(stage, data, columns, one)) is not None:
+            chain = tuple(form if other is stage else other for other in chain)
+            columns, last = follow(chain, data)
+            continue
         # The paper's contact force acts before the contact, which no edit of the batted flight can
         # express: try it first.
         if (push := explain_push(stage, data, columns, one)) is not None and push.way is not None:
@@ -310,6 +316,18 @@ def reason(
             columns, last = follow(chain, data)
             continue
         located.append(stage)
+
+
+def _in_other_form(
+    stage: Stage, data: Data, columns: Mapping[str, Any], one: Followed
+) -> Stage | None:
+    """The stage in another form, if all of the candidate's numbers follow from that."""
+    for form in stage.forms.get("value", ()):
+        other = replace(stage, roots={"value": form})
+        after, _ = compared(other, data, columns, one.some)
+        if not after.beyond.any():
+            return other
+    return None
 
 
 def _is_left(one: Followed, wrong: Index) -> bool:

@@ -857,8 +857,8 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
             root for one in before for name, root in one.roots.items()
             if one.kind != "flight" or name == "duration"
         ]  # fmt: skip
-        formulas = (x for one in chain if one.kind == "formula" for x in one.roots.values())
-        roots += [node for node in ordered(formulas) if node.data in INPUT_NAMES]
+        others = (x for one in chain if one.kind != "flight" for x in one.roots.values())
+        roots += [node for node in ordered(others) if node.data in INPUT_NAMES]
     if stage.kind == "event":  # and the starting position of the flight that it ends
         ends = (s for s in chain if s.kind == "flight" and s.quantities[0] == stage.quantities[0])
         roots += [flight.roots["place"] for flight in ends]

@@ -30,6 +30,7 @@ from longball.judge.diagnosis.chain import (
     Kind,
     Stage,
     closest,
+    n,
     r_dot,
 )
 from longball.judge.diagnosis.evidence import ADEQUATE, is_adequate
@@ -855,6 +856,9 @@ def begun(data: Data) -> dict[str, Any]:
 # the pitch, and are unknown where the pitch is wrong.
 _BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin", "path"))
 _TO_THE_BAT = "pitch", "touching"
+# The formulas of the collision hold for a unit vector. A program that divides by R + r_b has none
+# if its ball is not on the bat's surface.
+_NORMAL, NOT_ONE = frozenset((str(n.data),)), 1e-6
 
 
 def seen(chain: Sequence[Stage], data: Data) -> Data:
@@ -876,21 +880,23 @@ def follow(
 
     Return the columns and the residuals. The columns have the candidate's values; where it gives
     none, those that follow from earlier stages. `only` restricts the scenes. Stages that need the
-    ball's velocity at the bat are omitted where the flight to the bat is wrong.
+    ball's velocity at the bat are omitted where the flight to the bat is wrong, and those that need
+    the normal where it is no unit vector.
     """
     columns = begun(data)
     found = []
-    lost: Index = np.zeros(0, dtype=int)  # scenes in which that flight does not follow
+    lost: dict[frozenset[str], Index] = {_BEFORE: (none := np.zeros(0, dtype=int)), _NORMAL: none}
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         if only is not None:
             some = np.intersect1d(some, only)
-        if lost.size and any(depends(root, _BEFORE) for root in stage.roots.values()):
-            some = np.setdiff1d(some, lost)
+        for names, scenes in lost.items():
+            if scenes.size and any(depends(root, names) for root in stage.roots.values()):
+                some = np.setdiff1d(some, scenes)
         one, follows = compared(stage, data, columns, some)
         found.append(one)
         if stage.kind == "flight" and stage.name in _TO_THE_BAT:
-            lost = np.union1d(lost, some[one.wrong])
+            lost[_BEFORE] = np.union1d(lost[_BEFORE], some[one.wrong])
         if stage.kind == "event":  # an event gives no value, only the distance from its surface
             continue
         for quantity, value in follows.items():
@@ -899,6 +905,9 @@ def follow(
             silent = ~np.isfinite(data.given[quantity][..., some]) & np.isfinite(value)
             column[..., some] = np.where(silent, value, column[..., some])
             columns[name] = column
+        if stage.name == "normal":
+            size = np.sqrt(np.square(columns[str(n.data)]).sum(axis=0))
+            lost[_NORMAL] = np.flatnonzero(np.abs(size - 1.0) > NOT_ONE)
     return columns, found
 
 

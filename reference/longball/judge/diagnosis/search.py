@@ -464,16 +464,20 @@ class Explanation:
         choice = math.log2(1 + len(shared))
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
-        # One of the options is the condition. That of the switch with fewest options is likeliest.
+        # The edit may hold in all scenes. Otherwise one of the options is the condition, and that of
+        # the switch with fewest options is the likeliest.
+        ways = [found.edits]
         for _, key, option in sorted(shared):
             every = np.unique(columns[key]).tolist()
-            edits = [self._placed(edit.where(key, option, every)) for edit in found.edits]
+            ways.append(tuple(edit.where(key, option, every) for edit in found.edits))
+        for way in ways:
+            placed = tuple(map(self._placed, way))
             stage = self.stage
-            for edit in edits:
+            for edit in placed:
                 (stage,) = edit.apply([stage])
-            rough = any(edit.rough for edit in edits)
+            rough = any(edit.rough for edit in placed)
             if not self._compared(stage, f.some, rough).beyond.any():
-                return Named(tuple(edits), found.evidence - choice)
+                return Named(placed, found.evidence - choice)
         return None
 
     @cached_property
