@@ -273,7 +273,9 @@ def reason(
             continue
         # If a part of the errors is explained, the search for the rest has a smaller budget.
         # All flights share one law.
-        rest = any((s.name, s.kind) == at or s.kind == stage.kind == "flight" for s in partly)
+        rest = data.way(stage) is not None or any(
+            (s.name, s.kind) == at or s.kind == stage.kind == "flight" for s in partly
+        )
         layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
         search = Explanation(chain, stage, data, columns, one, layers, pairs)
         found = search.explain(unseen)

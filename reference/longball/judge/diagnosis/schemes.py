@@ -452,7 +452,8 @@ def explain_push(
     pitch = data.ways.get("pitch")
     struck = followed.some[take(columns, followed.some)["kind"] == "at-bat"]
     wrong = np.intersect1d(struck, followed.some[followed.wrong])
-    if stage.name not in BATTED or not isinstance(pitch, Way) or not wrong.size:
+    # Every batted ball is pushed.
+    if stage.name not in BATTED or not isinstance(pitch, Way) or 2 * wrong.size <= struck.size:
         return None
     # Integrators of the same order that fly a pitch alike may differ with a push: try all of them.
     alike = [one for one in VERLET.values() if one.order == pitch.one.order and one != pitch.one]

@@ -464,8 +464,8 @@ class Explanation:
         choice = math.log2(1 + len(shared))
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
-        # The edit may hold in all scenes. Otherwise one of the options is the condition; that of the
-        # switch with fewest options is the likeliest.
+        # The edit may hold in all scenes. Otherwise one of the options is the condition: likeliest
+        # that of the switch with fewest options.
         ways = [found.edits]
         for _, key, option in sorted(shared):
             every = np.unique(columns[key]).tolist()
