@@ -279,9 +279,15 @@ def reason(
         layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
         search = Explanation(chain, stage, data, columns, one, layers, pairs)
         found = search.explain(unseen)
-        if isinstance(found, Located) and not rest:
+        # Unless an edit explains all of the errors, a scheme may do so.
+        scheme = steps_of = None
+        if data.way(stage) is None and not (isinstance(found, Named) and found.mends is None):
+            steps_of = Steps(stage, data, columns, one)
+            scheme = explain_scheme(chain, stage, data, columns, one, dt, steps_of)
+        by_scheme = scheme is not None and scheme.adequate
+        if isinstance(found, Located) and not by_scheme and not rest:
             found = search.of_one_option() or found
-        if isinstance(found, Named):
+        if isinstance(found, Named) and not by_scheme:
             for edit in found.edits:
                 before, chain = chain, edit.apply(chain)
                 changed = {s.name for s, was in zip(chain, before, strict=True) if s is not was}
@@ -296,21 +302,22 @@ def reason(
                 found = replace(found, mends=None)
             steps.append(Step(mended, found))
             continue
-        # No edit explains the stage: try schemes, and then schemes with an edit of the law. Such
-        # edits are searched for with the scheme whose errors are most like the candidate's.
         tried[at] = ROUNDS
-        scheme = None
-        if data.way(stage) is None:
-            steps_of = Steps(stage, data, columns, one)
-            scheme = explain_scheme(chain, stage, data, columns, one, dt, steps_of)
-            if stage.kind == "flight" and not rest and not (scheme and scheme.adequate):
-                like = steps_of.nearest()
-                near = _beside(like, chain, stage, data, columns, one) if like else found.near
-                both = with_edit(steps_of, near, dt, like)
-                if both is not None:
-                    edit, scheme = both
-                    steps.append(Step(one, Named((edit,), scheme.evidence)))
-                    chain = edit.apply(chain)
+        # Neither explains the stage: try a scheme together with an edit. Edits are searched for
+        # with the scheme whose errors are most like the candidate's.
+        if (
+            stage.kind == "flight"
+            and steps_of
+            and isinstance(found, Located)
+            and not (rest or by_scheme)
+        ):
+            like = steps_of.nearest()
+            near = _beside(like, chain, stage, data, columns, one) if like else found.near
+            both = with_edit(steps_of, near, dt, like)
+            if both is not None:
+                edit, scheme = both
+                steps.append(Step(one, Named((edit,), scheme.evidence)))
+                chain = edit.apply(chain)
         steps.append(Step(one, scheme or found))
         if scheme is not None and scheme.adequate and scheme.way is not None:
             data = replace(data, ways={**data.ways, stage.name: scheme.way})
