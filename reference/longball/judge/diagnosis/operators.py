@@ -837,6 +837,9 @@ OPERATORS: tuple[Operator, ...] = (
 # one use of a definition, and a mistake in it), operators with a pool would give too many edits.
 OF_ITSELF: tuple[Operator, ...] = (_numbers, _factors, _shapes)
 
+# Operators that see the content of a definition, and not only its name.
+OF_CONTENT: tuple[Operator, ...] = (_siblings, _scopes)
+
 DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 
 # --- edits of a stage -----------------------------------------------------------------------------
@@ -1212,6 +1215,10 @@ def _of_formula(
         # The parent of a node under a name is the operation that uses the name.
         above = [q for p in using for q in ([p] if p.op != "named" else parents[p])]
         site = replace(whole, node=node, parents=tuple(above or using))
+        # A program may write out a definition again where it uses it, and err there.
+        used, uses = node, using
+        if [p.op for p in using] == ["named"]:
+            used, uses = using[0], parents[using[0]]
         for operator in operators:
             for by, bits, said, starts in operator(site):
                 # An unnamed node costs more, because people err in named things. Another form than
@@ -1221,16 +1228,20 @@ def _of_formula(
                 if node not in known:
                     yield Edit(place, by, cost, said, starts, within=within)
                 # The same mistake in a single use of a node that is used several times.
-                for use in using if len(using) > 1 else ():
+                for use in (
+                    uses if len(uses) > 1 and (used is node or operator in OF_CONTENT) else ()
+                ):
                     if use in known and all(q in known for q in parents[use]):
+                        continue
+                    if use.op == "component" and operator is _directions:  # another component
                         continue
                     place, within = (use, None) if form is root else (root, (form, use))
                     text = f"{said} in {words(use)}"
                     # A switch has no words that an author knows.
                     more = 2.0 + UNNAMED["switch"] * any(arg.op == "switch" for arg in use.args)
-                    new = rebuilt(use, [by if arg is node else arg for arg in use.args])
+                    new = rebuilt(use, [by if arg is used else arg for arg in use.args])
                     yield Edit(place, new, cost + more, text, starts, None, within)
-                    if use.args.count(node) > 1:  # a square, written as a product
+                    if use.args.count(used) > 1:  # a square, written as a product
                         new = rebuilt(use, [by, *use.args[1:]])
                         yield Edit(
                             place, new, cost + more + 1, f"{text}, once", starts, None, within
