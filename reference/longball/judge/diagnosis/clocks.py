@@ -35,9 +35,12 @@ class Scheme:
     bits, evidence
         Cost of the scheme, and its evidence beyond chance.
     adequate
-        True if the scheme reproduces all numbers of all scenes. Only such a scheme is named.
+        True if the scheme reproduces all numbers of all scenes, or of those that it `mends`. Only
+        such a scheme is named.
     way
         Integrator and step of the candidate's flight, if these are named.
+    mends
+        Of a scheme that explains only a part of the errors: the number of scenes.
     """
 
     words: str
@@ -47,6 +50,7 @@ class Scheme:
     evidence: float
     adequate: bool
     way: Way | None = None
+    mends: int | None = None
 
 
 ON_LATTICE = 1e-4  # of a step: largest distance of a time from a whole number of steps

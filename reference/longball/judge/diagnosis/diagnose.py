@@ -278,7 +278,9 @@ def reason(
         )
         layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
         search = Explanation(chain, stage, data, columns, one, layers, pairs)
-        found = search.explain(unseen)
+        # A scheme that explains a part of the flights leaves errors of its own, and no law's.
+        by_part = any(isinstance(s.found, Scheme) and s.found.mends is not None for s in steps)
+        found = Located() if by_part and stage.kind == "flight" else search.explain(unseen)
         # Unless an edit explains all of the errors, a scheme may do so.
         scheme = steps_of = None
         if data.way(stage) is None and not (isinstance(found, Named) and found.mends is None):
@@ -374,7 +376,7 @@ def _confirmed(
         if isinstance(cause, Named) and cause.mends is None:
             count = refuted(stage, any(edit.rough for edit in cause.edits), None)
             cause = cause if count is None else Located(cause.edits[0], refuted=count)
-        elif isinstance(cause, Scheme) and cause.adequate:
+        elif isinstance(cause, Scheme) and cause.adequate and cause.mends is None:
             cause = replace(cause, adequate=refuted(stage, False, cause) is None)
         found.append(replace(step, found=cause))
     return tuple(found)

@@ -23,6 +23,10 @@ CHANCE = 20.0  # bits: by chance an edit saves so many once in a million (2⁻²
 # wrong scenes.
 ROUGH = 0.05
 
+# An explanation holds for a part of the errors if it mends so many wrong scenes, and this fraction
+# of them, and breaks none.
+FEWEST, PART = 3, 0.3
+
 # Cost in bits of each digit of a free number, and of having one.
 DIGIT, NUMBER = math.log2(10), 3.0
 

@@ -12,7 +12,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,9 @@ from longball.judge.diagnosis.evidence import (
     ADEQUATE,
     CHANCE,
     DIGIT,
+    FEWEST,
     NUMBER,
+    PART,
     cost,
     fitted,
     is_adequate,
@@ -51,6 +52,7 @@ from longball.judge.diagnosis.residual import (
     compared,
     evenly,
     is_rough,
+    mended,
     take,
 )
 from longball.model.arrays import Array
@@ -348,7 +350,7 @@ class Steps:
                 r = self.left(options, some)
                 near = (np.nan_to_num(np.abs(r)) <= ADEQUATE).all(axis=0).mean(axis=1)
                 # A flight across a kink may differ even with the right option.
-                enough = np.flatnonzero(near >= (0.5 if len(some) <= 2 else MOST))
+                enough = np.flatnonzero(near >= 0.5)
                 costs = [cost(r[:, i]) for i in enough]
                 options = [options[enough[i]] for i in np.argsort(costs, kind="stable")]
         return options
@@ -367,9 +369,12 @@ class Steps:
             ways = {**self.data.ways, self.stage.name: Way(one, h, chord)}
             data = replace(self.data, ways=ways)  # shares the cache of flights
             after, _ = compared(self.stage, data, self.columns, self.followed.some)
-            r = after.off / after.floor
+            r, (mends, breaks) = after.off / after.floor, mended(self.followed, after)
             evidence = self.null - cost(r) - bits(h) - CHANCE
-            if evidence > 0 and is_adequate(r, is_rough(self.stage)):
+            whole = is_adequate(r, is_rough(self.stage))
+            # A program may treat the path of a decaying spin, or a kink of the law, in another way.
+            part = not breaks and mends >= max(FEWEST, PART * self.followed.beyond.sum())
+            if evidence > 0 and (whole or part):
                 alike = [
                     other.words for other, x, side in holding
                     if (x, side) == (h, chord) and other is not one
@@ -379,8 +384,9 @@ class Steps:
                 if alike and one is not EXACT:
                     said += f" (in these scenes the same as {' and '.join(dict.fromkeys(alike))})"
                 order = None if one is EXACT else one.order
-                found.append(Scheme(said, order, h, bits(h), evidence, True, way))
-        return max(found, key=attrgetter("evidence"), default=None)
+                part_of = None if whole else mends
+                found.append(Scheme(said, order, h, bits(h), evidence, True, way, part_of))
+        return max(found, key=lambda one: (one.mends is None, one.evidence), default=None)
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:
         """Integrators with a step, by the fraction of the median scene's errors that they leave.
@@ -489,7 +495,7 @@ def explain_push(
 
 SOME = 24  # wrong scenes with short flights, in which edits are tried first together with a scheme
 VARIANTS = 6  # edits that are tried with all schemes
-VERIFIED = 6  # schemes that reproduce the first scenes and are then flown in all
+VERIFIED = 3  # schemes that reproduce the first scenes and are then flown in all
 
 
 def with_edit(

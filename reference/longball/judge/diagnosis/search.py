@@ -27,7 +27,9 @@ from longball.judge.diagnosis.evidence import (
     ADEQUATE,
     CHANCE,
     DIGIT,
+    FEWEST,
     NUMBER,
+    PART,
     cost,
     fitted,
     is_adequate,
@@ -456,29 +458,41 @@ class Explanation:
                 like &= options == here[0]
         if (f.checked & ~like).sum() < FEWEST:
             return None
-        few = f.of(np.flatnonzero(like))
-        layers = self.layers[:2]
+        few, choice = f.of(np.flatnonzero(like)), math.log2(1 + len(shared))
         found = Explanation(
-            self.chain, self.stage, self.data, self.columns, few, layers, self.pairs
+            self.chain, self.stage, self.data, self.columns, few, self.layers[:2], self.pairs
         ).explain()
-        choice = math.log2(1 + len(shared))
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
         # The edit may hold in all scenes. Otherwise one of the options is the condition: likeliest
         # that of the switch with fewest options.
-        ways = [found.edits]
-        for _, key, option in sorted(shared):
-            every = np.unique(columns[key]).tolist()
-            ways.append(tuple(edit.where(key, option, every) for edit in found.edits))
-        for way in ways:
-            placed = tuple(map(self._placed, way))
-            stage = self.stage
-            for edit in placed:
-                (stage,) = edit.apply([stage])
-            rough = any(edit.rough for edit in placed)
-            if not self._compared(stage, f.some, rough).beyond.any():
-                return Named(placed, found.evidence - choice)
-        return None
+        holds: list[tuple[int, tuple[Edit, ...]]] = []  # with the scenes that are wrong elsewhere
+        for edits_there in (found.edits, *((edit,) for edit in found.same)):
+            _, breaks = mended(f, self._with(edits_there)[1])
+            # By chance, an option has these among all the scenes that the edit changes.
+            wrong = int(f.beyond.sum())
+            bits = math.log2(math.comb(wrong + breaks, wrong)) - choice
+            ways = [edits_there]
+            for _, key, option in sorted(shared) if bits > SHARED else ():
+                every = np.unique(columns[key]).tolist()
+                ways.append(tuple(edit.where(key, option, every) for edit in edits_there))
+            for way in ways:
+                placed = tuple(map(self._placed, way))
+                chain, after = self._with(placed)
+                if not after.beyond.any():
+                    holds.append((self._left(chain), placed))
+        if not holds:
+            return None
+        return Named(min(holds, key=itemgetter(0))[1], found.evidence - choice)
+
+    def _with(self, some: Sequence[Edit]) -> tuple[tuple[Stage, ...], Followed]:
+        """The chain with some edits, and the residuals of the stage."""
+        chain = self.chain
+        for edit in some:
+            chain = edit.apply(chain)
+        (stage,) = (s for s, was in zip(chain, self.chain, strict=True) if was is self.stage)
+        rough = any(edit.rough for edit in some)
+        return chain, self._compared(stage, self.followed.some, rough)
 
     @cached_property
     def responses(self) -> list[tuple[Response | Direct, Array]]:
@@ -862,10 +876,11 @@ class Explanation:
         if len(found) == 1:  # only this stage uses the definition
             return edit
 
-        def wrong(one: tuple[Edit, tuple[Stage, ...]]) -> int:
-            return sum(int(f.beyond.sum()) for f in follow(one[1], self.data)[1])
+        return min(found.values(), key=lambda one: self._left(one[1]))[0]
 
-        return min(found.values(), key=wrong)[0]
+    def _left(self, chain: tuple[Stage, ...]) -> int:
+        """The number of scenes in which the stages of a chain are wrong."""
+        return sum(int(f.beyond.sum()) for f in follow(chain, self.data)[1])
 
     def _left_by(self, found: Named) -> int:
         """The number of wrong scenes in all flights with the definition that a name changes."""
@@ -914,11 +929,10 @@ class Explanation:
 # An edit that explains at least this fraction of the wrong scenes is tried as one of two mistakes.
 MOST = 0.5
 RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
+SHARED = math.log2(100)  # bits: least evidence that an option is the condition of an edit
 CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
-# An edit explains a part of the errors if it mends so many wrong scenes, and this fraction of them.
-FEWEST, PART = 3, 0.3
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
 BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
 ELSEWHERE = 8  # pairs that are compared by the errors of other stages

@@ -79,8 +79,7 @@ def named(
     edit = joined([edit.words for edit in found.edits])
     same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
     sentence = f"{stage.name}: your program {edit}. This step is wrong {_where(one)}."
-    if found.mends is not None:
-        sentence += f" This edit explains {found.mends} of these scenes, and not the others."
+    sentence += _of_a_part("edit", found.mends)
     if same:
         sentence += f" Equivalent in these scenes: {'; '.join(same)}."
     return _finding(
@@ -123,11 +122,18 @@ def scheme(
 ) -> Finding:
     """The finding of a stage whose errors a scheme explains, or resembles."""
     sentence = f"{stage.name}: your program {found.words}. This step is wrong {_where(one)}."
+    sentence += _of_a_part("scheme", found.mends)
     return _finding(
         one, data, kind="named" if found.adequate else "nearest", sentence=sentence, scenes=scenes,
         edit=found.words if found.adequate else None, bits=round(found.evidence, 1),
         step=found.step,
     )  # fmt: skip
+
+
+def _of_a_part(what: str, mends: int | None) -> str:
+    if mends is None:
+        return ""
+    return f" This {what} explains {mends} of these scenes, and not the others."
 
 
 def digits(words: str, followed: Iterable[Followed], data: Data) -> Finding:
