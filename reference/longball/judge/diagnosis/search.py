@@ -378,7 +378,10 @@ class Explanation:
 
         def flown(numbers: Array) -> Array:
             off = self._off(stage, self.few, numbers, COARSE)
-            r = (off + self.own_error) / self.roughly
+            # An edit that removes a jump of the law removes the error of long steps across it.
+            both = np.array([(off + error) / self.roughly for error in (self.own_error, 0.0)])
+            costs = [[cost(r) for r in some] for some in both]
+            r = both[np.argmin(costs, axis=0), np.arange(len(numbers))]
             huge = np.asarray((known & ~(np.abs(off) < HUGE)).any(axis=1))
             for c, left, lost in zip(numbers, r, huge, strict=True):
                 # Long steps may diverge where the flight itself does not. If the other scenes are
@@ -687,7 +690,7 @@ class Explanation:
             if one.number <= NUMBER + DIGIT:
                 after = self._compared(self.edited(one.edit), self.followed.some, one.edit.rough)
                 mends, breaks = mended(self.followed, after)
-                if not breaks:
+                if not breaks and self._is_exact(after):
                     found[mends] += [(edit, one.evidence) for edit in one.alike]
         least = max(FEWEST, PART * self.followed.beyond.sum())
         for mends in sorted((n for n in found if n >= least), reverse=True):
@@ -699,6 +702,20 @@ class Explanation:
             if held:
                 return replace(self._named(held, None), mends=mends)
         return None
+
+    def _is_exact(self, after: Followed) -> bool:
+        """True if an edit leaves no more in the scenes that it mends than right scenes have.
+
+        What only reduces the errors mends those scenes where they are small.
+        """
+        f = self.followed
+        mends, right = f.beyond & ~after.beyond, f.checked & ~f.beyond
+        left, usual = (
+            float(np.nanquantile(np.abs(one.off / one.finest)[:, some], 0.9, method="lower"))
+            if some.any() else ADEQUATE
+            for one, some in ((after, mends), (f, right))
+        )  # fmt: skip
+        return left <= max(ADEQUATE, NOISY * usual)
 
     def _verified(
         self, found: Sequence[_Screened], some: Sequence[Edit], needed: float
@@ -930,6 +947,7 @@ class Explanation:
 MOST = 0.5
 RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
 SHARED = math.log2(100)  # bits: least evidence that an option is the condition of an edit
+NOISY = 10.0  # times the errors of right scenes: largest ones of scenes that an edit mends
 CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
