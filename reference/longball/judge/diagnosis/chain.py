@@ -458,9 +458,11 @@ n = own("contact.normal", "n", NONE, True)
 V_b = own("contact.bat_velocity", "V_b", SPEED, True)
 w = own("contact.normal_speed", "Ṽ·n", SPEED)
 own("contact.margin", "margin", M)
-# The closest distance of the undisturbed pitch from the bat's axis is a minimum, which no formula
-# gives: `longball.judge.diagnosis.residual.data_of` fills the column from the true margin.
+# The closest distance of the undisturbed pitch from the bat's axis is a minimum, and the highest
+# point of a flight a maximum, which no formula gives: `longball.judge.diagnosis.residual.data_of`
+# fills these columns from the truth.
 closest = symbol("the closest distance", M)
+rising, highest = symbol("the time to the highest point", S), symbol("the highest point", M, True)
 ẽ = own("impact.restitution", "ẽ")
 J = own("impact.impulse", "J", IMPULSE)
 after = own("impact.velocity", "V⁺", SPEED, True)
@@ -474,6 +476,8 @@ landing_time = own("landing.time", "landing.time", S)
 landing = own("landing.position", "landing.position", M, True)
 coming_down = own("landing.velocity", "landing.velocity", SPEED, True)
 own("landing.angle", "landing.angle")
+own("apex.time", "apex.time", S)
+own("apex.position", "apex.position", M, True)
 own("landing.spin", "landing.spin", RATE, True)
 own("landing.distance", "landing.distance", M)
 fence_time = own("fence.time", "fence.time", S)
@@ -973,6 +977,8 @@ CHAIN = (
         "landing angle", "landing.angle",
         function("atan2", -component(coming_down, 2), norm(level(coming_down))),
     ),
+    _formula("apex time", "apex.time", _begun + rising),
+    _formula("apex", "apex.position", highest),
     _formula("time", "landing.time", _begun + hang),
     _formula("distance", "landing.distance", norm(level(landing - _origin))),
 )  # fmt: skip

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from longball.judge.answers import Answer
-from longball.judge.diagnosis.chain import OWN, Stage
+from longball.judge.diagnosis.chain import CHAIN, OWN, Stage
 from longball.judge.diagnosis.evidence import CHANCE, DIGIT
 from longball.judge.diagnosis.expression import ordered
 from longball.judge.diagnosis.residual import Data, Index, follow, follows, take, values
@@ -140,18 +140,25 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
     Roundings are independent, so that the squares of their effects on a number add up.
     """
     own = take(columns, some)
-    used = frozenset(str(node.data) for node in ordered(stage.roots.values()))
+    used = {node.data for node in ordered(stage.roots.values()) if node.op == "symbol"}
     right = values(stage, own)
     squares = {quantity: np.zeros(np.shape(value)) for quantity, value in right.items()}
-    for quantity, (absolute, relative) in data.cut.items():
+    units = {
+        quantity: absolute + relative * np.abs(own[str(OWN[quantity].data)])
+        for quantity, (absolute, relative) in data.cut.items()
+    }
+    # The ball's velocity and spin at the bat follow from the pitch at the time that is written.
+    if used & {OWN[quantity].data for quantity in _BROUGHT} and data.slips is not None:
+        struck = own["kind"] == "at-bat"
+        rows = np.zeros((6, len(some)))
+        rows[:, struck] = data.slips(_TOUCHING, data, columns, some[struck])[3:9]
+        units |= zip(_BROUGHT, (rows[:3], rows[3:]), strict=True)
+    for quantity, unit in units.items():
         name = str(OWN[quantity].data)
-        time = quantity in (
-            "landing.hang_time",
-            "landing.time",
-        )  # give the duration
+        # These give the duration.
+        time = quantity in ("landing.hang_time", "landing.time")
         if name not in used and not (time and "hang_time" in used):
             continue
-        unit = absolute + relative * np.abs(own[name])
         for part in range(len(unit)) if OWN[quantity].vector else (...,):
             by = np.zeros_like(unit)
             by[part] = unit[part]
@@ -161,6 +168,10 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
             for number, value in values(stage, moved).items():
                 squares[number] += np.nan_to_num(value - right[number]) ** 2
     return np.concatenate([np.atleast_2d(np.sqrt(x)) for x in squares.values()])
+
+
+_BROUGHT = "contact.velocity", "contact.spin"  # no candidate writes them
+(_TOUCHING,) = (stage for stage in CHAIN if stage.quantities[1:3] == _BROUGHT)
 
 
 def said(found: Mapping[str, Digits], told: Collection[str]) -> str:

@@ -30,8 +30,10 @@ from longball.judge.diagnosis.chain import (
     Kind,
     Stage,
     closest,
+    highest,
     n,
     r_dot,
+    rising,
 )
 from longball.judge.diagnosis.evidence import ADEQUATE, is_adequate
 from longball.judge.diagnosis.expression import (
@@ -178,15 +180,23 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     # The true margin belongs to the true pitch, and cannot be compared with that of another pitch.
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
+    # Nor can the true highest point be compared with that of another flight.
+    landed = np.abs(given["landing.position"] - expected["landing.position"]).max(axis=0)
+    for quantity in ("apex.time", "apex.position"):
+        given[quantity][..., ~(landed <= max(SAME_FLIGHT, granted))] = np.nan
     numbers = inputs(scenes)
     columns = {**numbers, **switches(scenes), **keys(scenes, numbers), **chords_at}
     # The closest distance has no formula: it follows from the true margin, and the stage `margin`
     # turns it into a margin again.
     columns[str(closest.data)] = columns["R"] + columns["r_b"] - expected["contact.margin"]
+    columns[str(rising.data)] = expected["apex.time"] - np.nan_to_num(expected["contact.time"])
+    columns[str(highest.data)] = expected["apex.position"]
     return Data(cases, columns, given, expected, errors, granted=granted)
 
 
-SAME_PITCH = 1e-9  # m: pitches count as equal if they are this near to each other at the plate
+# m: pitches count as equal if they are this near to each other at the plate, flights if they are
+# this near at the landing.
+SAME_PITCH, SAME_FLIGHT = 1e-9, 1e-9
 
 
 def _floats(value: Sequence[Any]) -> Any:
