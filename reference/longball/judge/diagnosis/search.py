@@ -462,9 +462,8 @@ class Explanation:
         if (f.checked & ~like).sum() < FEWEST:
             return None
         few, choice = f.of(np.flatnonzero(like)), math.log2(1 + len(shared))
-        found = Explanation(
-            self.chain, self.stage, self.data, self.columns, few, self.layers[:2], self.pairs
-        ).explain()
+        search = Explanation(self.chain, self.stage, self.data, self.columns, few, self.layers[:2])
+        found = search.explain()
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
         # The edit may hold in all scenes. Otherwise one of the options is the condition: likeliest
@@ -725,8 +724,10 @@ class Explanation:
         An edit is good if it saves the bits `needed`; `some` are all edits that were ranked.
         """
         for i, (screened, group, is_fitted) in enumerate(found):
-            # A group that leaves much is verified only if it is the best: it may be one of two.
-            if i > 0 and screened > RIVAL * self.null and not is_fitted:
+            # A group that leaves much is verified only if it is about the best: it may be one of
+            # two, or long steps may be too coarse for it.
+            limit = max(RIVAL * self.null, 2.0 * found[0].left)
+            if i > 0 and screened > limit and not is_fitted:
                 continue
             (edit, more), twins = self.settled(group[0]), group[1:TWINS]
             if group[0].starts:
