@@ -126,9 +126,11 @@ def test_the_solution_of_a_matrix_where_it_is_regular():
     [
         ("linear", (2, 1, 5), (3, 5, 6)),
         ("extrapolated", (0, -1, 4), (2.5, 7, 8)),
+        ("extrapolated or 0", (0, 0, 4), (2.5, 7, 8)),
         ("extrapolated below", (0, -1, 4), (3, 5, 6)),
         ("extrapolated above", (2, 1, 5), (2.5, 7, 8)),
         ("previous node", (2, 1, 5), (3, 5, 6)),
+        ("middle", (2, 1, 5), (3, 5, 6)),
     ],
 )
 def test_tables(mode: str, below: Any, above: Any):

@@ -493,6 +493,7 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
     The value at x is the first value plus, for every segment, its slope times the length of its
     part below x. This is one expression for all scenes, although their nodes differ.
     """
+    mode, _, limited = mode.partition(" or ")
     widths = np.diff(at, axis=0)
     long = widths > 0  # tables are filled up with their last nodes
     slopes = np.where(long, np.diff(values, axis=0) / np.where(long, widths, 1.0), 0.0)
@@ -506,15 +507,20 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
         high[last, np.arange(at.shape[1])] = np.inf
     if mode == "short":
         high[last, np.arange(at.shape[1])] = 0.0
-    if mode == "previous node":
-        return lambda x: values[0] + ((x >= at[1:]) * np.diff(values, axis=0)).sum(0)
     first, start = values[0], at[:-1]
+
+    def held(x: Array) -> Any:
+        # The step to a node is made there; or half of it already beyond the node before.
+        reached = x >= at[1:]
+        begun = x > start if mode == "middle" else reached
+        return first + ((0.5 * reached + 0.5 * begun) * np.diff(values, axis=0)).sum(axis=0)
 
     def line(x: Array) -> Any:
         within = np.minimum(np.maximum(x - start, low), high)
-        return first + np.add.reduce(slopes * within)
+        found = first + np.add.reduce(slopes * within)
+        return np.maximum(found, 0.0) if limited else found
 
-    return line
+    return held if mode in ("previous node", "middle") else line
 
 
 def _occurring(node: Node, columns: Columns) -> dict[int, Array]:

@@ -355,7 +355,8 @@ def where_key(options: Sequence[str], number: Node, other: Node) -> Node:
     return switch(key_of(number), every | dict.fromkeys(options, other))
 
 
-INPUT_NAMES = frozenset(one.symbol.data for one in INPUTS)
+BLOCK_OF = {one.symbol.data: one.path.partition(".")[0] for one in INPUTS}
+INPUT_NAMES = BLOCK_OF.keys()
 
 # A replacement of a node: the new node, bits, words, and starting values of the free number.
 Option = tuple[Node, float, str, tuple[float | Node, ...]]
@@ -436,12 +437,13 @@ def _numbers(site: Site) -> Iterator[Option]:
         assert isinstance(usual, float)
         text = f"ignores {said}: uses {usual:.9g}, its default"
         yield constant(usual, a.dimension), BITS["default"], text, ()
-    # A wrong default shows only in scenes that omit the key. The search begins near the right
-    # value, where the edit has an effect.
+    # A wrong default shows only in scenes that omit the key. The search begins on both sides of the
+    # right value, where the edit has an effect.
     for options, where_omitted, bits in site.omissions():
         chosen = where_key(options, a, free(a.dimension))
         text = f"uses {{c}} for {said} {where_omitted}"
-        yield chosen, BITS["free value"] + bits, text, (0.9 * a,)
+        starts = tuple(x * a for x in (0.9, 0.2, 3.0, 10.0))
+        yield chosen, BITS["free value"] + bits, text, starts
     if a.op in ("symbol", "named") and not a.vector:
         text = f"uses {{c}} for {said}, whatever the scene says"
         yield free(a.dimension), BITS["free value"], text, (a, *USUAL.get(a.data, ()))
@@ -1077,15 +1079,18 @@ def _of_zeros(
     root: Node, nodes: Sequence[Node], defaults: Mapping[str, Any], columns: Columns
 ) -> Iterator[Edit]:
     """Edits of a program that uses the default of a number that is 0, as in ``x or 9.8``."""
-    every, cost = root, BITS["option"] + math.log2(1 + len(nodes))
+    cost = BITS["option"] + math.log2(1 + len(nodes))
+    blocks: dict[str, Node] = {}  # with all zeros of a block replaced, and of all blocks
     for node in nodes:
         usual = defaults.get(node.data) if node.op == "symbol" else None
         if usual and ZERO in columns.get(key_of(node), ()):
             by = where_key((ZERO,), node, constant(usual, node.dimension))
             yield Edit(node, by, cost, f"uses {usual:.9g}, its default, for {words(node)} = 0")
-            every = substitute(every, node, by)
-    if every is not root:
-        yield Edit(root, every, BITS["option"], "uses the default of each number that is 0")
+            for block in (f" of the block {BLOCK_OF[node.data]}", ""):
+                blocks[block] = substitute(blocks.get(block, root), node, by)
+    for block, changed in blocks.items():
+        text = f"uses the default of each number{block} that is 0"
+        yield Edit(root, changed, BITS["option"] + bool(block), text)
 
 
 def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
@@ -1147,11 +1152,16 @@ FUNCTIONS = (
     ("vector product of", ("cross",), _slipped),
 )
 # Ways to read a table, by the modes of `longball.judge.diagnosis.expression.table`.
-TABLES = {
+EXTRAPOLATED = {
     "extrapolated": "extrapolates {}",
     "extrapolated above": "extrapolates {} beyond its last node",
     "extrapolated below": "extrapolates {} below its first node",
+}
+TABLES = {
+    **EXTRAPOLATED,
+    **{f"{mode} or 0": f"{text}, but not below 0" for mode, text in EXTRAPOLATED.items()},
     "previous node": "does not interpolate in {}",
+    "middle": "uses the mean of two nodes of {}",
     "short": "ends {} at its last node but one",
 }
 _A, _B = symbol("a", NONE, True), symbol("b", NONE, True)

@@ -459,10 +459,10 @@ class Explanation:
             if (here == here[0]).all() and (options != here[0]).any():
                 shared.append((len(np.unique(options)), key, str(here[0])))
                 like &= options == here[0]
-        if (f.checked & ~like).sum() < FEWEST:
+        if min(f.beyond.sum(), (f.checked & ~like).sum()) < FEWEST:
             return None
         few, choice = f.of(np.flatnonzero(like)), math.log2(1 + len(shared))
-        search = Explanation(self.chain, self.stage, self.data, self.columns, few, self.layers[:2])
+        search = Explanation(self.chain, self.stage, self.data, self.columns, few, self.layers[:1])
         found = search.explain()
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
