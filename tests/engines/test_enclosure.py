@@ -70,6 +70,7 @@ def test_a_report_contains_the_ball(middle, radius, divisor, power, digits):
     assert distance(report, fraction(x)) + far <= Fraction(report.radius)
     digits_written = report.value.lower().split("e")[0].lstrip("-0.").replace(".", "")
     assert len(digits_written) <= digits + 2
+    assert len(report.radius.lower().split("e")[0].replace(".", "").strip("0")) <= 3
 
 
 def test_only_a_proven_sign_is_told():

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from longball.judge.diagnosis import clocks
-from longball.judge.diagnosis.clocks import ON_LATTICE, Scheme, lattice
+from longball.judge.diagnosis.clocks import LONGEST, ON_LATTICE, Scheme, lattice
 from longball.judge.diagnosis.evidence import CHANCE, cost
 from longball.judge.diagnosis.residual import compared, follow, specialised_to, values
-from longball.judge.diagnosis.schemes import explain_scheme
+from longball.judge.diagnosis.schemes import ROUND, explain_scheme
 from tests.judge.material import known, truth
 
 TIMES = np.array([0.53, 0.87, 1.21, 2.26, 3.08, 4.4, 5.02])
@@ -182,3 +182,7 @@ def test_noise_is_no_clock():
         }
     )
     assert found is None
+
+
+def test_round_steps_are_steps_of_a_candidate():
+    assert 0.0 < min(ROUND) < max(ROUND) <= LONGEST
