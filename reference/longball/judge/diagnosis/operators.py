@@ -355,7 +355,9 @@ def where_key(options: Sequence[str], number: Node, other: Node) -> Node:
     return switch(key_of(number), every | dict.fromkeys(options, other))
 
 
-BLOCK_OF = {one.symbol.data: one.path.partition(".")[0] for one in INPUTS}
+BLOCK_OF = {  # "" for a key of the scene itself
+    one.symbol.data: one.path.rpartition(".")[0].partition(".")[0] for one in INPUTS
+}
 INPUT_NAMES = BLOCK_OF.keys()
 
 # A replacement of a node: the new node, bits, words, and starting values of the free number.
@@ -1080,17 +1082,21 @@ def _of_zeros(
 ) -> Iterator[Edit]:
     """Edits of a program that uses the default of a number that is 0, as in ``x or 9.8``."""
     cost = BITS["option"] + math.log2(1 + len(nodes))
-    blocks: dict[str, Node] = {}  # with all zeros of a block replaced, and of all blocks
+    # With all zeros of a block replaced, and of all blocks.
+    blocks, zeros = dict[str, Node](), Counter[str]()
     for node in nodes:
         usual = defaults.get(node.data) if node.op == "symbol" else None
         if usual and ZERO in columns.get(key_of(node), ()):
             by = where_key((ZERO,), node, constant(usual, node.dimension))
             yield Edit(node, by, cost, f"uses {usual:.9g}, its default, for {words(node)} = 0")
-            for block in (f" of the block {BLOCK_OF[node.data]}", ""):
+            for block in {BLOCK_OF.get(node.data, ""), ""}:
                 blocks[block] = substitute(blocks.get(block, root), node, by)
+                zeros[block] += 1
     for block, changed in blocks.items():
-        text = f"uses the default of each number{block} that is 0"
-        yield Edit(root, changed, BITS["option"] + bool(block), text)
+        if not block or 1 < zeros[block] < zeros[""]:
+            numbers = "number" + f" of the block {block}" * bool(block)
+            text = f"uses the default of each {numbers} that is 0"
+            yield Edit(root, changed, BITS["option"] + bool(block), text)
 
 
 def _of_functions(root: Node, nodes: Sequence[Node]) -> Iterator[Edit]:
