@@ -668,6 +668,7 @@ fence_flown = fence_time - _begun
 _in_space = vector(x, y, z - bat_height)
 _sizes = I["m"] * (dot(after, after) - dot(V, V)) / 2.0
 _ball = math.pi * 4.0 / 3.0 * (I["R"] * I["R"] * I["R"])
+_displaced = switch("air", {"none": constant(0.0), "given": ρ * _ball / I["m"]})
 # The saturation pressure by Magnus (WMO), Bolton and Tetens, in that order.
 _vapours = tuple(
     named(f"{p:g}·exp({a:g}·t/({b:g} + t))", p * function("exp", a * celsius / (b + celsius)))
@@ -682,8 +683,8 @@ _in_flight = (
     *_vapours,
     _of_gases,
     named("331.3 + 0.606·(T - 273.15)", (331.3 + 0.606 * celsius) * constant(1.0, SPEED)),
-    named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - ρ * _ball / I["m"])),
-    named("a/(1 + ρ·V/2m) (added mass)", LAW / (1.0 + ρ * _ball / (2.0 * I["m"]))),
+    named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - _displaced)),
+    named("a/(1 + ρ·V/2m) (added mass)", LAW / (1.0 + _displaced / 2.0)),
     _unshifted,
 )
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
