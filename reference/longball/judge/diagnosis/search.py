@@ -177,6 +177,7 @@ ALONE = (
     Layer(slice(10_000, 80_000), slice(-1, None), 200),
 )
 BESIDE_ANOTHER = (Layer(slice(5_000), EVERY, 50),)
+OF_OPTION = (Layer(slice(5_000), EVERY, 50, pairs=True),)
 HELD = 6  # edits of a layer that are verified in all scenes
 # Edits that are tried with a second one, by the kind of stage. Of a flight there are few, because
 # every trial integrates it.
@@ -462,8 +463,9 @@ class Explanation:
         if min(f.beyond.sum(), (f.checked & ~like).sum()) < FEWEST:
             return None
         few, choice = f.of(np.flatnonzero(like)), math.log2(1 + len(shared))
-        search = Explanation(self.chain, self.stage, self.data, self.columns, few, self.layers[:1])
-        found = search.explain()
+        found = Explanation(
+            self.chain, self.stage, self.data, self.columns, few, OF_OPTION, self.pairs
+        ).explain()
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
         # The edit may hold in all scenes. Otherwise one of the options is the condition: likeliest
