@@ -16,7 +16,7 @@ import pytest
 import longball as lb
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
-from longball.judge import assert_case
+from longball.judge import assert_case, judge
 from longball.judge import cases as golden_cases
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import Converged, Exact, Known, Paper, profile, solved
@@ -27,6 +27,7 @@ from longball.judge.page import page
 from longball.judge.text import _diagnosis, render
 from longball.judge.verdict import SCHEMA_FILE, Submission, Verdict, compare, schema
 from longball.model.result import Result
+from longball.model.scene import FlightScene
 from longball.model.schema import text
 from tests.judge.material import at_bats, flights, pitches
 
@@ -429,3 +430,16 @@ def test_what_differs_from_run_to_run_by_less_than_passes_is_right():
     judge = Judge(solved(flights(), Ivp()), Converged(1e-6))
     found = judge.evaluate_command([sys.executable, "-c", NOISY]).verdict
     assert found.status == "PASSED", found.reasons
+
+
+def test_what_the_golden_data_lack_is_judged_too():
+    """Most families have no apex, which the engine `ivp` computes."""
+
+    def late(scene: FlightScene) -> dict[str, object]:
+        result = json.loads(solve(scene, Ivp()).line())
+        result["apex"]["time"] += 0.1
+        return result
+
+    verdict = judge(late, "flight-drag")
+    assert not verdict.passed
+    assert verdict.diagnosis.first == "apex time"

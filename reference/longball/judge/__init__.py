@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from longball.judge.answers import Collector, line_of
-from longball.judge.cases import Case, Profile
+from longball.judge.cases import Case, Profile, completed, lacking
 from longball.judge.cases import profile as profile_of
 from longball.judge.serve import serve
 from longball.judge.text import describe, flagged
@@ -127,6 +127,8 @@ def assert_case(
     collector.take_line(1, line_of(case.id, obtained))
     faults = [issue.sentence.removeprefix(f"{case.id}: ") for issue in collector.issues]
     answer = collector.answers.get(case.id)
+    if answer is not None and (names := lacking(truth, answer.values)):
+        truth = completed(truth, names)
     comparison = compare(truth, answer, rule)
     if comparison.judged:
         if answer is not None and answer.error is not None:

@@ -6,22 +6,31 @@ A `Case` is a golden one, or one that `Known` makes of any scene and result.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
+from typing import Any
 
 from longball.engines.chain import solve
-from longball.engines.engine import Engine
+from longball.engines.engine import CannotSolve, Engine
 from longball.engines.fence import stop_at
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import Verlet
 from longball.golden.case import Case as GoldenCase
-from longball.judge.quantities import QUANTITIES, Value, length, radius_of, values_of
+from longball.golden.case import Quantity
+from longball.judge.quantities import (
+    OPTIONAL,
+    QUANTITIES,
+    Value,
+    length,
+    radius_of,
+    values_of,
+)
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.names import one_of
 from longball.model.numbers import DOUBLES, Undecided
-from longball.model.quantities import number
+from longball.model.quantities import number, numbers
 from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import FlightScene, Scene, landing_height
@@ -57,6 +66,42 @@ Case = GoldenCase | Known
 def solved(scenes: Iterable[Scene], engine: Engine, family: str | None = None) -> list[Known]:
     """Return cases of scenes as an engine solves them; the family is the kind if not given."""
     return [Known(scene, solve(scene, engine), family or scene.kind) for scene in scenes]
+
+
+def lacking(case: Case, given: Collection[str]) -> list[str]:
+    """Return those of the `given` quantities that a case's result lacks.
+
+    Most golden families have no apex and no angles.
+    """
+    known = values_of(case.expected)
+    return [name for name in OPTIONAL if name in given and name not in known]
+
+
+def completed(case: Case, names: Collection[str]) -> Case:
+    """Return a golden case with quantities that its result lacks, as `ivp` has them."""
+    if isinstance(case, Known) or not decidable(case):
+        return case
+    try:
+        found = solve(case.scene, Ivp())
+    except (CannotSolve, Undecided):
+        return case
+    if found.outcome != case.expected.outcome:
+        return case
+    blocks: dict[str, Any] = {}
+    for name in {name.partition(".")[0] for name in names}:
+        mine, whole = getattr(case.expected, name), getattr(found, name)
+        more = {k: x for k, x in whole or () if x is not None and getattr(mine, k, None) is None}
+        blocks[name] = mine.model_copy(update=more) if mine else whole
+    sizes = {
+        name: UNKNOWN_SENSITIVITY * max(1.0, abs(float(x)))
+        for name, x in numbers(found)
+        if name not in case.quantities
+    }
+    known = {n: Quantity.model_construct(attainable=error) for n, error in sizes.items()}
+    expected = case.expected.model_copy(update=blocks)
+    return case.model_copy(
+        update={"expected": expected, "quantities": {**case.quantities, **known}}
+    )
 
 
 def attainable(case: Case, quantity: str) -> float:
