@@ -179,11 +179,11 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     chords_at = _fences(scenes, given["fence.position"], tops)
     # The true margin belongs to the true pitch, and cannot be compared with that of another pitch.
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
-    given["contact.margin"][~(pitched <= SAME_PITCH)] = np.nan
+    given["contact.margin"][~(pitched <= SAME_PATH)] = np.nan
     # Nor can the true highest point be compared with that of another flight.
     landed = np.abs(given["landing.position"] - expected["landing.position"]).max(axis=0)
     for quantity in ("apex.time", "apex.position"):
-        given[quantity][..., ~(landed <= max(SAME_FLIGHT, granted))] = np.nan
+        given[quantity][..., ~(landed <= max(SAME_PATH, granted))] = np.nan
     numbers = inputs(scenes)
     columns = {**numbers, **switches(scenes), **keys(scenes, numbers), **chords_at}
     # The closest distance has no formula: it follows from the true margin, and the stage `margin`
@@ -196,7 +196,7 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
 
 # m: pitches count as equal if they are this near to each other at the plate, flights if they are
 # this near at the landing.
-SAME_PITCH, SAME_FLIGHT = 1e-9, 1e-9
+SAME_PATH = 1e-9
 
 
 def _floats(value: Sequence[Any]) -> Any:
