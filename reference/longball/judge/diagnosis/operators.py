@@ -961,7 +961,8 @@ def edits(
         site = Site(root, (), here, defaults, flies, omitted, stage.scenes, kinds, earlier, usual)
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
-        yield from _of_functions(root, nodes)
+        if name != "through":  # also in options that only scenes of other stages have
+            yield from _of_functions(root, ordered([root]))
         yield from _of_matrices(nodes, site, arguments)
         yield from _of_zeros(root, nodes, defaults, columns)
         for form in stage.forms.get(name, ()):
