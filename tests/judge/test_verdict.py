@@ -443,8 +443,3 @@ def test_what_the_golden_data_lack_is_judged_too():
     verdict = judge(late, "flight-drag")
     assert not verdict.passed
     assert verdict.diagnosis.first == "apex time"
-
-
-def test_a_margin_is_as_exact_as_the_height_of_the_ball():
-    (case,) = (case for case in golden_cases("defaults") if case.id == "defaults-at-bat-0004")
-    assert_case(case, lb.solve(case.scene), "exact")

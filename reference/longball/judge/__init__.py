@@ -127,8 +127,8 @@ def assert_case(
     collector.take_line(1, line_of(case.id, obtained))
     faults = [issue.sentence.removeprefix(f"{case.id}: ") for issue in collector.issues]
     answer = collector.answers.get(case.id)
-    if answer is not None and (names := lacking(truth, answer.values)):
-        truth = completed(truth, names)
+    if answer is not None:
+        truth = completed(truth, lacking(truth, answer.values))
     comparison = compare(truth, answer, rule)
     if comparison.judged:
         if answer is not None and answer.error is not None:

@@ -258,8 +258,8 @@ def reason(
         if any(_is_same_flight(stage, other) for other in located):
             tried[at] = ROUNDS
             continue
-        # After a mistake, forms of a formula may differ: those of the normal if the ball is not on
-        # the bat's surface. A candidate that uses another one makes no mistake here.
+        # Forms of a formula agree for right inputs only: those of the normal differ if the ball is
+        # not on the bat's surface. A candidate that uses another form makes no mistake here.
         if (form := _in_other_form(stage, data, columns, one)) is not None:
             chain = tuple(form if other is stage else other for other in chain)
             columns, last = follow(chain, data)
@@ -278,7 +278,8 @@ def reason(
         )
         layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
         search = Explanation(chain, stage, data, columns, one, layers, pairs)
-        # A scheme that explains a part of the flights leaves errors of its own, and no law's.
+        # If a scheme explains only some flights, the remaining errors belong to the scheme, and not
+        # to the law.
         by_part = any(isinstance(s.found, Scheme) and s.found.mends is not None for s in steps)
         found = Located() if by_part and stage.kind == "flight" else search.explain(unseen)
         # Unless an edit explains all of the errors, a scheme may do so.

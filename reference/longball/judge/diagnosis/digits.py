@@ -170,8 +170,8 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
     return np.concatenate([np.atleast_2d(np.sqrt(x)) for x in squares.values()])
 
 
-_BROUGHT = "contact.velocity", "contact.spin"  # no candidate writes them
-(_TOUCHING,) = (stage for stage in CHAIN if stage.quantities[1:3] == _BROUGHT)
+(_TOUCHING,) = (stage for stage in CHAIN if (stage.name, stage.kind) == ("touching", "flight"))
+_BROUGHT = _TOUCHING.quantities[1:3]  # velocity and spin, which no candidate writes
 
 
 def said(found: Mapping[str, Digits], told: Collection[str]) -> str:

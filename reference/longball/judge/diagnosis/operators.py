@@ -146,7 +146,7 @@ class Edit:
         return any(node.op in JUMPS | KINKS for node in added)
 
     def where(self, key: str, option: str, options: Iterable[str]) -> Edit:
-        """The edit in the scenes with one option of a switch; `options` are all of them."""
+        """The edit, applied only in scenes with one option of a switch, of all its `options`."""
         by = switch(key, dict.fromkeys(options, self.place) | {option: self.new})
         words = f"{self.words} where {key} is {option}"
         return replace(self, by=by, within=None, words=words, only=None)
@@ -1090,9 +1090,10 @@ def _of_zeros(
         if usual and ZERO in columns.get(key_of(node), ()):
             by = where_key((ZERO,), node, constant(usual, node.dimension))
             yield Edit(node, by, cost, f"uses {usual:.9g}, its default, for {words(node)} = 0")
-            for block in {BLOCK_OF.get(node.data, ""), ""}:
+            for block in dict.fromkeys((BLOCK_OF.get(node.data, ""), "")):
                 blocks[block] = substitute(blocks.get(block, root), node, by)
                 zeros[block] += 1
+    # A block alone is another edit if it has several zeros, and other blocks have some, too.
     for block, changed in blocks.items():
         if not block or 1 < zeros[block] < zeros[""]:
             numbers = "number" + f" of the block {block}" * bool(block)
@@ -1237,6 +1238,7 @@ def _of_formula(
         if [p.op for p in using] == ["named"]:
             used, uses = using[0], parents[using[0]]
         for operator in operators:
+            several = len(uses) > 1 and (used is node or operator in OF_CONTENT)
             for by, bits, said, starts in operator(site):
                 # An unnamed node costs more, because people err in named things. Another form than
                 # the first costs one bit.
@@ -1245,9 +1247,7 @@ def _of_formula(
                 if node not in known:
                     yield Edit(place, by, cost, said, starts, within=within)
                 # The same mistake in a single use of a node that is used several times.
-                for use in (
-                    uses if len(uses) > 1 and (used is node or operator in OF_CONTENT) else ()
-                ):
+                for use in uses if several else ():
                     if use in known and all(q in known for q in parents[use]):
                         continue
                     if use.op == "component" and operator is _directions:  # another component

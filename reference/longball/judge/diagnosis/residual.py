@@ -866,8 +866,8 @@ def begun(data: Data) -> dict[str, Any]:
 # the pitch, and are unknown where the pitch is wrong.
 _BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin", "path"))
 _TO_THE_BAT = "pitch", "touching"
-# The formulas of the collision hold for a unit vector. A program that divides by R + r_b has none
-# if its ball is not on the bat's surface.
+# The formulas of the collision need a unit vector. A program that divides by R + r_b does not get
+# one if its ball is not on the bat's surface.
 _NORMAL, NOT_ONE = frozenset((str(n.data),)), 1e-6
 
 
@@ -895,7 +895,7 @@ def follow(
     """
     columns = begun(data)
     found = []
-    lost: dict[frozenset[str], Index] = {_BEFORE: (none := np.zeros(0, dtype=int)), _NORMAL: none}
+    lost: dict[frozenset[str], Index] = dict.fromkeys((_BEFORE, _NORMAL), np.zeros(0, dtype=int))
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         if only is not None:

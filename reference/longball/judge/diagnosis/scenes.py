@@ -69,9 +69,9 @@ TOLD_BY_NO_FIELD = frozenset((
 
 
 # A rule holds for all wrong scenes and for no right one. By chance a given rule does so with the
-# probability 1/choices (`Condition.choices`). A rule is reported if there are at least CHANCE times
+# probability 1/choices (`Condition.choices`). A rule is reported if there are at least ODDS times
 # as many choices as rules that were tried.
-CHANCE = 100
+ODDS = 100
 
 # No rule for fewer scenes, wrong or right: golden scenes that test one thing are alike, so that
 # many rules separate a few of them from others.
@@ -101,7 +101,7 @@ def rule(failing: Sequence[Case], passing: Sequence[Case], measured: bool = True
         others = [two for two in _conditions(wrong, left) if measured or not two.measured]
         tried, telling = len(known) * len(others), _telling(others, wrong, left, len(others))
         both = [other for other in telling
-                if one.choices(wrong, [*filter(other.holds, right)]) >= CHANCE * tried]  # fmt: skip
+                if one.choices(wrong, [*filter(other.holds, right)]) >= ODDS * tried]  # fmt: skip
         if text := _text(both):
             return f"{one.text} and {text}"
     return None
@@ -117,7 +117,7 @@ def _telling(
 
     `tried` is the number of conditions that were tried.
     """
-    likely = (one for one in conditions if one.choices(wrong, right) >= CHANCE * tried)
+    likely = (one for one in conditions if one.choices(wrong, right) >= ODDS * tried)
     telling = (one for one in likely if all(map(one.holds, wrong)))
     return [one for one in telling if not any(map(one.holds, right))]
 

@@ -58,12 +58,14 @@ from longball.judge.diagnosis.residual import (
     evenly,
     follow,
     inputs,
+    is_rough,
     mended,
     take,
     values,
     with_every_option,
 )
 from longball.judge.diagnosis.response import Direct, Effects, Response, cubic, free
+from longball.judge.diagnosis.scenes import ODDS
 from longball.judge.diagnosis.unseen import Unseen
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
@@ -140,6 +142,11 @@ def defaults() -> Mapping[str, Any]:
 def _in_floors(f: Followed) -> Array:
     r = f.off / f.floor
     return np.where(np.isfinite(f.off) & ~np.isfinite(r), LOST, r)
+
+
+def _bits(f: Followed) -> float:
+    """Cost of residuals in the finest floors: what a precise candidate leaves is evidence."""
+    return cost(_in_floors(f) * f.floor / f.finest)
 
 
 def _median(x: Any) -> float:
@@ -265,8 +272,6 @@ class Explanation:
         The scenes in which edits are verified; the good ones then in every scene.
     base, null_all
         Residuals of these scenes without an edit, and their cost in bits.
-    finer
-        The floors there in units of the finest ones (`Followed.finest`), which give the costs.
     few
         Positions in `all` of the screening scenes.
     mild
@@ -301,8 +306,7 @@ class Explanation:
         beside = np.union1d(right[beside], evenly(right, MOST_RIGHT))
         self.all = np.concatenate([evenly(order, MOST_WRONG), beside])
         self.base = base = self._compared(stage, self.all)
-        self.finer = base.floor / base.finest
-        self.null_all = cost(_in_floors(base) * self.finer)
+        self.null_all = _bits(base)
         # Screening uses long steps, and scenes in which long steps are accurate.
         is_wrong = np.isin(self.all, wrong)
         every = np.arange(len(self.all))
@@ -344,9 +348,6 @@ class Explanation:
         with np.errstate(all="ignore"):
             return compared(stage, data, self.columns, some)[0]
 
-    def _in_floors(self, stage: Stage, some: Index, rough: bool = False) -> Array:
-        return _in_floors(self._compared(stage, some, rough))
-
     def _given(self, some: Index) -> Array:
         """The candidate's numbers in some of `all` scenes; 0 where an event ends."""
         rows = [
@@ -375,14 +376,15 @@ class Explanation:
 
     def screened(self, stage: Stage) -> Callable[[Array], Array]:
         """The function from free numbers to the residuals in the screening scenes, in floors."""
-        known = np.isfinite(self.off)
+        known, jumps = np.isfinite(self.off), is_rough(self.stage)
 
         def flown(numbers: Array) -> Array:
             off = self._off(stage, self.few, numbers, COARSE)
-            # An edit that removes a jump of the law removes the error of long steps across it.
-            both = np.array([(off + error) / self.roughly for error in (self.own_error, 0.0)])
-            costs = [[cost(r) for r in some] for some in both]
-            r = both[np.argmin(costs, axis=0), np.arange(len(numbers))]
+            r = (off + self.own_error) / self.roughly
+            if jumps:  # an edit that removes one removes the error of long steps across it
+                both = np.array([r, off / self.roughly])
+                costs = [[cost(x) for x in some] for some in both]
+                r = both[np.argmin(costs, axis=0), np.arange(len(numbers))]
             huge = np.asarray((known & ~(np.abs(off) < HUGE)).any(axis=1))
             for c, left, lost in zip(numbers, r, huge, strict=True):
                 # Long steps may diverge where the flight itself does not. If the other scenes are
@@ -473,7 +475,7 @@ class Explanation:
         holds: list[tuple[int, tuple[Edit, ...]]] = []  # with the scenes that are wrong elsewhere
         for edits_there in (found.edits, *((edit,) for edit in found.same)):
             _, breaks = mended(f, self._with(edits_there)[1])
-            # By chance, an option has these among all the scenes that the edit changes.
+            # A random option divides wrong scenes and broken ones with this probability, in bits.
             wrong = int(f.beyond.sum())
             bits = math.log2(math.comb(wrong + breaks, wrong)) - choice
             ways = [edits_there]
@@ -705,9 +707,9 @@ class Explanation:
         return None
 
     def _is_exact(self, after: Followed) -> bool:
-        """True if an edit leaves no more in the scenes that it mends than right scenes have.
+        """True if the errors in the scenes that an edit mends are about those of right scenes.
 
-        What only reduces the errors mends those scenes where they are small.
+        An edit that only reduces errors mends the scenes in which they are small.
         """
         f = self.followed
         mends, right = f.beyond & ~after.beyond, f.checked & ~f.beyond
@@ -728,7 +730,7 @@ class Explanation:
         for i, (screened, group, is_fitted) in enumerate(found):
             # A group that leaves much is verified only if it is about the best: it may be one of
             # two, or long steps may be too coarse for it.
-            limit = max(RIVAL * self.null, 2.0 * found[0].left)
+            limit = max(RIVAL * self.null, ABOUT * found[0].left)
             if i > 0 and screened > limit and not is_fitted:
                 continue
             (edit, more), twins = self.settled(group[0]), group[1:TWINS]
@@ -743,8 +745,8 @@ class Explanation:
                 ]  # fmt: skip
             else:
                 twins = [twin for twin in twins if not twin.starts]
-            fit, r = self._fit(edit)
-            left = cost(r * self.finer)
+            fit, after = self._fit(edit)
+            left = _bits(after)
             if self.null_all - left - edit.bits < needed:
                 continue
             # A sample may lack the right scenes that the edit breaks.
@@ -752,21 +754,23 @@ class Explanation:
                 fit, _ = self._fit(edit, everywhere=True)
             alike = tuple(e for e in (edit, *twins) if self._is_possible(self.edited(e)))
             evidence = self.null_all - left - edit.bits - needed
-            yield _Verified(edit, alike, r, left, evidence, fit, more[1])
+            yield _Verified(edit, alike, _in_floors(after), left, evidence, fit, more[1])
 
-    def _fit(self, edit: Edit, everywhere: bool = False) -> tuple[Fit, Array]:
-        """The fit of an edit without a free number, and its residuals, in floors.
+    def _fit(self, edit: Edit, everywhere: bool = False) -> tuple[Fit, Followed]:
+        """The fit of an edit without a free number, and its residuals.
 
         It is that in `all` scenes; or, if `everywhere`, in every scene of the stage.
         """
         stage, f = self.edited(edit), self.followed
         some, wrong = (f.some, f.beyond) if everywhere else (self.all, self.base.beyond)
-        r = self._in_floors(stage, some)
-        if is_adequate(r, edit.rough, wrong):
-            return "exact", r
+        after = self._compared(stage, some)
+        if is_adequate(_in_floors(after), edit.rough, wrong):
+            return "exact", after
         if edit.rough:
-            r = self._in_floors(stage, some, rough=True)
-        return "rough" if edit.rough and is_adequate(r, True, wrong) else "partial", r
+            after = self._compared(stage, some, rough=True)
+            if is_adequate(_in_floors(after), True, wrong):
+                return "rough", after
+        return "partial", after
 
     def _share(self, r: Array) -> float:
         """Fraction of the wrong scenes in which a residual, in floors, is within the noise."""
@@ -850,7 +854,7 @@ class Explanation:
         both = (edit, *second.edits)
         for one in second.edits:
             (stage,) = one.apply([stage])
-        left = cost(self._in_floors(stage, self.all) * self.finer)
+        left = _bits(self._compared(stage, self.all))
         spent = left + sum(one.bits + needed for one in both)
         return Named(both, second.evidence) if spent < self.null_all else None
 
@@ -948,8 +952,9 @@ class Explanation:
 
 # An edit that explains at least this fraction of the wrong scenes is tried as one of two mistakes.
 MOST = 0.5
+ABOUT = 2.0  # times what the best group leaves: groups that are about as good
 RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
-SHARED = math.log2(100)  # bits: least evidence that an option is the condition of an edit
+SHARED = math.log2(ODDS)  # bits: least evidence that an option is the condition of an edit
 NOISY = 10.0  # times the errors of right scenes: largest ones of scenes that an edit mends
 CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
