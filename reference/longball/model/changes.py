@@ -43,6 +43,10 @@ class Changes:
 
     values: tuple[tuple[str, Any], ...] = ()
 
+    def __bool__(self) -> bool:
+        """True if there are any."""
+        return bool(self.values)
+
     def __call__(self, data: Mapping[str, Any]) -> dict[str, Any]:
         """Return a scene, as plain data, with the changes; `InvalidScene` if they do not fit it."""
         changed = dict(data)
