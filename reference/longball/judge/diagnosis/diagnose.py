@@ -187,6 +187,16 @@ class Step:
             return self.found.adequate
         return isinstance(self.found, Named)
 
+    @property
+    def way(self) -> Way | None:
+        """The way of the candidate's flight, if it is named."""
+        return self.found.way if isinstance(self.found, Scheme) and self.explained else None
+
+    @property
+    def is_applied(self) -> bool:
+        """True if later stages are followed with the explanation."""
+        return isinstance(self.found, Named) or self.way is not None
+
 
 @dataclass(frozen=True)
 class Reasoned:
@@ -235,8 +245,6 @@ def reason(
     # The number of explanations tried, and the largest error, by a stage's name and kind.
     tried: Counter[tuple[str, str]] = Counter()
     begun: defaultdict[tuple[str, str], float] = defaultdict(float)
-    located: list[Stage] = []
-    partly: list[Stage] = []  # a part of their errors is explained
     while True:
         wrong = [
             (stage, one)
@@ -255,7 +263,7 @@ def reason(
         tried[at] += 1
         begun[at] = max(begun[at], float(one.relative.max()))
         # If no edit explains the law on the way to the fence, none will on the way to the ground.
-        if any(_is_same_flight(stage, other) for other in located):
+        if any(_is_same_flight(stage, s.followed.stage) for s in steps if not s.is_applied):
             tried[at] = ROUNDS
             continue
         # Forms of a formula agree for right inputs only: those of the normal differ if the ball is
@@ -264,70 +272,104 @@ def reason(
             chain = tuple(form if other is stage else other for other in chain)
             columns, last = follow(chain, data)
             continue
-        # The paper's contact force acts before the contact, which no edit of the batted flight can
-        # express: try it first.
-        if (push := explain_push(stage, data, columns, one)) is not None and push.way is not None:
-            steps.append(Step(one, push))
-            data = replace(data, ways={**data.ways, **dict.fromkeys(BATTED, push.way)})
+        found = [
+            Step(one, cause)
+            for cause in _explained(chain, stage, data, columns, one, steps, dt, unseen)
+        ]
+        for step in found:
+            if isinstance(step.found, Named):
+                chain, data = _with_edits(step.found.edits, chain, data)
+            elif step.way is not None:
+                data = _with_way(step.way, stage, chain, data, columns)
+        # A stage gets another round after an edit or a push. Any other explanation closes it.
+        if not (isinstance(step.found, Named) or (step.way is not None and step.way.push)):
+            tried[at] = ROUNDS
+        if any(step.is_applied for step in found):
             columns, last = follow(chain, data)
-            continue
-        # If a part of the errors is explained, the search for the rest has a smaller budget.
-        # All flights share one law.
-        rest = data.way(stage) is not None or any(
-            (s.name, s.kind) == at or s.kind == stage.kind == "flight" for s in partly
-        )
-        layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
-        search = Explanation(chain, stage, data, columns, one, layers, pairs)
-        # If a scheme explains only some flights, the remaining errors belong to the scheme, and not
-        # to the law.
-        by_part = any(isinstance(s.found, Scheme) and s.found.mends is not None for s in steps)
-        found = Located() if by_part and stage.kind == "flight" else search.explain(unseen)
-        # Unless an edit explains all of the errors, a scheme may do so.
-        scheme = steps_of = None
-        if data.way(stage) is None and not (isinstance(found, Named) and found.mends is None):
-            steps_of = Steps(stage, data, columns, one)
-            scheme = explain_scheme(chain, stage, data, columns, one, dt, steps_of)
-        by_scheme = scheme is not None and scheme.adequate
-        if isinstance(found, Located) and not by_scheme and not rest:
-            found = search.of_one_option() or found
-        if isinstance(found, Named) and not by_scheme:
-            for edit in found.edits:
-                before, chain = chain, edit.apply(chain)
-                changed = {s.name for s, was in zip(chain, before, strict=True) if s is not was}
-                data = replace(data, rough=data.rough.union(changed if edit.rough else ()))
-            columns, last = follow(chain, data)
-            # If the edit also mends an earlier flight, report the mistake there.
-            right, earlier = _right(last), wrong[: wrong.index((stage, one))]
-            mended = next((other for s, other in earlier if (s.name, s.kind) in right), one)
-            if found.mends is not None:
-                partly.append(stage)
-            if mended is not one:  # there, it explains all errors
-                found = replace(found, mends=None)
-            steps.append(Step(mended, found))
-            continue
-        tried[at] = ROUNDS
-        # Neither explains the stage: try a scheme together with an edit. Edits are searched for
-        # with the scheme whose errors are most like the candidate's.
-        if (
-            stage.kind == "flight"
-            and steps_of
-            and isinstance(found, Located)
-            and not (rest or by_scheme)
-        ):
+        # If an edit also mends an earlier flight, report the mistake there: it explains all errors
+        # of that flight.
+        right, earlier = _right(last), wrong[: wrong.index((stage, one))]
+        mended = next((other for s, other in earlier if (s.name, s.kind) in right), None)
+        for step in found:
+            if isinstance(step.found, Named) and mended is not None:
+                step = Step(mended, replace(step.found, mends=None))
+            steps.append(step)
+
+
+def _explained(
+    chain: tuple[Stage, ...],
+    stage: Stage,
+    data: Data,
+    columns: Mapping[str, Any],
+    one: Followed,
+    steps: Sequence[Step],
+    dt: float | None,
+    unseen: Unseen | None,
+) -> Sequence[Named | Scheme | Located]:
+    """The causes of a stage's errors: the first of these that there are.
+
+    1. A push: the paper's contact force acts before the contact, which no edit of the batted flight
+       can express.
+    2. An edit, or two, that explain all errors.
+    3. A scheme, of all flights or of a part of them.
+    4. An edit of a part of the errors.
+    5. An edit that applies to one option of the scenes.
+    6. An edit together with a scheme.
+    7. Nothing: then the stage is located, with the nearest edit or the order of the errors.
+    """
+    push = explain_push(stage, data, columns, one)
+    if push is not None:
+        return [push]
+
+    # If a part of the errors is explained, the search for the rest has a smaller budget. All
+    # flights share one law.
+    in_steps = data.way(stage) is not None
+    partly = [s for s in steps if isinstance(s.found, Named | Scheme) and s.found.mends is not None]
+    rest = in_steps or any(
+        isinstance(s.found, Named)
+        and ((s.followed.stage.name, s.followed.stage.kind) == (stage.name, stage.kind)
+             or s.followed.stage.kind == stage.kind == "flight")
+        for s in partly
+    )  # fmt: skip
+    layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
+    search = Explanation(chain, stage, data, columns, one, layers, pairs)
+    # If a scheme explains only some flights, the remaining errors belong to the scheme, and not to
+    # the law.
+    no_law = stage.kind == "flight" and any(isinstance(s.found, Scheme) for s in partly)
+    found = Located() if no_law else search.explain(unseen)
+    if isinstance(found, Named) and found.mends is None:
+        return [found]
+    scheme = steps_of = None
+    if not in_steps:
+        steps_of = Steps(stage, data, columns, one)
+        scheme = explain_scheme(chain, stage, data, columns, one, dt, steps_of)
+    if scheme is not None and scheme.adequate:
+        return [scheme]
+    if isinstance(found, Named):
+        return [found]
+    if not rest:
+        if (conditional := search.of_one_option()) is not None:
+            return [conditional]
+        # Edits are searched for with the scheme whose errors are most like the candidate's.
+        if stage.kind == "flight" and steps_of is not None:
             like = steps_of.nearest()
             near = _beside(like, chain, stage, data, columns, one) if like else found.near
             both = with_edit(steps_of, near, dt, like)
             if both is not None:
-                edit, scheme = both
-                steps.append(Step(one, Named((edit,), scheme.evidence)))
-                chain = edit.apply(chain)
-        steps.append(Step(one, scheme or found))
-        if scheme is not None and scheme.adequate and scheme.way is not None:
-            data = replace(data, ways={**data.ways, stage.name: scheme.way})
-            data = _with_other_ways(scheme.way, chain, data, columns)
-            columns, last = follow(chain, data)
-            continue
-        located.append(stage)
+                edit, way = both
+                return [Named((edit,), way.evidence), way]
+    return [scheme or found]
+
+
+def _with_edits(
+    edits: Sequence[Edit], chain: tuple[Stage, ...], data: Data
+) -> tuple[tuple[Stage, ...], Data]:
+    """The chain with edits, and the data with the stages that a rough edit changes."""
+    for edit in edits:
+        before, chain = chain, edit.apply(chain)
+        changed = {s.name for s, was in zip(chain, before, strict=True) if s is not was}
+        data = replace(data, rough=data.rough.union(changed if edit.rough else ()))
+    return chain, data
 
 
 def _in_other_form(
@@ -410,26 +452,32 @@ def _beside(
     return found.near if isinstance(found, Located) else found.edits
 
 
-def _with_other_ways(
-    way: Way, chain: Sequence[Stage], data: Data, columns: Mapping[str, Any]
+def _with_way(
+    way: Way,
+    stage: Stage,
+    chain: Sequence[Stage],
+    data: Data,
+    columns: Mapping[str, Any],
 ) -> Data:
-    """Data with the candidate's integrator for its other flights, where it explains more scenes.
+    """Data with the candidate's integrator for a stage, and for other flights that it explains.
 
     A program has one integrator for all flights. The last step of a pitch to the bat may be a
     straight line (paper, Appendix B).
     """
-    ways = dict(data.ways)
-    for stage in chain:
-        some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
-        if stage.kind == "flight" and stage.name not in ways and some.size:
+    if way.push is not None:
+        return replace(data, ways={**data.ways, **dict.fromkeys(BATTED, way)})
+    ways = {**data.ways, stage.name: way}
+    for other in chain:
+        some = np.flatnonzero(np.isin(columns["kind"], other.scenes))
+        if other.kind == "flight" and other.name not in ways and some.size:
             wrong: dict[Way | None, int] = {}
-            wrong[None] = int(compared(stage, data, columns, some)[0].beyond.sum())
+            wrong[None] = int(compared(other, data, columns, some)[0].beyond.sum())
             for one in (way, straight(way)):
-                other = replace(data, ways={stage.name: one})
-                wrong[one] = int(compared(stage, other, columns, some)[0].beyond.sum())
+                flown = replace(data, ways={other.name: one})
+                wrong[one] = int(compared(other, flown, columns, some)[0].beyond.sum())
             best = min(wrong, key=wrong.__getitem__)
             if best is not None:
-                ways[stage.name] = best
+                ways[other.name] = best
     return replace(data, ways=ways)
 
 
