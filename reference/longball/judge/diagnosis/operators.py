@@ -745,22 +745,33 @@ def _directions(site: Site) -> Iterator[Option]:
 
 
 def _components(site: Site) -> Iterator[Option]:
-    """Replace one component of a vector by another one, or by a free number."""
+    """Replace one component of a vector by another one, or change it by a free number."""
     a = site.node
     if not (a.vector and a.op in ("symbol", "named")):
         return
     parts = [component(a, i) for i in range(3)]
     others = [b for b in site.pool if b.op == "component" and b not in parts]
+
+    def instead(i: int, by: Node) -> Node:
+        return vector(*(by if k == i else part for k, part in enumerate(parts)))
+
     for i, own in enumerate(parts):
+        said = words(own)
         for b in [x for x in parts if x is not own] + others:
-            x, y, z = (in_unit_of(a, b) if k == i else part for k, part in enumerate(parts))
             cost = BITS["part"] + (BITS["unit"] if b.dimension != a.dimension else 0.0)
-            text = f"uses {words(b)} for {words(own)}"
-            yield vector(x, y, z), cost + math.log2(3 * (2 + len(others))), text, ()
+            choice = math.log2(3 * (2 + len(others)))
+            yield instead(i, in_unit_of(a, b)), cost + choice, f"uses {words(b)} for {said}", ()
+        c = free(a.dimension)
         if a.data in INPUT_NAMES:
-            x, y, z = (free(a.dimension) if k == i else part for k, part in enumerate(parts))
-            text = f"uses {{c}} for {words(own)}, whatever the scene says"
-            yield vector(x, y, z), BITS["free value"] + math.log2(3), text, (own,)
+            text = f"uses {{c}} for {said}, whatever the scene says"
+            yield instead(i, c), BITS["free value"] + math.log2(3), text, (own,)
+        # Such as a distance to the point of the plate, where the model has its front.
+        text = f"adds {{c}} to {said}"
+        yield instead(i, own + c), BITS["free term"] + math.log2(3), text, (0.01,)
+        if a.dimension != NONE:
+            text = f"uses {{c}} times {said}"
+            cost = BITS["free factor"] + BITS["part"] + math.log2(3)
+            yield instead(i, free() * own), cost, text, (1.0, 3.0, 0.3)
 
 
 def _states(site: Site) -> Iterator[Option]:
