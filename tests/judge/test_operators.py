@@ -290,16 +290,19 @@ def test_directions():
 
 
 def test_components():
-    swaps = [[A[k] if i == at else A[i] for i in range(3)] for at, k in
-             itertools.permutations(range(3), 2)]  # fmt: skip
-    assert given(operators._components, a) == three(*swaps)
-    other = [[B[1] if i == at else A[i] for i in range(3)] for at in range(3)]
-    assert given(operators._components, a, pool=(component(b, 1),)) == three(*swaps, *other)
+    def instead(*choices: tuple[int, float]) -> list[list[float]]:
+        return [[number if i == at else A[i] for i in range(3)] for at, number in choices]
+
+    swaps = instead(*((at, A[k]) for at, k in itertools.permutations(range(3), 2)))
+    free = instead(*enumerate(A + 0.5), *enumerate(0.5 * A))
+    assert given(operators._components, a) == three(*swaps, *free)
+    other = instead(*((at, B[1]) for at in range(3)))
+    assert given(operators._components, a, pool=(component(b, 1),)) == three(*swaps, *other, *free)
     aim = I["release"]
     found = {value(by, release=A[:, None]) for by, *_ in
              operators._components(Site(aim, (), (), {}, False))}  # fmt: skip
-    fitted = [[0.5 if i == at else A[i] for i in range(3)] for at in range(3)]
-    assert found == three(*swaps, *fitted)
+    fitted = instead(*((at, 0.5) for at in range(3)))
+    assert found == three(*swaps, *free, *fitted)
     assert not given(operators._components, a + b)
 
 
