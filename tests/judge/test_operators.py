@@ -285,6 +285,13 @@ def test_directions():
     assert given(operators._directions, a) == three(*every, ahead)
     assert given(operators._directions, a, pool=(n,)) == three(*every, along, A - along, ahead)
     size = math.sqrt(21)
+    beside = size * B / np.linalg.norm(B)
+    assert given(operators._directions, a, pool=(b,)) == three(*every, ahead, beside)
+    every_b = [np.array(rows) @ B for rows in AXES.values()]
+    along_v = (A @ B) * A / 21
+    ahead_b = (np.linalg.norm(B), 0, 0)
+    flying = three(*every_b, along_v, B - along_v, ahead_b)
+    assert given(operators._directions, b, flies=True) == flying
     assert given(operators._directions, unit(a), pool=(n,)) == three(*(x / size for x in every))
     assert not given(operators._directions, x)
 

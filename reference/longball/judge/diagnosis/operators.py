@@ -725,7 +725,7 @@ def _factors_of(node: Node) -> list[Node]:
 
 
 def _directions(site: Site) -> Iterator[Option]:
-    """Replace a vector by one with other axes, or by a part of it."""
+    """Replace a vector by one with other axes, by one along another, or by a part of it."""
     a, said = site.node, words(site.node)
     if not a.vector or a.op == "constant":
         return
@@ -736,12 +736,21 @@ def _directions(site: Site) -> Iterator[Option]:
             f"uses the components {name} of {said}",
             (),
         )
-    if n in site.pool and a is not n and a.op != "unit":
-        along = dot(a, n) * n
-        yield along, BITS["part"], f"uses the part of {said} along n", ()
-        yield a - along, BITS["part"], f"uses the part of {said} across n", ()
+    # Parts along and across the bat's normal, or the flight.
+    directions = [(n, n)] if n in site.pool else []
+    for d, direction in [*directions, *([(v, unit(v))] if site.flies else [])]:
+        if a is not d and a.op != "unit":
+            along = dot(a, direction) * direction
+            yield along, BITS["part"], f"uses the part of {said} along {words(d)}", ()
+            yield a - along, BITS["part"], f"uses the part of {said} across {words(d)}", ()
     if a.op != "unit" and a.dimension != NONE:
-        yield norm(a) * e_x, BITS["part"] + 2, f"uses |{said}| along x for {said}", ()
+        # The size of this vector, and the direction of another one.
+        others = [b for b in site.pool if b.dimension == a.dimension and b.vector and b is not a]
+        cost = BITS["part"] + math.log2(4 + len(others))
+        for b in (e_x, *others):
+            along = {e_x: "x"}.get(b) or words(b)
+            by = norm(a) * (b if b is e_x else unit(b))
+            yield site.where_known(b, by), cost, f"uses |{said}| along {along} for {said}", ()
 
 
 def _components(site: Site) -> Iterator[Option]:
