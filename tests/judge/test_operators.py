@@ -245,6 +245,8 @@ def test_siblings():
     assert kin(function("sqrt", p)) == one(3)
     assert kin(function("exp", x)) == one(3)
     assert kin(function("abs", p - q)) == one(-4, 4)
+    assert kin(function("positive", p - q)) == one(-4)
+    assert kin(function("least", p, q)) == one(3, 7)
     assert kin(1.0 - x) == one(2)
     assert kin(where(x - 3.0, y, z)) == one(5, 11)
     assert kin(where(x - 1.0, y, z)) == one(5, 11)
@@ -258,6 +260,7 @@ def test_siblings():
         lengths = np.sqrt(mixed(A, A))
     found = {number for number in kin(norm(a)) if not math.isnan(number[0])}
     assert found == one(7, 1, 2, 4, *parts, *lengths[np.isfinite(lengths)])
+    assert one(abs(A @ B)) < kin(norm(named("c", cross(a, b))))
     assert kin(unit(a)) == three(A)
     across = np.cross(A, B)
     divided = across / math.sqrt(A @ A * (B @ B))

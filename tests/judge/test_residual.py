@@ -266,7 +266,7 @@ def test_the_chord_beside_a_point():
     assert (at[2] - data.given["fence.clearance"])[there] == pytest.approx(top[there], abs=1e-9)
 
 
-def test_the_chord_at_a_step_is_the_one_whose_height_the_clearance_gives():
+def test_the_chord_at_a_step_follows_from_the_clearance_and_at_a_corner_from_the_segment():
     scene = parse_scene(
         '{"id": "a", "kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30, 9, 20]}, '
         '"fence": {"polyline": [[67, 67, 8], '
@@ -274,11 +274,13 @@ def test_the_chord_at_a_step_is_the_one_whose_height_the_clearance_gives():
     )
     at = np.array([[98.0, 98.0, 98.1, 118.0], [40.0, 40.0, 39.86, 12.0], [20.0] * 4])
     tops = np.array([11.3, 5.2, np.nan, 9.0])
-    found = residual._fences([scene] * 4, at, tops)
+    said = [None, None, None, 3]
+    found = residual._fences([scene] * 4, at, tops, said)
     assert found["chord.a"][:, 0].tolist() == [67, 67, 8]
     assert found["chord.a"][:, 1].tolist() == [98, 40, 5.2]
     assert found["chord.b"][:, 2].tolist() == [118, 12, 9]
-    assert np.isnan(residual._fences([scene], np.full((3, 1), np.nan), tops)["chord.a"]).all()
+    assert found["chord.a"][:, 3].tolist() == [118, 12, 9]  # the candidate's own chord
+    assert np.isnan(residual._fences([scene], np.full((3, 1), np.nan), tops, said)["chord.a"]).all()
 
 
 @np.errstate(all="ignore")  # as `compared`

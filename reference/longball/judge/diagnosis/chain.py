@@ -634,10 +634,11 @@ _a, _b = symbol("chord.a", M, True), symbol("chord.b", M, True)
 _chord = level(_b - _a)
 _beside = level(at_fence - _a)
 # The height of the fence is linear along the chord.
-_passed = dot(_beside, unit(_chord))
+_passed = named("the distance from the chord's first corner", dot(_beside, unit(_chord)))
+_length = named("the chord's length", norm(_chord))
 _top = component(_a, 2) + named(
     "the fence's rise along the chord",
-    (component(_b, 2) - component(_a, 2)) * (_passed / norm(_chord)),
+    (component(_b, 2) - component(_a, 2)) * (_passed / _length),
 )
 fence_top = named(
     "fence's height", switch("fence", {"a circle": constant(0.0, M), "a polyline": _top})
@@ -727,7 +728,7 @@ OTHERWISE = {
     "landing": (I["R"],),
     "plate": (reach,),
     "margin": (named("|σ_b|", function("abs", I["σ_b"], dimension=M)),),
-    "fence margin": (named("the chord's length", norm(_chord)),),
+    "fence margin": (_length,),
     **dict.fromkeys(("pitch", "touching", "flight", "fence"), _in_flight),
 }  # fmt: skip
 
@@ -967,7 +968,7 @@ CHAIN = (
         "fence margin", "fence.margin",
         named(
             "the distance to the nearer corner",
-            function("least", _passed, norm(_chord) - _passed, dimension=M),
+            function("least", _passed, _length - _passed, dimension=M),
         ),
     ),
     Stage(

@@ -189,8 +189,11 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     if (found := lattice(told, dt)) and _mostly(np.abs(known) < found[0] * (1 + ON_LATTICE)):
         text = f"gives {{1}} in whole multiples of {found[0]:.6g} s"
         return _Rule(text, own, FREE * known.size, found[0])
-    most = float(np.abs(known).max(initial=0.0))
-    text = f"gives {{0}} of up to {most:.3g} s before or after {{1}}"
+    # Where the ball hardly changes its velocity, its time is uncertain: most scenes count.
+    usual = float(np.quantile(np.abs(known), MOST)) if known.size else 0.0
+    sides = {"before": _mostly(known > -SAME), "after": _mostly(known < SAME)}
+    side = next((side for side, holds in sides.items() if holds), "before or after")
+    text = f"gives {{0}} of up to {usual:.3g} s {side} {{1}}"
     return _Rule(text, own, FREE * known.size)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,6 +17,7 @@ from longball.judge.diagnosis.chain import CHAIN, CHAIN_IN_STEPS, Kind, Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
 from longball.judge.diagnosis.evidence import is_adequate
+from longball.judge.diagnosis.expression import contains, ordered, substitute
 from longball.judge.diagnosis.findings import Diagnosis, Finding
 from longball.judge.diagnosis.integrators import BATTED, Way, in_steps, straight
 from longball.judge.diagnosis.operators import Edit
@@ -241,15 +242,16 @@ def reason(
     """
     columns, last = follow(chain, data)
     steps: list[Step] = []
+    unedited = {(stage.name, stage.kind): stage for stage in chain}
     at_first = {(one.stage.name, one.stage.kind): one.some[one.beyond] for one in last}
-    # The number of explanations tried, and the largest error, by a stage's name and kind.
+    # The largest error, and the number of explanations tried, by a stage's name and kind.
+    begun = {(one.stage.name, one.stage.kind): _largest(one) for one in last}
     tried: Counter[tuple[str, str]] = Counter()
-    begun: defaultdict[tuple[str, str], float] = defaultdict(float)
     while True:
         wrong = [
             (stage, one)
             for stage, one in zip(chain, last, strict=True)
-            if one.relative[one.beyond].max(initial=0.0) > LAST * begun[stage.name, stage.kind]
+            if _largest(one) > LAST * begun[stage.name, stage.kind]
             and tried[stage.name, stage.kind] < ROUNDS
             and not (stage.name in data.rough and _is_left(one, at_first[stage.name, stage.kind]))
         ]
@@ -261,14 +263,15 @@ def reason(
         stage, one = _clearest(wrong)
         at = stage.name, stage.kind
         tried[at] += 1
-        begun[at] = max(begun[at], float(one.relative.max()))
+        begun[at] = max(begun[at], _largest(one))
         # If no edit explains the law on the way to the fence, none will on the way to the ground.
         if any(_is_same_flight(stage, s.followed.stage) for s in steps if not s.is_applied):
             tried[at] = ROUNDS
             continue
-        # Forms of a formula agree for right inputs only: those of the normal differ if the ball is
-        # not on the bat's surface. A candidate that uses another form makes no mistake here.
-        if (form := _in_other_form(stage, data, columns, one)) is not None:
+        # A candidate that makes no mistake here may use another form of the formula, or may have
+        # made an earlier mistake only elsewhere.
+        forms = (*_other_forms(stage), *_without_edits(stage, unedited[at], steps))
+        if (form := _right_form(forms, data, columns, one)) is not None:
             chain = tuple(form if other is stage else other for other in chain)
             columns, last = follow(chain, data)
             continue
@@ -350,8 +353,9 @@ def _explained(
     if not rest:
         if (conditional := search.of_one_option()) is not None:
             return [conditional]
-        # Edits are searched for with the scheme whose errors are most like the candidate's.
-        if stage.kind == "flight" and steps_of is not None:
+        # Edits are searched for with the scheme whose errors are most like the candidate's. A
+        # candidate whose right flights have no such errors has no scheme.
+        if stage.kind == "flight" and steps_of is not None and steps_of.possible:
             like = steps_of.nearest()
             near = _beside(like, chain, stage, data, columns, one) if like else found.near
             both = with_edit(steps_of, near, dt, like)
@@ -372,16 +376,44 @@ def _with_edits(
     return chain, data
 
 
-def _in_other_form(
-    stage: Stage, data: Data, columns: Mapping[str, Any], one: Followed
-) -> Stage | None:
-    """The stage in another form, if all of the candidate's numbers follow from that."""
+def _other_forms(stage: Stage) -> Iterator[Stage]:
+    """The stage in its other forms.
+
+    Forms agree for right inputs only: those of the normal differ if the ball is not on the bat's
+    surface.
+    """
     for form in stage.forms.get("value", ()):
-        other = replace(stage, roots={"value": form})
-        after, _ = compared(other, data, columns, one.some)
-        if not after.beyond.any():
-            return other
-    return None
+        yield replace(stage, roots={"value": form})
+
+
+def _without_edits(stage: Stage, unedited: Stage, steps: Sequence[Step]) -> Iterator[Stage]:
+    """The stage without an edit in one formula that uses the edited node.
+
+    A program may write out a definition again where it uses it, and is right there.
+    """
+    for edit in (e for s in steps if isinstance(s.found, Named) for e in s.found.edits):
+        for name, root in unedited.roots.items() if stage.kind != "flight" else ():
+            for node in ordered([root]):
+                if node is not edit.place and contains(node, edit.place):
+                    now = substitute(node, edit.place, edit.new)
+                    if contains(stage.roots[name], now):
+                        right = substitute(stage.roots[name], now, node)
+                        yield replace(stage, roots={**stage.roots, name: right})
+
+
+def _right_form(
+    forms: Iterable[Stage], data: Data, columns: Mapping[str, Any], one: Followed
+) -> Stage | None:
+    """The first form of a stage with which all of the candidate's numbers are right."""
+    return next(
+        (form for form in forms if not compared(form, data, columns, one.some)[0].beyond.any()),
+        None,
+    )
+
+
+def _largest(one: Followed) -> float:
+    """The largest relative error that is beyond the noise."""
+    return float(one.relative[one.beyond].max(initial=0.0))
 
 
 def _is_left(one: Followed, wrong: Index) -> bool:

@@ -308,11 +308,17 @@ class Site:
 
         Impact scenes, for example, have no plate.
         """
-        made, have = made or other, self.kinds.get(other, self.scenes)
-        if set(self.scenes) <= set(have):
+        made, have = made or other, {*self.scenes}
+        for node in ordered([other], (), self._parts):
+            have &= {*self.kinds.get(node, have)}
+        if have.issuperset(self.scenes):
             return made
         by = {kind: made if kind in have else self.node for kind in self.scenes}
         return switch("kind", by)
+
+    def _parts(self, node: Node) -> tuple[Node, ...]:
+        """The arguments of a node, unless it is known which kinds of scenes have it."""
+        return () if node in self.kinds or node.op == "switch" else node.args
 
     def omissions(self) -> Iterator[tuple[tuple[str, ...], str, float]]:
         """Ways in which scenes omit the node, if it is a number: options, words and bits."""
@@ -630,6 +636,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             for square, text in _mixed(b, b):
                 size = function("sqrt", square, dimension=a.dimension)
                 yield size, 3.0, f"uses {text} in the length of {words(b)}"
+            if (product := _meaning(b)).op == "cross":
+                yield instead(function("abs", dot(*product.args), dimension=a.dimension))
         case "cross", (b, c):
             yield from ((made, 3.0, f"uses {text}") for made, text in _slipped(b, c))
         case "dot", (b, c):  # written out by components, with a slip in one index or sign
@@ -649,6 +657,12 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
             yield in_unit_of(a, b), 0.0, f"uses {words(b)} for its root"
         case "abs", (b,):
             yield from (instead(b), instead(-b))
+        case "positive", (b,):
+            yield instead(b)
+        case "least", (b, c):
+            yield from (instead(b), instead(c))
+            largest = -function("least", -b, -c, dimension=a.dimension)
+            yield largest, 0.0, f"uses the larger of {words(b)} and {words(c)}, not the smaller"
         case (("sin" | "cos"), (angle,)):
             of = f"for {a.op} of {words(angle)}"
             for other in ("cos" if a.op == "sin" else "sin", "tan"):
@@ -748,9 +762,9 @@ def _directions(site: Site) -> Iterator[Option]:
         others = [b for b in site.pool if b.dimension == a.dimension and b.vector and b is not a]
         cost = BITS["part"] + math.log2(4 + len(others))
         for b in (e_x, *others):
-            along = {e_x: "x"}.get(b) or words(b)
-            by = norm(a) * (b if b is e_x else unit(b))
-            yield site.where_known(b, by), cost, f"uses |{said}| along {along} for {said}", ()
+            way, axis = (e_x, "x") if b is e_x else (unit(b), words(b))
+            text = f"uses |{said}| along {axis} for {said}"
+            yield site.where_known(b, norm(a) * way), cost, text, ()
 
 
 def _components(site: Site) -> Iterator[Option]:
@@ -905,6 +919,11 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
             and np.isfinite(columns.get(one.symbol.data, 0.0)).all()
         )  # fmt: skip
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
+        # A program may use the first velocity through the air for the one over the ground.
+        speeds = [x for x in found if x.vector and x.dimension == v.dimension and x.op == "named"]
+        for x in speeds:
+            if (first := substitute(substitute(x, v, v0), r, r0)) is not x:
+                found[named(f"{words(x)} of the launch", first)] = None
         # A program may reuse a state from before the launch of this ball, or go on with the time or
         # the path.
         for one in before_launch(chain, stage):

@@ -176,12 +176,14 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
                 given[quantity][..., i] = _floats(said[quantity])
     scenes = [case.scene for case in cases]
     tops = given["fence.position"][2] - given["fence.clearance"]
-    chords_at = _fences(scenes, given["fence.position"], tops)
+    segments = [answers[case.id].told.get("fence.segment") for case in cases]
+    chords_at = _fences(scenes, given["fence.position"], tops, segments)
     # The true margin belongs to the true pitch, and cannot be compared with that of another pitch.
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PATH)] = np.nan
     # Nor can the true highest point be compared with that of another flight.
-    landed = np.abs(given["landing.position"] - expected["landing.position"]).max(axis=0)
+    ends = ("landing.position", "landing.velocity")  # a ball hit straight up lands where it was
+    landed = np.max([np.abs(given[q] - expected[q]).max(axis=0) for q in ends], axis=0)
     for quantity in ("apex.time", "apex.position"):
         given[quantity][..., ~(landed <= max(SAME_PATH, granted))] = np.nan
     numbers = inputs(scenes)
@@ -318,11 +320,13 @@ def form(held: Any) -> str:
     return next((FORMS[key] for key in FORMS if getattr(held, key, None) is not None), "given")
 
 
-def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Array]:
+def _fences(
+    scenes: Sequence[Any], places: Array, tops: Array, segments: Sequence[object]
+) -> dict[str, Array]:
     """The ends of the nearest chord to a point on the fence, for each scene.
 
-    At a step of the wall two chords are equally near. The one is chosen whose height is nearer to
-    `tops`, the height that follows from the candidate's clearance.
+    At a corner or a step of the wall two chords are equally near. The candidate's own one is chosen
+    (`segments`), or the one whose height is nearer to `tops`, which follows from its clearance.
     """
     ends = np.full((2, 3, len(scenes)), np.nan)
     for i, scene in enumerate(scenes):
@@ -336,10 +340,11 @@ def _fences(scenes: Sequence[Any], places: Array, tops: Array) -> dict[str, Arra
             along = (x - ax) * (bx - ax) + (y - ay) * (by - ay)
             share = min(max(along / ((bx - ax) ** 2 + (by - ay) ** 2), 0.0), 1.0)
             apart = math.hypot(x - ax - share * (bx - ax), y - ay - share * (by - ay))
-            found.append((apart, abs(az + share * (bz - az) - tops[i]), chord))
-        least = min(apart for apart, _, _ in found) + AT_CORNER
+            other = np.nan_to_num(abs(az + share * (bz - az) - tops[i]))
+            found.append((apart, chord.segment != segments[i], other, chord))
+        least = min(apart for apart, *_ in found) + AT_CORNER
         near = [one for one in found if one[0] <= least]
-        *_, nearest = min(near, key=lambda one: (np.nan_to_num(one[1]), one[0]))
+        *_, nearest = min(near, key=lambda one: (one[1:3], one[0]))
         ends[:, :, i] = nearest.a, nearest.b
     return {"chord.a": ends[0], "chord.b": ends[1]}
 

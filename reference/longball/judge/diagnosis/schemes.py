@@ -292,6 +292,9 @@ class Steps:
         least = TRIED_BITS + (0.0 if dt else ROUND_BITS) + CHANCE
         if not self.few.size or self.null < least:  # no scheme saves more than the errors cost
             return None
+        # A scheme makes errors in many scenes. A single one, in which they are large, may be odd.
+        if self.followed.beyond.sum() < FEWEST:
+            return None
         found = self.fitting
         usual = [*ROUND, *([dt] if dt else [])]
 
@@ -505,8 +508,6 @@ def with_edit(
 
     If a way `like` the candidate's is known, it is used to rank the edits.
     """
-    if not (like or plain.possible):
-        return None
     data, columns, followed = plain.data, plain.columns, plain.followed
 
     def searched(edit: Edit, some: Index) -> Steps:

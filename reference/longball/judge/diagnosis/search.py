@@ -149,6 +149,13 @@ def _bits(f: Followed) -> float:
     return cost(_in_floors(f) * f.floor / f.finest)
 
 
+def _noise(f: Followed, some: NDArray[np.bool_]) -> float:
+    """Usual large errors in some scenes, in the finest floors; infinity if there are none."""
+    if not some.any():
+        return math.inf
+    return float(np.nanquantile(np.abs(f.off / f.finest)[:, some], 0.9, method="lower"))
+
+
 def _median(x: Any) -> float:
     known = np.asarray(x)[np.isfinite(x)]
     return float(np.median(known)) if known.size else 0.0
@@ -280,6 +287,8 @@ class Explanation:
         Residuals in the screening scenes, the noise there, and the cost of the residuals.
     own_error
         The error of long steps in the screening scenes.
+    noise, precise
+        The candidate's errors in right scenes, in the finest floors; floors of that size.
     """
 
     chain: tuple[Stage, ...]
@@ -321,6 +330,8 @@ class Explanation:
         failing = np.flatnonzero(shows)  # from the worst to the least
         passing = evenly(np.flatnonzero(near & ~is_wrong), RIGHT)
         self.few = few = np.concatenate([evenly(failing, WRONG), passing])
+        self.noise = _noise(f, f.checked & ~f.beyond)
+        self.precise = np.minimum(base.floor, max(self.noise, 1.0) * base.finest)
         # First-order effects are computed in long steps, too. They are most reliable where errors
         # are small.
         small = int((base.relative[failing] < FAR_OFF).sum())
@@ -409,8 +420,12 @@ class Explanation:
         return stage
 
     def _residual(self, stage: Stage, some: Index, limits: Stepping) -> Callable[[Array], Array]:
-        """Errors in some of `all` scenes as a function of the free numbers, in floors."""
-        return lambda c: self._off(stage, some, c, limits) / self.base.floor[:, some]
+        """Errors in some of `all` scenes as a function of the free numbers.
+
+        In floors as fine as the candidate's own errors in right scenes: a free number has as many
+        digits as these show.
+        """
+        return lambda c: self._off(stage, some, c, limits) / self.precise[:, some]
 
     # --- the search -------------------------------------------------------------------------------
 
@@ -711,14 +726,9 @@ class Explanation:
 
         An edit that only reduces errors mends the scenes in which they are small.
         """
-        f = self.followed
-        mends, right = f.beyond & ~after.beyond, f.checked & ~f.beyond
-        left, usual = (
-            float(np.nanquantile(np.abs(one.off / one.finest)[:, some], 0.9, method="lower"))
-            if some.any() else ADEQUATE
-            for one, some in ((after, mends), (f, right))
-        )  # fmt: skip
-        return left <= max(ADEQUATE, NOISY * usual)
+        mends = self.followed.beyond & ~after.beyond
+        usual = self.noise if math.isfinite(self.noise) else ADEQUATE
+        return _noise(after, mends) <= max(ADEQUATE, NOISY * usual)
 
     def _verified(
         self, found: Sequence[_Screened], some: Sequence[Edit], needed: float
