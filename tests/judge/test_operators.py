@@ -200,9 +200,10 @@ def test_shapes():
     ):
         shapes = operators._shapes(Site(half, (half * y,), (), {}, False))
         every = {value(by, m=number, **{FREE: -9.0 if number < 0 else 0.5}) for by, *_ in shapes}
-        limited = -9.0 if number < 0 else 0.5
+        limit = -9.0 if number < 0 else 0.5
         assert every == one(
-            number**2, 1 / number, abs(number), max(number, 0), limited, *found, np.float32(number)
+            number**2, 1 / number, abs(number), max(number, 0), min(number, limit),
+                max(number, limit), *found, np.float32(number)
         )  # fmt: skip
     assert given(operators._shapes, norm(a), norm(a) + p) == one(21)
 

@@ -602,6 +602,8 @@ def _shapes(site: Site) -> Iterator[Option]:
         # Only starts between the right values and the wrong ones show which scenes it changes.
         starts = tuple(x * a for x in (0.5, 0.9, 1.3, 1.8))
         yield limited, BITS["clamp"], f"limits {said} to {{c}}", starts
+        raised = -function("least", -a, -free(a.dimension), dimension=a.dimension)
+        yield raised, BITS["clamp"] + 1, f"uses {{c}} for {said} below that", starts
 
 
 # Operations that drop digits of an input.
@@ -927,7 +929,7 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         # A program may reuse a state from before the launch of this ball, or go on with the time or
         # the path.
         for one in before_launch(chain, stage):
-            kept = (*(OWN[q] for q in one.quantities), *launches_of(one))
+            kept = (*(OWN[q] for q in one.quantities), *flown_by(one))
             found |= dict.fromkeys(x for x in kept if x.vector or x.dimension in (M, S))
     if stage.kind == "formula":
         earlier = (one.quantities for one in chain[: chain.index(stage)])
@@ -948,6 +950,11 @@ def launches_of(stage: Stage) -> list[Node]:
     """Place, velocity and spin of a flight's ball at its launch; none of another stage."""
     states = ("place", "velocity", "spin") if stage.kind == "flight" else ()
     return [named(f"the {state} that began {stage.name}", stage.roots[state]) for state in states]
+
+
+def flown_by(stage: Stage) -> list[Node]:
+    """The state at the launch of a flight, and its duration; nothing of another stage."""
+    return [*launches_of(stage), stage.roots["duration"]] if stage.kind == "flight" else []
 
 
 def before_launch(chain: Sequence[Stage], stage: Stage) -> list[Stage]:
@@ -988,7 +995,7 @@ def edits(
         str(one.symbol.data): {LEFT_OUT, WITHOUT_BLOCK}.intersection(columns[key_of(one.symbol)])
         for one in INPUTS if key_of(one.symbol) in columns
     }  # fmt: skip
-    kinds = KINDS_OF | {launch: one.scenes for one in chain for launch in launches_of(one)}
+    kinds = KINDS_OF | {node: one.scenes for one in chain for node in flown_by(one)}
     earlier = earlier_states(chain, stage)
     known: dict[Node, Node] = {}
     usual = frozenset(specialised(x, columns, known) for x in stage.pool)
