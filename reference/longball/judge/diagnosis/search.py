@@ -187,8 +187,8 @@ class Layer(NamedTuple):
 EVERY = slice(None)
 ALONE = (
     Layer(slice(2_000), EVERY, 50),
-    Layer(slice(10_000), EVERY, 200, pairs=True),
-    Layer(slice(10_000, 80_000), slice(-1, None), 200),
+    Layer(slice(10_000), EVERY, 100, pairs=True),
+    Layer(slice(10_000, 80_000), slice(-1, None), 100),
 )
 BESIDE_ANOTHER = (Layer(slice(5_000), EVERY, 50),)
 OF_OPTION = (Layer(slice(5_000), EVERY, 50, pairs=True),)
