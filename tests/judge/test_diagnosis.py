@@ -10,6 +10,7 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,10 +21,12 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
-from longball.judge.diagnosis.diagnose import diagnose, reason
-from longball.judge.diagnosis.expression import evaluate, ordered
+from longball.judge.diagnosis import diagnose as diagnosing
+from longball.judge.diagnosis.chain import I, lever, y
+from longball.judge.diagnosis.diagnose import Step, diagnose, reason
+from longball.judge.diagnosis.expression import evaluate, ordered, substitute
 from longball.judge.diagnosis.findings import Diagnosis
-from longball.judge.diagnosis.operators import edits, edits_of_one_option
+from longball.judge.diagnosis.operators import Edit, edits, edits_of_one_option
 from longball.judge.diagnosis.residual import FINE, Stepping, follow, specialised_to, values
 from longball.judge.diagnosis.search import Named, defaults
 from longball.judge.quantities import values_of
@@ -196,6 +199,27 @@ def test_another_form_of_the_normal_is_no_mistake():
 
     data, _ = material.planted(data, chain, given)
     assert not reason(data, chain[at : at + 1]).steps
+
+
+@pytest.mark.parametrize("in_all_but_one", [True, False])
+def test_an_edit_may_be_made_in_a_part_of_the_formulas(in_all_but_one: bool):
+    """Such as another lever in the bat's mass, but not in the arm of friction; or the reverse."""
+    data = truth([case for case in known("impact-oblique") if case.scene.kind == "impact"])
+    (impulse,) = (stage for stage in specialised_to(data) if stage.name == "impulse")
+    (arm,) = (node for node in ordered(impulse.roots.values()) if node.data == "r")
+    other = I["L"] / 2.0 + y
+    other_arm = substitute(arm, lever, other)
+    everywhere, in_one = impulse.edited(lever, other), impulse.edited(arm, other_arm)
+    in_others = everywhere.edited(other_arm, arm)
+    believed, made = (everywhere, in_others) if in_all_but_one else (impulse, in_one)
+    data, columns = material.planted(data, (impulse,), partial(values, made))
+    wrong = material.off(believed, data, columns)
+    assert wrong.beyond.any()
+    found = Step(wrong, Named((Edit(lever, other, 1.0, ""),), 1.0))
+    forms = diagnosing._edited_in_part(believed, impulse, [found])
+    form = diagnosing._right_form(forms, data, columns, wrong)
+    assert form is not None
+    assert form.roots == made.roots
 
 
 # --- edits of the chain ---------------------------------------------------------------------------

@@ -606,21 +606,23 @@ def mobility(a: Node) -> Node:
     return times(_rigid, a) + _stiff * dot(n, a) * n
 
 
-# The gripping impulse solves K P = …, for the columns of K. It is kept while |P_t| ≤ μ_f P_n, which
-# is a friction margin of at least 0; otherwise the ball slides.
+# The gripping impulse solves K P = …, for the columns of K. It is kept while |P_t| ≤ μ_f P_n;
+# otherwise, also if P_n is negative, the ball slides.
 _columns = mobility(e_x), mobility(e_y), mobility(e_z)
 grip = named(
     "P (grip)",
     solve(_columns, -((1.0 + ẽ) * dot(slip, n) * n + (1.0 + I["e_T"]) * slip_across)),
 )
 grip_across = named("P_t", grip - dot(grip, n) * n)
-friction_margin = 1.0 - norm(grip_across) / (I["μ_f"] * dot(grip, n))
+_held = I["μ_f"] * dot(grip, n) - norm(grip_across)
+_pressure = named("|P_n|", norm(dot(grip, n) * n))
+friction_margin = _held / (I["μ_f"] * _pressure)
 _way = switch(
     "reading.slide_direction", {"initial": unit(slip_across), "final": -unit(grip_across)}
 )
 _slides = named("n - μ_f t̂", n - I["μ_f"] * _way)
 slide = named("P (slide)", -((1.0 + ẽ) * dot(slip, n) / dot(n, mobility(_slides))) * _slides)
-push = named("P", where(-friction_margin, slide, grip))
+push = named("P", where(-_held, slide, grip))
 # The stages after the impulse start from the candidate's own values. Along the normal, P is J n.
 # Its part across the normal is the model's, because no candidate reports it. The stage of the spin
 # uses P = m (V⁺ - V), which contains only reported values.

@@ -268,9 +268,9 @@ def reason(
         if any(_is_same_flight(stage, s.followed.stage) for s in steps if not s.is_applied):
             tried[at] = ROUNDS
             continue
-        # A candidate that makes no mistake here may use another form of the formula, or may have
-        # made an earlier mistake only elsewhere.
-        forms = (*_other_forms(stage), *_without_edits(stage, unedited[at], steps))
+        # A candidate that makes no other mistake here may use another form of the formula, or may
+        # have made a mistake that is named already in other places.
+        forms = (*_other_forms(stage), *_edited_in_part(stage, unedited[at], steps))
         if (form := _right_form(forms, data, columns, one)) is not None:
             chain = tuple(form if other is stage else other for other in chain)
             columns, last = follow(chain, data)
@@ -386,19 +386,20 @@ def _other_forms(stage: Stage) -> Iterator[Stage]:
         yield replace(stage, roots={"value": form})
 
 
-def _without_edits(stage: Stage, unedited: Stage, steps: Sequence[Step]) -> Iterator[Stage]:
-    """The stage without an edit in one formula that uses the edited node.
+def _edited_in_part(stage: Stage, unedited: Stage, steps: Sequence[Step]) -> Iterator[Stage]:
+    """The stage with a named edit in one more formula, or in one formula less.
 
-    A program may write out a definition again where it uses it, and is right there.
+    A program may write out a definition again where it uses it, so that it errs in one place only.
     """
     for edit in (e for s in steps if isinstance(s.found, Named) for e in s.found.edits):
         for name, root in unedited.roots.items() if stage.kind != "flight" else ():
             for node in ordered([root]):
                 if node is not edit.place and contains(node, edit.place):
-                    now = substitute(node, edit.place, edit.new)
-                    if contains(stage.roots[name], now):
-                        right = substitute(stage.roots[name], now, node)
-                        yield replace(stage, roots={**stage.roots, name: right})
+                    edited, now = substitute(node, edit.place, edit.new), stage.roots[name]
+                    for old, new in ((edited, node), (node, edited)):
+                        if contains(now, old):
+                            changed = {name: substitute(now, old, new)}
+                            yield replace(stage, roots={**stage.roots, **changed})
 
 
 def _right_form(

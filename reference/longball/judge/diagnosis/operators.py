@@ -425,9 +425,11 @@ def _numbers(site: Site) -> Iterator[Option]:
     a = site.node
     said = words(a)
     if a.op == "constant" and a.data and not a.vector:
+        # A number says nothing without its formula.
+        at = f" in {words(site.parents[0])}" if site.parents and a.data != math.pi else ""
         if site.under("sum"):
-            yield constant(0.0, a.dimension), BITS["zero"] + 1, f"leaves out {said}", ()
-        yield free(a.dimension), BITS["free value"] + 1, f"uses {{c}} for {said}", (a.data,)
+            yield constant(0.0, a.dimension), BITS["zero"] + 1, f"leaves out {said}{at}", ()
+        yield free(a.dimension), BITS["free value"] + 1, f"uses {{c}} for {said}{at}", (a.data,)
     if a.op == "constant":
         return
     # An omitted term of a sum, definition or input is replaced by 0, and an omitted factor by 1,
