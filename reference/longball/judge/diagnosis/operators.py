@@ -924,9 +924,10 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         )  # fmt: skip
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
         # A program may use the first velocity through the air for the one over the ground.
-        speeds = [x for x in found if x.vector and x.dimension == v.dimension and x.op == "named"]
-        for x in speeds:
-            if (first := substitute(substitute(x, v, v0), r, r0)) is not x:
+        moving = frozenset((str(v.data),))
+        for x in [x for x in found if x.dimension == v.dimension and depends(x, moving)]:
+            if x.vector and x.op == "named":
+                first = substitute(substitute(x, v, v0), r, r0)
                 found[named(f"{words(x)} of the launch", first)] = None
         # A program may reuse a state from before the launch of this ball, or go on with the time or
         # the path.
