@@ -247,9 +247,18 @@ c = named("ω × u", cross(spin, u_lift))
 # The spin across the motion, in drag, in lift and in tables. It is |ω × u|/U, with the velocity
 # over the ground in lift under wind_acts_on = drag. Two readings use the whole spin instead.
 transverse = named("ω_T", norm(cross(spin, u)) / U)
-ω_drag = switch("reading.drag_spin", {"transverse": transverse, "total": norm(spin)})
-_ω_lift = switch("reading.spin_parameter", {"transverse": norm(c) / U_lift, "total": norm(spin)})
-_ω_table = switch("reading.spin_parameter", {"transverse": transverse, "total": norm(spin)})
+
+
+def _spin_in(name: str, reading: str, across: Node) -> Node:
+    return named(
+        f"the spin in {name}",
+        switch(f"reading.{reading}", {"transverse": across, "total": norm(spin)}),
+    )
+
+
+ω_drag = _spin_in("C_D", "drag_spin", transverse)
+_ω_lift = _spin_in("S", "spin_parameter", norm(c) / U_lift)
+_ω_table = _spin_in("S (drag)", "spin_parameter", transverse)
 S_lift = named("S", I["R"] * _ω_lift / U_lift)
 S_drag = named("S (drag)", I["R"] * _ω_table / U)
 sound = named(
