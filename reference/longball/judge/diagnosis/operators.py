@@ -33,6 +33,7 @@ from longball.judge.diagnosis.chain import (
     e_y,
     e_z,
     n,
+    path,
     r,
     r0,
     r_dot,
@@ -801,18 +802,24 @@ def _components(site: Site) -> Iterator[Option]:
             yield instead(i, free() * own), cost, text, (1.0, 3.0, 0.3)
 
 
+# The state of a flight, and its values at the launch.
+LAUNCH = {v: v0, r: r0, t: constant(0.0, t.dimension), path: constant(0.0, path.dimension)}
+
+
 def _states(site: Site) -> Iterator[Option]:
     """Confuse present values with those at the launch; or apply a force on a condition only."""
     a, said = site.node, words(site.node)
     if not site.flies:
         return
     # For example: a lift whose axis turns with the ball, or a drag with the speed at the launch.
-    now = substitute(substitute(a, v0, v), r0, r)
-    if now is not a and a.op in ("symbol", "named"):
-        yield now, BITS["launch"], f"uses {said} of each moment, not of the launch", ()
+    of_now = substitute(substitute(a, v0, v), r0, r)
+    if of_now is not a and a.op in ("symbol", "named"):
+        yield of_now, BITS["launch"], f"uses {said} of each moment, not of the launch", ()
     if not depends(a, frozenset(("r", "v", "r0", "v0"))):
         return
-    at_launch = substitute(substitute(a, v, v0), r, r0)
+    at_launch = a
+    for now, first in LAUNCH.items():
+        at_launch = substitute(at_launch, now, first)
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
         if a.op == "named":
