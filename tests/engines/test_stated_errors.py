@@ -91,6 +91,35 @@ def test_a_stated_error_holds_and_is_not_a_thousand_times_too_large() -> None:
         assert 1e-3 < max(found) < 1, question
 
 
+def test_the_error_of_a_grip_is_that_of_its_impulses() -> None:
+    """Slips that are off by d change P_n by m (1 + ẽ) d and P_t by m (1 + |e_T|) d, at most.
+
+    Each changes P_t, and its limit, the friction times P_n.
+    """
+    errors, changes = [], []
+    for m, e, e_t, friction in (
+        (0.145, 0.5, 0.0, 1.0),
+        (2.9, 0.5, 0.0, 1.0),
+        (0.145, 0.0, 0.0, 1.0),
+        (0.145, 0.5, -0.75, 1.0),
+        (0.145, 0.5, 0.0, 30.0),
+    ):
+        line = {
+            "kind": "impact",
+            "ball": {"mass": m, "restitution": e},
+            "bat": {"friction": friction, "tangential_restitution": e_t},
+            "incoming": {"position": [REACH, 0, 1], "velocity": [-40, 0, 9], "bat_height": 1},
+            "reading": {"bat_ball_restitution": "nathan"},  # ẽ = e
+        }
+        engine, asked = heard(Ivp(), Doubles)
+        solve(parse_scene(json.dumps(line)), engine)
+        ((_, error),) = asked["the ball grips the bat or slides on it"]
+        errors.append(error)
+        changes.append((1 + friction) * m * ((1 + e) + (1 + abs(e_t))))
+    share = errors[0] / changes[0]
+    assert errors == pytest.approx([share * change for change in changes], rel=1e-12, abs=0.0)
+
+
 @pytest.mark.nightly
 @pytest.mark.xfail(reason=SHORT, strict=True)
 def test_a_stated_error_holds_in_scenes_of_all_kinds() -> None:

@@ -18,10 +18,11 @@ from longball.home_run import (
     integrals,
     monte_carlo,
     paper_at_bats,
+    quadrature,
     scrambled,
 )
 from longball.home_run.clearance import Clearance
-from longball.home_run.quadrature import Nodes, Share, rule_of, share_over_offsets
+from longball.home_run.quadrature import Nodes, Share, _Intervals, rule_of, share_over_offsets
 from longball.model.quantities import replaced
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene
@@ -116,6 +117,27 @@ class TestClearance:
         assert 0.9 < np.mean(batted) < 0.96
         assert not batted[:5].any()
         assert not batted[-5:].any()
+
+
+class TestIntervalsOfAims:
+    def test_they_are_sought_between_the_ends_of_the_bat(self):
+        clearance, inputs = TestClearance.clearance, TestClearance.inputs
+        grid = _Intervals.of(clearance, inputs).grid
+        ends = np.array([clearance.aim_to_touch(y, inputs) for y in (-0.5, 0.5)])
+        # Contacts on the last 1e-8 of the bat are left out.
+        np.testing.assert_allclose(grid[:, [0, -1]], ends.T, rtol=2e-8)
+        np.testing.assert_allclose(np.diff(grid, n=2), 0.0, atol=1e-15)  # roundings of 0.5 m
+
+
+def test_the_pairs_of_speed_and_tilt_share_the_tolerance(monkeypatch):
+    def allowed(clearance, at_bats, speed, tilt, tolerance):
+        return np.array([np.ones_like(speed), tilt, tolerance, tolerance])
+
+    monkeypatch.setattr(quadrature, "share_over_offsets", allowed)
+    home_runs = Clearance(BASE, 0.42, Batch())
+    found = quadrature._over_speeds(home_runs, PAPER, Nodes(5, 2), 1e-3, 1)
+    # Each of n pairs may take 1/n of it, and those of large weight the whole of it.
+    assert 0.5e-3 < found.error < 2e-3
 
 
 class TestQuadrature:

@@ -71,6 +71,14 @@ def test_times_in_milliseconds(truth):
     assert wrong(data) == []
 
 
+def test_one_output_with_the_wrong_sign(truth):
+    other = changed(truth, **{"impact.impulse": -truth.given["impact.impulse"]})
+    data, (found,) = outputs(other, specialised_to(other))
+    assert found.edit == "impact.impulse is the negative of the right value"
+    assert found.remedy == "turn the sign"
+    assert wrong(data) == []
+
+
 def test_vectors_with_two_axes_exchanged(truth):
     turned = changed(truth, **{q: truth.given[q][[0, 2, 1]] for q in OWN if OWN[q].vector})
     data, (found,) = outputs(turned, specialised_to(turned))

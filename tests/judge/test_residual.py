@@ -111,6 +111,10 @@ def test_a_time_in_the_law():
     times = np.array([2.0, 3.0])
     found = flown(thrown(times, lambda at, t: 6.0 * t), times)
     assert found[2] == pytest.approx(1 + 20 * times + times**3, rel=1e-13)
+    late = thrown(times, lambda at, t: np.where(t > 1.3, -10.0, 0.0) + 0.0 * at[2],
+                  piece=lambda at, t: np.atleast_2d(t > 1.3))  # fmt: skip
+    found = flown(late, times)
+    assert found[2] == pytest.approx(1 + 20 * times - 5 * (times - 1.3) ** 2, abs=1e-9)
 
 
 def test_steps_shorten_where_the_law_is_steep():
