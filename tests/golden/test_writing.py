@@ -14,12 +14,13 @@ from longball.engines.enclosure import Enclosure
 from longball.golden import home_runs, writer
 from longball.golden.case import FOUND, Draft, Drafts
 from longball.golden.checker import _apart, check
-from longball.golden.condition import sensitivity
+from longball.golden.condition import Sensitivity, attainable_errors, sensitivity
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
 from longball.golden.reader import DATA, drafts, header, load, probabilities
 from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
-from longball.model.quantities import replaced
+from longball.model.inputs import inputs
+from longball.model.quantities import numbers_of, replaced
 from longball.model.result import Bounded, Result
 from longball.model.scene import parse_scene
 
@@ -141,7 +142,9 @@ def test_a_line_may_hold_what_is_written_of_a_case_and_no_more(tmp_path: Path):
 def written(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("small")
     writer.write(folder, SMALL)
-    assert check(folder).failures == ()
+    seen = []
+    assert check(folder, progress=lambda *done: seen.append(done)).failures == ()
+    assert seen == [(1, 3), (2, 3), (3, 3)]
     return folder
 
 
@@ -375,3 +378,18 @@ def test_a_derivative_that_changes_within_the_step_has_short_steps():
     )
     found = sensitivity(scene, prove(scene), Enclosure(30)).derivatives["landing.hang_time"]
     assert found["launch.position[2]"] == pytest.approx(5.0, rel=1e-12)  # 1/sqrt(2 g z)
+
+
+def test_the_attainable_error_of_an_at_bat_counts_the_height_of_the_bat():
+    """Half an ulp of each input, of the height of the bat, and of the number itself."""
+    case = next(case for case in load("at-bat") if case.expected.contact)
+    names = [name for name, _ in numbers_of(case.expected)]
+    by = {"pitch.speed": 3.0, "swing.height_offset": -2.0}
+    slopes = {path: by.get(path, 0.0) for path in inputs(case.scene)}
+    known = Sensitivity(dict.fromkeys(names, slopes), fragile=False)
+    found = attainable_errors(case.scene, case.expected, known)
+    offset = case.scene.swing.height_offset
+    height = float(case.expected.plate.position[2]) + offset
+    moved = 3 * case.scene.pitch.speed + 2 * abs(offset) + 2 * abs(height)
+    time = float(case.expected.plate.time)
+    assert found["plate.time"] == float(f"{2.0**-53 * (moved + time):.3g}")

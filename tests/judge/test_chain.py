@@ -154,3 +154,19 @@ def test_balls_that_land_while_they_are_pushed():
     data, _, found = in_steps(engine, low)
     assert (data.given["landing.hang_time"] < 2 * engine.dt).sum() > 4
     assert not any(one.beyond.any() for one in found)
+
+
+def test_a_contact_at_a_step_is_pushed_from_there():
+    """0.29 s are 28.999999999999996 steps of 0.01 s: the push does not begin a step before."""
+    engine = Verlet(dt=0.01)
+    data, columns, _ = in_steps(engine, [case.scene for case in golden.load("at-bat")[::9]])
+    (stage,) = (stage for stage in specialised_to(data) if stage.name == "flight")
+    columns = {**columns, "spin": columns[stage.spins]}
+    time = str(OWN["contact.time"].data)
+
+    def landed(contact):
+        found, _ = data.ways["flight"](stage, {**columns, time: np.full(len(data.cases), contact)})
+        return found["landing.position"]
+
+    assert np.array_equal(landed(0.29), landed(0.0), equal_nan=True)
+    assert not np.array_equal(landed(0.289), landed(0.0), equal_nan=True)

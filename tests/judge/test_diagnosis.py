@@ -10,6 +10,7 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
-from longball.judge.diagnosis.diagnose import diagnose, reason
+from longball.judge.diagnosis.diagnose import _is_left, diagnose, reason
 from longball.judge.diagnosis.expression import evaluate, ordered
 from longball.judge.diagnosis.findings import Diagnosis
 from longball.judge.diagnosis.operators import edits, edits_of_one_option
@@ -316,3 +317,13 @@ def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
     (found,) = diagnose(cases, wrong).findings
     assert found.stage == "margin"
     assert found.edit == "flips the sign of R + r_b - the closest distance"
+
+
+def test_a_rough_edit_may_leave_a_few_errors():
+    off, some = np.zeros((1, 200)), np.arange(200)
+    left = []
+    for count in (0, 1, 100):
+        off[:, :count] = 1e6
+        one: Any = SimpleNamespace(off=off, floor=np.ones_like(off), some=some)
+        left.append(_is_left(one, some))
+    assert left == [True, True, False]

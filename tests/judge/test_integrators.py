@@ -11,6 +11,8 @@ import pytest
 
 from longball.engines.verlet import TREATMENTS, Treatment
 from longball.judge.diagnosis import integrators
+from longball.judge.diagnosis.chain import t
+from longball.judge.diagnosis.expression import S, constant
 from longball.judge.diagnosis.integrators import (
     EXACT,
     INTEGRATORS,
@@ -213,7 +215,9 @@ def rows(stage: Any, found: Any) -> Any:
 
 @pytest.mark.parametrize("last", ["shorter", "chord", "straight"])
 def test_the_last_step_of_a_flight(drives: Any, last: str):
+    """Under a law that grows with the time."""
     stage, columns = drives
+    stage = stage.edited(stage.roots["law"], t * (1.0 / constant(1.0, S)) * stage.roots["law"])
     h, balls = 0.03, launched(stage, columns)
     counts = np.floor(balls.duration / h).astype(int)
     y, _ = stepped(balls, RK4.step, h, counts)

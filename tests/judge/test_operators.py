@@ -406,6 +406,7 @@ def test_mistakes_in_one_option_of_a_switch():
     kinds = {"kind": np.array(["flight", "impact"])}
     found = of_formula(switch("kind", {"flight": x * y, "impact": x * z}), **kinds)
     assert {(5, 22), (10, 11), (5, 11)} <= {*found.values()}  # 1 for x
+    assert {(25, 22), (10, 55)} <= {*found.values()}  # y for x
 
 
 def test_mistakes_in_one_definition_of_a_law():

@@ -12,8 +12,9 @@ import pytest
 from longball import golden
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
+from longball.judge.diagnosis.expression import symbol
 from longball.judge.diagnosis.findings import Finding
-from longball.judge.diagnosis.outcomes import outcome_findings
+from longball.judge.diagnosis.outcomes import _is_positive, outcome_findings
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import told_by, values_of
 
@@ -198,3 +199,10 @@ def test_where_the_pitch_is_wrong_the_true_place_of_the_ball_decides_nothing(nam
     )
     assert (found.kind, found.wrong) == (kind, len(low))
     assert kind == "named" or found.remedy == "see whether this is still so when pitch is right"
+
+
+def test_conditions_in_words():
+    x, y = symbol("x"), symbol("y")
+    assert [_is_positive(node) for node in (x, x - y, -x, -1.0 * x, 2.0 * x)] == [
+        "x > 0", "x > y", "x ≤ 0", "x ≤ 0", "2·x > 0"
+    ]  # fmt: skip
