@@ -138,6 +138,7 @@ def test_a_wrong_condition_is_named(mistake: str):
         if (other(c) or true[c.id][0], true[c.id][1] | told(c)) != true[c.id]
     ]  # fmt: skip
     assert found.wrong == len(changed) > 0
+    assert found.worst == 1.0
 
 
 def test_a_limit_of_the_candidates_own_lies_between_its_values():
