@@ -14,7 +14,7 @@ from longball.engines import create
 from longball.engines.batch import Batch
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.event import ground
-from longball.engines.fence import chords, first_crossing
+from longball.engines.fence import at_stop, chords, first_crossing
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
@@ -184,3 +184,8 @@ def test_a_point_of_a_chord_is_measured_to_its_nearer_end():
     assert first.passed((0.0, 10.1, 3.0), 0.2, DOUBLES) is not None
     assert first.passed((0.0, -0.1, 3.0), 1e-9, DOUBLES) is None
     assert first.inside((1.0, 5.0)) == -first.inside((-1.0, 5.0)) == 10.0
+
+
+@pytest.mark.parametrize(("s", "size"), [(80.0, 80.0), (-80.0, 80.0), (0.5, 1.0)])
+def test_a_stop_at_the_fence_is_as_large_as_its_distance_or_a_metre(s, size):
+    assert at_stop("fence", s, 1, DOUBLES).size == size

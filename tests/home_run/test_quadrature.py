@@ -22,6 +22,7 @@ from longball.home_run import (
     scrambled,
 )
 from longball.home_run.clearance import Clearance
+from longball.home_run.crossings import Crossings
 from longball.home_run.quadrature import Nodes, Share, _Intervals, rule_of, share_over_offsets
 from longball.model.quantities import replaced
 from longball.model.readings import Reading, SamplingReading
@@ -127,6 +128,15 @@ class TestIntervalsOfAims:
         # Contacts on the last 1e-8 of the bat are left out.
         np.testing.assert_allclose(grid[:, [0, -1]], ends.T, rtol=2e-8)
         np.testing.assert_allclose(np.diff(grid, n=2), 0.0, atol=1e-15)  # roundings of 0.5 m
+
+    def test_their_kind_tells_where_they_begin_how_many_end_and_which_jump(self):
+        signs = [[1, -1, -1], [-1, -1, 1], [-1, -1, 1], [1, -1, 1], [-1, -1, -1]]
+        line, jumps = np.array([0, 1, 2, 3, 3]), np.array([False, False, True, False, False])
+        ends = Crossings(line, 0.5 + 0.0 * line, jumps, jumps)
+        grid, values, solved = np.zeros((5, 3)), np.array(signs, float), np.zeros(5, dtype=bool)
+        clearance, inputs = TestClearance.clearance, TestClearance.inputs
+        kinds = _Intervals(clearance, inputs, grid, values, ends, solved).kind.tolist()
+        assert len({*kinds}) == len(kinds)
 
 
 def test_the_pairs_of_speed_and_tilt_share_the_tolerance(monkeypatch):

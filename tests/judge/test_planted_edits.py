@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longball.judge.diagnosis import search
 from longball.judge.diagnosis.chain import I, Kind, Stage, v, v0
 from longball.judge.diagnosis.expression import (
     Node,
@@ -284,19 +283,3 @@ def test_an_edit_that_explains_a_part_of_the_errors_and_breaks_no_scene(breaks: 
         assert found.mends == (wrong.beyond & (y > np.median(y))).sum()
         after = off(found.edits[0].apply([stage])[0], data, columns)
         assert after.beyond.sum() == wrong.beyond.sum() - found.mends
-
-
-@np.errstate(all="ignore")
-def test_a_number_costs_as_much_as_the_roundest_one_that_fits(monkeypatch: Any):
-    chain, some, _ = right("impact")
-    (stage,) = (s for s in chain if s.name == "impulse")
-    data, columns = planted(some, chain, lambda c: {"impact.impulse": 1.0837 * c["J"]})
-    wrong = off(stage, data, columns)
-
-    def named(cost: float) -> bool:
-        """With this cost of any number that fits; twice the number is free."""
-        monkeypatch.setattr(search, "rounded", lambda c, usual=(): [(c, cost), (2 * c, 0.0)])
-        return isinstance(Explanation(chain, stage, data, columns, wrong).explain(), Named)
-
-    assert named(20.0)
-    assert not named(1e6)

@@ -149,9 +149,9 @@ class Given:
 
 def test_pairs_are_ranked_by_least_squares():
     rng = np.random.default_rng(5)
-    edits = {Edit(symbol("a"), symbol("b"), 3.0, str(i)): (1.0,) * (i < 4) for i in range(8)}
-    effects = {edit: rng.normal(size=(2, 6, 2)) for edit in edits}
-    off = rng.normal(size=(6, 2))
+    edits = {Edit(symbol("a"), symbol("b"), 3.0, str(i)): (1.0,) * (i < 8) for i in range(12)}
+    effects = {edit: rng.normal(size=(2, 6, 1)) for edit in edits}
+    off = rng.normal(size=(6, 1))
     scale = np.sqrt((off * off).sum(axis=0))
     left = {}
     for pair in itertools.combinations(edits, 2):
