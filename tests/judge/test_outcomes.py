@@ -163,7 +163,7 @@ def test_an_outcome_that_is_right_by_a_wrong_value_of_its_own_is_no_mistake_of_i
         )
     )
     assert (found.kind, found.edit, found.wrong) == ("located", None, len(missed))
-    reason = "probably for the same reason" if named else "your own contact.margin"
+    reason = "for the same reason" if named else "your own contact.margin, which is wrong"
     assert reason in found.sentence
 
 
