@@ -107,8 +107,6 @@ def test_new_scenes_refute_what_their_answers_contradict():
     nothing = Unseen(data, chain, lambda new: {}, None)
     heavier = Edit(I["g"], constant(9.898, I["g"].dimension), 0.0, "")
     same = Edit(I["g"], 1.0 * I["g"], 0.0, "")
-    nothing = Unseen(data, chain, lambda new: {}, None)
-    edit = Edit(stage.roots["law"], 2.0 * stage.roots["law"], 0.0, "")
     assert nothing.follows
     assert nothing.holds(chain, stage, heavier, {})
     assert nothing.mends(chain, stage, heavier, {})
