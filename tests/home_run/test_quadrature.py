@@ -120,6 +120,15 @@ class TestClearance:
         assert not batted[-5:].any()
 
 
+def test_the_speeds_of_pitches_that_arrive():
+    """In a vacuum a level pitch falls by g/2 (18.44/v)², 1.8 m at most."""
+    base = AtBatScene(id="base", air=None)
+    law = Mixture(1.0, (30.0, 30.0), (1.0, 1.0))
+    (low,), (high,) = quadrature._speeds(Clearance(base, 0.42, Batch()), law)
+    assert low == pytest.approx(18.44 * math.sqrt(9.8 / 3.6), rel=1e-9)
+    assert high == 30.0 + quadrature.FARTHEST
+
+
 class TestIntervalsOfAims:
     def test_they_are_sought_between_the_ends_of_the_bat(self):
         clearance, inputs = TestClearance.clearance, TestClearance.inputs
