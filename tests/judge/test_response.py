@@ -166,3 +166,14 @@ def test_pairs_are_ranked_by_least_squares():
     found = Effects(Given(effects), [*edits], [*edits.values()], off).pairs(99)
     ranked = [frozenset((one, other)) for (one, _), (other, _) in found if one is not other]
     assert ranked == sorted(left, key=left.__getitem__)
+
+
+def test_a_longer_path_takes_more_of_the_spin():
+    chain, stage, columns = stage_of("flight-spin-decay", "flight")
+    edit = edit_of(chain, stage, columns, "uses {c} times the speed along the path")
+    (edited,) = edit.apply([stage])
+    factor, spin = 1.0 + 1e-5, stage.quantities[2]
+    foreseen = Response(stage, Values(columns)).moved([(edit, factor)])[0, 6:9]
+    longer = {**columns, FREE: np.full(len(columns["kind"]), factor)}
+    flown = values(edited, longer)[spin] - values(stage, columns)[spin]
+    assert foreseen == pytest.approx(flown, abs=2e-3 * np.abs(flown).max())
