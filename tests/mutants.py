@@ -445,6 +445,9 @@ def fate(mutant: Mutant, tests: dict[str, float]) -> str:
             os.environ["NUMBA_CACHE_DIR"] = str(kept)
             sys.path.insert(0, folder)
             os.environ["PYTHONPATH"] = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
+            # A module that cannot be imported would end pytest before any test, in a conftest.
+            path = Path("longball", mutant.module).with_suffix("")
+            importlib.import_module(".".join(path.parts).removesuffix(".__init__"))
             return _pytest(("-x", *files), Chosen(list(tests)))
 
         status = _forked(run, seconds)

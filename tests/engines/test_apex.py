@@ -8,10 +8,11 @@ from __future__ import annotations
 import json
 import math
 
+import numpy as np
 import pytest
 
 from longball import engines
-from longball.engines.chain import solve
+from longball.engines.chain import solve, solve_with_path
 from longball.model.scene import Scene, parse_scene
 
 ENGINES = {
@@ -82,3 +83,21 @@ def test_a_ball_that_its_lift_turns_upright_has_one(name: str) -> None:
     falling = float(found.landing.time) - float(found.apex.time)
     dropped = math.log(math.cosh(falling * math.sqrt(k * 9.8))) / k
     assert float(z) == pytest.approx(dropped, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure"])
+@pytest.mark.parametrize("velocity", [[40, 0, -5], [25, 0, -12]])
+def test_of_several_tops_it_is_the_highest(name: str, velocity: list[float]) -> None:
+    """Launched downwards at 15 m, one ball loops up to 60 m and then to 8 m, one to 17 m."""
+    looping = scene(
+        launch=launch([0, 0, 15], velocity) | {"spin": [0, -100, 0]},
+        air={"density": 1.2, "drag_coefficient": 0.3, "lift_coefficient": 1.5},
+        time_limit=20,
+    )
+    result, path = solve_with_path(looping, engines.create("ivp"))
+    times = np.linspace(0.0, float(result.landing.time), 1000)
+    highest = max(float(path.at(time)[0][2]) for time in times.tolist())
+    found = solve(looping, engines.create(name))
+    # Between samples the ball rises by |z''| dt²/8, under ten times the gravity at most.
+    between = 98 * times[1] ** 2 / 8
+    assert highest <= float(found.apex.position[2]) <= highest + between

@@ -399,6 +399,16 @@ def test_a_flight_through_rest_is_left_to_the_scalar_engine(velocity: Any) -> No
     assert table["landing.time"][0] == expected.landing.time
 
 
+@pytest.mark.parametrize("up", [0.0, 10.0])
+def test_a_ball_that_starts_on_the_ground_is_not_left_to_the_scalar_engine(up: float) -> None:
+    """It ends where it starts, or after 2 w/g."""
+    launch = Launch(position=(0.0, 0.0, 0.0), velocity=(30.0, 0.0, up))
+    found = solve(FlightScene(id="low", air=None, gravity=10.0, launch=launch), Batch())
+    assert str(found.engine).startswith("batch")
+    assert found.landing is not None
+    assert found.landing.time == pytest.approx(up / 5, rel=1e-15)
+
+
 @pytest.mark.parametrize("velocity", [(40.0, 3.0, 20.0), (0.0, 0.0, 30.0)])
 @pytest.mark.parametrize("wind", [0.0, 3.0])
 @pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])

@@ -216,3 +216,14 @@ def test_a_spin_at_rest_pushes_nowhere(engine):
     result = solve(scene, engines.create(engine))
     assert result.error is not None
     assert result.landing is None
+
+
+def test_the_time_limit_counts_from_the_launch_also_beyond_the_vertical():
+    """Always up, lift turns this ball upright, and ends there."""
+    text = (
+        '{"id":"x","kind":"flight","reading":{"lift_direction":"always_up"},"time_limit":%r,'
+        '"launch":{"position":[0,0,1],"velocity":[7.5,-2,58]}}'
+    )
+    time = solved(text % 60.0).landing.time
+    assert solved(text % (0.99 * time)).outcome == "airborne"
+    assert solved(text % (1.01 * time)).landing.time == time

@@ -14,7 +14,7 @@ from longball.engines import create
 from longball.engines.batch import Batch
 from longball.engines.chain import solve, solve_with_path
 from longball.engines.event import ground
-from longball.engines.fence import chords, first_crossing
+from longball.engines.fence import at_stop, chords, first_crossing
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
@@ -138,6 +138,17 @@ def test_the_first_of_two_chords_that_are_crossed_on_a_piece(turned):
     assert met.place.height == 1.0
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_first_of_two_walls_that_are_close_together(turned):
+    """Out at x = 30, in again at x = 30.3 and out at x = 30.6: also for a ball in a plane."""
+    fence = [[30.6, 50, 9], [30.6, -5, 9], [30.3, -5, 9], [30.3, 5, 9], [30, 5, 9], [30, -50, 9]]
+    if turned:
+        fence = [[x, -y, h] for x, y, h in fence[::-1]]
+    result = solve(flight((44.0, 0.0, 2.0), fence), Ivp())
+    assert result.outcome == "wall"
+    assert result.fence.position[:2] == pytest.approx((30.0, 0.0), abs=1e-12)
+
+
 @pytest.mark.parametrize(("x", "y"), [(0.0, 80.0), (-70.0, 9.0), (60.0, 20.0)])
 @pytest.mark.parametrize(("share", "doubtful"), [(0.9, True), (1.1, False)])
 def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):
@@ -184,3 +195,8 @@ def test_a_point_of_a_chord_is_measured_to_its_nearer_end():
     assert first.passed((0.0, 10.1, 3.0), 0.2, DOUBLES) is not None
     assert first.passed((0.0, -0.1, 3.0), 1e-9, DOUBLES) is None
     assert first.inside((1.0, 5.0)) == -first.inside((-1.0, 5.0)) == 10.0
+
+
+@pytest.mark.parametrize(("s", "size"), [(80.0, 80.0), (-80.0, 80.0), (0.5, 1.0)])
+def test_a_stop_at_the_fence_is_as_large_as_its_distance_or_a_metre(s, size):
+    assert at_stop("fence", s, 1, DOUBLES).size == size

@@ -19,7 +19,7 @@ from longball.engines.enclosure import Balls, Enclosure
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.model.numbers import Doubles
-from longball.model.scene import AtBatScene, PitchScene, Scene, Swing, parse_scene
+from longball.model.scene import AtBatScene, Bat, PitchScene, Scene, Swing, parse_scene
 from longball.model.scene import Pitch as PitchBlock
 from tests.scenes import cases_of
 
@@ -89,6 +89,48 @@ def shares(asked: dict[str, int]) -> dict[str, list[float]]:
 def test_a_stated_error_holds_and_is_not_a_thousand_times_too_large() -> None:
     for question, found in shares(ASKED).items():
         assert 1e-3 < max(found) < 1, question
+
+
+def test_the_error_of_a_grip_is_that_of_its_impulses() -> None:
+    """Slips that are off by d change P_n by m (1 + ẽ) d and P_t by m (1 + |e_T|) d, at most.
+
+    Each changes P_t, and its limit, the friction times P_n.
+    """
+    errors, changes = [], []
+    for m, e, e_t, friction in (
+        (0.145, 0.5, 0.0, 1.0),
+        (2.9, 0.5, 0.0, 1.0),
+        (0.145, 0.0, 0.0, 1.0),
+        (0.145, 0.5, -0.75, 1.0),
+        (0.145, 0.5, 0.0, 30.0),
+    ):
+        line = {
+            "kind": "impact",
+            "ball": {"mass": m, "restitution": e},
+            "bat": {"friction": friction, "tangential_restitution": e_t},
+            "incoming": {"position": [REACH, 0, 1], "velocity": [-40, 0, 9], "bat_height": 1},
+            "reading": {"bat_ball_restitution": "nathan"},  # ẽ = e
+        }
+        engine, asked = heard(Ivp(), Doubles)
+        solve(parse_scene(json.dumps(line)), engine)
+        ((_, error),) = asked["the ball grips the bat or slides on it"]
+        errors.append(error)
+        changes.append((1 + friction) * m * ((1 + e) + (1 + abs(e_t))))
+    share = errors[0] / changes[0]
+    assert errors == pytest.approx([share * change for change in changes], rel=1e-12, abs=0.0)
+
+
+def test_the_error_of_a_normal_grows_with_its_slant_to_the_path() -> None:
+    """A shift of the path turns the normal by the shift over the cosine of the slant."""
+    errors = []
+    for offset in (0.0, 0.8 * REACH):
+        engine, asked = heard(Ivp(), Doubles)
+        solve(level_pitch(18.44, offset).model_copy(update={"bat": Bat(friction=0.5)}), engine)
+        errors += [error for _, error in asked["the ball grips the bat or slides on it"]]
+    shift = (2 * REACH * ERROR + HALF_ULP * (8 * (1.8 + REACH) + 4 * 18.44 + 2 * REACH)) / REACH
+    straight, slanted = (ERROR + shift + shift / cosine for cosine in (1.0, 0.6))
+    # Roundings of the impulses are 1 % of these.
+    assert errors[1] / errors[0] == pytest.approx(slanted / straight, rel=0.01)
 
 
 @pytest.mark.nightly

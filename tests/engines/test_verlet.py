@@ -459,3 +459,17 @@ def test_steps_that_end_below_the_ground_of_a_logarithmic_wind(drag):
         found = solve(scene, Verlet(dt, forces="predicted_recomputed")).landing
         assert found.position == pytest.approx(truth.position, abs=error)
         assert found.velocity == pytest.approx(truth.velocity, abs=error)
+
+
+@pytest.mark.parametrize("offset", [1.0, -1.0])
+def test_the_margin_of_a_pitch_that_lands_beside_the_bat(offset):
+    """It falls by 1 in 4 towards the ground, 4 cm behind the plate; the step there is too late."""
+    dt, pitch = 1e-3, Pitch(release=(20.0, 0.0, 5.01), aim=(0.0, 0.01), speed=30.0)
+    swing = Swing(height_offset=offset)
+    scene = AtBatScene(id="low", air=None, gravity=0.0, pitch=pitch, swing=swing)
+    way = 30.0 * dt * np.arange(800) / math.hypot(4.0, 1.0)
+    x, z = 20.0 - 4.0 * way, 5.01 - way
+    distance = np.hypot(x, z - (0.01 + offset))[z > 0].min()
+    found = solve(scene, Verlet(dt))
+    assert found.outcome == "missed"
+    assert found.contact.margin == pytest.approx(0.0696 - distance, abs=1e-12)

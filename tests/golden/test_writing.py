@@ -13,13 +13,15 @@ import pytest
 from longball.engines.enclosure import Enclosure
 from longball.golden import home_runs, writer
 from longball.golden.case import FOUND, Draft, Drafts
-from longball.golden.checker import check
-from longball.golden.condition import sensitivity
+from longball.golden.checker import _apart, check
+from longball.golden.condition import Sensitivity, attainable_errors, sensitivity
 from longball.golden.files import CHECKSUMS, PARTIAL, write_files
 from longball.golden.reader import DATA, drafts, header, load, probabilities
 from longball.golden.truth import make, prove
 from longball.home_run.quadrature import Nodes
-from longball.model.quantities import replaced
+from longball.model.inputs import inputs
+from longball.model.quantities import numbers_of, replaced
+from longball.model.result import Bounded, Result
 from longball.model.scene import parse_scene
 
 IMPACTS = [
@@ -140,7 +142,9 @@ def test_a_line_may_hold_what_is_written_of_a_case_and_no_more(tmp_path: Path):
 def written(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("small")
     writer.write(folder, SMALL)
-    assert check(folder).failures == ()
+    seen = []
+    assert check(folder, progress=lambda *done: seen.append(done)).failures == ()
+    assert seen == [(1, 3), (2, 3), (3, 3)]
     return folder
 
 
@@ -186,6 +190,22 @@ def test_a_changed_last_digit_is_found_by_the_proof_alone(small: Path):
         sentence.startswith(f"{case.id}: impact.impulse is {value[:-3]}{digit}")
         for sentence in failures
     )
+
+
+@pytest.mark.parametrize(
+    ("radius", "other", "apart"),
+    [(None, None, True), ("0.1", None, True), (None, "0.1", True), ("0.3", "0.3", False),
+     ("0.6", None, False), (None, "0.6", False)],
+)  # fmt: skip
+def test_enclosures_half_a_unit_apart_overlap_if_their_radii_add_up_to_it(radius, other, apart):
+    expected = made("few", FEW.cases[0]).expected
+
+    def at(value: str, radius: str | None) -> Result:
+        impulse = Bounded(value=value, radius=radius)
+        impact = expected.impact.model_copy(update={"impulse": impulse})
+        return expected.model_copy(update={"impact": impact})
+
+    assert bool([*_apart(at("1.5", radius), at("1.0", other))]) is apart
 
 
 @pytest.mark.parametrize(
@@ -333,3 +353,43 @@ def test_an_outcome_that_an_ulp_decides_is_fragile():
         scene = parse_scene(text % y)
         found = sensitivity(scene, prove(scene), Enclosure(30))
         assert found.fragile == fragile
+
+
+def test_smooth_derivatives_are_central_differences_in_doubles():
+    """A ball thrown down at 5 m/s from 30 m lands after (-5 + sqrt(25 + 60 g))/g."""
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","air":null,"gravity":10,'
+        '"launch":{"position":[1,2,30],"velocity":[30,1,-5]}}'
+    )
+    step = 10 * 2.0**-15
+    below, above = ((math.sqrt(25 + 60 * g) - 5) / g for g in (10 - step, 10 + step))
+    no_engine = None  # of more digits is needed
+    found = sensitivity(scene, prove(scene), no_engine).derivatives["landing.hang_time"]
+    # A time of 2 s in doubles
+    assert found["gravity"] == pytest.approx((above - below) / (2 * step), abs=4 * 2.0**-52 / step)
+    assert found["launch.velocity[0]"] == 0.0
+
+
+def test_a_derivative_that_changes_within_the_step_has_short_steps():
+    """A ball dropped from z = 1 mm lands after sqrt(2 z/g); a step in doubles is 7 % of z."""
+    scene = parse_scene(
+        '{"id":"x","kind":"flight","air":null,"gravity":20,'
+        '"launch":{"position":[1,2,0.001],"velocity":[30,1,0]}}'
+    )
+    found = sensitivity(scene, prove(scene), Enclosure(30)).derivatives["landing.hang_time"]
+    assert found["launch.position[2]"] == pytest.approx(5.0, rel=1e-12)  # 1/sqrt(2 g z)
+
+
+def test_the_attainable_error_of_an_at_bat_counts_the_height_of_the_bat():
+    """Half an ulp of each input, of the height of the bat, and of the number itself."""
+    case = next(case for case in load("at-bat") if case.expected.contact)
+    names = [name for name, _ in numbers_of(case.expected)]
+    by = {"pitch.speed": 3.0, "swing.height_offset": -2.0}
+    slopes = {path: by.get(path, 0.0) for path in inputs(case.scene)}
+    known = Sensitivity(dict.fromkeys(names, slopes), fragile=False)
+    found = attainable_errors(case.scene, case.expected, known)
+    offset = case.scene.swing.height_offset
+    height = float(case.expected.plate.position[2]) + offset
+    moved = 3 * case.scene.pitch.speed + 2 * abs(offset) + 2 * abs(height)
+    time = float(case.expected.plate.time)
+    assert found["plate.time"] == float(f"{2.0**-53 * (moved + time):.3g}")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from longball.home_run.crossings import crossings
+from longball.home_run.crossings import _may_turn, crossings
 
 GRID = np.tile(np.linspace(0.0, 10.0, 21), (2, 1))
 
@@ -53,3 +53,15 @@ def test_a_jump_is_halved_to_its_place():
 def test_a_steep_crossing_is_no_jump():
     every = found(lambda x, line: 1e4 * (x - math.e) + 0.0 * line)
     assert not every.jumps.any()
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("three", "turns"),
+    [((3.0, 0.9, 2.0), True), ((3.0, 2.0, 1.0), False), ((1.0, 0.5, 0.6), False)],
+)
+def test_a_turn_is_sought_between_larger_samples_that_are_far_enough(sign, three, turns):
+    """The middle one is below its neighbours, and below half of their differences from it."""
+    values = sign * np.array([three])
+    found = _may_turn(values, values >= 0.0)
+    assert found.tolist() == [[False, turns, False]]

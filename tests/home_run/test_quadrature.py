@@ -18,10 +18,12 @@ from longball.home_run import (
     integrals,
     monte_carlo,
     paper_at_bats,
+    quadrature,
     scrambled,
 )
 from longball.home_run.clearance import Clearance
-from longball.home_run.quadrature import Nodes, Share, rule_of, share_over_offsets
+from longball.home_run.crossings import Crossings
+from longball.home_run.quadrature import Nodes, Share, _Intervals, rule_of, share_over_offsets
 from longball.model.quantities import replaced
 from longball.model.readings import Reading, SamplingReading
 from longball.model.scene import AtBatScene
@@ -116,6 +118,45 @@ class TestClearance:
         assert 0.9 < np.mean(batted) < 0.96
         assert not batted[:5].any()
         assert not batted[-5:].any()
+
+
+def test_the_speeds_of_pitches_that_arrive():
+    """In a vacuum a level pitch falls by g/2 (18.44/v)², 1.8 m at most."""
+    base = AtBatScene(id="base", air=None)
+    law = Mixture(1.0, (30.0, 30.0), (1.0, 1.0))
+    (low,), (high,) = quadrature._speeds(Clearance(base, 0.42, Batch()), law)
+    assert low == pytest.approx(18.44 * math.sqrt(9.8 / 3.6), rel=1e-9)
+    assert high == 30.0 + quadrature.FARTHEST
+
+
+class TestIntervalsOfAims:
+    def test_they_are_sought_between_the_ends_of_the_bat(self):
+        clearance, inputs = TestClearance.clearance, TestClearance.inputs
+        grid = _Intervals.of(clearance, inputs).grid
+        ends = np.array([clearance.aim_to_touch(y, inputs) for y in (-0.5, 0.5)])
+        # Contacts on the last 1e-8 of the bat are left out.
+        np.testing.assert_allclose(grid[:, [0, -1]], ends.T, rtol=2e-8)
+        np.testing.assert_allclose(np.diff(grid, n=2), 0.0, atol=1e-15)  # roundings of 0.5 m
+
+    def test_their_kind_tells_where_they_begin_how_many_end_and_which_jump(self):
+        signs = [[1, -1, -1], [-1, -1, 1], [-1, -1, 1], [1, -1, 1], [-1, -1, -1]]
+        line, jumps = np.array([0, 1, 2, 3, 3]), np.array([False, False, True, False, False])
+        ends = Crossings(line, 0.5 + 0.0 * line, jumps, jumps)
+        grid, values, solved = np.zeros((5, 3)), np.array(signs, float), np.zeros(5, dtype=bool)
+        clearance, inputs = TestClearance.clearance, TestClearance.inputs
+        kinds = _Intervals(clearance, inputs, grid, values, ends, solved).kind.tolist()
+        assert len({*kinds}) == len(kinds)
+
+
+def test_the_pairs_of_speed_and_tilt_share_the_tolerance(monkeypatch):
+    def allowed(clearance, at_bats, speed, tilt, tolerance):
+        return np.array([np.ones_like(speed), tilt, tolerance, tolerance])
+
+    monkeypatch.setattr(quadrature, "share_over_offsets", allowed)
+    home_runs = Clearance(BASE, 0.42, Batch())
+    found = quadrature._over_speeds(home_runs, PAPER, Nodes(5, 2), 1e-3, 1)
+    # Each of n pairs may take 1/n of it, and those of large weight the whole of it.
+    assert 0.5e-3 < found.error < 2e-3
 
 
 class TestQuadrature:

@@ -13,7 +13,7 @@ from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
 from longball.judge.diagnosis.chain import ACCELERATION, CHAIN, LAW, OWN, RATE, SPEED, U, u
 from longball.judge.diagnosis.diagnose import prepared
-from longball.judge.diagnosis.expression import NONE, constant, norm, ordered, substitute
+from longball.judge.diagnosis.expression import NONE, constant, evaluate, norm, ordered, substitute
 from longball.judge.diagnosis.residual import compared, follow, seen, specialised_to
 from longball.judge.quantities import values_of
 from longball.model.scene import Ground
@@ -154,3 +154,33 @@ def test_balls_that_land_while_they_are_pushed():
     data, _, found = in_steps(engine, low)
     assert (data.given["landing.hang_time"] < 2 * engine.dt).sum() > 4
     assert not any(one.beyond.any() for one in found)
+
+
+def test_a_contact_at_a_step_is_pushed_from_there():
+    """0.29 s are 28.999999999999996 steps of 0.01 s: the push does not begin a step before."""
+    engine = Verlet(dt=0.01)
+    data, columns, _ = in_steps(engine, [case.scene for case in golden.load("at-bat")[::9]])
+    (stage,) = (stage for stage in specialised_to(data) if stage.name == "flight")
+    columns = {**columns, "spin": columns[stage.spins]}
+    time = str(OWN["contact.time"].data)
+
+    def landed(contact):
+        found, _ = data.ways["flight"](stage, {**columns, time: np.full(len(data.cases), contact)})
+        return found["landing.position"]
+
+    assert np.array_equal(landed(0.29), landed(0.0), equal_nan=True)
+    assert not np.array_equal(landed(0.289), landed(0.0), equal_nan=True)
+
+
+def test_definitions_of_other_programs_give_the_properties_of_air():
+    """Moist air at 20 °C and 1013.25 hPa with half of the vapour that it can hold (CIPM-2007)."""
+    weather = {"T": 293.15, "p": 101325.0, "φ": 0.5, "h": 0.0}
+    columns = {**weather, "reading.pressure": np.array(["station"])}
+    stage = next(stage for stage in CHAIN if stage.kind == "flight")
+    found = [
+        float(np.squeeze(evaluate(node, columns)))
+        for node in stage.pool
+        if {x.data for x in ordered([node]) if x.op == "symbol"} <= weather.keys()
+    ]
+    pressure, density, sound = 2339.3, 1.19886, 343.37  # Pa, kg/m³, m/s (of dry air)
+    assert sorted(found) == pytest.approx([density, sound, *[pressure] * 3], rel=3e-3)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -340,3 +341,13 @@ def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
     (found,) = diagnose(cases, wrong).findings
     assert found.stage == "margin"
     assert found.edit == "flips the sign of R + r_b - the closest distance"
+
+
+def test_a_rough_edit_may_leave_a_few_errors():
+    off, some = np.zeros((1, 200)), np.arange(200)
+    left = []
+    for count in (0, 1, 100):
+        off[:, :count] = 1e6
+        one: Any = SimpleNamespace(off=off, floor=np.ones_like(off), some=some)
+        left.append(diagnosing._is_left(one, some))
+    assert left == [True, True, False]

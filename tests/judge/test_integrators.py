@@ -11,6 +11,8 @@ import pytest
 
 from longball.engines.verlet import TREATMENTS, Treatment
 from longball.judge.diagnosis import integrators
+from longball.judge.diagnosis.chain import t
+from longball.judge.diagnosis.expression import S, constant
 from longball.judge.diagnosis.integrators import (
     EXACT,
     INTEGRATORS,
@@ -98,6 +100,21 @@ def moved(share: float) -> Callable[..., Any]:
     return step
 
 
+def weighted(*weights: int) -> Callable[..., Any]:
+    """RK4 with other weights of its four slopes."""
+
+    def step(x: float, v: float, t: float, h: float, left: Any) -> Any:
+        at, slopes = (x, v, t), []
+        for node in (0.5, 0.5, 1.0, 0.0):
+            slopes.append((at[1], pull(*at)))
+            at = (x + node * h * slopes[-1][0], v + node * h * slopes[-1][1], t + node * h)
+        w = np.array(weights) / sum(weights)
+        dx, dv = w @ np.array(slopes)
+        return x + h * dx, v + h * dv, None
+
+    return step
+
+
 # Steps of x and v, written out.
 PLAIN: dict[str, Callable[..., Any]] = {
     "explicit Euler": lambda x, v, t, h, _: (x + h * v, v + h * pull(x, v, t), None),
@@ -113,6 +130,9 @@ PLAIN: dict[str, Callable[..., Any]] = {
     "RK4 whose position moves with the velocity at the step's start": moved(0.0),
     "RK4 whose position moves with the velocity at the step's end": moved(1.0),
     "RK4 whose position moves with the mean of the velocities at the step's ends": moved(0.5),
+    "RK4 with the weights (1, 1, 1, 1)": weighted(1, 1, 1, 1),
+    "RK4 with the weights (2, 1, 1, 2)": weighted(2, 1, 1, 2),
+    "RK4 with the weights (1, 3, 3, 1)": weighted(1, 3, 3, 1),
     **{one.words: verlet(*how) for how, one in VERLET.items()},
 }  # fmt: skip
 
@@ -195,7 +215,9 @@ def rows(stage: Any, found: Any) -> Any:
 
 @pytest.mark.parametrize("last", ["shorter", "chord", "straight"])
 def test_the_last_step_of_a_flight(drives: Any, last: str):
+    """Under a law that grows with the time."""
     stage, columns = drives
+    stage = stage.edited(stage.roots["law"], t * (1.0 / constant(1.0, S)) * stage.roots["law"])
     h, balls = 0.03, launched(stage, columns)
     counts = np.floor(balls.duration / h).astype(int)
     y, _ = stepped(balls, RK4.step, h, counts)

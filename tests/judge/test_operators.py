@@ -82,6 +82,22 @@ def test_another_node():
     assert not given(operators._others, constant(3.0), pool=(x, y))
 
 
+def test_the_cost_of_a_choice_among_other_nodes():
+    """One of n or none: log2(1 + n), 1 bit more for three nodes than for one."""
+    more = symbol("q2", M), symbol("q3", M)
+    few, many = (
+        {text: bits for _, bits, text, _ in operators._others(Site(p, (), pool, {}, False))}
+        for pool in ((q,), (q, *more))
+    )
+    assert few.keys() == {
+        "uses q for p",
+        "uses {c} times q for p",
+        "adds q to p",
+        "subtracts q from p",
+    }
+    assert {text: many[text] for text in few} == {text: bits + 1 for text, bits in few.items()}
+
+
 def test_another_node_where_a_scene_leaves_the_key_out():
     m, M = I["m"], I["M"]
     site = Site(m, (), (M, I["g"]), {}, False, {"m": {"left out"}})
@@ -404,6 +420,8 @@ def test_mistakes_in_one_option_of_a_switch():
     kinds = {"kind": np.array(["flight", "impact"])}
     found = of_formula(switch("kind", {"flight": x * y, "impact": x * z}), **kinds)
     assert {(5, 22), (10, 11), (5, 11)} <= {*found.values()}  # 1 for x
+    found = of_formula(switch("kind", {"flight": (x + y) * (x + z), "impact": x * z}), **kinds)
+    assert (10 * 16, 22) in found.values()  # y for x, in both uses there
 
 
 def test_mistakes_in_one_definition_of_a_law():
@@ -469,6 +487,35 @@ def test_costs_in_bits():
     assert choice[1]["uses y for x"] > choice[0]["uses y for x"]
 
 
+def test_the_costs_of_kinds_and_choices_add_up(monkeypatch: Any):
+    """If kinds cost nothing, a choice costs 0 or more; each option has a kind, or several."""
+    m, height, kinds = I["m"], component(r, 2), switch("kind", {"flight": x * x, "impact": y})
+    pool = (p, q, later, x, z, b, component(b, 1), n, m, I["M"], v0)
+    states = (("of the pitch", r, v),)
+    sites = [
+        Site(node, parents, pool, {"m": 0.145}, flies, {"m": {"left out"}}, earlier=states)
+        for flies in (False, True)
+        for node, above in (
+            (p, p + q), (p, p * q), (m, m * x), (x * x, x * x + z), (x / y, x / y + z), (a, a + b),
+            (x, x - x * x), (norm(a), x * norm(a)), (unit(a), x * unit(a)), (v, v + b), (r, r + b),
+            (I["release"], I["release"] + b), (height, height - p), (named("U", norm(v)), p + q),
+            (kinds, x * kinds), (cross(a, b), cross(a, b) + a), (dot(a, b), dot(a, b) + z),
+            (constant(3.0), 3.0 + x), (named("k", x * y), p * named("k", x * y)),
+        )
+        for parents in ((), (above,))
+    ]  # fmt: skip
+
+    def bits(each: float) -> list[float]:
+        monkeypatch.setattr(operators, "BITS", dict.fromkeys(operators.BITS, each))
+        return [bits for operator in operators.OPERATORS for site in sites
+                for _, bits, *_ in operator(site)]  # fmt: skip
+
+    choices = np.array(bits(0.0))
+    of_kinds = np.array(bits(1.0)) - choices
+    assert choices.min() == 0.0
+    assert {*np.round(of_kinds, 9)} == {1.0, 2.0}
+
+
 def test_an_edit_in_some_stages():
     stages = tuple(
         Stage(name, ("impact.impulse",), "formula", {"value": x * y}) for name in ("one", "two")
@@ -499,5 +546,8 @@ def test_launches_and_pools():
     assert {"ẽ", "Ṽ·n", "m", "M"} <= told  # earlier results, and inputs
     assert "μ" in {node.data for node in pool}  # its own definitions
     assert not {"J", "V⁺", "landing.distance"} & told  # its own, and later ones
+    sizes = {node.args[0] for node in pool if node.op == "norm"}
+    assert operators.OWN["contact.velocity"] in sizes
+    assert not {n, operators.OWN["impact.restitution"]} & sizes  # of length 1, and a number
     assert -operators.e_y in operators.pool_of(CHAIN, flights[0], {})
     assert x.dimension == NONE

@@ -12,8 +12,9 @@ import pytest
 from longball import golden
 from longball.judge.answers import Answer
 from longball.judge.cases import decidable
+from longball.judge.diagnosis.expression import symbol
 from longball.judge.diagnosis.findings import Finding
-from longball.judge.diagnosis.outcomes import outcome_findings
+from longball.judge.diagnosis.outcomes import _is_positive, outcome_findings
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import told_by, values_of
 
@@ -137,6 +138,7 @@ def test_a_wrong_condition_is_named(mistake: str):
         if (other(c) or true[c.id][0], true[c.id][1] | told(c)) != true[c.id]
     ]  # fmt: skip
     assert found.wrong == len(changed) > 0
+    assert found.worst == 1.0
 
 
 def test_a_limit_of_the_candidates_own_lies_between_its_values():
@@ -161,7 +163,7 @@ def test_an_outcome_that_is_right_by_a_wrong_value_of_its_own_is_no_mistake_of_i
         )
     )
     assert (found.kind, found.edit, found.wrong) == ("located", None, len(missed))
-    reason = "probably for the same reason" if named else "your own contact.margin"
+    reason = "for the same reason" if named else "your own contact.margin, which is wrong"
     assert reason in found.sentence
 
 
@@ -198,3 +200,10 @@ def test_where_the_pitch_is_wrong_the_true_place_of_the_ball_decides_nothing(nam
     )
     assert (found.kind, found.wrong) == (kind, len(low))
     assert kind == "named" or found.remedy == "see whether this is still so when pitch is right"
+
+
+def test_conditions_in_words():
+    x, y = symbol("x"), symbol("y")
+    assert [_is_positive(node) for node in (x, x - y, -x, -1.0 * x, 2.0 * x)] == [
+        "x > 0", "x > y", "x ≤ 0", "x ≤ 0", "2·x > 0"
+    ]  # fmt: skip

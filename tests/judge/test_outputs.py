@@ -9,7 +9,7 @@ import pytest
 
 from longball.judge.diagnosis.chain import OWN
 from longball.judge.diagnosis.expression import M, S
-from longball.judge.diagnosis.outputs import outputs
+from longball.judge.diagnosis.outputs import _errors, outputs
 from longball.judge.diagnosis.residual import Data, follow, specialised_to
 from tests.judge import material
 
@@ -71,6 +71,14 @@ def test_times_in_milliseconds(truth):
     assert wrong(data) == []
 
 
+def test_one_output_with_the_wrong_sign(truth):
+    other = changed(truth, **{"impact.impulse": -truth.given["impact.impulse"]})
+    data, (found,) = outputs(other, specialised_to(other))
+    assert found.edit == "impact.impulse is the negative of the right value"
+    assert found.remedy == "turn the sign"
+    assert wrong(data) == []
+
+
 def test_vectors_with_two_axes_exchanged(truth):
     turned = changed(truth, **{q: truth.given[q][[0, 2, 1]] for q in OWN if OWN[q].vector})
     data, (found,) = outputs(turned, specialised_to(turned))
@@ -115,6 +123,15 @@ def test_a_wrong_value_that_later_ones_follow_from_is_a_formula(truth):
     other = changed(truth, **{"impact.impulse": 2 * J, "impact.velocity": struck})
     _, found = outputs(other, specialised_to(other))
     assert found == []
+
+
+def test_errors_of_a_flight_belong_to_their_quantities():
+    data = true("flight-both")
+    for quantity in ("landing.position", "landing.velocity"):
+        other = changed(data, **{quantity: data.given[quantity] + 1.0})
+        found = _errors(other, specialised_to(other))
+        flight = {q: wrong for (_, kind, q), (_, wrong) in found.items() if kind == "flight"}
+        assert [q for q, is_wrong in flight.items() if is_wrong] == [quantity]
 
 
 def test_wrong_values_of_no_rule_are_no_conversion(truth):

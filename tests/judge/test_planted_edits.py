@@ -26,7 +26,7 @@ from longball.judge.diagnosis.expression import (
     words,
 )
 from longball.judge.diagnosis.residual import Data, specialised_to, values
-from longball.judge.diagnosis.search import PAIRS, Explanation, Named
+from longball.judge.diagnosis.search import OF_OPTION, PAIRS, Explanation, Named
 from longball.model.scene import AtBatScene
 from tests.judge.material import known, off, planted, truth
 
@@ -283,3 +283,28 @@ def test_an_edit_that_explains_a_part_of_the_errors_and_breaks_no_scene(breaks: 
         assert found.mends == (wrong.beyond & (y > np.median(y))).sum()
         after = off(found.edits[0].apply([stage])[0], data, columns)
         assert after.beyond.sum() == wrong.beyond.sum() - found.mends
+
+
+@np.errstate(all="ignore")
+def test_a_mistake_in_one_option_costs_the_choice_of_the_option():
+    """One of n or none of those that all wrong scenes share, log2(1 + n): here of one, 1 bit."""
+    chain, some, _ = right("impact")
+    (stage,) = (s for s in chain if s.name == "impulse")
+    key, option = "reading.effective_mass", "as_printed"
+
+    def given(columns: dict[str, Any]) -> dict[str, Any]:
+        return {"impact.impulse": np.where(columns[key] == option, -1.0, 1.0) * columns["J"]}
+
+    data, columns = planted(some, chain, given)
+    wrong = off(stage, data, columns)
+    like = np.flatnonzero(columns[key][wrong.some] == option)
+    there = Explanation(chain, stage, data, columns, wrong.of(like), OF_OPTION).explain()
+    found = Explanation(chain, stage, data, columns, wrong).of_one_option()
+    assert isinstance(there, Named)
+    assert isinstance(found, Named)
+    assert found.evidence == pytest.approx(there.evidence - 1.0)
+    edited = chain
+    for edit in found.edits:
+        edited = edit.apply(edited)
+    (stage,) = (s for s in edited if s.name == "impulse")
+    assert not off(stage, data, columns).beyond.any()

@@ -10,6 +10,8 @@ import pytest
 
 from longball.judge.answers import Answer
 from longball.judge.diagnosis import residual
+from longball.judge.diagnosis.chain import r, r0
+from longball.judge.diagnosis.expression import S, constant
 from longball.judge.diagnosis.residual import (
     COARSE,
     FINE,
@@ -111,6 +113,10 @@ def test_a_time_in_the_law():
     times = np.array([2.0, 3.0])
     found = flown(thrown(times, lambda at, t: 6.0 * t), times)
     assert found[2] == pytest.approx(1 + 20 * times + times**3, rel=1e-13)
+    late = thrown(times, lambda at, t: np.where(t > 1.3, -10.0, 0.0) + 0.0 * at[2],
+                  piece=lambda at, t: np.atleast_2d(t > 1.3))  # fmt: skip
+    found = flown(late, times)
+    assert found[2] == pytest.approx(1 + 20 * times - 5 * (times - 1.3) ** 2, abs=1e-9)
 
 
 def test_steps_shorten_where_the_law_is_steep():
@@ -294,3 +300,17 @@ def test_the_stated_error_of_flights_is_relative_to_their_numbers():
         size = np.maximum(abs(found[quantity]), 1.0)
         share = abs(again[quantity] - found[quantity]) / size
         assert np.isclose(share, residual.TOTAL, rtol=1e-3, atol=0.0).all()
+
+
+def test_a_law_may_know_the_launch(drives: Any):
+    """A spring to the launch, (r0 - r)/s²: r = r0 + v0 sin t."""
+    chain, data = drives
+    (stage,) = (stage for stage in chain if stage.kind == "flight")
+    second = constant(1.0, S)
+    spring = stage.edited(stage.roots["law"], (r0 - r) * (1.0 / (second * second)))
+    columns = {**follow(chain, data)[0], "hang_time": np.full(len(data.cases), 2.0)}
+    found = residual.values(spring, columns)
+    start, speed = columns["launch.position"], columns["launch.velocity"]
+    position, velocity = (found[q] for q in stage.quantities[:2])
+    assert position == pytest.approx(start + speed * np.sin(2.0), abs=1e-9)
+    assert velocity == pytest.approx(speed * np.cos(2.0), abs=1e-9)

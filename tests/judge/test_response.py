@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,7 @@ def rows(stage: Stage, columns: Any) -> Any:
         ("flight-both", "flight", "uses {c} times m"),
         ("flight-both", "flight", "uses {c} times launch.velocity"),
         ("flight-weather", "flight", "uses {c} times T"),
+        ("flight-both", "flight", "uses {c} times hang_time"),
         ("pitch", "pitch", "uses {c} times V_0"),
         ("flight-spin-lift", "flight", "uses {c} times launch.spin"),
     ],
@@ -131,3 +133,47 @@ def test_a_cubic_is_the_path_of_a_parabola():
         assert found[:6, i] == pytest.approx(flown(balls, share * balls.duration)[:6], rel=1e-9)
     speed = np.sqrt((found[3:6] ** 2).sum(axis=0))
     assert found[6] == pytest.approx(speed * shares[:, None] * balls.duration)
+
+
+class Given:
+    """Effects that are given: of each edit at its start, and at another value of its number."""
+
+    def __init__(self, effects: dict[Edit, Any]) -> None:
+        self.effects = effects
+
+    def moved(self, changes: Any) -> Any:
+        return np.array(
+            [self.effects[edit][int(number not in (None, 1.0))] for edit, number in changes]
+        )
+
+
+def test_pairs_are_ranked_by_least_squares():
+    rng = np.random.default_rng(5)
+    edits = {Edit(symbol("a"), symbol("b"), 3.0, str(i)): (1.0,) * (i < 8) for i in range(12)}
+    effects = {edit: rng.normal(size=(2, 6, 1)) for edit in edits}
+    off = rng.normal(size=(6, 1))
+    scale = np.sqrt((off * off).sum(axis=0))
+    left = {}
+    for pair in itertools.combinations(edits, 2):
+        # Two effects of an edit with a free number, and one of another: of about its own size
+        columns = [(effect, not edits[edit]) for edit in pair
+                   for effect in effects[edit][: 1 + len(edits[edit])]]  # fmt: skip
+        matrix = np.array([(effect / scale).ravel() for effect, _ in columns]).T
+        fit, (rest,), *_ = np.linalg.lstsq(matrix, (off / scale).ravel())
+        if all(0.5 < x < 2.0 for x, (_, fixed) in zip(fit, columns, strict=True) if fixed):
+            left[frozenset(pair)] = rest
+    assert len(left) > 6
+    found = Effects(Given(effects), [*edits], [*edits.values()], off).pairs(99)
+    ranked = [frozenset((one, other)) for (one, _), (other, _) in found if one is not other]
+    assert ranked == sorted(left, key=left.__getitem__)
+
+
+def test_a_longer_path_takes_more_of_the_spin():
+    chain, stage, columns = stage_of("flight-spin-decay", "flight")
+    edit = edit_of(chain, stage, columns, "uses {c} times the speed along the path")
+    (edited,) = edit.apply([stage])
+    factor, spin = 1.0 + 1e-5, stage.quantities[2]
+    foreseen = Response(stage, Values(columns)).moved([(edit, factor)])[0, 6:9]
+    longer = {**columns, FREE: np.full(len(columns["kind"]), factor)}
+    flown = values(edited, longer)[spin] - values(stage, columns)[spin]
+    assert foreseen == pytest.approx(flown, abs=2e-3 * np.abs(flown).max())

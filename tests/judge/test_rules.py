@@ -30,6 +30,7 @@ def test_one_condition():
     flights = [{"kind": "flight", "m": 1.0 * i} for i in MANY]
     pitches = [{"kind": "pitch", "m": 1.0 * i} for i in MANY]
     assert told(flights, pitches) == "kind = flight"
+    assert told(flights[:5], pitches[:5]) == "kind = flight"
     assert told(flights, pitches[:4]) is None
     assert told(flights[:4], pitches) is None
     assert told(flights[:6], flights[6:]) == "m < 5.5"

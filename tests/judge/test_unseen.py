@@ -11,11 +11,16 @@ from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer, Collector
 from longball.judge.cases import solved
+from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.diagnose import diagnose
+from longball.judge.diagnosis.expression import constant
+from longball.judge.diagnosis.operators import Edit
+from longball.judge.diagnosis.residual import specialised_to
+from longball.judge.diagnosis.unseen import Unseen
 from longball.judge.fresh import moved
 from longball.model.quantities import numbers
 from longball.model.scene import Scene
-from tests.judge.material import flights, impacts
+from tests.judge.material import flights, impacts, known, truth
 
 
 def test_moved_scenes_have_the_same_keys_and_other_numbers():
@@ -59,7 +64,8 @@ def backwards(scene: Scene) -> dict:
 
 
 def heavy(scene: Scene) -> dict:
-    return landed(scene.model_copy(update={"gravity": 9.9}))
+    """In all given scenes, but not in new ones, 9.898 m/s² are 101 % of the gravity."""
+    return landed(scene.model_copy(update={"gravity": 9.898}))
 
 
 def test_what_holds_by_chance_gives_way_to_what_holds_in_new_scenes():
@@ -80,7 +86,7 @@ def test_a_name_that_new_scenes_refute_is_withdrawn():
     scenes = flights()
     cases, said = solved(scenes, Ivp()), answers(scenes, heavy)
     (found,) = diagnose(cases, said, solve=lambda new: answers(new, heavy)).findings
-    assert (found.kind, found.edit) == ("named", "uses 9.9 for g, whatever the scene says")
+    assert (found.kind, found.edit) == ("named", "uses 9.898 for g, whatever the scene says")
     (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
     assert (found.kind, found.edit) == ("nearest", None)
     assert "but not in" in found.sentence
@@ -92,3 +98,23 @@ def test_without_an_answer_in_new_scenes_a_name_stays():
     for few in ({}, {"moved-1-0000": Answer("moved-1-0000", "missed", {})}):
         (found,) = diagnose(cases, said, solve=lambda new, few=few: few).findings
         assert found.kind == "named"
+
+
+def test_new_scenes_refute_what_their_answers_contradict():
+    data = truth(known("flight-vacuum")[:3])
+    chain = specialised_to(data)
+    (stage,) = (one for one in chain if one.kind == "flight")
+    nothing = Unseen(data, chain, lambda new: {}, None)
+    heavier = Edit(I["g"], constant(9.898, I["g"].dimension), 0.0, "")
+    same = Edit(I["g"], 1.0 * I["g"], 0.0, "")
+    assert nothing.follows
+    assert nothing.holds(chain, stage, heavier, {})
+    assert nothing.mends(chain, stage, heavier, {})
+    # Answers of programs with the scene's gravity, and with 9.898 m/s²
+    for program, edit, other in ((landed, same, heavier), (heavy, heavier, same)):
+        answered = Unseen(data, chain, lambda new, program=program: answers(new, program), None)
+        assert answered.follows is (program is landed)
+        assert answered.holds(chain, stage, edit, {})
+        assert answered.mends(chain, stage, edit, {})
+        assert not answered.holds(chain, stage, other, {})
+        assert not answered.mends(chain, stage, other, {})

@@ -38,6 +38,7 @@ def test_the_law_is_that_of_space(drag, lift, gravity):
     """a = -k_D V v + k_L V (ŝ × v) + g, ŝ level and to the right of the flight."""
     strengths = {"drag": drag, "lift": lift, "gravity": gravity}
     law = law_with({name: k for name, k in strengths.items() if k is not None})
+    assert law.is_paper
     rates = law.rates(SYMBOLS)(*sp.symbols("s z"), U, W)
     velocity, speed = sp.Matrix([U, 0, W]), sp.sqrt(U**2 + W**2)
     wanted = (

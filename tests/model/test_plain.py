@@ -28,6 +28,7 @@ def nearest(number) -> float:
 @given(WHOLE | st.fractions() | st.decimals(allow_nan=False, allow_infinity=False))
 @example(2**53 + 1)
 @example(10**5000)
+@example(-(10**400))
 @example(Decimal("-1e400"))
 @example(Fraction(1, 3))
 def test_exact_numbers_become_the_nearest_double(number):

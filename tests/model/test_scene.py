@@ -98,6 +98,7 @@ REFUSED = """
 {"air": {"drag_coefficient": "x"}}
     -> air.drag_coefficient: must be a number, or an object with a law: constant, spin, crisis,
        table (got 'x')
+{"air": {"density": "x"}} -> air.density: must be a number in kg/m³ (got 'x')
 {"pitch": {"speed": -3}} -> pitch.speed: must be positive (got -3)
 {"pitch": {"aim": {"y": 1}}} -> pitch.aim: must be [y, z] in m (got {'y': 1})
 {"pitch": {"aim": [0, null]}} -> pitch.aim[1]: is missing, or null

@@ -110,8 +110,8 @@ def test_errors_are_those_of_least_squares():
     left = (points[:, 1] - slope * times - constant) / 0.01
     assert found.chi_squared == pytest.approx(left @ left, rel=1e-9)
     assert np.isnan(found.residuals[:, 1:]).all()
-    # without sigma the residuals say how large it is
-    free = lb.fit(points, scene, unknowns=unknowns)
+    # without sigma the residuals say how large it is; columns after x, y, z are not read
+    free = lb.fit(np.column_stack([points, times]), scene, unknowns=unknowns)
     scale = math.sqrt(left @ left / 9)
     assert free.sigma["launch.velocity[0]"] == pytest.approx(
         scale * found.sigma["launch.velocity[0]"], rel=1e-9

@@ -41,6 +41,19 @@ def test_correlations_count():
         assert [*found] == ["landing.distance"]
 
 
+def test_numbers_may_change_together():
+    """A gravity that falls as the speed grows: their effects on d = v² sin 2θ / g add up."""
+    speed, gravity = 0.01, -0.001
+    rows = {"launch.speed": speed, "gravity": gravity}
+    found = lb.uncertainty(
+        vacuum(0.5), {i: {j: a * b for j, b in rows.items()} for i, a in rows.items()},
+        quantities=["landing.distance"],
+    )  # fmt: skip
+    d = 1600 * math.sin(1.0) / 9.8
+    expected = d * (2 * speed / 40 - gravity / 9.8)
+    assert found["landing.distance"] == pytest.approx(expected, rel=1e-9)
+
+
 LAUNCH = {
     "kind": "flight",
     "launch.position[0]": 0.0, "launch.position[1]": 0.0, "launch.position[2]": 1.0,

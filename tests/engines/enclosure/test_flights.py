@@ -15,7 +15,7 @@ from longball.engines.enclosure.system import System, structure
 from longball.engines.engine import CannotSolve
 from longball.engines.event import ground
 from longball.model.law import PlaneState, law_with
-from longball.model.trace import exp, log, sqrt
+from longball.model.trace import exp, log, sqrt, trace
 from tests import exact, extrapolation
 from tests.engines.test_enclosure import fraction
 from tests.exact import METHODS
@@ -267,6 +267,15 @@ def test_a_start_is_off_by_the_radii_and_the_error():
 
 
 # --- steps ----------------------------------------------------------------------------------------
+
+
+def test_linear_rates_of_unused_variables_are_integrated_apart():
+    def rates(a, b, linear, product):
+        return b, -a, 3 + 2 * a - b, 3 + a * b
+
+    system = structure(trace(rates, ("a", "b", "linear", "product"), ()))
+    assert {*system.quadratures} == {"linear"}
+    assert system.core.variables == ("a", "b", "product")
 
 
 def test_a_ball_brought_to_rest_is_as_far_off_as_it_was_fast():
