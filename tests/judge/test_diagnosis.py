@@ -122,7 +122,7 @@ READ = [
     pytest.param("flight-both", half_of_drag, "flight", "uses 0.5 times C_D for C_L",
                  marks=NIGHTLY),
     pytest.param("flight-spin-drag", one_law_per_revolution_a_minute, "flight",
-                 "uses 9.54929659 times drag.per_spin where air.drag_coefficient is spin "
+                 "uses 9.54929659 times the spin in C_D where air.drag_coefficient is spin "
                  "(revolutions per minute)", marks=NIGHTLY),
     # Neither explains the errors alone, nor most of them.
     pytest.param("flight-both", own_gravity_and_density, "flight",
