@@ -956,6 +956,16 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     return (*found, *more, *([-e_y] if stage.kind == "flight" else []))
 
 
+def _without_zeros(pool: Iterable[Node], columns: Columns) -> Iterator[Node]:
+    """The nodes that are not 0 in all scenes, as x at the plate is; "leaves out" says it better."""
+    with np.errstate(all="ignore"):
+        values = Values(columns)
+        for node in pool:
+            known = columns and not depends(node, IN_FLIGHT) and node.op == "component"
+            if not known or np.nan_to_num(values.of(node)).any():
+                yield node
+
+
 def launches_of(stage: Stage) -> list[Node]:
     """Place, velocity and spin of a flight's ball at its launch; none of another stage."""
     states = ("place", "velocity", "spin") if stage.kind == "flight" else ()
@@ -1000,7 +1010,7 @@ def edits(
     columns, all options are edited. `more` are further nodes for the pool.
     """
     arguments = Values(columns).arguments if columns else evaluated
-    pool = (*pool_of(chain, stage, columns), *more)
+    pool = (*_without_zeros(pool_of(chain, stage, columns), columns), *more)
     omitted = {
         str(one.symbol.data): {LEFT_OUT, WITHOUT_BLOCK}.intersection(columns[key_of(one.symbol)])
         for one in INPUTS if key_of(one.symbol) in columns

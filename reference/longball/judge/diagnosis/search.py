@@ -441,23 +441,32 @@ class Explanation:
         cheapest = heapq.nsmallest(most, every, key=attrgetter("bits"))
         parts = [range(len(cheapest))[layer.edits] for layer in self.layers]
         located: list[Located] = []
-        names: list[tuple[int, Named]] = []  # with the number of scenes that they leave wrong
+        names: list[tuple[int, float, Named]] = []  # with the scenes left wrong, and their bits
         for i, (layer, part) in enumerate(zip(self.layers, parts, strict=True)):
             if not part or part in parts[i + 1 :]:  # another layer has all its edits
                 continue
             found = self._explained_by(cheapest[layer.edits], part.stop, layer, unseen)
             # All flights share one law. A name that does not hold in the others competes with those
-            # of further layers.
+            # of further layers; and so does an edit whose number costs more than their edits do.
             if isinstance(found, Named):
-                names.append((self._left_by(found), found))
-                if names[-1][0] == 0:
+                left, bits = self._left_by(found), sum(edit.bits for edit in found.edits)
+                names.append((left, bits, found))
+                if left == 0 and (len(found.edits) > 1 or bits <= cheapest[part.stop - 1].bits):
                     return found
                 continue
             # The nearest of all edits counts. Those of several layers may explain the stage
             # together with a scheme.
             located = [*(located if part.start else ()), found]
+        # As in `_named`, those go first that hold in new scenes.
+        if len(names) > 1 and unseen is not None:
+            held = [
+                one for one in names
+                if all(unseen.holds(self.chain, self.stage, edit, self.data.ways)
+                       for edit in one[2].edits)
+            ]  # fmt: skip
+            names = held or names
         if names:
-            return min(names, key=itemgetter(0))[1]
+            return min(names, key=itemgetter(0, 1))[2]
         # An edit that explains some scenes and breaks none is one of several mistakes.
         if (one := self._of_a_part(unseen)) is not None:
             return one
