@@ -314,7 +314,7 @@ def test_a_law_with_a_jump_is_named_although_steps_cross_it_unawares():
     assert planted(["flight-both"], 6, words, steps=Stepping(0.03, 400)) == [words]
 
 
-@NIGHTLY
+@pytest.mark.sampled(every=3)
 @pytest.mark.parametrize("side", [0.0, 1.0, -1.0])
 def test_ends_beside_the_ground_are_no_other_event(side: float):
     """As of single precision, on both sides or on one."""

@@ -153,8 +153,9 @@ def clock(
         left.append(followed.off[6:] / followed.floor[6:])  # no clock explains the spin
     r, bits = np.concatenate(left), sum(rule.bits for rule in rules)
     # Errors that the profile grants are evidence, too.
-    off, left_over = followed.off / followed.finest, r * followed.floor / followed.finest
-    evidence = cost(off) - cost(left_over) - bits - CHANCE
+    finer = followed.floor / followed.finest
+    finer_left = r * np.concatenate([finer[part] for part in (*parts, slice(6, None))])
+    evidence = cost(followed.off / followed.finest) - cost(finer_left) - bits - CHANCE
     if evidence <= 0 or not is_adequate(r, is_rough(stage)):
         return None
     name = words(stage.roots["duration"])
