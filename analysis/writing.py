@@ -87,6 +87,11 @@ class Report:
         return path
 
 
+def _formatted(x: object, spec: str) -> str:
+    """Return a value in a format; a dash for NaN, a number that nobody has found."""
+    return "-" if x != x else format(x, spec)
+
+
 def _cells(line: str) -> list[str]:
     """Return the cells of a line of a Markdown table; a bar in a cell is escaped."""
     cells = re.split(r"(?<!\\)\|", line.strip())[1:-1]
@@ -101,5 +106,5 @@ _TEMPLATES = jinja2.Environment(
     keep_trailing_newline=True,
     autoescape=False,
 )
-_TEMPLATES.filters["f"] = format
+_TEMPLATES.filters["f"] = _formatted
 _TEMPLATES.globals["shown"] = "![{1}](figures/{0}.png)\n\n*{1}*\n".format

@@ -16,7 +16,7 @@ from longball.judge.answers import Answer, Collector
 from longball.judge.cases import decidable
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.residual import Data, Followed, compared, data_of, follow
-from longball.judge.quantities import values_of
+from longball.judge.quantities import told_by, values_of
 from longball.model.readings import SamplingReading
 from longball.model.result import Result
 from longball.model.scene import (
@@ -79,9 +79,11 @@ def known(*families: str) -> list[Any]:
 
 def truth(cases: Sequence[Any]) -> Data:
     """Return the data of a diagnosis in which every answer is right."""
-    return data_of(
-        cases, {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    )
+    answers = {
+        c.id: Answer(c.id, c.expected.outcome, values_of(c.expected), told=told_by(c.expected))
+        for c in cases
+    }
+    return data_of(cases, answers)
 
 
 def planted(

@@ -132,7 +132,8 @@ class Impact(Strict):
     )
     friction_margin: Number | None = Field(
         default=None,
-        description="(μ_f P_n - |P_t|)/(μ_f |P_n|) of the gripping impulse; negative: it slides",
+        description="(μ_f P_n - |P_t|)/(μ_f |P_n|) of the gripping impulse; negative if the ball "
+        "slides",
     )
     recontact: Literal["certain", "possible"] | None = Field(
         default=None,

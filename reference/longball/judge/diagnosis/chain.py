@@ -788,6 +788,11 @@ class Stage:
     forms: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
     scenes: tuple[str, ...] = ("flight", "at-bat")
 
+    @property
+    def key(self) -> tuple[str, Kind]:
+        """Name and kind: an event and the flight that it ends may have one name."""
+        return self.name, self.kind
+
     def edited(self, old: Node, new: Node) -> Stage:
         """The stage with one expression in place of another, in the roots that may contain it."""
 
@@ -1015,6 +1020,4 @@ _met = Stage(
     "contact time", ("contact.time",), "formula", {"value": last_step + _dd / (-_dv + _root)},
     {"value": (last_step + (-_dv - _root) / _vv,)}, ("at-bat",),
 )  # fmt: skip
-CHAIN_IN_STEPS = tuple(
-    _met if (stage.name, stage.kind) == ("touching", "event") else stage for stage in CHAIN
-)
+CHAIN_IN_STEPS = tuple(_met if stage.key == ("touching", "event") else stage for stage in CHAIN)

@@ -152,7 +152,7 @@ def clock(
         ]
         left.append(followed.off[6:] / followed.floor[6:])  # no clock explains the spin
     r, bits = np.concatenate(left), sum(rule.bits for rule in rules)
-    # Errors that the profile grants are evidence, too.
+    # Errors within the profile's tolerance are evidence, too (`Followed.finest`).
     finer = followed.floor / followed.finest
     finer_left = r * np.concatenate([finer[part] for part in (*parts, slice(6, None))])
     evidence = cost(followed.off / followed.finest) - cost(finer_left) - bits - CHANCE
@@ -192,7 +192,7 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     if (found := lattice(told, dt)) and _mostly(np.abs(known) < found[0] * (1 + ON_LATTICE)):
         text = f"gives {{1}} in whole multiples of {found[0]:.6g} s"
         return _Rule(text, own, FREE * known.size, found[0])
-    # Where the ball hardly changes its velocity, its time is uncertain: most scenes count.
+    # If the velocity hardly changes, the time that fits it is uncertain: give that of most scenes.
     usual = float(np.quantile(np.abs(known), MOST)) if known.size else 0.0
     sides = {"before": _mostly(known > -SAME), "after": _mostly(known < SAME)}
     side = next((side for side, holds in sides.items() if holds), "before or after")

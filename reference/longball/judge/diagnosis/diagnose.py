@@ -242,18 +242,19 @@ def reason(
     """
     columns, last = follow(chain, data)
     steps: list[Step] = []
-    unedited = {(stage.name, stage.kind): stage for stage in chain}
-    at_first = {(one.stage.name, one.stage.kind): one.some[one.beyond] for one in last}
-    # The largest error, and the number of explanations tried, by a stage's name and kind.
-    begun = {(one.stage.name, one.stage.kind): _largest(one) for one in last}
-    tried: Counter[tuple[str, str]] = Counter()
+    # By the key of a stage: its formulas without edits, the scenes that were wrong at first, the
+    # largest error, and the number of explanations tried.
+    unedited = {stage.key: stage for stage in chain}
+    at_first = {one.stage.key: one.some[one.beyond] for one in last}
+    begun = {one.stage.key: _largest(one) for one in last}
+    tried: Counter[tuple[str, Kind]] = Counter()
     while True:
         wrong = [
             (stage, one)
             for stage, one in zip(chain, last, strict=True)
-            if _largest(one) > LAST * begun[stage.name, stage.kind]
-            and tried[stage.name, stage.kind] < ROUNDS
-            and not (stage.name in data.rough and _is_left(one, at_first[stage.name, stage.kind]))
+            if _largest(one) > LAST * begun[stage.key]
+            and tried[stage.key] < ROUNDS
+            and not (stage.name in data.rough and _is_left(one, at_first[stage.key]))
         ]
         if not wrong:
             standing = _standing(steps, last)
@@ -261,7 +262,7 @@ def reason(
                 standing = _confirmed(standing, chain, data, unseen, dt)
             return Reasoned(chain, data, standing)
         stage, one = _clearest(wrong)
-        at = stage.name, stage.kind
+        at = stage.key
         tried[at] += 1
         begun[at] = max(begun[at], _largest(one))
         # If no edit explains the law on the way to the fence, none will on the way to the ground.
@@ -292,7 +293,7 @@ def reason(
         # If an edit also mends an earlier flight, report the mistake there: it explains all errors
         # of that flight.
         right, earlier = _right(last), wrong[: wrong.index((stage, one))]
-        mended = next((other for s, other in earlier if (s.name, s.kind) in right), None)
+        mended = next((other for s, other in earlier if s.key in right), None)
         for step in found:
             if isinstance(step.found, Named) and mended is not None:
                 step = Step(mended, replace(step.found, mends=None))
@@ -326,20 +327,17 @@ def _explained(
 
     # If a part of the errors is explained, the search for the rest has a smaller budget. All
     # flights share one law.
-    in_steps = data.way(stage) is not None
-    partly = [s for s in steps if isinstance(s.found, Named | Scheme) and s.found.mends is not None]
-    rest = in_steps or any(
-        isinstance(s.found, Named)
-        and ((s.followed.stage.name, s.followed.stage.kind) == (stage.name, stage.kind)
-             or s.followed.stage.kind == stage.kind == "flight")
-        for s in partly
-    )  # fmt: skip
+    in_steps, flies = data.way(stage) is not None, stage.kind == "flight"
+    edited, stepped = (
+        [s.followed.stage for s in steps if isinstance(s.found, kind) and s.found.mends is not None]
+        for kind in (Named, Scheme)
+    )
+    rest = in_steps or any(s.key == stage.key or s.kind == stage.kind == "flight" for s in edited)
     layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
     search = Explanation(chain, stage, data, columns, one, layers, pairs)
     # If a scheme explains only some flights, the remaining errors belong to the scheme, and not to
     # the law.
-    no_law = stage.kind == "flight" and any(isinstance(s.found, Scheme) for s in partly)
-    found = Located() if no_law else search.explain(unseen)
+    found = Located() if flies and stepped else search.explain(unseen)
     if isinstance(found, Named) and found.mends is None:
         return [found]
     scheme = steps_of = None
@@ -355,7 +353,7 @@ def _explained(
             return [conditional]
         # Edits are searched for with the scheme whose errors are most like the candidate's. A
         # candidate whose right flights have no such errors has no scheme.
-        if stage.kind == "flight" and steps_of is not None and steps_of.possible:
+        if flies and steps_of is not None and steps_of.possible:
             like = steps_of.nearest()
             near = _beside(like, chain, stage, data, columns, one) if like else found.near
             both = with_edit(steps_of, near, dt, like)
@@ -438,7 +436,7 @@ def _clearest(wrong: Sequence[tuple[Stage, Followed]]) -> tuple[Stage, Followed]
 
 def _right(last: Sequence[Followed]) -> set[tuple[str, Kind]]:
     """The stages without an error, by name and kind."""
-    return {(one.stage.name, one.stage.kind) for one in last if not one.beyond.any()}
+    return {one.stage.key for one in last if not one.beyond.any()}
 
 
 def _confirmed(
@@ -461,11 +459,7 @@ def _confirmed(
 def _standing(steps: Sequence[Step], last: Sequence[Followed]) -> tuple[Step, ...]:
     """Drop located stages that a later edit has explained."""
     right = _right(last)
-    return tuple(
-        step
-        for step in steps
-        if step.explained or (step.followed.stage.name, step.followed.stage.kind) not in right
-    )
+    return tuple(step for step in steps if step.explained or step.followed.stage.key not in right)
 
 
 def _beside(

@@ -126,7 +126,7 @@ def with_cut(data: Data, cut: Mapping[str, tuple[float, float]]) -> Data:
     known: dict[tuple[Any, ...], Array] = {}
 
     def kept(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> Array:
-        key = stage.name, stage.kind, stage.quantities, some.tobytes()
+        key = stage.key, stage.quantities, some.tobytes()
         if key not in known:
             known[key] = slips(stage, data, columns, some)
         return known[key]
@@ -170,7 +170,7 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
     return np.concatenate([np.atleast_2d(np.sqrt(x)) for x in squares.values()])
 
 
-(_TOUCHING,) = (stage for stage in CHAIN if (stage.name, stage.kind) == ("touching", "flight"))
+(_TOUCHING,) = (stage for stage in CHAIN if stage.key == ("touching", "flight"))
 _BROUGHT = _TOUCHING.quantities[1:3]  # velocity and spin, which no candidate writes
 
 

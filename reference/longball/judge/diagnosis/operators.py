@@ -154,11 +154,9 @@ class Edit:
 
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
-        only = None if self.only is None else {(stage.name, stage.kind) for stage in self.only}
+        only = None if self.only is None else {stage.key for stage in self.only}
         return tuple(
-            stage.edited(self.place, self.new)
-            if only is None or (stage.name, stage.kind) in only
-            else stage
+            stage.edited(self.place, self.new) if only is None or stage.key in only else stage
             for stage in chain
         )
 
@@ -630,6 +628,10 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
     def instead(b: Node, more: float = 0.0, at: str = "") -> tuple[Node, float, str]:
         return b, more, f"uses {words(b)} for {said}{at}"
 
+    if a.op in KINKS:  # without its limit
+        yield from (
+            instead(b) for b in a.args if (b.vector, b.dimension) == (a.vector, a.dimension)
+        )
     match a.op, a.args:
         case "norm", (b,):
             yield instead(function("sizes", b, dimension=a.dimension))
@@ -661,11 +663,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
         case "sqrt", (b,):
             yield in_unit_of(a, b), 0.0, f"uses {words(b)} for its root"
         case "abs", (b,):
-            yield from (instead(b), instead(-b))
-        case "positive", (b,):
-            yield instead(b)
+            yield instead(-b)
         case "least", (b, c):
-            yield from (instead(b), instead(c))
             largest = -function("least", -b, -c, dimension=a.dimension)
             yield largest, 0.0, f"uses the larger of {words(b)} and {words(c)}, not the smaller"
         case (("sin" | "cos"), (angle,)):
@@ -802,8 +801,12 @@ def _components(site: Site) -> Iterator[Option]:
             yield instead(i, free() * own), cost, text, (1.0, 3.0, 0.3)
 
 
-# The state of a flight, and its values at the launch.
-LAUNCH = {v: v0, r: r0, t: constant(0.0, t.dimension), path: constant(0.0, path.dimension)}
+def _at_launch(a: Node) -> Node:
+    """A value at the launch of the flight."""
+    nothing = constant(0.0, t.dimension), constant(0.0, path.dimension)
+    for now, first in zip((v, r, t, path), (v0, r0, *nothing), strict=True):
+        a = substitute(a, now, first)
+    return a
 
 
 def _states(site: Site) -> Iterator[Option]:
@@ -817,9 +820,7 @@ def _states(site: Site) -> Iterator[Option]:
         yield of_now, BITS["launch"], f"uses {said} of each moment, not of the launch", ()
     if not depends(a, frozenset(("r", "v", "r0", "v0"))):
         return
-    at_launch = a
-    for now, first in LAUNCH.items():
-        at_launch = substitute(at_launch, now, first)
+    at_launch = _at_launch(a)
     if at_launch is not a and a.op != "sum":
         yield at_launch, BITS["launch"], f"keeps {said} of the launch", ()
         if a.op == "named":
@@ -932,10 +933,9 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
         found |= dict.fromkeys(component(state, i) for state in (v, r, v0, r0) for i in range(3))
         # A program may use the first velocity through the air for the one over the ground.
         moving = frozenset((str(v.data),))
-        for x in [x for x in found if x.dimension == v.dimension and depends(x, moving)]:
-            if x.vector and x.op == "named":
-                first = substitute(substitute(x, v, v0), r, r0)
-                found[named(f"{words(x)} of the launch", first)] = None
+        for x in [x for x in found if x.op == "named" and x.vector]:
+            if x.dimension == v.dimension and depends(x, moving):
+                found[named(f"{words(x)} of the launch", _at_launch(x))] = None
         # A program may reuse a state from before the launch of this ball, or go on with the time or
         # the path.
         for one in before_launch(chain, stage):
@@ -957,13 +957,15 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
 
 
 def _without_zeros(pool: Iterable[Node], columns: Columns) -> Iterator[Node]:
-    """The nodes that are not 0 in all scenes, as x at the plate is; "leaves out" says it better."""
-    with np.errstate(all="ignore"):
-        values = Values(columns)
-        for node in pool:
-            known = columns and not depends(node, IN_FLIGHT) and node.op == "component"
-            if not known or np.nan_to_num(values.of(node)).any():
-                yield node
+    """The nodes but for components that are 0 in all scenes, such as x at the plate.
+
+    An edit with one of these has the effect of "leaves out", and would mislead.
+    """
+    values = Values(columns)
+    for node in pool:
+        is_known = bool(columns) and node.op == "component" and not depends(node, IN_FLIGHT)
+        if not is_known or np.nan_to_num(values.of(node)).any():
+            yield node
 
 
 def launches_of(stage: Stage) -> list[Node]:

@@ -109,7 +109,7 @@ def _errors(data: Data, chain: Sequence[Stage], only: Index | None = None) -> Er
         width = 3 if one.stage.kind == "flight" else len(rows)
         for i, quantity in enumerate(one.stage.quantities):
             some = slice(i * width, (i + 1) * width)
-            key = one.stage.name, one.stage.kind, quantity
+            key = *one.stage.key, quantity
             found[key] = float(rows[some].max(initial=0.0)), int(wrong[some].any())
     return found
 

@@ -182,7 +182,7 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
     pitched = np.abs(given["plate.position"] - expected["plate.position"]).max(axis=0)
     given["contact.margin"][~(pitched <= SAME_PATH)] = np.nan
     # Nor can the true highest point be compared with that of another flight.
-    ends = ("landing.position", "landing.velocity")  # a ball hit straight up lands where it was
+    ends = ("landing.position", "landing.velocity")  # straight up, the position says nothing
     landed = np.max([np.abs(given[q] - expected[q]).max(axis=0) for q in ends], axis=0)
     for quantity in ("apex.time", "apex.position"):
         given[quantity][..., ~(landed <= max(SAME_PATH, granted))] = np.nan
@@ -325,8 +325,9 @@ def _fences(
 ) -> dict[str, Array]:
     """The ends of the nearest chord to a point on the fence, for each scene.
 
-    At a corner or a step of the wall two chords are equally near. The candidate's own one is chosen
-    (`segments`), or the one whose height is nearer to `tops`, which follows from its clearance.
+    At a corner or a step of the wall two chords are equally near. The function chooses the one that
+    the candidate names (`segments`), or else the one whose height is nearer to `tops`, which
+    follows from its clearance.
     """
     ends = np.full((2, 3, len(scenes)), np.nan)
     for i, scene in enumerate(scenes):
@@ -340,8 +341,8 @@ def _fences(
             along = (x - ax) * (bx - ax) + (y - ay) * (by - ay)
             share = min(max(along / ((bx - ax) ** 2 + (by - ay) ** 2), 0.0), 1.0)
             apart = math.hypot(x - ax - share * (bx - ax), y - ay - share * (by - ay))
-            other = np.nan_to_num(abs(az + share * (bz - az) - tops[i]))
-            found.append((apart, chord.segment != segments[i], other, chord))
+            above = np.nan_to_num(abs(az + share * (bz - az) - tops[i]))
+            found.append((apart, chord.segment != segments[i], above, chord))
         least = min(apart for apart, *_ in found) + AT_CORNER
         near = [one for one in found if one[0] <= least]
         *_, nearest = min(near, key=lambda one: (one[1:3], one[0]))
@@ -796,7 +797,7 @@ def compared(
         row = off, tolerance, floor, finest, large
         rows.append([x + 0 * off for x in row])
     off, tolerance, floor, finest, scale = map(np.concatenate, zip(*rows, strict=True))
-    off[:, np.isin(some, data.blind.get((stage.name, stage.kind), ()))] = np.nan
+    off[:, np.isin(some, data.blind.get(stage.key, ()))] = np.nan
     if data.slips is not None:
         slipped = data.slips(stage, data, columns, some)
         tolerance, floor, finest = tolerance + 4 * slipped, floor + slipped, finest + slipped
@@ -884,7 +885,7 @@ def seen(chain: Sequence[Stage], data: Data) -> Data:
     _, found = follow(chain, data)
     wrong = np.unique(np.concatenate([one.some[one.wrong] for one in found]))
     _, found = follow(chain, replace(data, given=data.expected, cut={}, slips=None), only=wrong)
-    blind = {(one.stage.name, one.stage.kind): one.some[one.wrong] for one in found}
+    blind = {one.stage.key: one.some[one.wrong] for one in found}
     return replace(data, blind=blind)
 
 

@@ -292,7 +292,8 @@ class Steps:
         least = TRIED_BITS + (0.0 if dt else ROUND_BITS) + CHANCE
         if not self.few.size or self.null < least:  # no scheme saves more than the errors cost
             return None
-        # A scheme makes errors in many scenes. A single one, in which they are large, may be odd.
+        # A scheme makes errors in many scenes. In one or two ill-conditioned ones, some scheme will
+        # make them by chance.
         if self.followed.beyond.sum() < FEWEST:
             return None
         found = self.fitting

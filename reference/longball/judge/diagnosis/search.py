@@ -150,7 +150,7 @@ def _bits(f: Followed) -> float:
 
 
 def _noise(f: Followed, some: NDArray[np.bool_]) -> float:
-    """Usual large errors in some scenes, in the finest floors; infinity if there are none."""
+    """The 90th percentile of errors in some scenes, in the finest floors; infinity without any."""
     if not some.any():
         return math.inf
     return float(np.nanquantile(np.abs(f.off / f.finest)[:, some], 0.9, method="lower"))
@@ -459,12 +459,7 @@ class Explanation:
             located = [*(located if part.start else ()), found]
         # As in `_named`, those go first that hold in new scenes.
         if len(names) > 1 and unseen is not None:
-            held = [
-                one for one in names
-                if all(unseen.holds(self.chain, self.stage, edit, self.data.ways)
-                       for edit in one[2].edits)
-            ]  # fmt: skip
-            names = held or names
+            names = [one for one in names if self._holds(one[2], unseen)] or names
         if names:
             return min(names, key=itemgetter(0, 1))[2]
         # An edit that explains some scenes and breaks none is one of several mistakes.
@@ -472,6 +467,14 @@ class Explanation:
             return one
         near = tuple(edit for found in located for edit in found.near)
         return replace(min(located, key=attrgetter("left"), default=Located()), near=near)
+
+    def _holds(self, found: Named, unseen: Unseen) -> bool:
+        """True if the edits of a name together reproduce the candidate's numbers in new scenes."""
+        chain, (*others, last) = self.chain, found.edits
+        for edit in others:
+            chain = edit.apply(chain)
+        (stage,) = (stage for stage in chain if stage.key == self.stage.key)
+        return unseen.holds(chain, stage, last, self.data.ways)
 
     def of_one_option(self) -> Named | None:
         """Edits that explain the stage, made only in the scenes with one option of a switch.
@@ -948,20 +951,19 @@ class Explanation:
 
     def _wrong(self, stage: Stage) -> int:
         """The number of scenes in which a stage is wrong, of those in `_telling`."""
-        some = self._telling(stage.name, stage.kind)
+        some = self._telling(stage.key)
         probe = Values(_moved_at_random(stage, take(self.columns, some)))
-        key = stage.name, stage.kind, _fingerprint(stage, probe)
+        key = stage.key, _fingerprint(stage, probe)
         if key not in self.counted:
             with np.errstate(all="ignore"):
                 one, _ = compared(stage, self.data, self.columns, some)
             self.counted[key] = int(one.wrong.sum())
         return self.counted[key]
 
-    def _telling(self, name: str, kind: Kind) -> Index:
+    def _telling(self, key: tuple[str, Kind]) -> Index:
         """Scenes in which the edits of a stage are compared: wrong ones, and right ones."""
-        key = name, kind
         if key not in self.telling:
-            (stage,) = (one for one in self.chain if (one.name, one.kind) == key)
+            (stage,) = (one for one in self.chain if one.key == key)
             here = np.flatnonzero(np.isin(self.columns["kind"], stage.scenes))
             wrong = compared(stage, self.data, self.columns, here)[0].wrong
             some = evenly(here[wrong], MOST_WRONG), evenly(here[~wrong], MOST_RIGHT)

@@ -156,10 +156,10 @@ class Unseen:
             return lambda stage, rough, scheme: None
         data = replace(self.data, ways=known.ways, rough=known.rough)
         columns, every = follow(chain, data)
-        of = {(f.stage.name, f.stage.kind): f for f in every}
+        of = {f.stage.key: f for f in every}
 
         def refuted(stage: Stage, rough: bool, scheme: Scheme | None) -> tuple[int, int] | None:
-            f = of[stage.name, stage.kind]
+            f = of[stage.key]
             r, checked = f.off / f.floor, int(f.checked.sum())
             beyond = int((np.abs(r) > ADEQUATE).any(axis=0).sum())
             if scheme is not None and scheme.way is None:  # a clock or an event: not in the chain
