@@ -302,3 +302,23 @@ def test_a_bat_is_met_wherever_the_pieces_of_a_pitch_join(ends, offset, touched)
     if touched:
         before = math.sqrt(0.0696**2 - offset**2) / 32
         assert touch.time == pytest.approx(0.5 - before, rel=1e-13)
+
+
+def test_the_margin_of_a_central_hit_has_no_error_of_the_distance_flown():
+    """Without an offset a ball meets the bat's axis: the margin is R + r_b (ulp of x: 3.6e-15)."""
+    rng, errors = np.random.default_rng(6), []
+    for _ in range(60):
+        scene = scene_of(
+            pitch={
+                "speed": float(rng.uniform(35, 45)),
+                "aim": [float(rng.uniform(-0.2, 0.2)), float(rng.uniform(1.6, 2.4))],
+                "spin": [10.0, -200.0, float(rng.uniform(-200, 200))],
+            },
+            swing={"height_offset": 0.0},
+            air={"lift_coefficient": {"law": "rational"}},
+        )
+        if (approach := approach_of(scene, ENGINE)) is not None:
+            reach = scene.ball.radius + scene.bat.radius
+            errors.append(abs(approach.touch.margin - reach))
+    assert len(errors) > 40
+    assert np.median(errors) < 4e-16

@@ -358,6 +358,22 @@ class BatSection:
         across, above = self.frame.towards_x(state), state.z - self.height
         return numbers.sqrt(across * across + above * above)
 
+    def least_distance(self, state: State, numbers: Numbers) -> N:
+        """Return the distance of the ball's centre from the bat's axis where it is least, m.
+
+        There, the offset d is perpendicular to the velocity v, so that its size is ``|d × v|/|v|``.
+        If rounding alone explains the part along v, this leaves it out: of a ball that meets the
+        axis almost centrally it would be all of d.
+        """
+        across, above = self.frame.towards_x(state), state.z - self.height
+        forwards, upwards = self.frame.velocity(state)[0], state.w
+        speed = numbers.sqrt(forwards * forwards + upwards * upwards)
+        # as many half ulps of x as in `margin_error`
+        rounding = 4 * numbers.rounding * abs(self.frame.x)
+        if speed > 0 and abs(self.approach(state)) <= rounding * speed:
+            return abs(across * upwards - above * forwards) / speed
+        return self.distance(state, numbers)
+
     def offset(self, state: State, numbers: Numbers) -> tuple[N, N]:
         """Return the vector from the bat's axis to a ball that touches it: across and above, m.
 

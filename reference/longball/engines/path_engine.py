@@ -282,7 +282,7 @@ class PathEngine(Engine, ABC):
         def met_at(state: State, off: N, settled: bool) -> Touch | None:
             """Decide the contact at the end of an approach, if the distance has a minimum there."""
             nonlocal closest
-            margin = bat.reach - bat.distance(state, numbers)
+            margin = bat.reach - bat.least_distance(state, numbers)
             if margin > closest:
                 closest = margin
             elif not margin <= closest:  # of two numbers with radii neither may be the larger
