@@ -257,7 +257,8 @@ def _spin_in(name: str, reading: str, across: Node) -> Node:
 
 
 ω_drag = _spin_in("C_D", "drag_spin", transverse)
-_ω_lift = _spin_in("S", "spin_parameter", norm(c) / U_lift)
+_across_lift = norm(c) / U_lift
+_ω_lift = _spin_in("S", "spin_parameter", _across_lift)
 _ω_table = _spin_in("S (drag)", "spin_parameter", transverse)
 S_lift = named("S", I["R"] * _ω_lift / U_lift)
 S_drag = named("S (drag)", I["R"] * _ω_table / U)
@@ -427,6 +428,13 @@ def _in_vectors(paper_lift: Node) -> Node:
     return _law(-(k * C_D * U * u), paper_lift, _spinning)
 
 
+def _shared(law: Node) -> Node:
+    """The law of a program that computes ω_T and S once, for drag and for lift."""
+    for one, other in ((_across_lift, transverse), (S_drag, S_lift)):
+        law = substitute(law, one, switch("reading.wind_acts_on", {"both": other, "drag": one}))
+    return law
+
+
 LAW = _in_vectors(k * C_L * U_lift * cross(about, u_lift))
 # Other forms of the same law, in which other mistakes are small: a wrong axis is one edit of the
 # law in vectors, and one component in place of another is one edit of the law by components.
@@ -435,6 +443,7 @@ OTHER_FORMS = (
     _in_vectors(k * C_L * U_lift * cross(cross(_headed(_heading_by_angle), e_z), u_lift)),
     _by_components(),
     _in_launch_frame(),
+    _shared(LAW),
 )
 
 # --- the collision --------------------------------------------------------------------------------

@@ -411,8 +411,8 @@ def _right_form(
 
 
 def _largest(one: Followed) -> float:
-    """The largest relative error that is beyond the noise."""
-    return float(one.relative[one.beyond].max(initial=0.0))
+    """The largest relative error that is beyond the noise; 1 for larger ones, and without end."""
+    return float(np.minimum(one.relative[one.beyond], 1.0).max(initial=0.0))
 
 
 def _is_left(one: Followed, wrong: Index) -> bool:

@@ -181,6 +181,7 @@ BITS = {
     "zero": 2.0,
     "one": 3.0,
     "other": 2.0,
+    "usual": -3.0,  # a definition that people use: it belongs to few nodes, so their choice is free
     "factor": 2.0,
     "free factor": 4.0,
     "free value": 2.0,
@@ -386,8 +387,9 @@ def _others(site: Site) -> Iterator[Option]:
             if b.dimension != a.dimension:
                 yield in_unit_of(a, b), cost, f"uses {words(b)} for {words(a)}", ()
     for b in same:
-        # There are few such definitions, so that the choice among them costs little.
-        cost = BITS["other"] + (math.log2(1 + len(site.usual)) if b in site.usual else choice)
+        cost = BITS["other"] + choice
+        if b in site.usual:
+            cost = BITS["usual"] + math.log2(1 + len(site.usual))
         yield site.where_known(b), cost, f"uses {words(b)} for {words(a)}", ()
         # A multiple of another input: a program may compute one number from the other.
         if a.op == b.op == "symbol" and not a.vector:
@@ -1122,8 +1124,9 @@ def _of_regions(
             parts = [x for x in parts if x.op in ("named", "symbol", "switch")]
         # Only nodes that also occur outside the region: `_of_formula` has edited all others.
         for node in (x for x in parts if x is not inside and x in elsewhere):
-            # Here, another variable of the same unit: there are too many of the others.
-            pool = tuple(x for x in whole.pool if x.dimension == node.dimension)
+            # Outside an option, another variable of the same unit: there are too many of the others.
+            same = tuple(x for x in whole.pool if x.dimension == node.dimension)
+            pool = whole.pool if at.startswith(" where") else same
             above = tuple(x for x in parts if node in x.args)
             site = replace(whole, node=node, parents=above, pool=pool)
             # Equal nodes are one object. Wrapped in a name, the node of this region differs from
