@@ -362,16 +362,16 @@ rotation = named(
 _drag, _lift = named("k·C_D·U", k * C_D * U), named("k·C_L·U", k * C_L * U_lift)
 
 
-def _per_turn(turned: Node) -> Node:
+def _per_turn(turned: Node, per_spin: Node = _per_spin) -> Node:
     """The lift of a spinning ball without a unit vector: k R (C_L/S) ω × u."""
     # Where ω × u is 0, so is the lift, but C_L/S may be 0/0.
-    return k * where(norm(c), _per_spin, constant(0.0, M)) * turned
+    return k * where(norm(c), per_spin, constant(0.0, M)) * turned
 
 
-_spinning = switch(
-    "reading.spin_parameter",
-    {"transverse": k * C_L * (U_lift * U_lift) * unit(c), "total": _per_turn(c)},
-)
+def _spinning(total: Node) -> Node:
+    """The lift of a spinning ball; `total` under the reading of that name."""
+    transverse = k * C_L * (U_lift * U_lift) * unit(c)
+    return switch("reading.spin_parameter", {"transverse": transverse, "total": total})
 
 
 def _law(drag: Node, paper_lift: Node, spinning: Node) -> Node:
@@ -424,14 +424,21 @@ def _in_launch_frame() -> Node:
     return _law(spread(*(-(_drag * each) for each in frame(u))), lift, _per_turn(c))
 
 
-def _in_vectors(paper_lift: Node) -> Node:
-    return _law(-(k * C_D * U * u), paper_lift, _spinning)
+def _in_vectors(paper_lift: Node, total: Node | None = None) -> Node:
+    return _law(-(k * C_D * U * u), paper_lift, _spinning(total or _per_turn(c)))
 
 
-def _shared(law: Node) -> Node:
-    """The law of a program that computes ω_T and S once, for drag and for lift."""
-    for one, other in ((_across_lift, transverse), (S_drag, S_lift)):
-        law = substitute(law, one, switch("reading.wind_acts_on", {"both": other, "drag": one}))
+def _with_functions() -> Node:
+    """The law of a program that has one function for ω_T, and one for S, in drag and in lift."""
+    # With S of the total spin, R C_L/S is C_L U/|ω|.
+    total = _per_turn(c, C_L * U_lift / norm(spin))
+    law = _in_vectors(k * C_L * U_lift * cross(about, u_lift), total)
+    # Under wind_acts_on = drag, the function has other arguments: u in drag, v in lift.
+    share = (_ω_table / U) / (_ω_lift / U_lift)
+    for one, same, else_ in (
+        (S_drag, S_lift, S_lift * share), (_across_lift, transverse, _across_lift),
+    ):  # fmt: skip
+        law = substitute(law, one, switch("reading.wind_acts_on", {"both": same, "drag": else_}))
     return law
 
 
@@ -443,7 +450,7 @@ OTHER_FORMS = (
     _in_vectors(k * C_L * U_lift * cross(cross(_headed(_heading_by_angle), e_z), u_lift)),
     _by_components(),
     _in_launch_frame(),
-    _shared(LAW),
+    _with_functions(),
 )
 
 # --- the collision --------------------------------------------------------------------------------
@@ -488,8 +495,9 @@ spin_after = own("impact.spin", "ω⁺", RATE, True)
 own("impact.friction_margin", "friction_margin")
 own("impact.energy_change", "ΔE", ENERGY)
 hang = own("landing.hang_time", "landing.hang_time", S)
-# The time of flight, from `landing.hang_time` or from `landing.time`: see `residual.begun`.
-flown = symbol("hang_time", S)
+# The time of flight, from `landing.hang_time` or from `landing.time`: see `residual.begun`. And the
+# time of its end.
+flown, ended = symbol("hang_time", S), symbol("the time of the landing", S)
 landing_time = own("landing.time", "landing.time", S)
 landing = own("landing.position", "landing.position", M, True)
 coming_down = own("landing.velocity", "landing.velocity", SPEED, True)
@@ -681,8 +689,11 @@ _origin = switch(
     },
 )
 
-_begun = switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time})
-fence_flown = fence_time - _begun
+_begun = named(
+    "the time of the launch",
+    switch("kind", {"flight": constant(0.0, S), "at-bat": contact_time}),
+)
+fence_flown = named("the time to the fence", fence_time - _begun)
 
 # Other definitions that people use, and that no small edit of the right formula gives. Each one is
 # in the pool of its stage (`Stage.pool`), where the operator `_others` finds it.
@@ -1006,7 +1017,8 @@ CHAIN = (
     ),
     _formula("apex time", "apex.time", _begun + rising),
     _formula("apex", "apex.position", highest),
-    _formula("time", "landing.time", _begun + hang),
+    _formula("time", "landing.time", _begun + flown),
+    _formula("hang time", "landing.hang_time", ended - _begun),
     _formula("distance", "landing.distance", norm(level(landing - _origin))),
 )  # fmt: skip
 

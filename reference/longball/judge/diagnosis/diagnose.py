@@ -220,8 +220,9 @@ class Reasoned:
 
 
 # Errors below this fraction of a stage's first errors are not explained further: the number of a
-# named edit is rounded, which may show in a few scenes.
-LAST = 1e-7
+# named edit is rounded, which may show in a few scenes. Later stages may show more of its digits
+# than the one that it was fitted to: so nor are errors up to this many times its spread.
+LAST, SPREADS = 1e-7, 10.0
 # A later flight is explained before the first wrong one if it tells more by this factor.
 CLEARER = 2.0
 ENOUGH = 20  # wrong scenes: twice those of a screening, so that their conditions differ
@@ -249,10 +250,12 @@ def reason(
     begun = {one.stage.key: _largest(one) for one in last}
     tried: Counter[tuple[str, Kind]] = Counter()
     while True:
+        named = (edit for s in steps if isinstance(s.found, Named) for edit in s.found.edits)
+        spread = SPREADS * max((edit.spread for edit in named), default=0.0)
         wrong = [
             (stage, one)
             for stage, one in zip(chain, last, strict=True)
-            if _largest(one) > LAST * begun[stage.key]
+            if _largest(one) > max(LAST * begun[stage.key], spread)
             and tried[stage.key] < ROUNDS
             and not (stage.name in data.rough and _is_left(one, at_first[stage.key]))
         ]
@@ -443,11 +446,17 @@ def _confirmed(
     steps: Sequence[Step], chain: tuple[Stage, ...], data: Data, unseen: Unseen, dt: float | None
 ) -> tuple[Step, ...]:
     """The same steps, with names withdrawn if unseen scenes refute them."""
-    found = []
+    found = list[Step]()
     refuted = unseen.refuting(chain, data, dt)
     for step in steps:
         stage, cause = step.followed.stage, step.found
-        if isinstance(cause, Named) and cause.mends is None:
+        # What was found beside a refuted edit explains nothing. All flights share one law.
+        before = [s.followed.stage for s in found if isinstance(s.found, Located)]
+        if any(s.key == stage.key for s in before):
+            continue
+        if isinstance(cause, Named) and stage.kind == "flight" in (s.kind for s in before):
+            cause = Located()
+        elif isinstance(cause, Named) and cause.mends is None:
             count = refuted(stage, any(edit.rough for edit in cause.edits), None)
             cause = cause if count is None else Located(cause.edits[0], refuted=count)
         elif isinstance(cause, Scheme) and cause.adequate and cause.mends is None:

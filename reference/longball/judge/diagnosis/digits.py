@@ -14,10 +14,18 @@ from typing import Any, Literal
 import numpy as np
 
 from longball.judge.answers import Answer
-from longball.judge.diagnosis.chain import CHAIN, OWN, Stage
+from longball.judge.diagnosis.chain import CHAIN, OWN, Stage, ended, flown
 from longball.judge.diagnosis.evidence import CHANCE, DIGIT
 from longball.judge.diagnosis.expression import ordered
-from longball.judge.diagnosis.residual import Data, Index, follow, follows, take, values
+from longball.judge.diagnosis.residual import (
+    Data,
+    Index,
+    follow,
+    follows,
+    is_rough,
+    take,
+    values,
+)
 from longball.model.arrays import Array
 
 DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
@@ -142,6 +150,9 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
     own = take(columns, some)
     used = {node.data for node in ordered(stage.roots.values()) if node.op == "symbol"}
     right = values(stage, own)
+    # A branch, such as that of friction, may change on one side only.
+    branches = stage.kind == "formula" and is_rough(stage)
+    sides = (1.0, -1.0) if branches else (1.0,)
     squares = {quantity: np.zeros(np.shape(value)) for quantity, value in right.items()}
     units = {
         quantity: absolute + relative * np.abs(own[str(OWN[quantity].data)])
@@ -155,22 +166,23 @@ def slips(stage: Stage, data: Data, columns: Mapping[str, Any], some: Index) -> 
         units |= zip(_BROUGHT, (rows[:3], rows[3:]), strict=True)
     for quantity, unit in units.items():
         name = str(OWN[quantity].data)
-        # These give the duration.
-        time = quantity in ("landing.hang_time", "landing.time")
-        if name not in used and not (time and "hang_time" in used):
+        # These give the duration, and the time of its end.
+        lasts = {flown.data, ended.data} if quantity in _LASTING else set()
+        if name not in used and used.isdisjoint(lasts):
             continue
         for part in range(len(unit)) if OWN[quantity].vector else (...,):
             by = np.zeros_like(unit)
             by[part] = unit[part]
-            moved = {**own, name: own[name] + by}
-            if time:
-                moved["hang_time"] = own["hang_time"] + by
-            for number, value in values(stage, moved).items():
-                squares[number] += np.nan_to_num(value - right[number]) ** 2
+            for side in sides:
+                moved = {**own, name: own[name] + side * by}
+                moved |= {str(other): own[str(other)] + side * by for other in lasts}
+                for number, value in values(stage, moved).items():
+                    squares[number] += np.nan_to_num(value - right[number]) ** 2 / len(sides)
     return np.concatenate([np.atleast_2d(np.sqrt(x)) for x in squares.values()])
 
 
 (_TOUCHING,) = (stage for stage in CHAIN if stage.key == ("touching", "flight"))
+_LASTING = "landing.hang_time", "landing.time"
 _BROUGHT = _TOUCHING.quantities[1:3]  # velocity and spin, which no candidate writes
 
 

@@ -503,10 +503,11 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
     low, high = np.zeros_like(widths), widths.copy()
     if mode in ("extrapolated", "extrapolated below"):
         low[0] = -np.inf
+    balls = np.arange(at.shape[1])
     if mode in ("extrapolated", "extrapolated above"):
-        high[last, np.arange(at.shape[1])] = np.inf
+        high[last, balls] = np.inf
     if mode == "short":
-        high[last, np.arange(at.shape[1])] = 0.0
+        high[last, balls] = 0.0
     first, start = values[0], at[:-1]
 
     def held(x: Array) -> Any:
@@ -517,6 +518,8 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
 
     def line(x: Array) -> Any:
         within = np.minimum(np.maximum(x - start, low), high)
+        if mode == "early":
+            within[last, balls] = np.where(x >= start[last, balls], widths[last, balls], 0.0)
         found = first + np.add.reduce(slopes * within)
         return np.maximum(found, 0.0) if limited else found
 
@@ -749,6 +752,10 @@ _FORMATS = {
 _WEAK = {"sum", "dot", "cross"}  # put in parentheses inside a product
 
 
+# A switch is printed as ⟨its key⟩. A text with one does not help the author of a program.
+SWITCHED = "⟨"
+
+
 @lru_cache(maxsize=16384)
 def words(node: Node) -> str:
     """An expression as people write it; definitions by their names."""
@@ -771,7 +778,7 @@ def words(node: Node) -> str:
         case "axes":
             return f"{args[0]} as {node.data[1]}"
         case "switch":
-            return f"⟨{node.data[0]}⟩"
+            return f"{SWITCHED}{node.data[0]}⟩"
         case "table":
             return f"table({args[0]})"
         case "matrix":

@@ -28,6 +28,8 @@ from longball.judge.diagnosis.chain import (
     IN_FLIGHT,
     INPUTS,
     OWN,
+    RATE,
+    SPEED,
     Stage,
     e_x,
     e_y,
@@ -44,6 +46,7 @@ from longball.judge.diagnosis.chain import (
 from longball.judge.diagnosis.expression import (
     ARGUMENT,
     JUMPS,
+    KG,
     KINKS,
     NONE,
     UNIT,
@@ -107,6 +110,11 @@ class Edit:
     within
         Another form of `place`, and a node of that form. The form then replaces `place`, and `by`
         replaces the node in the form.
+    inputs
+        Inputs of the scene with what replaces each of them, in every stage; `place` and `by` are
+        then the formula of one stage before and after that.
+    spread
+        Relative uncertainty of the number that was fitted; 0 without one.
 
     Examples
     --------
@@ -129,6 +137,8 @@ class Edit:
     starts: tuple[float | Node, ...] = ()
     only: tuple[Stage, ...] | None = None
     within: tuple[Node, Node] | None = None
+    inputs: tuple[tuple[Node, Node], ...] = ()
+    spread: float = 0.0
 
     @property
     def new(self) -> Node:
@@ -138,7 +148,8 @@ class Edit:
     @property
     def factor(self) -> bool:
         """True if the free number is a factor."""
-        return self.by.op == "product" and self.by.args[0].data == FREE
+        product = self.by.op == "product" and self.by.args[0].data == FREE
+        return product or bool(self.inputs)
 
     @property
     def rough(self) -> bool:
@@ -150,26 +161,34 @@ class Edit:
         """The edit, applied only in scenes with one option of a switch, of all its `options`."""
         by = switch(key, dict.fromkeys(options, self.place) | {option: self.new})
         words = f"{self.words} where {key} is {option}"
-        return replace(self, by=by, within=None, words=words, only=None)
+        return replace(self, by=by, within=None, words=words, only=None, inputs=())
 
     def apply(self, chain: Iterable[Stage]) -> tuple[Stage, ...]:
         """The chain with the edit."""
         only = None if self.only is None else {stage.key for stage in self.only}
-        return tuple(
-            stage.edited(self.place, self.new) if only is None or stage.key in only else stage
-            for stage in chain
-        )
+        made = list[Stage]()
+        for stage in chain:
+            for old, new in self.inputs or ((self.place, self.new),):
+                stage = stage.edited(old, new) if only is None or stage.key in only else stage
+            made.append(stage)
+        return tuple(made)
 
-    def settled(self, value: float, cost: float) -> Edit:
+    def settled(self, value: float, cost: float, spread: float = 0.0) -> Edit:
         """The edit with a value in place of its free number."""
-        by = self.by
-        for node in [node for node in ordered([by]) if node.data == FREE]:
-            by = substitute(by, node, constant(value, node.dimension))
+
+        def put(by: Node) -> Node:
+            for node in [node for node in ordered([by]) if node.data == FREE]:
+                by = substitute(by, node, constant(value, node.dimension))
+            return by
+
         text = f"{value:.9g}"
         said = self.words.replace("{c}", text)
         if self.factor and (meaning := FACTORS.get(value)):
             said += f" ({meaning})"
-        return replace(self, by=by, bits=self.bits + cost, words=said, starts=())
+        return replace(
+            self, by=put(self.by), bits=self.bits + cost, words=said, starts=(), spread=spread,
+            inputs=tuple((old, put(new)) for old, new in self.inputs),
+        )  # fmt: skip
 
 
 # --- the prior ------------------------------------------------------------------------------------
@@ -290,6 +309,8 @@ class Site:
         Earlier states of the ball: words, place and velocity.
     usual
         Nodes of the pool that are definitions of other programs (`Stage.pool`).
+    ends
+        True if the formula is the function of an event: a multiple of it has the same zero.
     """
 
     node: Node
@@ -302,6 +323,7 @@ class Site:
     kinds: Mapping[Node, Collection[str]] = field(default_factory=dict)
     earlier: tuple[tuple[str, Node, Node], ...] = ()
     usual: Collection[Node] = ()
+    ends: bool = False
 
     def where_known(self, other: Node, made: Node | None = None) -> Node:
         """`made`, or `other` itself, in scenes that have the node `other`; elsewhere this node.
@@ -427,7 +449,7 @@ def _numbers(site: Site) -> Iterator[Option]:
     said = words(a)
     if a.op == "constant" and a.data and not a.vector:
         # A number says nothing without its formula.
-        at = f" in {words(site.parents[0])}" if site.parents and a.data != math.pi else ""
+        at = f" in {words(site.parents[0])}" if len(site.parents) == 1 and a.data != math.pi else ""
         if site.under("sum"):
             yield constant(0.0, a.dimension), BITS["zero"] + 1, f"leaves out {said}{at}", ()
         yield free(a.dimension), BITS["free value"] + 1, f"uses {{c}} for {said}{at}", (a.data,)
@@ -463,7 +485,7 @@ def _numbers(site: Site) -> Iterator[Option]:
 def _factors(site: Site) -> Iterator[Option]:
     """Multiply the node by a sign, a factor of `FACTORS`, or a free number."""
     a, said = site.node, words(site.node)
-    if a.op in ("constant", "negative"):
+    if a.op in ("constant", "negative") or (site.ends and not site.parents):
         return
     if a.op in ("product", "quotient") and site.under("product", "quotient"):
         return  # the factors of a product are edited one by one
@@ -500,7 +522,7 @@ def _terms(site: Site) -> Iterator[Option]:
 def _scales(site: Site) -> Iterator[Option]:
     """Divide or multiply a whole formula by a number of the pool."""
     a = site.node
-    if site.parents or site.flies or a.vector:
+    if site.parents or site.flies or site.ends or a.vector:
         return
     same = [b for b in site.pool if not b.vector and b is not a]
     cost = BITS["inverse"] + math.log2(1 + len(same))
@@ -571,19 +593,15 @@ def _factors_with_words(term: Node) -> Iterator[tuple[Node, str]]:
 
 
 def _shapes(site: Site) -> Iterator[Option]:
-    """Square, invert, limit or round the node, omit its square, or take its absolute value."""
+    """Square, invert or limit the node, omit its square, or take its absolute value."""
     a, said = site.node, words(site.node)
+    if site.ends and not site.parents:  # an event's function is not limited
+        return
     if a.op == "quotient" and not a.args[0].vector:
         yield a.args[1] / a.args[0], BITS["inverse"], f"inverts {said}", ()
     if a.op == "product" and a.args[0] is a.args[1]:  # a square is a product, `R·R`
         one = a.args[0] * constant(1.0, a.args[0].dimension)
         yield one, BITS["square"], f"does not square {words(a.args[0])}", ()
-    # Definitions keep their decimals: a rounded position would be on every surface.
-    if a.data in INPUT_NAMES or a.op == "named":
-        for op in ROUNDINGS if a.op == "symbol" else ("single",):
-            text = ROUNDINGS[op]
-            by = function(op, a, dimension=a.dimension, vector=a.vector)
-            yield by, BITS["rounded"] + math.log2(len(ROUNDINGS)), text.format(said), ()
     if a.vector or a.op == "constant":
         return
     if a.op in ("symbol", "named", "norm"):
@@ -609,11 +627,34 @@ def _shapes(site: Site) -> Iterator[Option]:
         yield raised, BITS["clamp"] + 1, f"uses {{c}} for {said} below that", starts
 
 
+def _roundings(site: Site) -> Iterator[Option]:
+    """Drop digits of an input where the program reads it, or round a definition."""
+    a, said = site.node, words(site.node)
+    # Definitions keep their decimals: a rounded position would be on every surface.
+    inside = _meaning(a)
+    parts = inside.args if inside.op == "switch" else (inside,)
+    is_input = all(x.data in INPUT_NAMES for x in parts)
+    if is_input or a.op == "named":
+        units = (1.0, *ALSO_IN.get(a.dimension, ())) if is_input else ()
+        every = [*itertools.product(ROUNDINGS, units), ("single", 1.0)]
+        for op, factor in every:
+            by = function(op, factor * a, dimension=a.dimension, vector=a.vector) / factor
+            text = ROUNDINGS.get(op, "rounds {} to single precision").format(said)
+            text += f" in {FACTORS[factor]}" if factor != 1 else ""
+            yield by, BITS["rounded"] + math.log2(len(every)), text, ()
+
+
 # Operations that drop digits of an input.
 ROUNDINGS = {
     **{f"rounded_{i}": f"rounds {{}} to {i} decimals" for i in range(4)},
     "truncated": "drops the decimals of {}",
-    "single": "rounds {} to single precision",
+}
+# Units of `FACTORS` in which programs keep a number, by its dimension; angles have none.
+ALSO_IN: Mapping[Dimension, tuple[float, ...]] = {
+    M: (1 / 0.3048, 39.37007874015748),
+    SPEED: (1 / 0.44704, 3.6),
+    RATE: (30 / math.pi,),
+    NONE: (180 / math.pi,),
 }
 
 
@@ -675,6 +716,8 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
                 yield function(other, angle), 0.0, f"uses {other} {of}"
             yield angle, 0.0, f"uses {words(angle)} for its {a.op}"
             yield instead(constant(1.0))
+            square = angle * angle  # the power series
+            yield instead(angle - angle * square / 6.0 if a.op == "sin" else 1.0 - square / 2.0)
         case "table", (x,):
             key, _ = a.data
             for mode, text in TABLES.items():
@@ -880,8 +923,8 @@ def _options(site: Site) -> Iterator[Option]:
 
 Operator = Callable[[Site], Iterator[Option]]
 OPERATORS: tuple[Operator, ...] = (
-    _others, _numbers, _factors, _terms, _scales, _products, _scopes, _shapes, _siblings,
-    _directions, _components, _states, _options,
+    _others, _numbers, _factors, _terms, _scales, _products, _scopes, _shapes, _roundings,
+    _siblings, _directions, _components, _states, _options,
 )  # fmt: skip
 
 
@@ -1028,7 +1071,10 @@ def edits(
         here = pool if flies else tuple(node for node in pool if not depends(node, IN_FLIGHT))
         # The speed along the path is the named U. Its content is edited as a part of the law.
         nodes = [root] if name == "through" else ordered([root], (), arguments)
-        site = Site(root, (), here, defaults, flies, omitted, stage.scenes, kinds, earlier, usual)
+        site = Site(
+            root, (), here, defaults, flies, omitted, stage.scenes, kinds, earlier, usual,
+            ends=name == "zero",
+        )  # fmt: skip
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
         if name != "through":  # also in options that only scenes of other stages have
@@ -1042,8 +1088,27 @@ def edits(
         plain = specialised(root, DEFAULT_READING, {})
         if plain is not root:
             yield Edit(root, plain, BITS["option"], WITHOUT_READINGS)
+    yield from _of_units(stage)
 
 
+def _of_units(stage: Stage) -> Iterator[Edit]:
+    """Edits of a program that converts all inputs of one unit by a wrong factor."""
+    for name, unit_of in UNITS.items():
+        some = [one.symbol for one in INPUTS if one.symbol.dimension == unit_of]
+        roots = [root for root in stage.roots.values() if any(contains(root, x) for x in some)]
+        if len(roots) == 1:  # an edit has one place
+            changed = tuple((x, free() * x) for x in some)
+            (root,) = roots
+            by = root
+            for old, new in changed:
+                by = substitute(by, old, new)
+            # A little less likely than a wrong factor of one input.
+            cost = BITS["free factor"] + math.log2(len(UNITS) * len(ordered([root])))
+            text = f"uses {{c}} times every {name} of the scene"
+            yield Edit(root, by, cost, text, (1.0, 3.0, 0.3), inputs=changed)
+
+
+UNITS = {"mass": KG, "length": M, "speed": SPEED, "angular speed": RATE}
 WITHOUT_READINGS = "ignores the scene's readings"
 
 
@@ -1124,9 +1189,8 @@ def _of_regions(
             parts = [x for x in parts if x.op in ("named", "symbol", "switch")]
         # Only nodes that also occur outside the region: `_of_formula` has edited all others.
         for node in (x for x in parts if x is not inside and x in elsewhere):
-            # Outside an option, another variable of the same unit: there are too many of the others.
-            same = tuple(x for x in whole.pool if x.dimension == node.dimension)
-            pool = whole.pool if at.startswith(" where") else same
+            # Here, another variable of the same unit: there are too many of the others.
+            pool = tuple(x for x in whole.pool if x.dimension == node.dimension)
             above = tuple(x for x in parts if node in x.args)
             site = replace(whole, node=node, parents=above, pool=pool)
             # Equal nodes are one object. Wrapped in a name, the node of this region differs from
@@ -1242,6 +1306,7 @@ TABLES = {
     "previous node": "does not interpolate in {}",
     "middle": "uses the mean of two nodes of {}",
     "short": "ends {} at its last node but one",
+    "early": "uses the last value of {} from the last node but one on",
 }
 _A, _B = symbol("a", NONE, True), symbol("b", NONE, True)
 
@@ -1324,7 +1389,8 @@ def _of_formula(
                     if use.op == "component" and operator is _directions:  # another component
                         continue
                     place, within = (use, None) if form is root else (root, (form, use))
-                    text = f"{said} in {words(use)}"
+                    around = parents[use][0] if use.op == "negative" and parents[use] else use
+                    text = f"{said} in {words(around)}"
                     # A switch has no words that an author knows.
                     more = 2.0 + UNNAMED["switch"] * any(arg.op == "switch" for arg in use.args)
                     new = rebuilt(use, [by if arg is used else arg for arg in use.args])

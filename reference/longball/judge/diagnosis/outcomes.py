@@ -42,6 +42,7 @@ from longball.judge.diagnosis.chain import (
 )
 from longball.judge.diagnosis.evidence import CHANCE, DIGIT, NUMBER
 from longball.judge.diagnosis.expression import (
+    SWITCHED,
     M,
     Node,
     S,
@@ -142,7 +143,7 @@ OUTCOMES = Tree(
     {"flight": "landed", "pitch": "crossed", "impact": "struck", "at-bat": "batted"},
     (
         *(component(OWN["contact.position"], i) for i in range(3)), *(I[s] for s in ("R", "r_b")),
-        reach, landing_time, component(at_fence, 0), component(at_fence, 1),
+        reach, landing_time, landing, component(at_fence, 0), component(at_fence, 1),
         norm(OWN["contact.velocity"]),
     ),
 )  # fmt: skip
@@ -322,7 +323,7 @@ class _Search:
                     if new is condition or new.op == "constant" or _is_coincidence(edit):
                         continue
                     conditions = tuple(new if c is condition else c for c in test.conditions)
-                    text = f"says {_text(test.says)} if {_is_positive(new)}, not if {said}"
+                    text = _says_if(test, new, condition, edit)
                     yield i, replace(test, conditions=conditions), edit, edit.bits + choice, text
 
     def settled(self, i: int, test: Test, old: Test) -> tuple[Test, float, float, float] | None:
@@ -391,6 +392,14 @@ def _is_coincidence(edit: Edit) -> bool:
 
 def _text(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _says_if(test: Test, new: Node, was: Node, edit: Edit) -> str:
+    """What a program does that has another condition; a definition in it may keep its name."""
+    says = f"says {_text(test.says)}"
+    if words(new) == words(was):
+        return f"{says} by a test that {edit.words}"
+    return f"{says} if {_is_positive(new)}, not if {_is_positive(was)}"
 
 
 def _is_positive(condition: Node) -> str:
@@ -498,7 +507,7 @@ def _of_tree(tree: Tree, told: Told) -> Iterator[Finding]:
             break
         best, *others = ways
         near = [o for o in others if o.spent < best.spent + ALIKE and (o.fixed == best.fixed).all()]
-        near = near[:MOST] if best.changed else []
+        near = [o for o in near if SWITCHED not in o.edit][:MOST] if best.changed else []
         sentence = f"{outcomes_wrong(_pairs(told, best.fixed), tree.name)}: "
         sentence += f"your program {best.edit}"
         if near:
@@ -549,7 +558,7 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
             bits += more
             ((new, was),) = ((a, b) for a, b in zip(test.conditions, old.conditions, strict=True)
                              if a is not b)  # fmt: skip
-            text = f"says {_text(test.says)} if {_is_positive(new)}, not if {_is_positive(was)}"
+            text = _says_if(test, new, was, edit)
             within = f" (the number lies between {low:.4g} and {high:.4g})"
         held = search.filled(i, test, edited=True)
         possible = search.with_(i, held)

@@ -30,6 +30,7 @@ from longball.judge.diagnosis.chain import (
     Kind,
     Stage,
     closest,
+    ended,
     highest,
     n,
     r_dot,
@@ -864,6 +865,7 @@ def begun(data: Data) -> dict[str, Any]:
     nearer = np.abs(hang - true) <= np.abs(since - true)
     columns["hang_time"] = np.where(nearer | ~np.isfinite(since), hang, since)
     columns["landing.hang_time"] = np.where(np.isfinite(hang), hang, since)
+    columns[str(ended.data)] = columns["hang_time"] + np.nan_to_num(both[1])
     columns["ω"] = np.where(columns["spin"] == "none", 0.0, columns["ω"])
     return columns
 

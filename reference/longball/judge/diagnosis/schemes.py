@@ -106,6 +106,11 @@ def _shares(a: Array, b: Array) -> tuple[Array, Array]:
     return share, rest / np.maximum(np.square(a).sum(axis=(0, 2)), LEAST)
 
 
+def _likeliest(found: Iterable[Scheme]) -> Scheme | None:
+    """The scheme with the most evidence; those that explain all errors come first."""
+    return max(found, key=lambda one: (one.mends is None, one.evidence), default=None)
+
+
 @dataclass(frozen=True)
 class Steps:
     """A flight stage whose errors are compared with those of schemes."""
@@ -165,6 +170,11 @@ class Steps:
     def null(self) -> float:
         """Bits that the errors cost now."""
         return cost(self.followed.off / self.followed.floor)
+
+    @cached_property
+    def finest_null(self) -> float:
+        """Bits that the errors cost now, also those that the profile grants."""
+        return cost(self.followed.off / self.followed.finest)
 
     @property
     def square(self) -> float:
@@ -319,19 +329,26 @@ class Steps:
         ways = (EXACT, *(one for one in INTEGRATORS if one.order and one.order > 1))
         options += [(one, h, True) for h in chords for one in ways]
         named = self._adequate(options, dt)
-        # A step that is not round is named only for an integrator that nearly fits. Wrong
-        # coefficients, of which there are hundreds, are tried only if no right integrator fits.
+        # A scheme much like the candidate's may leave only errors that the profile grants, which
+        # are most of the bits.
+        if named is not None:
+            explained = named.evidence + named.bits + CHANCE
+            if explained > WELL * self.finest_null:
+                return named
+        # If no right integrator fits well in a round step: one that nearly fits, in any step; or
+        # one of hundreds with a wrong coefficient, in a round step.
+        others = [named]
         if named is None and found and found[0][0] < CLOSELY:
-            named = self._adequate(list(self._free(found[:2])), dt)
-        if named is None and slipped:
+            others.append(self._adequate(list(self._free(found[:2])), dt))
+        if slipped:
             trials = [self.made(slips(), h, self.few) for h in TRIALS]
             options = [
                 (one, h, chord)
                 for left, fit, one in self.fits(slips(), trials) if left < CLOSELY
                 for h in near(fit, NEAR) for chord in (False, True)
             ]  # fmt: skip
-            named = self._adequate(options, dt, math.log2(len(slips())))
-        return named
+            others.append(self._adequate(options, dt, math.log2(len(slips()))))
+        return _likeliest(one for one in others if one is not None)
 
     def _free(self, found: Iterable[tuple[float, float, Integrator]]) -> Iterable[Option]:
         """Integrators in steps fitted freely, and rounded to one digit, two, and so on."""
@@ -373,9 +390,9 @@ class Steps:
             ways = {**self.data.ways, self.stage.name: Way(one, h, chord)}
             data = replace(self.data, ways=ways)  # shares the cache of flights
             after, _ = compared(self.stage, data, self.columns, self.followed.some)
-            r, (mends, breaks) = after.off / after.floor, mended(self.followed, after)
-            evidence = self.null - cost(r) - bits(h) - CHANCE
-            whole = is_adequate(r, is_rough(self.stage))
+            mends, breaks = mended(self.followed, after)
+            evidence = self.finest_null - cost(after.off / after.finest) - bits(h) - CHANCE
+            whole = is_adequate(after.off / after.floor, is_rough(self.stage))
             # A program may treat the path of a decaying spin, or a kink of the law, in another way.
             part = not breaks and mends >= max(FEWEST, PART * self.followed.beyond.sum())
             if evidence > 0 and (whole or part):
@@ -390,7 +407,7 @@ class Steps:
                 order = None if one is EXACT else one.order
                 part_of = None if whole else mends
                 found.append(Scheme(said, order, h, bits(h), evidence, True, way, part_of))
-        return max(found, key=lambda one: (one.mends is None, one.evidence), default=None)
+        return _likeliest(found)
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:
         """Integrators with a step, by the fraction of the median scene's errors that they leave.
@@ -499,6 +516,7 @@ def explain_push(
 
 SOME = 24  # wrong scenes with short flights, in which edits are tried first together with a scheme
 VARIANTS = 6  # edits that are tried with all schemes
+WELL = 0.5  # fraction of the bits of all errors that a scheme explains if it is the candidate's
 VERIFIED = 3  # schemes that reproduce the first scenes and are then flown in all
 
 

@@ -300,8 +300,8 @@ class Explanation:
     pairs: int = 0
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
     telling: dict[tuple[str, Kind], Index] = field(default_factory=dict)  # what `_telling` returns
-    # Free numbers with their bits, by edit: what `settled` has fitted.
-    numbers: dict[Edit, tuple[float, float]] = field(default_factory=dict)
+    # Free numbers with their bits and their spreads, by edit: what `settled` has fitted.
+    numbers: dict[Edit, tuple[float, float, float]] = field(default_factory=dict)
     # Edits of all layers that are better than chance, but do not explain every scene.
     partial: list[_Verified] = field(default_factory=list)
 
@@ -652,13 +652,13 @@ class Explanation:
         """Initial values of an edit's free number; the median of an expression."""
         return [_median(at.of(x)) if isinstance(x, Node) else x for x in edit.starts]
 
-    def settled(self, edit: Edit) -> tuple[Edit, tuple[float, float]]:
+    def settled(self, edit: Edit) -> tuple[Edit, tuple[float, float, float]]:
         """Fit the free number of an edit, if it has one, and round it as the residuals allow.
 
-        Return the edit, and the number with its bits.
+        Return the edit, and the number with its bits and its spread.
         """
         if not edit.starts:
-            return edit, (math.nan, 0.0)
+            return edit, (math.nan, 0.0, 0.0)
         if edit not in self.numbers:
             stage = self.edited(edit)
             (start,) = edit.starts  # the number that `candidates` has fitted
@@ -667,7 +667,9 @@ class Explanation:
                 c, *_ = fitted(self._residual(stage, self.few, MIDDLE), [(start,)], 2)
                 every = self._residual(stage, np.arange(len(self.all)), FINE)
                 c, r, slopes = fitted(every, c[None], 1)
-                self.numbers[edit] = _roundest(c, r, slopes, 0)
+                shows = float(np.sqrt(np.nansum(np.square(slopes[0] * c[0]))))
+                spread = 1.0 / max(shows, 1.0 / SPREAD)
+                self.numbers[edit] = *_roundest(c, r, slopes, 0), spread
         return edit.settled(*self.numbers[edit]), self.numbers[edit]
 
     def _explained_by(
@@ -980,6 +982,7 @@ NOISY = 10.0  # times the errors of right scenes: largest ones of scenes that an
 CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
+SPREAD = 1e-6  # largest relative uncertainty of a number that later stages may show
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
 BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
 ELSEWHERE = 8  # pairs that are compared by the errors of other stages
@@ -1031,9 +1034,10 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
             shifted = shifted + 0.05 * draw.normal(size=column.shape)
         moved[name] = shifted
     count = len(columns["kind"])
-    # Plausible states in flight: about 30 m/s forwards and 10 m/s upwards at the launch, and within
-    # about 20 m of (0, 0, 30).
+    # Plausible states in flight: about 30 m/s forwards or backwards and 10 m/s upwards at the
+    # launch, and within about 20 m of (0, 0, 30).
     launch = np.array([[30.0], [3.0], [10.0]]) * (1 + 0.5 * draw.normal(size=(3, count)))
+    launch[0] *= draw.choice([-1.0, 1.0], size=count)
     moved |= {
         "v0": launch, "v": (v := 0.7 * launch + 5.0 * draw.normal(size=(3, count))), "dr/dt": v,
         "r": 20.0 * draw.normal(size=(3, count)) + np.array([[0.0], [0.0], [30.0]]),

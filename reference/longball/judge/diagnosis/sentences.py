@@ -15,7 +15,14 @@ import numpy as np
 
 from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.clocks import Scheme
-from longball.judge.diagnosis.expression import Node, ordered, specialised, substitute, words
+from longball.judge.diagnosis.expression import (
+    SWITCHED,
+    Node,
+    ordered,
+    specialised,
+    substitute,
+    words,
+)
 from longball.judge.diagnosis.findings import (
     Diagnosis,
     Finding,
@@ -77,7 +84,9 @@ def named(
     """The finding of an edit that explains a stage; `stage` is the one before the edit."""
     # Edits at different nodes may have the same words.
     edit = joined([edit.words for edit in found.edits])
-    same = [w for w in dict.fromkeys(e.words for e in found.same) if w != edit]
+    same = [
+        w for w in dict.fromkeys(e.words for e in found.same) if w != edit and SWITCHED not in w
+    ]
     sentence = f"{stage.name}: your program {edit}. This step is wrong {_where(one)}."
     sentence += _of_a_part("edit", found.mends)
     if same:
@@ -108,12 +117,11 @@ def located(
         sentence += " No single edit that is tried explains all your numbers. The nearest, that "
         sentence += f"your program {found.nearest.words}, "
         sentence += f"explains {100 * (1 - found.left):.0f}% of the error."
-    right = words(_body(stage.roots["value"])) if stage.kind == "formula" else "⟨"
+    right = words(_body(stage.roots["value"])) if stage.kind == "formula" else SWITCHED
     return _finding(
         one, data, kind=kind, edit=None, scenes=scenes,
         sentence=" ".join((sentence, *(f"{text}." for text in seen))),
-        # A switch is printed as ⟨its key⟩: a formula with one does not help the author.
-        remedy=None if "⟨" in right else f"{stage.quantities[0]} should be {right}",
+        remedy=None if SWITCHED in right else f"{stage.quantities[0]} should be {right}",
     )  # fmt: skip
 
 
@@ -188,7 +196,7 @@ def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
         for node in (*around, root):
             right = _body(node)
             other = _simple(substitute(right, edit.place, edit.new), stage, data)
-            if "⟨" in words(other):  # a switch, printed as its key, is no formula
+            if SWITCHED in words(other):
                 return None
             if words(other) != words(right):
                 name = words(node) if node.op == "named" else _ROOTS.get(key, stage.quantities[0])
