@@ -3,8 +3,9 @@
 A quantity may differ by what the oracle itself may be wrong by. Its flights take some hundred steps
 to 1e-13 each; flown in steps of another length they agree to 1e-12, relative to a quantity or to 1.
 A step across a narrow drag crisis may err by more: so a scene with a difference is compared again,
-with the oracle in far shorter steps. What comes after is off by that times the condition of the quantity, which the oracle measures: it
-solves a second scene that is moved by 1e-9. An engine's own error is of the same size or smaller.
+with the oracle in far shorter steps. What comes after a flight is off by that times the condition
+of the quantity, which the oracle measures: it solves a second scene that is moved by 1e-9. An
+engine's own error is of the same size or smaller.
 
 A scene within 1e-6 (m, m/s, or of 1) of another outcome, or with another one when it is moved, is
 left out, and counted. So is, for its engine, a scene that an engine cannot decide or prove. That

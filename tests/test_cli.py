@@ -319,8 +319,9 @@ class TestHomerun:
 
     @pytest.mark.nightly
     def test_quadrature_has_errors_and_slopes(self, called, tmp_path: Path, monkeypatch):
-        # Two rules that take little; the errors of better ones are tested with the golden data.
-        monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(2, 1), Nodes(3, 1)))
+        # Two rules that take little, and differ in both numbers: their difference is the error. The
+        # errors of better ones are tested with the golden data.
+        monkeypatch.setattr("longball.home_run.quadrature.LEVELS", (Nodes(2, 1), Nodes(3, 2)))
         table, figure = tmp_path / "p.csv", tmp_path / "p.png"
         files = ("--csv", str(table), "--figure", str(figure))
         run = called("homerun", "--method", "quadrature", "--e", "0.45", "--json", *files)

@@ -395,7 +395,7 @@ def _text(value: object) -> str:
 
 
 def _says_if(test: Test, new: Node, was: Node, edit: Edit) -> str:
-    """What a program does that has another condition; a definition in it may keep its name."""
+    """The words for another condition in a test; a definition in it may have kept its name."""
     says = f"says {_text(test.says)}"
     if words(new) == words(was):
         return f"{says} by a test that {edit.words}"
