@@ -675,7 +675,9 @@ fence_side = switch(
     "fence",
     {
         "a circle": norm(level(at_fence)) - I["fence.radius"],
-        "a polyline": component(cross(unit(_chord), _beside), 2),
+        "a polyline": named(
+            "the distance beyond the chord", component(cross(unit(_chord), _beside), 2)
+        ),
     },
 )
 _clear = switch("reading.fence_clearance", {"centre": constant(0.0, M), "surface": I["R"]})
@@ -724,6 +726,29 @@ _leaving = switch("kind", {"flight": given_velocity, "at-bat": after})
 _downrange = named(
     "the distance along the launch's heading", dot(landing - _launched_at, _heading(_leaving))
 )
+# The distance of the pitch from the bat's axis if its search ends at the plate: there it may still
+# fall, for d·v = -σ_b v_z.
+_at_plate = named("|σ_b|", function("abs", I["σ_b"], dimension=M))
+_up_to_plate = named(
+    "the closest distance up to the plate",
+    where(I["σ_b"] * component(crossing, 2), _at_plate, closest),
+)
+
+
+# The fence as it is on maps of ballparks: its distance is linear in the bearing, not along a chord.
+def _bearing(a: Node) -> Node:
+    return function("atan2", component(a, 1), component(a, 0))
+
+
+_share_of_angle = named(
+    "the fraction of the chord's angle",
+    (_bearing(at_fence) - _bearing(_a)) / (_bearing(_b) - _bearing(_a)),
+)
+_far_a, _far_b = norm(level(_a)), norm(level(_b))
+_by_bearing = named(
+    "the distance beyond a fence that is linear in the bearing",
+    norm(level(at_fence)) - (_far_a + _share_of_angle * (_far_b - _far_a)),
+)
 # The gripping impulse with its part across cut to the cone, and its part along the normal kept.
 _cut = named("P (grip) cut to the cone", dot(grip, n) * _slides)
 OTHERWISE = {
@@ -758,9 +783,11 @@ OTHERWISE = {
     "time": (plate_time,),
     "landing": (I["R"],),
     "plate": (reach,),
-    "margin": (named("|σ_b|", function("abs", I["σ_b"], dimension=M)),),
+    "margin": (_at_plate, _up_to_plate),
     "fence margin": (_length,),
-    **dict.fromkeys(("pitch", "touching", "flight", "fence"), _in_flight),
+    "clearance": (_share_of_angle,),
+    **dict.fromkeys(("pitch", "touching", "flight"), _in_flight),
+    "fence": (*_in_flight, _by_bearing),
 }  # fmt: skip
 
 # --- the stages -----------------------------------------------------------------------------------

@@ -311,6 +311,8 @@ class Site:
         Nodes of the pool that are definitions of other programs (`Stage.pool`).
     ends
         True if the formula is the function of an event: a multiple of it has the same zero.
+    room
+        Bits that an operator may spend: dearer edits are not generated.
     """
 
     node: Node
@@ -324,6 +326,7 @@ class Site:
     earlier: tuple[tuple[str, Node, Node], ...] = ()
     usual: Collection[Node] = ()
     ends: bool = False
+    room: float = math.inf
 
     def where_known(self, other: Node, made: Node | None = None) -> Node:
         """`made`, or `other` itself, in scenes that have the node `other`; elsewhere this node.
@@ -405,7 +408,7 @@ def _others(site: Site) -> Iterator[Option]:
         # A wrong variable or key may have any unit, because programs have no units. That is less
         # likely, and so costs more.
         cost = BITS["other"] + BITS["unit"] + math.log2(1 + len(like))
-        for b in like:
+        for b in like if cost <= site.room else ():
             if b.dimension != a.dimension:
                 yield in_unit_of(a, b), cost, f"uses {words(b)} for {words(a)}", ()
     for b in same:
@@ -421,11 +424,13 @@ def _others(site: Site) -> Iterator[Option]:
     for options, where_omitted, bits in site.omissions():
         vectors = (x for x in site.pool if x.vector and x.op in ("symbol", "named"))
         parts = [component(x, i) for x in vectors for i in range(3)]
-        for b in (*same, *(x for x in parts if x.dimension == a.dimension)):
+        cost = BITS["other"] + choice + bits
+        like_parts = [x for x in parts if x.dimension == a.dimension]
+        for b in (*same, *like_parts) if cost <= site.room else ():
             by, text = where_key(options, a, site.where_known(b)), f"uses {words(b)} for {words(a)}"
-            yield by, BITS["other"] + choice + bits, f"{text} {where_omitted}", ()
+            yield by, cost, f"{text} {where_omitted}", ()
     if a.op in ("symbol", "named", "component"):
-        for b in same:
+        for b in same if BITS["sum"] + choice <= site.room else ():
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
                 cost, said = BITS["sum"] + choice, words(b)
                 yield site.where_known(b, a + b), cost, f"adds {said} to {words(a)}", ()
@@ -1192,7 +1197,8 @@ def _of_regions(
             # Here, another variable of the same unit: there are too many of the others.
             pool = tuple(x for x in whole.pool if x.dimension == node.dimension)
             above = tuple(x for x in parts if node in x.args)
-            site = replace(whole, node=node, parents=above, pool=pool)
+            spent = places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)
+            site = replace(whole, node=node, parents=above, pool=pool, room=LIKELY - spent)
             # Equal nodes are one object. Wrapped in a name, the node of this region differs from
             # the same node elsewhere, and can be replaced alone.
             hole = named(words(node), node)
@@ -1208,9 +1214,11 @@ def _of_regions(
             variable = node in written and node.op in ("symbol", "named")
             for operator in (*OF_ITSELF, *((_others,) if variable else ())):
                 for by, bits, text, starts in operator(site):
-                    cost = bits + places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)
                     place = region if form is root else root
-                    yield Edit(place, by, cost, text + at, starts, within=(opened, hole))
+                    if bits <= site.room:
+                        yield Edit(
+                            place, by, bits + spent, text + at, starts, within=(opened, hole)
+                        )
 
 
 def _of_zeros(
@@ -1333,6 +1341,8 @@ def _instead(root: Node, old: Node, new: Node) -> Node:
 PRODUCTS = "product", "quotient", "sum"  # operations that programs write out again
 
 
+# Bits of the dearest edits that are generated. Of a flight these are about as many as are ranked.
+LIKELY = 18.5
 # Bits for an edit of a node that is not a named definition. Switches cost most: a verdict can print
 # no formula for one, and no program contains it as a whole.
 UNNAMED = {"named": 0.0, "symbol": 0.5, "switch": 4.0}
@@ -1368,7 +1378,10 @@ def _of_formula(
             continue
         # The parent of a node under a name is the operation that uses the name.
         above = [q for p in using for q in ([p] if p.op != "named" else parents[p])]
-        site = replace(whole, node=node, parents=tuple(above or using))
+        # An unnamed node costs more, because people err in named things. Another form than the
+        # first costs one bit.
+        spent = places + UNNAMED.get(node.op, 1.5) + (form is not root)
+        site = replace(whole, node=node, parents=tuple(above or using), room=LIKELY - spent)
         # A program may write out a definition again where it uses it, and err there.
         used, uses = node, using
         if [p.op for p in using] == ["named"]:
@@ -1376,9 +1389,9 @@ def _of_formula(
         for operator in operators:
             several = len(uses) > 1 and (used is node or operator in OF_CONTENT)
             for by, bits, said, starts in operator(site):
-                # An unnamed node costs more, because people err in named things. Another form than
-                # the first costs one bit.
-                cost = bits + places + UNNAMED.get(node.op, 1.5) + (form is not root)
+                cost = bits + spent
+                if bits > site.room:
+                    continue
                 place, within = (node, None) if form is root else (root, (form, node))
                 if node not in known:
                     yield Edit(place, by, cost, said, starts, within=within)
@@ -1393,6 +1406,8 @@ def _of_formula(
                     text = f"{said} in {words(around)}"
                     # A switch has no words that an author knows.
                     more = 2.0 + UNNAMED["switch"] * any(arg.op == "switch" for arg in use.args)
+                    if bits + more > site.room:
+                        continue
                     new = rebuilt(use, [by if arg is used else arg for arg in use.args])
                     yield Edit(place, new, cost + more, text, starts, None, within)
                     if use.args.count(used) > 1:  # a square, written as a product
