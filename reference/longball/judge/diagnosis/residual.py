@@ -881,14 +881,36 @@ _NORMAL, NOT_ONE = frozenset((str(n.data),)), 1e-6
 
 def seen(chain: Sequence[Stage], data: Data) -> Data:
     """Data with the scenes in which the right chain does not reproduce the truth (`Data.blind`)."""
-    # A smooth law has no such scenes. Otherwise only scenes matter in which the candidate is wrong.
-    if not any(stage.kind == "flight" and is_rough(stage) for stage in chain):
+    # These scenes have a law with jumps. Only those matter in which the candidate is wrong.
+    jumps = np.zeros(len(data.cases), dtype=bool)
+    for stage in chain:
+        if stage.kind == "flight":
+            jumps |= _jumping(stage, data.columns)
+    if not jumps.any():
         return data
     _, found = follow(chain, data)
     wrong = np.unique(np.concatenate([one.some[one.wrong] for one in found]))
+    wrong = wrong[jumps[wrong]]
     _, found = follow(chain, replace(data, given=data.expected, cut={}, slips=None), only=wrong)
     blind = {one.stage.key: one.some[one.wrong] for one in found}
     return replace(data, blind=blind)
+
+
+def _jumping(stage: Stage, columns: Columns) -> NDArray[np.bool_]:
+    """True in scenes in which a law has a jump or a table."""
+    columns = {**columns, "spin": columns[stage.spins]}
+    found: dict[Node, NDArray[np.bool_]] = {}
+    none = np.zeros(len(columns["kind"]), dtype=bool)
+    for node in ordered([stage.roots["law"]]):
+        inside = [found[arg] for arg in node.args]
+        if node.op == "switch":
+            key, options = node.data
+            inside = [
+                x & (columns[key] == option) for x, option in zip(inside, options, strict=True)
+            ]
+        jumps = node.op in JUMPS | {"table"} and depends(node.args[0], MOVING)
+        found[node] = ~none if jumps else np.any([none, *inside], axis=0)
+    return found[stage.roots["law"]]
 
 
 def follow(
