@@ -91,6 +91,17 @@ def spins_in_revolutions_per_minute(scene: dict[str, Any]) -> None:
             scene[block]["spin"] = [x * math.pi / 30 for x in spin]
 
 
+def spins_in_whole_revolutions_per_minute(scene: dict[str, Any]) -> None:
+    if spin := scene["launch"].get("spin"):
+        scene["launch"]["spin"] = [round(x * 30 / math.pi) * math.pi / 30 for x in spin]
+
+
+def wrong_pounds(scene: dict[str, Any]) -> None:
+    for block, mass in (("ball", 0.145), ("bat", 0.9)):
+        scene[block] = {"mass": mass} | scene.get(block, {})
+        scene[block]["mass"] *= 0.9992
+
+
 def heavier_bats_with_friction(scene: dict[str, Any]) -> None:
     """As of a program with a separate collision for bats with friction."""
     if scene.get("bat", {}).get("friction") is not None:
@@ -117,6 +128,9 @@ READ = [
      "uses 9.8, its default, for g = 0"),
     ("at-bat-real", spins_in_revolutions_per_minute, "pitch",
      "uses 0.104719755 times the scene's spin (revolutions per minute taken for rad/s)"),
+    ("flight-spin-lift", spins_in_whole_revolutions_per_minute, "flight",
+     "rounds launch.spin to 0 decimals in revolutions per minute"),
+    ("at-bat", wrong_pounds, "pitch", "uses 0.9992 times every mass of the scene"),
     ("impact impact-oblique", heavier_bats_with_friction, "restitution",
      "uses 1.1 times M where bat.friction is given"),
     pytest.param("flight-both", half_of_drag, "flight", "uses 0.5 times C_D for C_L",

@@ -1093,13 +1093,16 @@ def edits(
         plain = specialised(root, DEFAULT_READING, {})
         if plain is not root:
             yield Edit(root, plain, BITS["option"], WITHOUT_READINGS)
-    yield from _of_units(stage)
+    yield from _of_units(chain, stage)
 
 
-def _of_units(stage: Stage) -> Iterator[Edit]:
+def _of_units(chain: Sequence[Stage], stage: Stage) -> Iterator[Edit]:
     """Edits of a program that converts all inputs of one unit by a wrong factor."""
+    used = {*ordered(root for one in chain for root in one.roots.values())}
     for name, unit_of in UNITS.items():
-        some = [one.symbol for one in INPUTS if one.symbol.dimension == unit_of]
+        some = [x.symbol for x in INPUTS if x.symbol.dimension == unit_of and x.symbol in used]
+        if len(some) < 2:
+            continue
         roots = [root for root in stage.roots.values() if any(contains(root, x) for x in some)]
         if len(roots) == 1:  # an edit has one place
             changed = tuple((x, free() * x) for x in some)
@@ -1107,8 +1110,7 @@ def _of_units(stage: Stage) -> Iterator[Edit]:
             by = root
             for old, new in changed:
                 by = substitute(by, old, new)
-            # A little less likely than a wrong factor of one input.
-            cost = BITS["free factor"] + math.log2(len(UNITS) * len(ordered([root])))
+            cost = BITS["unit"] + BITS["free factor"] + math.log2(len(UNITS))
             text = f"uses {{c}} times every {name} of the scene"
             yield Edit(root, by, cost, text, (1.0, 3.0, 0.3), inputs=changed)
 
