@@ -720,6 +720,7 @@ _in_flight = (
     named("g - ρ·V·g/m (buoyancy)", I["g"] * (1.0 - _displaced)),
     named("a/(1 + ρ·V/2m) (added mass)", LAW / (1.0 + _displaced / 2.0)),
     _unshifted,
+    I["ground"],  # programs take heights above it
 )
 _from_launch = named("the distance from the launch", norm(level(landing - _launched_at)))
 _leaving = switch("kind", {"flight": given_velocity, "at-bat": after})

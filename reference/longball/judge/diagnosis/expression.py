@@ -518,6 +518,8 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
 
     def line(x: Array) -> Any:
         within = np.minimum(np.maximum(x - start, low), high)
+        if mode == "exchanged":
+            within = np.where((x > start) & (x < at[1:]), high - within, within)
         if mode == "early":
             within[last, balls] = np.where(x >= start[last, balls], widths[last, balls], 0.0)
         found = first + np.add.reduce(slopes * within)

@@ -313,6 +313,10 @@ def _of_matrix(matrix: Array) -> Iterator[tuple[Table, str]]:
             if matrix[i, k] == 0.0:
                 moved = {(i, j): 0.0, (i, k): matrix[i, j]}
                 yield _with(matrix, moved), f"k{k + 1} for k{j + 1} in {where}"
+        for k in range(j):
+            if matrix[i, k] not in (0.0, matrix[i, j]):
+                moved = {(i, j): matrix[i, k], (i, k): matrix[i, j]}
+                yield _with(matrix, moved), f"exchanged weights of k{k + 1} and k{j + 1} in {where}"
     for factor in DIVIDED:
         changes = {(last, j): factor * b for j, b in enumerate(matrix[last])}
         yield _with(matrix, changes), f"{_fraction(factor)} times its last sum"

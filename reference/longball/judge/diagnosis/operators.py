@@ -200,7 +200,6 @@ BITS = {
     "zero": 2.0,
     "one": 3.0,
     "other": 2.0,
-    "usual": -3.0,  # a definition that people use: it belongs to few nodes, so their choice is free
     "factor": 2.0,
     "free factor": 4.0,
     "free value": 2.0,
@@ -219,6 +218,8 @@ BITS = {
     "rounded": 5.0,
     "unit": 3.0,
 }
+
+USUAL_BITS = 5.0  # less for a definition that people use (`Stage.pool`)
 
 # Factors that come from units, halves, and diameters in place of radii, with the words of a
 # verdict.
@@ -411,10 +412,10 @@ def _others(site: Site) -> Iterator[Option]:
         for b in like if cost <= site.room else ():
             if b.dimension != a.dimension:
                 yield in_unit_of(a, b), cost, f"uses {words(b)} for {words(a)}", ()
+    # What people use has few places where it makes sense, so that the choice costs little.
+    usual = math.log2(1 + len(site.usual)) - USUAL_BITS
     for b in same:
-        cost = BITS["other"] + choice
-        if b in site.usual:
-            cost = BITS["usual"] + math.log2(1 + len(site.usual))
+        cost = BITS["other"] + (usual if b in site.usual else choice)
         yield site.where_known(b), cost, f"uses {words(b)} for {words(a)}", ()
         # A multiple of another input: a program may compute one number from the other.
         if a.op == b.op == "symbol" and not a.vector:
@@ -430,9 +431,9 @@ def _others(site: Site) -> Iterator[Option]:
             by, text = where_key(options, a, site.where_known(b)), f"uses {words(b)} for {words(a)}"
             yield by, cost, f"{text} {where_omitted}", ()
     if a.op in ("symbol", "named", "component"):
-        for b in same if BITS["sum"] + choice <= site.room else ():
+        for b in same if BITS["sum"] + usual <= site.room else ():
             if b.op == "symbol" and not depends(a, frozenset((b.data,))):
-                cost, said = BITS["sum"] + choice, words(b)
+                cost, said = BITS["sum"] + (usual if b in site.usual else choice), words(b)
                 yield site.where_known(b, a + b), cost, f"adds {said} to {words(a)}", ()
                 yield site.where_known(b, a - b), cost, f"subtracts {said} from {words(a)}", ()
     if a.op == "unit":
@@ -1315,6 +1316,7 @@ TABLES = {
     **{f"{mode} or 0": f"{text}, but not below 0" for mode, text in EXTRAPOLATED.items()},
     "previous node": "does not interpolate in {}",
     "middle": "uses the mean of two nodes of {}",
+    "exchanged": "exchanges the weights of two nodes of {}",
     "short": "ends {} at its last node but one",
     "early": "uses the last value of {} from the last node but one on",
 }

@@ -27,6 +27,7 @@ from longball.judge.diagnosis.chain import (
     OWN,
     I,
     Stage,
+    V,
     at_fence,
     fence_flown,
     fence_time,
@@ -48,6 +49,7 @@ from longball.judge.diagnosis.expression import (
     S,
     component,
     constant,
+    dot,
     evaluate,
     function,
     named,
@@ -144,7 +146,7 @@ OUTCOMES = Tree(
     (
         *(component(OWN["contact.position"], i) for i in range(3)), *(I[s] for s in ("R", "r_b")),
         reach, landing_time, landing, component(at_fence, 0), component(at_fence, 1),
-        norm(OWN["contact.velocity"]),
+        norm(OWN["contact.velocity"]), dot(V, OWN["contact.normal"]),
     ),
 )  # fmt: skip
 FAIR = Tree(
@@ -315,7 +317,8 @@ class _Search:
                     text = f"says {_text(test.says)} whether or not {said}"
                     yield i, replace(test, conditions=left), None, cost, text
                 # The operators edit stages, so the condition is wrapped in one.
-                stage = Stage("", (str(test.says),), "formula", {"value": condition})
+                roots = {"value": condition}
+                stage = Stage("", (str(test.says),), "formula", roots, scenes=test.kinds)
                 usual = {**defaults(), "time_limit": 60.0}
                 for edit in edits((stage,), stage, usual, self.told.columns, self.tree.pool):
                     (other,) = edit.apply((stage,))

@@ -42,6 +42,7 @@ from longball.judge.diagnosis.expression import (
     contains,
     ordered,
     symbol,
+    where,
 )
 from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits, edits_of_one_option
 from longball.judge.diagnosis.residual import (
@@ -315,7 +316,7 @@ class Explanation:
         beside = np.union1d(right[beside], evenly(right, MOST_RIGHT))
         self.all = np.concatenate([evenly(order, MOST_WRONG), beside])
         self.base = base = self._compared(stage, self.all)
-        self.null_all = _bits(base)
+        self.null_all = self._null()
         # Screening uses long steps, and scenes in which long steps are accurate.
         is_wrong = np.isin(self.all, wrong)
         every = np.arange(len(self.all))
@@ -354,6 +355,22 @@ class Explanation:
 
     # --- residuals --------------------------------------------------------------------------------
 
+    def _null(self) -> float:
+        """Cost of the residuals without an edit, in bits.
+
+        If the other side of a branch explains every wrong scene, each is one decision: one bit.
+        """
+        base, roots = self.base, self.stage.roots.values()
+        branches = [node for node in ordered(roots) if node.op == "where"]
+        for node in branches if self.stage.kind == "formula" else ():
+            condition, *sides = node.args
+            other = self.stage.edited(node, where(condition, *sides[::-1]))
+            after = self._compared(other, self.all)
+            if is_adequate(_in_floors(after)[:, base.beyond]):
+                decided = np.where(base.beyond, after.off, base.off)
+                return float(base.beyond.sum()) + _bits(replace(base, off=decided))
+        return _bits(base)
+
     def _compared(self, stage: Stage, some: Index, rough: bool = False) -> Followed:
         data = replace(self.data, rough=self.data.rough.union((stage.name,) if rough else ()))
         with np.errstate(all="ignore"):
@@ -388,8 +405,13 @@ class Explanation:
     def screened(self, stage: Stage) -> Callable[[Array], Array]:
         """The function from free numbers to the residuals in the screening scenes, in floors."""
         known, jumps = np.isfinite(self.off), is_rough(self.stage)
+        # Long steps across a jump have an error that depends on its place.
+        moved = self.stage.kind == "flight" and _jumps(stage) != _jumps(self.stage)
 
         def flown(numbers: Array) -> Array:
+            if moved:
+                off = self._off(stage, self.few, numbers, FINE)
+                return np.where(known & ~np.isfinite(off), LOST, off / self.roughly)
             off = self._off(stage, self.few, numbers, COARSE)
             r = (off + self.own_error) / self.roughly
             if jumps:  # an edit that removes one removes the error of long steps across it
@@ -997,6 +1019,11 @@ RIVALS = 10.0  # bits: an edit that costs more than this above the cheapest is n
 NOTHING, ANYWHERE = 1e-9, 0.1
 MOVED, FLAT = 0.1, 0.3
 USUAL_NUMBER = 0.5  # the value of a free number there
+
+
+def _jumps(stage: Stage) -> set[Node]:
+    """The numbers at whose zeros a law jumps."""
+    return {node.args[0] for node in ordered([stage.roots["law"]]) if node.op in JUMPS}
 
 
 def _fitted_from(
