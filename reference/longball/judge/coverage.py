@@ -295,7 +295,7 @@ def every_edit(every: int = 1) -> Iterator[tuple[Stage, Edit]]:
     """
     seen = set[tuple[int, int]]()  # digests, since a million nodes would take gigabytes
     for stage in CHAIN if every else ():
-        for edit in edits(CHAIN, stage, defaults(), {}):
+        for edit in edits(CHAIN, stage, defaults(), {}, most=math.inf):
             if (key := (edit.place.digest, edit.new.digest)) not in seen:
                 seen.add(key)
                 if len(seen) % every == 0:

@@ -219,6 +219,8 @@ BITS = {
     "unit": 3.0,
 }
 
+# Bits of the dearest edits that the search generates: of a flight, about as many as it ranks.
+LIKELY = 18.5
 USUAL_BITS = 5.0  # less for a definition that people use (`Stage.pool`)
 
 # Factors that come from units, halves, and diameters in place of radii, with the words of a
@@ -1056,11 +1058,13 @@ def edits(
     defaults: Mapping[str, float | tuple[float, ...]],
     columns: Columns,
     more: Iterable[Node] = (),
+    most: float = LIKELY,
 ) -> Iterator[Edit]:
     """Every edit of a stage's formulas that can change a number.
 
     `columns` hold the scenes' options of switches, and restrict the edits to these options; without
-    columns, all options are edited. `more` are further nodes for the pool.
+    columns, all options are edited. `more` are further nodes for the pool. Edits that cost more
+    than `most` bits are not generated.
     """
     arguments = Values(columns).arguments if columns else evaluated
     pool = (*_without_zeros(pool_of(chain, stage, columns), columns), *more)
@@ -1079,7 +1083,7 @@ def edits(
         nodes = [root] if name == "through" else ordered([root], (), arguments)
         site = Site(
             root, (), here, defaults, flies, omitted, stage.scenes, kinds, earlier, usual,
-            ends=name == "zero",
+            ends=name == "zero", room=most,
         )  # fmt: skip
         yield from _of_formula(root, root, nodes, frozenset(), site)
         yield from _of_regions(root, root, nodes, frozenset(), site)
@@ -1201,7 +1205,7 @@ def _of_regions(
             pool = tuple(x for x in whole.pool if x.dimension == node.dimension)
             above = tuple(x for x in parts if node in x.args)
             spent = places + UNNAMED.get(node.op, 1.5) + 2 + (form is not root)
-            site = replace(whole, node=node, parents=above, pool=pool, room=LIKELY - spent)
+            site = replace(whole, node=node, parents=above, pool=pool, room=whole.room - spent)
             # Equal nodes are one object. Wrapped in a name, the node of this region differs from
             # the same node elsewhere, and can be replaced alone.
             hole = named(words(node), node)
@@ -1345,8 +1349,6 @@ def _instead(root: Node, old: Node, new: Node) -> Node:
 PRODUCTS = "product", "quotient", "sum"  # operations that programs write out again
 
 
-# Bits of the dearest edits that are generated. Of a flight these are about as many as are ranked.
-LIKELY = 18.5
 # Bits for an edit of a node that is not a named definition. Switches cost most: a verdict can print
 # no formula for one, and no program contains it as a whole.
 UNNAMED = {"named": 0.0, "symbol": 0.5, "switch": 4.0}
@@ -1385,7 +1387,7 @@ def _of_formula(
         # An unnamed node costs more, because people err in named things. Another form than the
         # first costs one bit.
         spent = places + UNNAMED.get(node.op, 1.5) + (form is not root)
-        site = replace(whole, node=node, parents=tuple(above or using), room=LIKELY - spent)
+        site = replace(whole, node=node, parents=tuple(above or using), room=whole.room - spent)
         # A program may write out a definition again where it uses it, and err there.
         used, uses = node, using
         if [p.op for p in using] == ["named"]:
