@@ -262,7 +262,8 @@ def planted(
     own, wrong = {**columns, "spin": columns[stage.spins]}, stage
     for text in words:
         every_edit = itertools.chain(
-            edits(chain, stage, defaults(), own), edits_of_one_option(stage, defaults(), own)
+            edits(chain, stage, defaults(), own, most=math.inf),
+            edits_of_one_option(stage, defaults(), own),
         )
         edit = next(e for e in every_edit if e.words == text)
         (wrong,) = (edit.settled(1.0005, 0.0) if edit.starts else edit).apply([wrong])

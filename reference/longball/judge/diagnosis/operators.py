@@ -219,7 +219,7 @@ BITS = {
     "unit": 3.0,
 }
 
-# Bits of the dearest edits that the search generates: of a flight, about as many as it ranks.
+# Bits of the dearest edits that the search generates, if there are many: those that it ranks.
 LIKELY = 18.5
 USUAL_BITS = 5.0  # less for a definition that people use (`Stage.pool`)
 
@@ -414,10 +414,11 @@ def _others(site: Site) -> Iterator[Option]:
         for b in like if cost <= site.room else ():
             if b.dimension != a.dimension:
                 yield in_unit_of(a, b), cost, f"uses {words(b)} for {words(a)}", ()
-    # What people use has few places where it makes sense, so that the choice costs little.
+    # Definitions that people use, and inputs that they add, make sense in few places: their choice
+    # costs little.
     usual = math.log2(1 + len(site.usual)) - USUAL_BITS
     for b in same:
-        cost = BITS["other"] + (usual if b in site.usual else choice)
+        cost = BITS["other"] + (usual if b in site.usual and b.op == "named" else choice)
         yield site.where_known(b), cost, f"uses {words(b)} for {words(a)}", ()
         # A multiple of another input: a program may compute one number from the other.
         if a.op == b.op == "symbol" and not a.vector:

@@ -44,7 +44,14 @@ from longball.judge.diagnosis.expression import (
     symbol,
     where,
 )
-from longball.judge.diagnosis.operators import FACTORS, FREE, Edit, edits, edits_of_one_option
+from longball.judge.diagnosis.operators import (
+    FACTORS,
+    FREE,
+    LIKELY,
+    Edit,
+    edits,
+    edits_of_one_option,
+)
 from longball.judge.diagnosis.residual import (
     COARSE,
     FINE,
@@ -455,12 +462,14 @@ class Explanation:
         """The cheapest edit that explains the stage in all scenes; or two, if none does."""
         wrong = take(self.columns, self.followed.some[self.followed.beyond])
         options = {**wrong, "spin": wrong[self.stage.spins]}
-        every = itertools.chain(
-            edits(self.chain, self.stage, defaults(), options),
-            edits_of_one_option(self.stage, defaults(), options),
-        )
-        most = max(layer.edits.stop for layer in self.layers)
-        cheapest = heapq.nsmallest(most, every, key=attrgetter("bits"))
+        most, cheapest = max(layer.edits.stop for layer in self.layers), list[Edit]()
+        for likely in (LIKELY, math.inf):
+            if len(cheapest) < FEW_EDITS:
+                every = itertools.chain(
+                    edits(self.chain, self.stage, defaults(), options, most=likely),
+                    edits_of_one_option(self.stage, defaults(), options),
+                )
+                cheapest = heapq.nsmallest(most, every, key=attrgetter("bits"))
         parts = [range(len(cheapest))[layer.edits] for layer in self.layers]
         located: list[Located] = []
         names: list[tuple[int, float, Named]] = []  # with the scenes left wrong, and their bits
@@ -1004,6 +1013,7 @@ NOISY = 10.0  # times the errors of right scenes: largest ones of scenes that an
 CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
+FEW_EDITS = 20_000  # if fewer cost `LIKELY` bits or less, all are generated
 SPREAD = 1e-6  # largest relative uncertainty of a number that later stages may show
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
 BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
