@@ -889,8 +889,8 @@ def seen(chain: Sequence[Stage], data: Data) -> Data:
     if not jumps.any():
         return data
     _, found = follow(chain, data)
-    # The judge's own flight may fail: its error is then larger than the ball's state.
-    lost = {one.stage.key: one.some[(one.floor > one.scale).any(axis=0)] for one in found}
+    # The judge's own flight may fail: its error is then larger than the ball's position.
+    lost = {one.stage.key: one.some[(one.floor > one.scale)[:3].all(axis=0)] for one in found}
     wrong = np.unique(np.concatenate([one.some[one.wrong] for one in found]))
     wrong = wrong[jumps[wrong]]
     _, found = follow(chain, replace(data, given=data.expected, cut={}, slips=None), only=wrong)

@@ -43,6 +43,7 @@ from longball.judge.diagnosis.expression import (
     ordered,
     symbol,
     where,
+    words,
 )
 from longball.judge.diagnosis.operators import (
     FACTORS,
@@ -1031,9 +1032,9 @@ MOVED, FLAT = 0.1, 0.3
 USUAL_NUMBER = 0.5  # the value of a free number there
 
 
-def _jumps(stage: Stage) -> set[Node]:
-    """The numbers at whose zeros a law jumps."""
-    return {node.args[0] for node in ordered([stage.roots["law"]]) if node.op in JUMPS}
+def _jumps(stage: Stage) -> set[str]:
+    """The numbers at whose zeros a law jumps, in words: definitions by name only."""
+    return {words(node.args[0]) for node in ordered([stage.roots["law"]]) if node.op in JUMPS}
 
 
 def _fitted_from(
