@@ -219,9 +219,9 @@ class Reasoned:
         return sum(not step.explained for step in self.steps)
 
 
-# Errors below this fraction of a stage's first errors are not explained further: the number of a
-# named edit is rounded, which may show in a few scenes. Later stages may show more of its digits
-# than the one that it was fitted to: so nor are errors up to this many times its spread.
+# The number of a named edit is rounded, which may show in a few scenes: errors below the fraction
+# LAST of a stage's first errors are not explained further. A later stage may be more precise than
+# the one to which the number was fitted: nor are relative errors below SPREADS times its spread.
 LAST, SPREADS = 1e-7, 10.0
 # A later flight is explained before the first wrong one if it tells more by this factor.
 CLEARER = 2.0
@@ -335,7 +335,7 @@ def _explained(
         [s.followed.stage for s in steps if isinstance(s.found, kind) and s.found.mends is not None]
         for kind in (Named, Scheme)
     )
-    rest = in_steps or any(s.key == stage.key or s.kind == stage.kind == "flight" for s in edited)
+    rest = in_steps or any(_shares_formula(stage, other) for other in edited)
     layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
     search = Explanation(chain, stage, data, columns, one, layers, pairs)
     # If a scheme explains only some flights, the remaining errors belong to the scheme, and not to
@@ -414,7 +414,7 @@ def _right_form(
 
 
 def _largest(one: Followed) -> float:
-    """The largest relative error that is beyond the noise; 1 for larger ones, and without end."""
+    """The largest relative error that is beyond the noise, at most 1; infinite ones count as 1."""
     return float(np.minimum(one.relative[one.beyond], 1.0).max(initial=0.0))
 
 
@@ -450,11 +450,11 @@ def _confirmed(
     refuted = unseen.refuting(chain, data, dt)
     for step in steps:
         stage, cause = step.followed.stage, step.found
-        # What was found beside a refuted edit explains nothing. All flights share one law.
+        # A name that was found beside a refuted edit of the same formula has no basis.
         before = [s.followed.stage for s in found if isinstance(s.found, Located)]
-        if any(s.key == stage.key for s in before):
+        if any(other.key == stage.key for other in before):
             continue
-        if isinstance(cause, Named) and stage.kind == "flight" in (s.kind for s in before):
+        if isinstance(cause, Named) and any(_shares_formula(stage, other) for other in before):
             cause = Located()
         elif isinstance(cause, Named) and cause.mends is None:
             count = refuted(stage, any(edit.rough for edit in cause.edits), None)
@@ -515,6 +515,11 @@ def _with_way(
             if best is not None:
                 ways[other.name] = best
     return replace(data, ways=ways)
+
+
+def _shares_formula(a: Stage, b: Stage) -> bool:
+    """True for a stage and itself, and for two flights, which share one law."""
+    return a.key == b.key or a.kind == b.kind == "flight"
 
 
 def _is_same_flight(a: Stage, b: Stage) -> bool:
