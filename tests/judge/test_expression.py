@@ -149,7 +149,9 @@ def test_tables(mode: str, below: Any, above: Any):
     assert np.allclose(value((at[0] + at[1]) / 2), between)
 
 
-@pytest.mark.parametrize(("mode", "between"), [("early", (3, 5, 6)), ("short", (4, 2, 5))])
+@pytest.mark.parametrize(
+    ("mode", "between"), [("next node in the last segment", (3, 5, 6)), ("short", (4, 2, 5))]
+)
 def test_the_last_segment_of_a_table(mode: str, between: Any):
     found = evaluate(table(symbol("s"), "key", mode), {**COLUMNS, "s": np.array([2.0, 1.25, 1.5])})
     assert np.allclose(found, between)

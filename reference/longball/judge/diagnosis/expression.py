@@ -509,23 +509,31 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
     if mode == "short":
         high[last, balls] = 0.0
     first, start = values[0], at[:-1]
-
-    def held(x: Array) -> Any:
-        # The step to a node is made there; or half of it already beyond the node before.
-        reached = x >= at[1:]
-        begun = x > start if mode == "middle" else reached
-        return first + ((0.5 * reached + 0.5 * begun) * np.diff(values, axis=0)).sum(axis=0)
+    slip, _, where_slipped = mode.partition(" in the ")
+    chosen = np.ones_like(long)
+    if where_slipped == "first segment":
+        chosen[1:] = False
+    elif where_slipped == "last segment":
+        chosen = np.arange(len(long))[:, None] == last
 
     def line(x: Array) -> Any:
         within = np.minimum(np.maximum(x - start, low), high)
-        if mode == "exchanged":
-            within = np.where((x > start) & (x < at[1:]), high - within, within)
-        if mode == "early":
-            within[last, balls] = np.where(x >= start[last, balls], widths[last, balls], 0.0)
+        if slip in SLIPS:
+            inside = chosen & (x > start) & (x < at[1:])
+            within = np.where(inside, SLIPS[slip](within, widths), within)
         found = first + np.add.reduce(slopes * within)
         return np.maximum(found, 0.0) if limited else found
 
-    return held if mode in ("previous node", "middle") else line
+    return line
+
+
+# Wrong lengths of the part of a segment, from the right length and the width.
+SLIPS: Mapping[str, Callable[[Array, Array], Array]] = {
+    "previous node": lambda part, width: 0.0 * width,
+    "next node": lambda part, width: width,
+    "middle": lambda part, width: 0.5 * width,
+    "exchanged": lambda part, width: width - part,
+}
 
 
 def _occurring(node: Node, columns: Columns) -> dict[int, Array]:

@@ -1316,14 +1316,21 @@ EXTRAPOLATED = {
     "extrapolated above": "extrapolates {} beyond its last node",
     "extrapolated below": "extrapolates {} below its first node",
 }
+SLIPS_IN_WORDS = {
+    "previous node": "uses the previous node of",
+    "next node": "uses the next node of",
+    "middle": "uses the mean of two nodes of",
+    "exchanged": "exchanges the weights of two nodes of",
+}
 TABLES = {
     **EXTRAPOLATED,
     **{f"{mode} or 0": f"{text}, but not below 0" for mode, text in EXTRAPOLATED.items()},
-    "previous node": "does not interpolate in {}",
-    "middle": "uses the mean of two nodes of {}",
-    "exchanged": "exchanges the weights of two nodes of {}",
+    **{
+        f"{slip}{at}": f"{text} {{}}{at}"
+        for slip, text in SLIPS_IN_WORDS.items()
+        for at in ("", " in the first segment", " in the last segment")
+    },
     "short": "ends {} at its last node but one",
-    "early": "uses the last value of {} from the last node but one on",
 }
 _A, _B = symbol("a", NONE, True), symbol("b", NONE, True)
 
