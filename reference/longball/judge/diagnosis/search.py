@@ -410,16 +410,15 @@ class Explanation:
         off = self._given(some)[:, None] - rows.reshape(len(rows), len(c), len(some))
         return np.asarray((-off if stage.kind == "event" else off).swapaxes(0, 1))
 
-    def screened(self, stage: Stage) -> Callable[[Array], Array]:
-        """The function from free numbers to the residuals in the screening scenes, in floors."""
+    def screened(self, stage: Stage, again: Sequence[Stepping]) -> Callable[[Array], Array]:
+        """The function from free numbers to the residuals in the screening scenes, in floors.
+
+        Long steps may diverge where the flight itself does not: if the other scenes are explained,
+        these are flown `again` in other steps.
+        """
         known, jumps = np.isfinite(self.off), is_rough(self.stage)
-        # Long steps across a jump have an error that depends on its place.
-        moved = self.stage.kind == "flight" and _jumps(stage) != _jumps(self.stage)
 
         def flown(numbers: Array) -> Array:
-            if moved:
-                off = self._off(stage, self.few, numbers, FINE)
-                return np.where(known & ~np.isfinite(off), LOST, off / self.roughly)
             off = self._off(stage, self.few, numbers, COARSE)
             r = (off + self.own_error) / self.roughly
             if jumps:  # an edit that removes one removes the error of long steps across it
@@ -428,16 +427,30 @@ class Explanation:
                 r = both[np.argmin(costs, axis=0), np.arange(len(numbers))]
             huge = np.asarray((known & ~(np.abs(off) < HUGE)).any(axis=1))
             for c, left, lost in zip(numbers, r, huge, strict=True):
-                # Long steps may diverge where the flight itself does not. If the other scenes are
-                # explained, repeat these with shorter steps.
-                for limits in (MIDDLE, FINE):
+                for limits in again:
                     if lost.any() and self._is_explained(left, ~lost):
-                        again = self._off(stage, self.few[lost], c[None], limits)[0]
-                        left[:, lost] = again / self.roughly[:, lost]
-                        lost[lost] = ~(np.abs(again) < HUGE).all(axis=0)
+                        off = self._off(stage, self.few[lost], c[None], limits)[0]
+                        left[:, lost] = off / self.roughly[:, lost]
+                        lost[lost] = ~(np.abs(off) < HUGE).all(axis=0)
             return np.where(known & ~np.isfinite(r), LOST, r)
 
         return flown
+
+    def _screened_exactly(self, stage: Stage) -> Callable[[Array], Array]:
+        """The same, with exact flights where long steps do not do."""
+        if not self._moves_jumps(stage):
+            return self.screened(stage, (MIDDLE, FINE))
+
+        def flown(numbers: Array) -> Array:
+            off = self._off(stage, self.few, numbers, FINE)
+            lost = np.isfinite(self.off) & ~np.isfinite(off)
+            return np.where(lost, LOST, off / self.roughly)
+
+        return flown
+
+    def _moves_jumps(self, stage: Stage) -> bool:
+        """True if an edit moves a jump: the error of long steps across one depends on its place."""
+        return self.stage.kind == "flight" and _jumps(stage) != _jumps(self.stage)
 
     def _is_explained(self, r: Array, some: NDArray[np.bool_]) -> bool:
         """True if little of the cost in these screening scenes is left; also if there are none."""
@@ -639,9 +652,14 @@ class Explanation:
             if flies and k > last + FURTHER:  # flights are expensive: stop soon after a good edit
                 break
             group.sort(key=lambda edit: edit.bits)
-            edit, screened = group[0], self.screened(self.edited(group[0]))
+            edit, stage = group[0], self.edited(group[0])
+            exactly = self._screened_exactly(stage)
             if edit.starts:
-                c, r = _fitted_from(screened, self._starts(edit, at), edit.factor)
+                # Many trials in long steps; their best number is then fitted exactly.
+                quickly = self.screened(stage, (MIDDLE,))
+                c, r = _fitted_from(quickly, self._starts(edit, at), edit.factor)
+                if self._moves_jumps(stage) or (r == LOST).any():
+                    (c,), r, _ = fitted(exactly, [(c,)], 2)
                 group[0] = replace(edit, starts=(c,))
                 # Cost of the number: that of the roundest one which fits as well.
                 number = min(
@@ -651,7 +669,7 @@ class Explanation:
                 if not self._is_possible(made):
                     continue
             else:
-                (r,), number = screened(np.zeros((1, 0))), 0.0
+                (r,), number = exactly(np.zeros((1, 0))), 0.0
             left = cost(r)
             saved = null - cost(r * self.finer_few)
             explains = is_adequate(r, edit.rough) and saved - edit.bits - number > needed
@@ -853,7 +871,7 @@ class Explanation:
                 stage = _renamed(stage, *NUMBERS)
             (stage,) = one.apply([stage])
             starts = [x for x in (a, b) if x is not None]
-            c, r, _ = fitted(self.screened(stage), [starts], 4)
+            c, r, _ = fitted(self.screened(stage, (MIDDLE,)), [starts], 4)
             if (left := cost(r)) <= BETTER * best:
                 found.append(_Pair(left + one.bits + two.bits, one, two, stage, c))
         # Of pairs with nearly equal costs, prefer those that explain other stages as well: stages
@@ -868,7 +886,7 @@ class Explanation:
         """The edit of a pair that explains more, with the roundest number that fits."""
         both, numbers = (pair.one, pair.two), np.split(pair.c, [len(pair.one.starts) and 1])
         left = [
-            cost(self.screened(self.edited(edit))(number[None]))
+            cost(self.screened(self.edited(edit), (MIDDLE,))(number[None]))
             for edit, number in zip(both, numbers, strict=True)
         ]
         which = int(left[1] < left[0])
