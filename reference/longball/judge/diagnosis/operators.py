@@ -972,7 +972,7 @@ def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Nod
     # The argument of a function has no value, and dr/dt would be in the pool twice: it equals v.
     again = frozenset((str(r_dot.data), str(ARGUMENT.data)))
     for node in ordered(roots):
-        variable = node.op in ("symbol", "named", "component") and node.data != FREE
+        variable = node.op in ("symbol", "named", "component", "dot") and node.data != FREE
         if variable and not depends(node, again):
             found[node] = None
     if stage.kind == "event":
