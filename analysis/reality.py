@@ -10,12 +10,14 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
 from analysis.writing import Report
+from longball.engines import create
+from longball.engines.chain import solve_each
 from longball.model.arrays import Array
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE, prediction, statcast
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
-from longball.pitches.prediction import ANGLES, Prediction, bands, predict, scenes, solve
+from longball.pitches.prediction import ANGLES, Prediction, bands, predict, scenes
 from longball.pitches.statcast import GAMES, RPM, MeasuredFlies, MeasuredPitches, read_measured
 from longball.questions.parks import in_parks, park, parks
 from longball.questions.spin import measured_spin
@@ -117,7 +119,8 @@ def launched(flies: MeasuredFlies) -> MeasuredFlies:
 
 def landings(flies: MeasuredFlies, model: FlightModel) -> tuple[Array, Array]:
     """Return position and velocity at landing, shape (n, 3) each."""
-    found: list[Any] = [result.landing for result in solve(flies, model)]
+    flights: list[Any] = [*scenes(flies, model)]  # all of them are valid
+    found: list[Any] = [result.landing for result in solve_each(flights, create("batch"))]
     assert all(found)
     return np.array([x.position for x in found]), np.array([x.velocity for x in found])
 
