@@ -292,7 +292,9 @@ def side_forces(pitches: MeasuredPitches) -> Sides:
     kept = np.isin(pitches.labels, np.intersect1d(*halves))
     pitches, odd = pitches.chosen(kept), odd[kept]
     off = at_shares(pitches) - pitches.measured
-    pushed = arm_side(pitches), np.tile([0.0, 0.0, 1.0], (len(pitches), 1))
+    # to the side of the pitcher's arm, and upwards
+    sideways = np.outer(pitches.hand, [0.0, 1.0, 0.0])
+    pushed = sideways, np.tile([0.0, 0.0, 1.0], (len(pitches), 1))
     spin = pitches.spin(np.full(len(pitches), SHARE_OF_SIDE))
     start = predict(pitches, NATHAN, spin).predicted
     slopes = np.stack(
@@ -319,12 +321,6 @@ def side_forces(pitches: MeasuredPitches) -> Sides:
     models = sided(np.linalg.norm(fitted, axis=1), ways)
     within = predict(pitches, models, pitches.spin(share)).predicted
     return Sides(pitches, fitted, plain, within)
-
-
-def arm_side(pitches: MeasuredPitches) -> Array:
-    """Return unit vectors to the side of the pitcher's arm, shape (n, 3)."""
-    nothing = np.zeros(len(pitches))
-    return np.stack([nothing, pitches.hand, nothing], axis=1)
 
 
 def sided(value: Any, ways: Array) -> list[FlightModel]:

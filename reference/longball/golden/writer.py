@@ -36,7 +36,6 @@ from longball.golden.files import (
 from longball.golden.reader import DATA, drafts, read_cases
 from longball.golden.reader import header as shipped
 from longball.golden.truth import CONFIRMING, DIGITS, WORK, make
-from longball.model.result import Bounded
 from longball.model.scene import FlightScene
 
 # Cases with a table of their flight: one of each kind; all of them land.
@@ -186,11 +185,8 @@ def history(scene: FlightScene, until: float) -> str:
         rows = range(math.floor(until * PER_SECOND) + 1)
         times = [numbers.exact(row) / PER_SECOND for row in rows]
         for row, state in zip(rows, trajectory.sample(times), strict=True):
-            shown = [_shown(numbers.report(x)) for x in state]
+            reported = [Decimal(numbers.report(x).value) for x in state]
+            with localcontext(prec=HISTORY_DIGITS):
+                shown = [str(+number) for number in reported]
             lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
     return "\n".join(lines) + "\n"
-
-
-def _shown(number: Bounded) -> str:
-    with localcontext(prec=HISTORY_DIGITS):
-        return str(+Decimal(number.value))
