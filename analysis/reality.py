@@ -10,12 +10,14 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
 from analysis.writing import Report
+from longball.engines import create
+from longball.engines.chain import solve_each
 from longball.model.arrays import Array
 from longball.model.scene import Ball
 from longball.pictures import draw_errors
 from longball.pitches import EXAMPLE, prediction, statcast
 from longball.pitches.models import MODELS, STANDARD_GRAVITY, FlightModel, regression_spin
-from longball.pitches.prediction import ANGLES, Prediction, bands, predict, scenes, solve
+from longball.pitches.prediction import ANGLES, Prediction, bands, predict, scenes
 from longball.pitches.statcast import GAMES, RPM, MeasuredFlies, MeasuredPitches, read_measured
 from longball.questions.parks import in_parks, park, parks
 from longball.questions.spin import measured_spin
@@ -117,7 +119,8 @@ def launched(flies: MeasuredFlies) -> MeasuredFlies:
 
 def landings(flies: MeasuredFlies, model: FlightModel) -> tuple[Array, Array]:
     """Return position and velocity at landing, shape (n, 3) each."""
-    found: list[Any] = [result.landing for result in solve(flies, model)]
+    flights: list[Any] = [*scenes(flies, model)]  # all of them are valid
+    found: list[Any] = [result.landing for result in solve_each(flights, create("batch"))]
     assert all(found)
     return np.array([x.position for x in found]), np.array([x.velocity for x in found])
 
@@ -289,7 +292,9 @@ def side_forces(pitches: MeasuredPitches) -> Sides:
     kept = np.isin(pitches.labels, np.intersect1d(*halves))
     pitches, odd = pitches.chosen(kept), odd[kept]
     off = at_shares(pitches) - pitches.measured
-    pushed = arm_side(pitches), np.tile([0.0, 0.0, 1.0], (len(pitches), 1))
+    # to the side of the pitcher's arm, and upwards
+    sideways = np.outer(pitches.hand, [0.0, 1.0, 0.0])
+    pushed = sideways, np.tile([0.0, 0.0, 1.0], (len(pitches), 1))
     spin = pitches.spin(np.full(len(pitches), SHARE_OF_SIDE))
     start = predict(pitches, NATHAN, spin).predicted
     slopes = np.stack(
@@ -316,12 +321,6 @@ def side_forces(pitches: MeasuredPitches) -> Sides:
     models = sided(np.linalg.norm(fitted, axis=1), ways)
     within = predict(pitches, models, pitches.spin(share)).predicted
     return Sides(pitches, fitted, plain, within)
-
-
-def arm_side(pitches: MeasuredPitches) -> Array:
-    """Return unit vectors to the side of the pitcher's arm, shape (n, 3)."""
-    nothing = np.zeros(len(pitches))
-    return np.stack([nothing, pitches.hand, nothing], axis=1)
 
 
 def sided(value: Any, ways: Array) -> list[FlightModel]:

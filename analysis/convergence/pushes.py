@@ -3,27 +3,18 @@
 import numpy as np
 
 from analysis.convergence.pieces import TRUTH, distance, each, passing
+from analysis.paper.balls import Base
 from analysis.speed_error.work import batted
 from analysis.writing import Report
 from longball.convergence.order import fit_power_law, typical
 from longball.engines.verlet import PUSHES, Verlet, impulse_share
+from longball.model.quantities import replaced
 from longball.model.scene import AtBatScene
 
 SCENES, FULL_SCENES = 8, 60
 SEED = 4
 STEPS = [float(step) for step in np.geomspace(0.05, 1e-5, 12)]
 SHOWN = (0.05, 1e-3, 1e-5)  # s, of the table
-
-
-def pushed_by(scene: AtBatScene, share: float) -> AtBatScene:
-    """Return an at-bat whose impulse is a share of the usual one.
-
-    1 + ẽ is proportional to 1 + e in every reading of the collision (Sec. III.C), so that this is
-    the at-bat of a ball with another restitution.
-    """
-    restitution = share * (1.0 + scene.ball.restitution) - 1.0
-    ball = scene.ball.model_copy(update={"restitution": restitution})
-    return scene.model_copy(update={"ball": ball})
 
 
 def errors(scene: AtBatScene, step: float) -> dict[str, tuple[float, float]]:
@@ -38,7 +29,9 @@ def errors(scene: AtBatScene, step: float) -> dict[str, tuple[float, float]]:
     true = distance(scene, TRUTH)
     found: dict[str, tuple[float, float]] = {}
     for force in PUSHES:
-        own = distance(pushed_by(scene, impulse_share(force)), TRUTH)
+        # The impulse of another restitution is the force's share of the whole one.
+        restitution = Base(scene, contact_force=force).restitution(scene.ball.restitution)
+        own = distance(replaced(scene, {"ball.restitution": restitution}), TRUTH)
         d = distance(scene, Verlet(dt, "implicit", contact_force=force))
         found[force] = d - true, d - own
     return found
@@ -56,4 +49,7 @@ def run(report: Report, full: bool) -> str:
         found[force] = whole, *(fit_power_law(np.array(STEPS), of) for of in (whole, own))
     # The step next to each that is shown.
     shown = [int(np.abs(np.log(np.array(STEPS) / step)).argmin()) for step in SHOWN]
-    return report.render("pushes", globals(), scenes=len(scenes), found=found, shown=shown)
+    return report.render(
+        "pushes", globals(), scenes=len(scenes), found=found, shown=shown,
+        impulse_share=impulse_share,
+    )  # fmt: skip

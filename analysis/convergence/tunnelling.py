@@ -19,7 +19,8 @@ from longball.engines.chain import approach_of
 from longball.engines.verlet import Verlet
 from longball.home_run import BLOCK, draw, draw_block, scenes, wilson
 from longball.model.arrays import Array
-from longball.model.scene import AtBatScene, Swing
+from longball.model.quantities import replaced
+from longball.model.scene import AtBatScene
 
 BLOCKS, FULL_BLOCKS = 40, 1000  # of 50 pitches each
 SEED = 11
@@ -28,6 +29,7 @@ STEPS = (0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001)  # s
 RARE = (1e-3, 1e-6)  # of the contacts, missed
 GRAZES, FULL_GRAZES = 400, 10_000
 REACH = BASE.ball.radius + BASE.bat.radius  # m
+HEIGHT = "swing.height_offset"  # m, of the bat over the pitch
 NODES = 64  # of the quadrature over grazes; it is smooth, and 32 give the same twelve digits
 
 
@@ -80,27 +82,22 @@ def count_grazes(step: float, seed: int, count: int) -> tuple[int, int, float]:
     shares = np.random.default_rng(seed).random((count, 2))
     trials, missed, waited = 0, 0, 0.0
     for scene, (depth, side) in zip(drawn, shares, strict=True):
-        if scene is None or (middle := passing(struck_at(scene, 0.0))) is None:
+        if scene is None or (middle := passing(replaced(scene, {HEIGHT: 0.0}))) is None:
             continue
         psi = math.asin(min(1.0, middle.speed * step / (2 * REACH))) * depth
         offset = math.copysign(REACH * math.cos(psi) / middle.level, side - 0.5)
         # The path is curved, and the shallowest graze is a micrometre deep: corrected twice.
         for _ in range(2):
-            approach = approach_of(struck_at(scene, offset), TRUTH)
+            approach = approach_of(replaced(scene, {HEIGHT: offset}), TRUTH)
             assert approach is not None
             excess = approach.touch.margin - REACH * (1 - math.cos(psi))
             offset += math.copysign(excess / middle.level, offset)
-        graze = struck_at(scene, offset)
+        graze = replaced(scene, {HEIGHT: offset})
         if (way := passing(graze)) is not None and way.window < step:
             trials += 1
             missed += not sees(graze, step)
             waited += 1 - way.window / step
     return trials, missed, waited
-
-
-def struck_at(scene: AtBatScene, offset: float) -> AtBatScene:
-    """Return the at-bat with the bat at another height over the pitch, m."""
-    return scene.model_copy(update={"swing": Swing(tilt=scene.swing.tilt, height_offset=offset)})
 
 
 def run(report: Report, full: bool) -> str:

@@ -3,18 +3,17 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import joblib
 import numpy as np
-import pandas as pd
 
 from longball import home_run
 from longball.engines.batch import solve_columns_with_restitutions
-from longball.engines.chain import solve_with_restitutions
 from longball.engines.parallel import in_parallel
 from longball.engines.verlet import Verlet, impulse_share
-from longball.home_run import RESTITUTIONS, Estimate, Samples, Struck
+from longball.home_run import HOME_RUN_DISTANCE, RESTITUTIONS, Estimate, Samples, Struck
+from longball.home_run.simulation import Table, solved
 from longball.model.arrays import Array, Flags
 from longball.model.quantities import number, numbers, replaced
 from longball.model.readings import ContactForce, SampleSpace, SamplingReading
@@ -73,7 +72,6 @@ class Balls(Struck):
 
 
 VECTORS = "landing.position", "impact.velocity", "contact.normal"
-NEEDED = ["outcome", "impact.impulse", *(f"{name}[{i}]" for name in VECTORS for i in range(3))]
 
 
 def strike(
@@ -91,13 +89,16 @@ def strike(
     return [_balls(table, base, samples.pitched) for table in tables]
 
 
-def _balls(table: Any, base: Base, pitched: Flags, pushed: float = 1.0) -> Balls:
+def _balls(table: Table, base: Base, pitched: Flags, pushed: float = 1.0) -> Balls:
     """Return the balls of a table of results, which has a row for each that was pitched.
 
     A scheme leaves them with so many times the impulse that the results have.
     """
-    place, after, normal = (np.array([table[f"{name}[{i}]"] for i in range(3)]) for name in VECTORS)
-    change = np.asarray(table["impact.impulse"] / base.scene.ball.mass) * normal
+    nothing = np.full(len(table["outcome"]), np.nan)
+    place, after, normal = (
+        np.array([table.get(f"{name}[{i}]", nothing) for i in range(3)]) for name in VECTORS
+    )
+    change = table.get("impact.impulse", nothing) / base.scene.ball.mass * normal
     before = after - change
     after = before + pushed * change
     speeds = np.linalg.norm([before, after], axis=1)
@@ -105,7 +106,7 @@ def _balls(table: Any, base: Base, pitched: Flags, pushed: float = 1.0) -> Balls
     columns = np.full((6, len(pitched)), np.nan)
     columns[:, pitched] = [*place[:2], table["outcome"] == "", *speeds, elevation]
     x, y, failed, *rest = columns
-    return Balls(x, y, failed == 1.0, *rest)
+    return Balls(x, y, failed == 1.0, np.hypot(x, y) >= HOME_RUN_DISTANCE, *rest)
 
 
 CHUNK = 500  # at-bats that a process takes at a time by the paper's scheme
@@ -122,14 +123,9 @@ def strike_in_steps(
 
 
 def _chunk(base: Base, some: Samples, restitutions: Sequence[float], scheme: Verlet) -> list[Balls]:
-    scenes = filter(None, home_run.scenes(base.scene, some))
-    solved = [solve_with_restitutions(scene, restitutions, scheme) for scene in scenes]
-    found = []
-    for results in zip(*solved, strict=True):
-        rows = [dict(numbers(x)) | {"outcome": x.outcome or ""} for x in results]
-        table, share = pd.DataFrame(rows, columns=NEEDED), impulse_share(scheme.contact_force)
-        found.append(_balls(table, base, some.pitched, share))
-    return found
+    tables = solved(base.scene, some.chosen(some.pitched), restitutions, scheme)
+    share = impulse_share(scheme.contact_force)
+    return [_balls(table, base, some.pitched, share) for table in tables]
 
 
 @dataclass(frozen=True)

@@ -8,27 +8,26 @@ counts, which are drawn again from the observed shares.
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from longball.home_run import Mixture
 from longball.model.arrays import Array, Integers
 from longball.pitches.chart import Pitches
-from longball.pitches.fitted import Estimate
+from longball.pitches.fitted import AimFit, SpeedFit
 from longball.pitches.fitting import (
     CELL_EDGES,
     EVERYTHING,
     FINE_EDGES,
     STARTS,
     Aim,
+    aim_fit,
     count_cells,
-    estimated,
     likeliest_aim,
     nearest_aim,
     normal,
-    within,
+    speed_fit,
 )
 from longball.pitches.table import SPEED_UNITS
 
@@ -44,47 +43,16 @@ EDGES_OF_THE_ZONE = (2.0, 4.0)
 INTEGRAL_AS_PRINTED = math.sqrt(0.5)
 
 
-class SpeedCurve(NamedTuple):
-    """Eqs. 2 and 3 through a histogram; m/s."""
-
-    straight_mean: Estimate
-    straight_spread: Estimate
-    breaking_mean: Estimate
-    breaking_spread: Estimate
-    weight: Estimate
-    r_squared: float | None
-
-    def mixture(self) -> Mixture:
-        """Return the fitted distribution, m/s; the straight balls come first."""
-        mean_1, spread_1, mean_2, spread_2, weight = (each.value for each in self[:5])
-        return Mixture(weight, (mean_1, mean_2), (spread_1, spread_2))
-
-
-class AimCurve(NamedTuple):
-    """Eq. 4 through the shares of the cells; cells."""
-
-    weight: Estimate
-    left_mean: Estimate
-    right_mean: Estimate
-    spread: Estimate
-    r_squared: float | None
-
-    def mixture(self, cell_width: float) -> Mixture:
-        """Return the fitted distribution of (cell - 3) `cell_width`; left comes first."""
-        weight, left, right, spread = (each.value for each in self[:4])
-        means = (left - 3.0) * cell_width, (right - 3.0) * cell_width
-        return Mixture(weight, means, (spread * cell_width,) * 2)
-
-
 class Curves(NamedTuple):
     """Results of the paper's analysis of a table of pitches."""
 
     edges: Array  # m/s, of the bins
     counts: Integers  # of straight and breaking balls in each, shape (2, bins)
-    speed: SpeedCurve
-    speed_as_printed: SpeedCurve  # by Eq. 2 as printed, whose integral is 1/√2
-    aim: AimCurve
-    aim_at_edges: AimCurve  # with the means held at 2 and 4, as they are printed
+    speed: SpeedFit
+    speed_as_printed: SpeedFit  # by Eq. 2 as printed, whose integral is 1/√2
+    aim: AimFit
+    aim_at_edges: AimFit  # with the means held at 2 and 4, as they are printed
+    r_squared: dict[str, float | None]  # of each of the four, by its name
 
 
 def curves(
@@ -97,14 +65,15 @@ def curves(
     counts = np.stack([np.histogram(pitches.speed[chosen], edges)[0] for chosen in classes])
     start = [float(of(pitches.speed[chosen])) for chosen in classes for of in (np.mean, np.std)]
     cells = count_cells(pitches.across)
-    return Curves(
-        edges,
-        counts,
-        _speeds_through(1.0, edges, counts, start, bootstrap),
-        _speeds_through(INTEGRAL_AS_PRINTED, edges, counts, start, bootstrap),
-        _aim_through(cells, None, bootstrap),
-        _aim_through(cells, EDGES_OF_THE_ZONE, bootstrap),
-    )
+    # In this order, because all errors are drawn by one generator.
+    laid: dict[str, Any] = {
+        "speed": _speeds_through(1.0, edges, counts, start, bootstrap),
+        "speed_as_printed": _speeds_through(INTEGRAL_AS_PRINTED, edges, counts, start, bootstrap),
+        "aim": _aim_through(cells, None, bootstrap),
+        "aim_at_edges": _aim_through(cells, EDGES_OF_THE_ZONE, bootstrap),
+    }
+    fits = {name: fit for name, (fit, _) in laid.items()}
+    return Curves(edges, counts, **fits, r_squared={name: r for name, (_, r) in laid.items()})
 
 
 def bins(pitches: Pitches, bin_width: float) -> Array:
@@ -161,8 +130,8 @@ def _speeds_through(
     counts: Integers,
     start: Sequence[float],
     bootstrap: Bootstrap,
-) -> SpeedCurve:
-    """Lay Eqs. 2 and 3 through the histograms of the classes, and of all pitches."""
+) -> tuple[SpeedFit, float | None]:
+    """Lay Eqs. 2 and 3 through the histograms; also return R² of the one of all pitches."""
     v, width = (edges[1:] + edges[:-1]) / 2.0, float(edges[1] - edges[0])
 
     def mixed(counts: Integers, start: Sequence[float]) -> tuple[list[float], Array, Array]:
@@ -178,10 +147,7 @@ def _speeds_through(
 
     found, everything, fitted = mixed(counts, start)
     errors = bootstrap(counts, lambda drawn: mixed(drawn, found)[0])
-    inside = [True] * 4 + [0.0 < found[-1] < 1.0]
-    mean_1, spread_1, mean_2, spread_2, weight = estimated(found, errors, inside)
-    determined = r_squared(everything, fitted)
-    return SpeedCurve(mean_1, spread_1, mean_2, spread_2, weight, determined)
+    return speed_fit(found, errors), r_squared(everything, fitted)
 
 
 def normal_through(
@@ -198,8 +164,8 @@ def normal_through(
 
 def _aim_through(
     counts: Integers, means: tuple[float, float] | None, bootstrap: Bootstrap
-) -> AimCurve:
-    """Lay the density of Eq. 4, at the number of each cell, through the cells' shares."""
+) -> tuple[AimFit, float | None]:
+    """Lay the density of Eq. 4, at each cell's number, through their shares; also return R²."""
     y = np.arange(1.0, 6.0)
     starts = STARTS if means is None else (Aim(0.5, *means, 0.8),)
     free = EVERYTHING if means is None else (True, False, False, True)
@@ -210,6 +176,4 @@ def _aim_through(
 
     found = fit(counts, starts)
     errors = bootstrap(counts, lambda drawn: fit(drawn, [found]))
-    weight, left, right, spread = estimated(found, errors, within(found))
-    determined = r_squared(counts / counts.sum(), found.density(y))
-    return AimCurve(weight, left, right, spread, determined)
+    return aim_fit(found, errors, counts), r_squared(counts / counts.sum(), found.density(y))

@@ -17,6 +17,7 @@ from analysis.paper.printed import FLAT, PAIRS, PEAKS, UZR_SPAN, Season
 from analysis.writing import LINES, STYLES, Report
 from longball import home_run
 from longball.home_run import HOME_RUN_DISTANCE, PAPER_CURVES, RESTITUTIONS, Curve
+from longball.home_run.estimation import of_line
 from longball.model.arrays import Array
 
 UZR_E = 0.42  # the closest of the paper's to the season of the UZR data (its Sec. V)
@@ -71,9 +72,8 @@ def fit_noise(curve: Curve) -> tuple[float, float]:
     density = norm.pdf(a * e - b)
     by_line = np.stack([density * e, -density], axis=1)
     weight = np.linalg.inv(covariance(p, shared=False) / printed.SAMPLES)
-    of_line = np.linalg.inv(by_line.T @ weight @ by_line)
-    to_c1 = np.array([HOME_RUN_DISTANCE / b, -curve.c1 / b])
-    return math.sqrt(to_c1 @ of_line @ to_c1), curve.sigma / b * math.sqrt(of_line[1, 1])
+    noisy = of_line(a, b, np.linalg.inv(by_line.T @ weight @ by_line))
+    return noisy.c1_error, noisy.sigma_error
 
 
 CALLED_FLAT = slice(*(int(edge / BIN) for edge in FLAT))  # bins of 10 m

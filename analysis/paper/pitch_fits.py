@@ -7,7 +7,7 @@ another league, which show what is the paper's and what is baseball's.
 
 import math
 from collections import namedtuple
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cache, partial
 from itertools import accumulate, product
 from typing import Any, NamedTuple
@@ -16,12 +16,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from analysis.paper.histograms import BIN_WIDTH, AimCurve, Curves, curves, gain_over_one_normal
+from analysis.paper.histograms import BIN_WIDTH, Curves, curves, gain_over_one_normal
 from analysis.writing import STYLES, Report, data
 from longball.engines.parallel import in_parallel
 from longball.model.arrays import Array
 from longball.pitches import EXAMPLE, Columns, FittedPitches, PitchTypes, fit_pitches, read_pitches
-from longball.pitches.fitted import AimFit, Estimate
+from longball.pitches.fitted import Estimate
 from longball.pitches.fitting import normal
 
 Rows = list[dict[str, Any]]
@@ -192,21 +192,21 @@ def determine(draws: int) -> Rows:
     tables = [draw_pitches(PITCHES, 10_000 + seed) for seed in range(draws)]
     rows: Rows = []
 
-    def add(what: str, width: float, fits: Iterable[Any]) -> None:
-        known = [fit.r_squared for fit in fits if fit.r_squared is not None]
+    def add(what: str, width: float, laid: Sequence[Curves], name: str) -> None:
+        known: Any = [r for one in laid if (r := one.r_squared[name]) is not None]
         low, median, high = np.quantile(known, (0.05, 0.5, 0.95))
         row = {"what": what, "bin_width": width, "draws": len(known)}
         rows.append(row | {"low": low, "median": median, "high": high})
 
     for width in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0):
         laid = list(in_parallel(curves_of, ((x, width) for x in tables), workers=-1))
-        add("speed", width, (x.speed for x in laid))
-        add("speed as printed", width, (x.speed_as_printed for x in laid))
+        add("speed", width, laid, "speed")
+        add("speed as printed", width, laid, "speed_as_printed")
     random = np.random.default_rng(0)
     on_the_curve = [x.assign(y=random.choice(CELLS, len(x), p=SHARES)) for x in tables]
     for what, drawn in (("aim", tables), ("aim on the curve", on_the_curve)):
         laid = list(in_parallel(curves_of, ((x, BIN_WIDTH) for x in drawn), workers=-1))
-        add(what, 1.0, (x.aim_at_edges for x in laid))
+        add(what, 1.0, laid, "aim_at_edges")
     return rows
 
 
@@ -237,8 +237,8 @@ def vary_classes() -> Rows:
         types = PitchTypes(straight=straight, breaking=None)
         likeliest = fit_pitches(EXAMPLE, types=types, replicates=2)
         ours = {x.key: x.ours(likeliest)[0] for x in PRINTED[:5]}
-        r_squared = curves(read_pitches(EXAMPLE, types=types), replicates=2).speed.r_squared
-        rows.append({"straight": " ".join(straight), **ours, "r_squared": r_squared})
+        laid = curves(read_pitches(EXAMPLE, types=types), replicates=2)
+        rows.append({"straight": " ".join(straight), **ours, "r_squared": laid.r_squared["speed"]})
     return rows
 
 
@@ -270,24 +270,22 @@ def draw_speeds(report: Report, example: Fits, synthetic: Fits) -> None:
             _mixture(axes, v, parts, "Eq. 3", "straight", "breaking")
             axes.set(title=title, xlabel="speed at release, km/h", ylim=(0.0, None))
             axes.set_ylabel(f"share of pitches per {width:.2g} km/h")
-            axes.text(0.03, 0.95, f"R² = {fit.r_squared:.4f}", transform=axes.transAxes, va="top")
+            determined = f"R² = {laid.r_squared['speed']:.4f}"
+            axes.text(0.03, 0.95, determined, transform=axes.transAxes, va="top")
         panels[0].legend(loc="center left")
 
 
 def draw_aims(report: Report, example: Fits, synthetic: Fits) -> None:
     """Draw the counterpart of Fig. 3."""
-    panels_of: tuple[tuple[str, Sequence[int], AimCurve | AimFit], ...] = (
-        (THEIRS, synthetic.likeliest.aim.cells, synthetic.curves.aim),
-        (OURS(example), example.likeliest.aim.cells, example.likeliest.aim),
-    )
+    panels_of = {THEIRS: synthetic.curves.aim, OURS(example): example.likeliest.aim}
     with report.figure("pitch_fits_fig3", rows=2, size=(6.4, 7.2)) as panels:
         panels[1].hist(
             read_pitches(EXAMPLE).across, np.arange(-1.5, 7.51, 0.25).tolist(), density=True,
             histtype="stepfilled", facecolor="0.85", edgecolor="0.6",
             label="places in quarters of a cell",
         )  # fmt: skip
-        for axes, (title, cells, fit) in zip(panels, panels_of, strict=True):
-            y, shares = np.linspace(-1.5, 7.5, 500), np.array(cells) / sum(cells)
+        for axes, (title, fit) in zip(panels, panels_of.items(), strict=True):
+            y, shares = np.linspace(-1.5, 7.5, 500), np.array(fit.cells) / sum(fit.cells)
             mixture = fit.mixture(cell_width=1.0).parts
             parts = [q * normal(y - CELLS[2], *x) for q, *x in mixture]
             names = [
@@ -340,7 +338,7 @@ def write(report: Report, example: Fits, synthetic: Fits, found: Found) -> str:
     """Return the report in Markdown; every number and verdict in it comes from the fits."""
     return report.render(
         "pitch_fits", globals(), example=example.likeliest, found=found,
-        r_squared=[fit.curves.speed.r_squared for fit in (synthetic, example)],
+        r_squared=[fit.curves.r_squared["speed"] for fit in (synthetic, example)],
         gain=gain_over_one_normal(read_pitches(EXAMPLE)),
         within=np.mean([row["within_1.96"] for row in found.coverage]),
         spread=spread_behind_figure_3(),

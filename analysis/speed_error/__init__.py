@@ -64,7 +64,7 @@ def measure(given: Work, rounds: int) -> tuple[pd.DataFrame, pd.DataFrame]:
             whose | {"round": i, "scenes": entrant.turn, "time, s": f"{entrant.turn * s:.6g}"}
             for i, s in enumerate(found.seconds, 1)
         ]
-    summary = pd.DataFrame(rows).drop(columns="worst_time").rename(columns=COLUMNS)
+    summary = pd.DataFrame(rows).rename(columns=COLUMNS)
     return pd.DataFrame(timings), summary
 
 

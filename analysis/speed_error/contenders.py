@@ -26,11 +26,10 @@ PEERS = {"heyoka": "heyoka", "diffrax": "diffrax", "scikit-sundae": "sksundae"}
 
 
 class Answers(NamedTuple):
-    """Outcomes (empty: no answer), distances D, m, and times of landing, s (None: none)."""
+    """Outcomes (empty: no answer) and distances D, m (None: none)."""
 
     outcomes: Sequence[str]
     distances: Sequence[Number | None]
-    times: Sequence[Number | None]
 
 
 class Contender(NamedTuple):
@@ -52,20 +51,15 @@ def in_columns(flyer: BatchFlyer, work: Work) -> Answers:
     """Solve the work over columns."""
     table = solve_columns(work.base, work.columns, flyer)
     nothing = np.full(len(work), np.nan)  # where no ball lands, there is no such column
-    distances, times = (
-        [x if x == x else None for x in table.get(f"landing.{name}", nothing).tolist()]
-        for name in ("distance", "time")
-    )
-    return Answers(table["outcome"].tolist(), distances, times)
+    distances = table.get("landing.distance", nothing).tolist()
+    return Answers(table["outcome"].tolist(), [x if x == x else None for x in distances])
 
 
 def one_by_one(engine: Engine, work: Work) -> Answers:
     """Solve the work scene by scene."""
     results = [solve(scene, engine) for scene in work.scenes]
-    distances, times = (
-        [getattr(result.landing, name, None) for result in results] for name in ("distance", "time")
-    )
-    return Answers([result.outcome or "" for result in results], distances, times)
+    distances = [result.landing and result.landing.distance for result in results]
+    return Answers([result.outcome or "" for result in results], distances)
 
 
 # Scenes a turn, so that few turns take more than a tenth of a second.

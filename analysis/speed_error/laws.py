@@ -50,8 +50,7 @@ def kernel(work: Work) -> Contender:
 
     def solved(some: Work) -> Answers:
         engine.fly_all(starts[: len(some)], program)
-        nothing = [None] * len(some)
-        return Answers([""] * len(some), nothing, nothing)
+        return Answers([""] * len(some), [None] * len(some))
 
     return Contender("kernel", "", solved, BLOCK)
 

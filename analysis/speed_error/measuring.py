@@ -34,7 +34,6 @@ class Errors(NamedTuple):
     median: float
     most: float  # the 99th percentile
     worst: float
-    worst_time: float  # s, the same of the time of landing
     contacts: int  # scenes in which the ball truly meets the bat between its ends
     missed: int  # of those, how many are answered with that it does not
     unanswered: int  # scenes without an answer
@@ -86,13 +85,9 @@ CONTACT = ("batted", "separating", "airborne")
 
 def errors(answers: Answers, true: Sequence[Result]) -> Errors:
     """Hold answers against the truth."""
-
-    def differences(found: Sequence[Number | None], name: str) -> list[float]:
-        pairs = zip(found, (result.landing for result in true), strict=True)
-        both = ((x, getattr(y, name)) for x, y in pairs if x is not None and y is not None)
-        return [difference(*pair) for pair in both] or [math.nan]
-
-    off = differences(answers.distances, "distance")
+    pairs = zip(answers.distances, (result.landing for result in true), strict=True)
+    both = ((x, y.distance) for x, y in pairs if x is not None and y is not None)
+    off = [difference(*pair) for pair in both] or [math.nan]
     met = [
         outcome
         for outcome, result in zip(answers.outcomes, true, strict=True)
@@ -103,7 +98,6 @@ def errors(answers: Answers, true: Sequence[Result]) -> Errors:
         median=float(np.median(off)),
         most=float(np.quantile(off, 0.99)),
         worst=max(off),
-        worst_time=max(differences(answers.times, "time")),
         contacts=len(met),
         missed=sum(outcome not in (*CONTACT, "") for outcome in met),
         unanswered=sum(outcome == "" for outcome in answers.outcomes),

@@ -25,8 +25,7 @@ def test_what_misses_the_bat_is_counted(struck: tuple[Work, list[Result]]) -> No
     work, true = struck
     batted = sum(result.outcome == "batted" for result in true)
     assert batted > 0
-    nothing = [None] * len(work)
-    nobody = errors(Answers(["missed"] * len(work), nothing, nothing), true)
+    nobody = errors(Answers(["missed"] * len(work), [None] * len(work)), true)
     assert (nobody.contacts, nobody.missed, nobody.unanswered) == (batted, batted, 0)
     assert math.isnan(nobody.worst)
     everybody = errors(contenders.batch(1e-13).solve(work), true)

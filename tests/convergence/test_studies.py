@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 import longball as lb
 from longball.convergence import ConvergenceReport, converge, studies, study
 from longball.convergence.family import phase_step
-from longball.convergence.figure import draw_convergence, save_convergence
+from longball.convergence.figure import draw_convergence
 from longball.engines.chain import solve
 from longball.engines.verlet import Verlet
 from longball.model.result import Landing, Result
@@ -321,8 +321,3 @@ def test_the_picture_shows_every_step_and_the_law_through_those_that_are_fitted(
     assert lines == []
     assert any(order.order is not None for order in report.orders)
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-
-
-def test_the_picture_is_drawn(report, tmp_path):
-    save_convergence(tmp_path / "orders.png", report)
-    assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")

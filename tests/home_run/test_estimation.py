@@ -16,6 +16,7 @@ class TestEstimate:
         x=np.array([151.0, 149.0, nan, -160.0, 150.0, 10.0]),
         y=np.array([0.0, 0.0, nan, 0.0, 0.0, 200.0]),
         failed=np.array([False, False, True, False, False, False]),
+        home_run=np.array([True, False, False, True, True, True]),
     )
 
     @pytest.mark.parametrize(

@@ -43,12 +43,12 @@ def test_a_park_of_chords():
         monte_carlo(base, PAPER, (0.45,), 150, seed=5, engine=engine)[0]
         for engine in (Batch(), Ivp())
     )
-    np.testing.assert_array_equal(batch.over, ivp.over)
+    np.testing.assert_array_equal(batch.home_run, ivp.home_run)
     np.testing.assert_allclose(batch.x, ivp.x, rtol=1e-9)
     free = monte_carlo(BASE, PAPER, (0.45,), 150, seed=5)[0]
     np.testing.assert_array_equal(batch.batted, free.batted)
-    assert 0 < np.count_nonzero(batch.over) < np.count_nonzero(free.fair)
-    assert not np.any(batch.over & ~free.fair)
+    assert 0 < np.count_nonzero(batch.home_run) < np.count_nonzero(free.fair)
+    assert not np.any(batch.home_run & ~free.fair)
 
 
 def test_quadrature_knows_no_fence():

@@ -253,10 +253,12 @@ EULER = [sys.executable, str(CANDIDATE.with_name("euler_csv.py"))]
 
 
 @pytest.mark.nightly
-def test_a_candidate_that_takes_csv_converges(called):
+def test_a_candidate_that_takes_csv_converges(called, tmp_path: Path):
     command = ["--golden", "flight-both", "--as-csv", "--", *EULER, "{dt}", "17"]
-    ran = called("converge", "--json", "--steps", "0.01:0.001:5", *command)
+    files = "--figure", tmp_path / "orders.png"
+    ran = called("converge", "--json", *files, "--steps", "0.01:0.001:5", *command)
     assert ran.returncode == 0, ran.stderr
+    assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
     orders = {one["quantity"]: one["order"] for one in json.loads(ran.stdout)["orders"]}
     assert orders["landing point"] == pytest.approx(1.0, abs=0.01)
     # A tolerance with which it passes, so that no causes are sought.

@@ -10,11 +10,12 @@ from longball.cli.scenes import read_scenes
 def converge(o: Options) -> None:
     """Measure the order of convergence of a simulator."""
     # Imported here because --help must not load the engines.
-    from longball.convergence.figure import save_convergence
+    from longball.convergence.figure import draw_convergence
     from longball.golden import load
     from longball.judge.candidate import Limits
     from longball.judge.fresh import proven
     from longball.judge.step_sweep import FAMILIES, sample, sweep_of, takes
+    from longball.pictures import saved
 
     if not (o.knob or takes(o.command, "dt")):
         wrong_call("the COMMAND must contain {dt}, where its time step goes")
@@ -40,6 +41,7 @@ def converge(o: Options) -> None:
     if o.csv:
         o.csv.write_text(report.csv(), encoding="utf-8")
     if o.figure:
-        save_convergence(o.figure, report)
+        with saved(o.figure, (6.4, 4.8)) as (_, axes):
+            draw_convergence(axes, report)
     with failing_unless(report.passed):
         print(report.model_dump_json(indent=2) if o.json else report.text().rstrip())

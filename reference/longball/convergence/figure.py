@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from longball.convergence.report import ConvergenceReport
-from longball.extras import naming_extras
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,15 +30,3 @@ def draw_convergence(axes: Axes, report: ConvergenceReport) -> None:
     axes.xaxis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
     axes.xaxis.set_major_formatter("{x:g}")
     axes.legend(fontsize="small", frameon=False)
-
-
-@naming_extras()
-def save_convergence(path: Path, report: ConvergenceReport) -> None:
-    """Write the figure of a report to a file, in the format that its suffix names."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
-    FigureCanvasAgg(figure)
-    draw_convergence(figure.add_subplot(), report)
-    figure.savefig(path)

@@ -97,18 +97,19 @@ def study(
 # --- a solver of scenes ---------------------------------------------------------------------------
 
 
-# Quantities of an answer, by name; some may be missing.
+# Components of the quantities of an answer, by name; some may be missing.
 Answered = Mapping[str, Sequence[Any]]
 
-# Observed quantities: name in the report, unit, and name in the result.
+# Observed quantities: name in the report, unit, name in the result, and components.
+ALL = slice(None)
 OBSERVABLES = (
-    ("plate height", "m", "plate.position[2]"),
-    ("contact time", "s", "contact.time"),
-    ("contact point", "m", "contact.position"),
-    ("exit velocity", "m/s", "impact.velocity"),
-    ("landing time", "s", "landing.time"),
-    ("landing point", "m", "landing.position"),
-    ("distance", "m", "landing.distance"),
+    ("plate height", "m", "plate.position", slice(2, 3)),
+    ("contact time", "s", "contact.time", ALL),
+    ("contact point", "m", "contact.position", ALL),
+    ("exit velocity", "m/s", "impact.velocity", ALL),
+    ("landing time", "s", "landing.time", ALL),
+    ("landing point", "m", "landing.position", ALL),
+    ("distance", "m", "landing.distance", ALL),
 )
 
 
@@ -118,7 +119,6 @@ class Sample:
 
     id: str | None
     outcome: str | None  # None if not given; it then counts as right
-    # Each quantity as a sequence of its components, and each component under its own name.
     values: Answered
     engine: str | None = None
     error: str | None = None
@@ -194,13 +194,13 @@ def converge(
 def observed(results: Sequence[Sample], should: Sequence[Sample]) -> list[Observed]:
     """Return the observed numbers of results; NaN for a wrong outcome."""
     observations = []
-    for name, unit, quantity in OBSERVABLES:
-        width = max([1, *(len(end.values.get(quantity, ())) for end in should)])
+    for name, unit, quantity, part in OBSERVABLES:
+        width = max([1, *(len(end.values.get(quantity, ())[part]) for end in should)])
         values = np.full((len(results), width), np.nan)
         for scene, (result, end) in enumerate(zip(results, should, strict=True)):
             both = quantity in result.values and quantity in end.values
             if both and not _ends_otherwise(result, end):
-                values[scene] = [float(x) for x in result.values[quantity]]
+                values[scene] = [float(x) for x in result.values[quantity][part]]
         observations.append(Observed(name, unit, values))
     return observations
 
@@ -234,9 +234,7 @@ def _as_sample(result: Any) -> Sample:
         raise TypeError(f"a result is needed; not an object of type {type(result).__name__}")
     values: dict[str, list[Any]] = {}
     for name, number in numbers(result):
-        # A vector has an entry, and each of its components has one.
         values.setdefault(name.partition("[")[0], []).append(number)
-        values[name] = [number] if "[" in name else values[name]
     return Sample(result.id, result.outcome, values, result.engine, result.error)
 
 

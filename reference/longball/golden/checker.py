@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from longball.engines.parallel import in_parallel
 from longball.extras import MissingExtra, naming_extras
-from longball.golden.case import Case, Header, Probabilities, ProbabilityCase, as_double, decisive
+from longball.golden.case import Case, Header, Probabilities, ProbabilityCase, decisive
 from longball.golden.files import (
     CHECKSUMS,
     HEADER,
@@ -27,7 +27,7 @@ from longball.golden.files import (
 )
 from longball.golden.home_runs import integrated_again
 from longball.golden.reader import DATA, drafts
-from longball.golden.truth import confirm, prove
+from longball.golden.truth import confirm, prove, quantities
 from longball.model.quantities import numbers_of
 from longball.model.result import Result
 
@@ -188,20 +188,17 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
             yield f"{case.id}: the flag {flag} is not explained in {HEADER}"
     if case.level not in top.levels:
         yield f"{case.id}: the level {case.level} is not explained in {HEADER}"
-    # `quantities`, for programs in doubles, repeats the decimal numbers of `expected`.
-    expected = dict(numbers_of(case.expected))
-    if expected.keys() != case.quantities.keys():
-        yield f"{case.id}: quantities are not those of the expected result"
-        return
     if case.condition and set(case.condition.derivatives) != set(decisive(case.expected)):
         yield f"{case.id}: derivatives are not those of what is asked for"
-    for name, quantity in case.quantities.items():
-        number = expected[name]
-        if quantity.double != as_double(number):
-            nearest = f"the double nearest to {number.value}"
-            yield f"{case.id}, {name}: {quantity.double!r} is not {nearest}"
-        if float.fromhex(quantity.hex) != quantity.double:
-            yield f"{case.id}, {name}: {quantity.hex} is not {quantity.double!r}"
+    # `quantities`, for programs in doubles, repeats the decimal numbers of `expected`.
+    known = case.quantities
+    if {name for name, _ in numbers_of(case.expected)} != known.keys():
+        yield f"{case.id}: quantities are not those of the expected result"
+        return
+    own = quantities(case.expected, {name: one.attainable for name, one in known.items()})
+    for name, number in numbers_of(case.expected):
+        if known[name] != own[name]:
+            yield f"{case.id}, {name}: {known[name]} is not that of {number.value}, {own[name]}"
         if number.radius is None:
             yield f"{case.id}, {name}: there is no proven radius"
 

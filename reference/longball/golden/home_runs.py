@@ -15,7 +15,7 @@ from longball.golden.reader import probabilities
 from longball.home_run import Randomised, integrals, paper_at_bats, scrambled
 from longball.home_run.randomised import SCRAMBLES
 
-LINES = 1024  # in each scramble
+LINES = 1024  # in each scramble of the second method
 # Checks draw other points than the file, so that they confirm it independently.
 SEED, SEED_OF_CHECKS = 1, 2
 # In standard errors. The mean of 16 scrambles is off by more than five of its estimated standard
@@ -27,20 +27,18 @@ def write_probabilities(
     folder: Path,
     wanted: Sequence[ProbabilityCase] | None = None,
     *,
-    lines: int = LINES,
     workers: int = 1,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> int:
     """Write the file of probabilities of a set; return the number of its cases.
 
-    `wanted` gives scenes, samplings and restitutions, by default those of the shipped set; `lines`
-    is the number of points in each scramble of the second method. The number of workers does not
-    change the file.
+    `wanted` gives scenes, samplings and restitutions, by default those of the shipped set. The
+    number of workers does not change the file.
     """
     chosen = probabilities().cases if wanted is None else wanted
     cases = []
     for case in chosen:
-        cases.append(make(case, lines, workers))
+        cases.append(make(case, workers))
         progress(len(cases), len(chosen))
     from longball.engines.batch import Batch  # extra `fast`
 
@@ -49,7 +47,7 @@ def write_probabilities(
         numbers=TEXTS["probability"],
         made_by={
             "p": "quadrature",
-            "confirmation": f"{SCRAMBLES} scrambles of {lines} Sobol' points",
+            "confirmation": f"{SCRAMBLES} scrambles of {LINES} Sobol' points",
             "engine": Batch().description,
             "longball": __version__,
             "numpy": version("numpy"),
@@ -66,13 +64,13 @@ def write_probabilities(
     return len(cases)
 
 
-def make(case: ProbabilityCase, lines: int, workers: int) -> ProbabilityCase:
+def make(case: ProbabilityCase, workers: int) -> ProbabilityCase:
     """Compute a case: its integrals, and their confirmation by the second method."""
     at_bats, space = paper_at_bats(case.sampling), case.sampling.sample_space
     problem = case.scene, at_bats, [row.e for row in case.rows]
     computed = integrals(*problem, sample_space=space, workers=workers)
     # It shares the flights with the quadrature, but neither the nodes nor the order of integration.
-    second = scrambled(*problem, lines, SEED, sample_space=space, workers=workers)
+    second = scrambled(*problem, LINES, SEED, sample_space=space, workers=workers)
     rows = tuple(
         ProbabilityRow(
             **asdict(row), confirmation=Second(p=other.p, standard_error=other.standard_error)

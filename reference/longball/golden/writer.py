@@ -6,7 +6,6 @@ atomically, and neither the number of workers nor an interruption changes a byte
 
 from __future__ import annotations
 
-import hashlib
 import math
 import shutil
 from collections.abc import Callable, Collection, Mapping
@@ -37,7 +36,6 @@ from longball.golden.files import (
 from longball.golden.reader import DATA, drafts, read_cases
 from longball.golden.reader import header as shipped
 from longball.golden.truth import CONFIRMING, DIGITS, WORK, make
-from longball.model.result import Bounded
 from longball.model.scene import FlightScene
 
 # Cases with a table of their flight: one of each kind; all of them land.
@@ -94,11 +92,8 @@ def write(
         assert case.expected.landing is not None
         table = history(case.scene, float(case.expected.landing.time))
         tables[f"{HISTORIES}/{case.id}.csv"] = table
-    about = {name: family.about for name, family in families.items()}
-    ids = {case.id for cases in made.values() for case in cases}
-    quick = tuple(name for name in shipped().quick if name in ids)
     # the header counts the cases, so it comes last
-    top = header(made, about, dict.fromkeys(tables, ABOUT), quick)
+    top = header(made, families, dict.fromkeys(tables, ABOUT))
     files |= {name: (DATA / name).read_text(encoding="utf-8") for name in DOCUMENTS}
     files |= tables | schemas() | {HEADER: top.model_dump_json(indent=2) + "\n"}
     write_files(folder, files)
@@ -117,32 +112,26 @@ def _line(stamp: str, family: str, draft: Draft) -> str:
 
 def fingerprint() -> str:
     """Return a text that changes with the code behind the data, and with its libraries."""
+    import joblib  # slow to import
+
     package = Path(longball.__file__).parent
     parts = ("model", "engines", "home_run", "golden")
-    sources = sorted(
-        path
-        for part in parts
-        for path in (package / part).rglob("*.py")
-        if PARTIAL not in path.parts  # joblib keeps a copy of the function with its results
-    )
-    digest = hashlib.sha256(repr(sorted(made_by().items())).encode())
-    for path in sources:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    sources = (path for part in parts for path in sorted((package / part).rglob("*.py")))
+    # joblib keeps a copy of the function with its results
+    code = [path.read_bytes() for path in sources if PARTIAL not in path.parts]
+    return str(joblib.hash([made_by(), code]))
 
 
 # --- the header -----------------------------------------------------------------------------------
 
 
 def header(
-    cases: Mapping[str, list[Case]],
-    about: Mapping[str, str],
-    histories: Mapping[str, str],
-    quick: tuple[str, ...] = (),
+    cases: Mapping[str, list[Case]], families: Mapping[str, Drafts], histories: Mapping[str, str]
 ) -> Header:
-    """Return the header of a set; `about` describes each family."""
-    # Flags without a case would explain nothing.
+    """Return the header of a set, of its cases by family."""
+    # Flags and quick cases that the set lacks would explain nothing.
     used = {flag for family in cases.values() for case in family for flag in case.flags}
+    ids = {case.id for family in cases.values() for case in family}
     return Header(
         title="Longball's golden data: scenes of baseball at-bats with proven results",
         format=FORMAT,
@@ -151,10 +140,10 @@ def header(
         levels=TEXTS["levels"],
         flags={flag: TEXTS["flags"][flag] for flag in sorted(used)},
         families={
-            name: Family(file=f"{name}.jsonl", cases=len(family), about=about[name])
+            name: Family(file=f"{name}.jsonl", cases=len(family), about=families[name].about)
             for name, family in cases.items()
         },
-        quick=quick,
+        quick=tuple(name for name in shipped().quick if name in ids),
         histories=dict(histories),
         made_by=made_by(),
     )
@@ -196,11 +185,8 @@ def history(scene: FlightScene, until: float) -> str:
         rows = range(math.floor(until * PER_SECOND) + 1)
         times = [numbers.exact(row) / PER_SECOND for row in rows]
         for row, state in zip(rows, trajectory.sample(times), strict=True):
-            shown = [_shown(numbers.report(x)) for x in state]
+            reported = [Decimal(numbers.report(x).value) for x in state]
+            with localcontext(prec=HISTORY_DIGITS):
+                shown = [str(+number) for number in reported]
             lines.append(",".join([f"{row / PER_SECOND:.2f}", *shown]))
     return "\n".join(lines) + "\n"
-
-
-def _shown(number: Bounded) -> str:
-    with localcontext(prec=HISTORY_DIGITS):
-        return str(+Decimal(number.value))

@@ -168,9 +168,12 @@ def fit_form(
             sigma=None if errors is None else np.array(errors)[inner],
             absolute_sigma=errors is not None,
         )
-    if not np.isfinite(covariance).all():
-        return None
-    # Back to C₁ and σ, and their errors to first order: ∂C₁/∂(a, b) = (150/b, -C₁/b), ∂σ/∂b = -σ/b.
+    return of_line(a, b, covariance) if np.isfinite(covariance).all() else None
+
+
+def of_line(a: float, b: float, covariance: Array) -> Fit:
+    """Return C₁ and σ of a probit line a e - b, with errors from the covariance of a and b."""
+    # To first order: ∂C₁/∂(a, b) = (150/b, -C₁/b), ∂σ/∂b = -σ/b.
     sigma, c1 = HOME_RUN_DISTANCE / b, HOME_RUN_DISTANCE * a / b
     to_c1 = np.array([HOME_RUN_DISTANCE / b, -c1 / b])
     return Fit(

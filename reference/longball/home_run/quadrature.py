@@ -216,13 +216,6 @@ class _Ranges(NamedTuple):
         line, low, high = (np.concatenate(pair) for pair in zip(self, others, strict=True))
         return _Ranges(line, low, high)
 
-    def cut(self, number: Integers, place: Array) -> _Ranges:
-        """Return the ranges, cut at positions within those of the given numbers."""
-        every = np.arange(len(self.line))
-        numbers = np.concatenate([every, every, number])
-        pieces = _Ranges.between(numbers, np.concatenate([self.low, self.high, place]))
-        return pieces._replace(line=self.line[pieces.line])
-
 
 class _Nodes(NamedTuple):
     """Nodes of rules over ranges: the range of each, the place, and the kind of what is there."""
@@ -235,21 +228,23 @@ class _Nodes(NamedTuple):
 def _without_kinks(
     ranges: _Ranges, nodes: _Nodes, kind: Callable[[Array, Integers], Integers], times: int
 ) -> tuple[Flags, _Ranges]:
-    """Find, between neighbouring nodes of different kinds, the first place where the kind changes.
+    """Cut ranges where the kind changes between two nodes, at the first such place.
 
-    Returned is in which ranges there is none, and the pieces of the others.
+    Return flags of the ranges without a change, and the pieces of the others.
     """
     changes = (nodes.number[1:] == nodes.number[:-1]) & (nodes.kind[1:] != nodes.kind[:-1])
     number, before = nodes.number[:-1][changes], nodes.kind[:-1][changes]
     low, high = nodes.place[:-1][changes], nodes.place[1:][changes]
-    smooth = ~np.isin(np.arange(len(ranges.line)), number)
 
     def changed(places: Array) -> Any:
         return sampled(kind, places, ranges.line[number]) != before[:, None]
 
     low, high = narrowed(low, high, changed, times)
-    numbers = (np.cumsum(~smooth) - 1)[number]
-    return smooth, ranges.at(~smooth).cut(numbers, 0.5 * (low + high))
+    whole = np.unique(number)
+    edges = np.concatenate([ranges.low[whole], ranges.high[whole], 0.5 * (low + high)])
+    pieces = _Ranges.between(np.concatenate([whole, whole, number]), edges)
+    smooth = ~np.isin(np.arange(len(ranges.line)), number)
+    return smooth, pieces._replace(line=ranges.line[pieces.line])
 
 
 # --- speed and tilt -------------------------------------------------------------------------------

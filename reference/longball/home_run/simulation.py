@@ -6,11 +6,12 @@ every e, and differences of P(e) have little noise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from longball.engines import create
 from longball.engines.chain import solve_with_restitutions
@@ -18,19 +19,15 @@ from longball.engines.engine import Engine, ManyAtOnce
 from longball.engines.parallel import in_parallel
 from longball.home_run.at_bats import BLOCK, Arrays, AtBats, Samples, draw, scenes
 from longball.model.arrays import Array, Flags
+from longball.model.quantities import doubles
 from longball.model.scene import AtBatScene
-
-if TYPE_CHECKING:
-    from longball.engines.batch import Batch
-
-
-# Position of a ball that hits the fence, and of any other.
-_PLACES = "fence", "landing"
 
 HOME_RUN_DISTANCE = 150.0  # m; paper, Sec. IV
 
 # Samples of one task: a few hundredths of a second.
 COLUMNS = 200 * BLOCK
+
+Table = Mapping[str, NDArray[Any]]  # results in columns, as `longball.engines.batch` returns them
 
 
 @dataclass(frozen=True)
@@ -41,6 +38,7 @@ class Struck(Arrays):
     x: Array
     y: Array
     failed: Flags  # True if the engine could not decide
+    home_run: Flags  # over the fence, or without one D >= 150 m (paper, Sec. IV)
 
     @property
     def distance(self) -> Array:
@@ -56,23 +54,6 @@ class Struck(Arrays):
     def fair(self) -> Flags:
         """True where it landed within 45° of the line from the plate to the pitcher."""
         return np.abs(self.y) <= self.x
-
-    @property
-    def home_run(self) -> Flags:
-        """True where it is a home run: D >= 150 m (paper, Sec. IV)."""
-        return self.distance >= HOME_RUN_DISTANCE
-
-
-@dataclass(frozen=True)
-class Fenced(Struck):
-    """Landings of at-bats in a field with a fence; `over` flags the home runs."""
-
-    over: Flags
-
-    @property
-    def home_run(self) -> Flags:
-        """True where it is a home run: over the fence."""
-        return self.over
 
 
 def monte_carlo(
@@ -99,16 +80,11 @@ def monte_carlo(
         (base, at_bats, tuple(restitutions), first, min(size, count - first), seed, solver)
         for first in range(0, count, size)
     )
-    # rows: x, y, failure, home run; blocks arrive in order and fill the columns
-    landed = np.empty((len(restitutions), 4, count))
-    done = 0
-    for part in in_parallel(_strike, calls, workers, threads):
-        landed[:, :, done : done + part.shape[2]] = part
-        done += part.shape[2]
-        progress(done)
-    if base.fence is None:
-        return [Struck(x, y, failed > 0) for x, y, failed, _ in landed]
-    return [Fenced(x, y, failed > 0, over > 0) for x, y, failed, over in landed]
+    parts = []
+    for done, part in enumerate(in_parallel(_strike, calls, workers, threads), 1):
+        parts.append(part)
+        progress(min(done * size, count))
+    return [Struck.joined(of_one) for of_one in zip(*parts, strict=True)]
 
 
 def _strike(
@@ -119,43 +95,45 @@ def _strike(
     count: int,
     seed: int,
     engine: Any,
-) -> Array:
-    """Return x, y, failure and home runs of samples: an array (restitution, 4, sample)."""
+) -> list[Struck]:
+    """Return the landings of samples at each restitution."""
     # Workers draw their own samples, because each block has its own seed: nothing is sent to them.
     samples = draw(at_bats, count, seed, first)
     pitched = samples.pitched
-    landed = np.full((len(restitutions), 4, count), np.nan)
-    landed[:, 2:] = 0.0
-    land = _landings_of_columns if isinstance(engine, ManyAtOnce) else _landings_of_scenes
-    landed[:, :, pitched] = land(base, samples.chosen(pitched), restitutions, engine)
-    return landed
+    found = []
+    for table in solved(base, samples.chosen(pitched), restitutions, engine):
+        outcome, nothing = table["outcome"], np.full(len(table["outcome"]), np.nan)
+        place = np.full((2, count), np.nan)
+        for i, column in enumerate(place):
+            ends = (table.get(f"{end}.position[{i}]", nothing) for end in ("fence", "landing"))
+            column[pitched] = np.where(outcome == "wall", *ends)
+        failed, over = np.zeros((2, count), dtype=bool)
+        failed[pitched], over[pitched] = outcome == "", outcome == "home_run"
+        if base.fence is None:
+            over = np.hypot(*place) >= HOME_RUN_DISTANCE
+        x, y = place
+        found.append(Struck(x, y, failed, over))
+    return found
 
 
-def _landings_of_columns(
-    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Batch
-) -> Array:
-    from longball.engines.batch import solve_columns_with_restitutions
+def solved(
+    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Any
+) -> list[Table]:
+    """Return the results of samples, all of them pitched, at each restitution."""
+    if isinstance(engine, ManyAtOnce):
+        from longball.engines.batch import solve_columns_with_restitutions
 
-    landed = []
-    for table in solve_columns_with_restitutions(base, samples.columns, restitutions, engine):
-        outcome = table["outcome"]
-        stopped, nothing = outcome == "wall", np.full(len(outcome), np.nan)
-        place = [
-            np.where(stopped, *(table.get(f"{name}.position[{i}]", nothing) for name in _PLACES))
-            for i in (0, 1)
-        ]
-        landed.append([*place, outcome == "", outcome == "home_run"])
-    return np.array(landed)
-
-
-def _landings_of_scenes(
-    base: AtBatScene, samples: Samples, restitutions: Sequence[float], engine: Engine
-) -> Array:
-    landed = np.full((len(restitutions), 4, len(samples)), np.nan)
-    for i, scene in enumerate(filter(None, scenes(base, samples))):
-        for k, result in enumerate(solve_with_restitutions(scene, restitutions, engine)):
-            place = result.fence if result.outcome == "wall" else result.landing
-            landed[k, 2:, i] = result.error is not None, result.outcome == "home_run"
-            if place is not None and result.error is None:
-                landed[k, :2, i] = place.position[:2]
-    return landed
+        batch: Any = engine
+        return [*solve_columns_with_restitutions(base, samples.columns, restitutions, batch)]
+    every = [
+        solve_with_restitutions(scene, restitutions, engine)
+        for scene in filter(None, scenes(base, samples))
+    ]
+    tables: list[Table] = []
+    for results in zip(*every, strict=True) if every else [()] * len(restitutions):
+        rows = [doubles(result) for result in results]
+        names = dict.fromkeys(name for row in rows for name in row)
+        columns = {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
+        outcomes = np.array([result.outcome or "" for result in results], dtype=object)
+        tables.append(columns | {"outcome": outcomes})
+    return tables

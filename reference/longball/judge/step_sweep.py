@@ -184,7 +184,4 @@ def _sample(answer: Answer, scene: Scene) -> Sample:
         from longball.judge.paths import landed
 
         answer, _ = landed(scene, answer)
-    parts = {f"{name}[{i}]": (x,) for name, value in answer.values.items() if len(value) > 1
-             for i, x in enumerate(value)}  # fmt: skip
-    values: dict[str, Sequence[Any]] = {**answer.values, **parts}
-    return Sample(answer.id, answer.outcome, values, error=answer.error)
+    return Sample(answer.id, answer.outcome, answer.values, error=answer.error)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from longball.model.arrays import Array, Integers
 from longball.pitches.chart import Columns, Pitches, PitchTypes, cell, read_pitches
-from longball.pitches.fitted import AimFit, Estimate, FittedPitches, Heights, SpeedFit
+from longball.pitches.fitted import AimFit, Estimate, FittedPitches, Heights, SpeedFit, Status
 from longball.pitches.table import SPEED_UNITS, TableError
 
 if TYPE_CHECKING:
@@ -94,13 +94,10 @@ def fit_pitches(
         drawn = random.integers(len(pitches.speed), size=len(pitches.speed))
         replicated.append([*speeds_of(drawn), *aim_of(drawn, [aim])])
     errors = np.std(replicated, axis=0, ddof=1).tolist()
-    estimates = estimated([*speeds, *aim], errors, [True] * len(speeds) + within(aim))
     straight, breaking = (
         dict(Counter(np.array(pitches.types)[chosen].tolist()).most_common())
         for chosen in (pitches.straight, ~pitches.straight)
     )
-    names = ("straight_mean", "straight_spread", "breaking_mean", "breaking_spread", "weight")
-    weight, left, right, spread = estimates[len(names) :]
     return FittedPitches(
         source=pitches.source,
         columns=pitches.columns,
@@ -110,33 +107,42 @@ def fit_pitches(
         left_out=pitches.left_out,
         straight=straight,
         breaking=breaking,
-        speed=SpeedFit(**dict(zip(names, estimates, strict=False))),
-        aim=AimFit(
-            left_mean=left,
-            right_mean=right,
-            spread=spread,
-            weight=weight,
-            peaks=aim.peaks(),
-            cells=_five(count_cells(pitches.across)),
-        ),
+        speed=speed_fit(speeds, errors[: len(speeds)]),
+        aim=aim_fit(aim, errors[len(speeds) :], count_cells(pitches.across)),
         height=None if pitches.height is None else _heights(count_cells(pitches.height)),
         bootstrap_replicates=replicates,
         bootstrap_seed=seed,
     )
 
 
-def estimated(
+def speed_fit(values: Sequence[float], errors: Sequence[float]) -> SpeedFit:
+    """Return fitted speeds with their errors; a weight of 0 or 1 has none."""
+    inside = [True] * 4 + [0.0 < values[-1] < 1.0]
+    return SpeedFit(
+        **dict(zip(SpeedFit.model_fields, _estimates(values, errors, inside), strict=True))
+    )
+
+
+def aim_fit(aim: Aim, errors: Sequence[float], counts: Integers) -> AimFit:
+    """Return fitted parameters of Eq. 4 with their errors, and the pitches in the five cells."""
+    weight, left, right, spread = _estimates(aim, errors, within(aim))
+    return AimFit(
+        left_mean=left,
+        right_mean=right,
+        spread=spread,
+        weight=weight,
+        peaks=aim.peaks(),
+        cells=_five(counts),
+    )
+
+
+def _estimates(
     values: Sequence[float], errors: Sequence[float], inside: Sequence[bool]
-) -> list[Estimate]:
-    """Return fitted numbers with their errors; a number at the end of its range has none."""
-    return [
-        Estimate(
-            value=value,
-            standard_error=error if free else None,
-            status="fitted" if free else "at_bound",
-        )
-        for value, error, free in zip(values, errors, inside, strict=True)
-    ]
+) -> Iterator[Estimate]:
+    """Yield fitted numbers with their errors; a number at the end of its range has none."""
+    for value, error, free in zip(values, errors, inside, strict=True):
+        status: Status = "fitted" if free else "at_bound"
+        yield Estimate(value=value, standard_error=error if free else None, status=status)
 
 
 def _enough(pitches: Pitches) -> None:

@@ -106,21 +106,6 @@ def scenes(
             yield InvalidScene(f"row {row} below the header is no scene: {error}", scene["id"])
 
 
-def solve(
-    measured: Measured,
-    model: FlightModel | Sequence[FlightModel],
-    spin: Array | None = None,
-    engine: Engine | None = None,
-    change: Changes | None = None,
-) -> list[Result]:
-    """Return the result of each measured ball, by default with the batch engine; see `scenes`."""
-    # Invalid rows keep their places among the results: these are matched to the rows by position.
-    every = list(scenes(measured, model, spin, change))
-    valid = [scene for scene in every if not isinstance(scene, InvalidScene)]
-    results = iter(chain.solve_each(valid, engine or engines.create("batch")))
-    return [refused(one) if isinstance(one, InvalidScene) else next(results) for one in every]
-
-
 def predict(
     measured: Measured,
     model: FlightModel | Sequence[FlightModel],
@@ -128,8 +113,12 @@ def predict(
     engine: Engine | None = None,
     change: Changes | None = None,
 ) -> Prediction:
-    """Predict measured balls; see `solve` for the arguments."""
-    results = solve(measured, model, spin, engine, change)
+    """Predict measured balls, by default with the batch engine; see `scenes`."""
+    # Invalid rows keep their places among the results: these are matched to the rows by position.
+    every = list(scenes(measured, model, spin, change))
+    valid = [scene for scene in every if not isinstance(scene, InvalidScene)]
+    solved = iter(chain.solve_each(valid, engine or engines.create("batch")))
+    results = [refused(one) if isinstance(one, InvalidScene) else next(solved) for one in every]
     predicted = np.full(measured.measured.shape, np.nan)
     without: Counter[str] = Counter()
     for i, result in enumerate(results):

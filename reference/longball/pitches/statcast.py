@@ -19,7 +19,7 @@ of the launch (Petti's transformation, baseballwithr.wordpress.com, 2018).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TextIO, get_args
@@ -252,15 +252,16 @@ def _pitches(
     if spin:
         hand, odd_hand = _side(frame["p_throws"])
     asked = (*(_SPIN if spin else ()), "release_pos_y", *_PITCH_NUMBERS)
-    values, odd_cells = read_columns(frame, asked)
+    read, odd_cells = read_columns(frame, asked)
+    values = dict.fromkeys(_SPIN, nothing) | read
     # A row is listed under its first fault, so the order is from missing to implausible.
     lacks = [
         *odd_cells,
         ("pitch_type is missing", kind.isna().to_numpy(dtype=bool)),
         ("p_throws is neither R nor L", odd_hand),
         ("p_throws is missing", np.isnan(hand) & spin),
-        *((f"{name} is missing", np.isnan(column)) for name, column in values.items()),
-        ("release_spin_rate is 0: not measured", values.get(_SPIN[0], nothing) == 0.0),
+        *((f"{name} is missing", np.isnan(column)) for name, column in read.items()),
+        ("release_spin_rate is 0: not measured", values["release_spin_rate"] == 0.0),
         ("plate_z is below the ground: it bounced first", values["plate_z"] < 0.0),
         ("vy0 is not below 0: away from the plate", values["vy0"] >= 0.0),
         (
@@ -268,14 +269,9 @@ def _pitches(
             values["release_pos_y"] * FOOT <= PLATE_FRONT,
         ),
     ]
-    left_out, keep = select_rows(lacks, len(frame))
-    kept = {name: values.get(name, nothing)[keep] for name in (*_SPIN, *values)}
-    rows = np.flatnonzero(keep) + 1
-    _require_usual(kept if spin else {name: kept[name] for name in values})
+    keep, kept, shared = _selected(source, frame, lacks, values, games)
     # Small angles in degrees look like radians, so the test needs the whole column.
-    axis = kept["spin_axis"]
-    if spin:
-        require_degrees(axis, "spin_axis", 2.0 * np.pi)
+    require_degrees(kept["spin_axis"], "spin_axis", 2.0 * np.pi)
     if "release_speed" in frame:
         velocity = np.hypot(np.hypot(kept["vx0"], kept["vy0"]), kept["vz0"])
         _require_agreement(velocity, numbers(frame["release_speed"])[keep])
@@ -293,8 +289,7 @@ def _pitches(
     angle = np.radians(kept["spin_axis"])
     axis = _in_our_frame(np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
     return MeasuredPitches(
-        **_common(source, frame, left_out, keep, games),
-        doubts=tuple(unusual_rows(kept, rows)),
+        **shared,
         labels=kind[keep].to_numpy(dtype=str),
         release=_in_our_frame(release) - [PLATE_FRONT, 0.0, 0.0],
         velocity=at_release,
@@ -366,9 +361,8 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
         ("launch_speed is not above 60 mph", ~(speed > SLOWEST)),
         ("the direction is not between the foul lines, by over 15°", ~(abs(bearing) <= WIDEST)),
     ]
-    left_out, keep = select_rows(lacks, len(frame))
-    kept = {name: column[keep] for name, column in values.items()}
-    _require_usual(kept)
+    keep, _, shared = _selected(source, frame, lacks, values, games)
+    shared["doubts"] = (*filter(None, [doubt]), *shared["doubts"])
     assumed = tuple(
         f"no column {name}: {stands}"
         for name, stands in (
@@ -379,8 +373,7 @@ def _flies(table: Any, games: Any, names: Mapping[str, str] | None) -> MeasuredF
         if name not in frame
     )
     return MeasuredFlies(
-        **_common(source, frame, left_out, keep, games),
-        doubts=(*filter(None, [doubt]), *unusual_rows(kept, np.flatnonzero(keep) + 1)),
+        **shared,
         assumed=assumed,
         speed=speed[keep],
         angle=angle[keep],
@@ -406,12 +399,6 @@ def _side(column: pd.Series) -> tuple[Array, Flags]:
             f"{text[odd].iloc[0]!r}, which is neither R nor L"
         )
     return np.asarray(text.map({"R": 1.0, "L": -1.0}), dtype=np.float64), odd
-
-
-def _require_usual(values: Mapping[str, Array]) -> None:
-    for name in USUAL:
-        if name in values:
-            require_usual(values[name], name)
 
 
 def _require_agreement(velocity: Array, speed: Array) -> None:
@@ -446,13 +433,18 @@ def _require_same_places(
         )
 
 
-def _common(
+def _selected(
     source: str,
     frame: pd.DataFrame,
-    left_out: tuple[Omission, ...],
-    keep: Flags,
+    lacks: Sequence[tuple[str, Flags]],
+    values: Mapping[str, Array],
     games: Any,
-) -> dict[str, Any]:
+) -> tuple[Flags, dict[str, Array], dict[str, Any]]:
+    """Return flags of the rows without a fault, their values, and the fields of `Rows`."""
+    left_out, keep = select_rows(lacks, len(frame))
+    kept, rows = {name: column[keep] for name, column in values.items()}, np.flatnonzero(keep) + 1
+    for name in filter(kept.__contains__, USUAL):
+        require_usual(kept[name], name)
     nothing = np.full(len(frame), np.nan)
     # A table without games has the usual weather in every row.
     game = (numbers(frame["game_pk"]) if "game_pk" in frame else nothing)[keep]
@@ -462,18 +454,20 @@ def _common(
     # Games may be missing: a table of games rarely has all of them.
     unknown = np.isnan(temperature)
     here = [name for name in IDENTITY if name in frame]
-    return {
+    fields = {
         "source": source,
         "rows_read": len(frame),
         "left_out": left_out,
-        "rows": np.flatnonzero(keep) + 1,
+        "rows": rows,
         "games": np.nan_to_num(game).astype(np.int64),
         "identified": (*here,),
         "identity": frame[here].apply(texts).fillna("").to_numpy(dtype=object)[keep],
         "temperature": np.where(unknown, USUAL_TEMPERATURE, temperature),
         "elevation": np.where(unknown, SEA_LEVEL, elevation),
         "weather_unknown": int(unknown.sum()),
+        "doubts": tuple(unusual_rows(kept, rows)),
     }
+    return keep, kept, fields
 
 
 def _weather(games: Any) -> tuple[dict[float, float], dict[float, float]]:
