@@ -31,7 +31,7 @@ from longball.model.inputs import (
     require_inputs,
 )
 from longball.model.numbers import DOUBLES, Undecided
-from longball.model.plain import is_number, plain
+from longball.model.plain import is_number
 from longball.model.quantities import numbers
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import Result
@@ -165,11 +165,7 @@ def as_scene(written: object) -> Scene:
     if isinstance(written, str | bytes):
         return parse_scene(written)
     if isinstance(written, Mapping):
-        # A mapping may hold itself.
-        try:
-            return scene_of(plain(written))
-        except RecursionError:
-            raise InvalidScene("not a scene: its blocks are nested too deeply") from None
+        return scene_of(written)
     several = "; lb.solve_many takes several" if isinstance(written, list | tuple) else ""
     raise TypeError(
         "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
@@ -306,7 +302,7 @@ def solve(
         if result.certificate is not None:
             raise Undecided(result.certificate)
     slopes = derivatives_in(asked, result, solver, derivatives) if derivatives else None
-    return Solution(asked, result, solver, trajectory, slopes)
+    return Solution(asked, result.data(), solver, trajectory, slopes)
 
 
 def derivatives_in(

@@ -15,7 +15,6 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from functools import partial
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any, overload
 
@@ -24,7 +23,6 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from longball import engines
-from longball.alike import Alike, alike
 from longball.api import as_engine, as_scene, chosen_inputs, derivatives_in, differentiable
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
@@ -176,23 +174,17 @@ def solve_many(
         )
     # Trajectories are not kept: a million of them would fill the memory.
     with _no_collection():
-        written = [*scenes]
-        solutions: dict[int, Solution] = {}
-        # The compiled code takes columns. Bounds, paths and derivatives need a scene for each.
-        if isinstance(flyer, ManyAtOnce) and not (certify or paths or derivatives):
-            solutions = _solve_alike(written, flyer, workers)
-        others = [i for i in range(len(written)) if i not in solutions]
-        solved = _asked_and_results([written[i] for i in others], solver, workers, paths)
-        for i, (asked, result) in zip(others, solved, strict=True):
-            solutions[i] = Solution(
+        solutions = [
+            Solution(
                 asked if isinstance(asked, BaseModel) else None,
                 result,
                 flyer,
                 derivatives=_derivatives_alone(asked, result, flyer, derivatives),
             )
-    in_order = [solutions[i] for i in range(len(written))]
-    _warn_of_repeated(solution.id for solution in in_order)
-    return in_order
+            for asked, result in _asked_and_results(scenes, solver, workers, paths)
+        ]
+    _warn_of_repeated(solution.id for solution in solutions)
+    return solutions
 
 
 @contextmanager
@@ -220,52 +212,18 @@ def _asked_and_results(
     solver: Engine | ManyAtOnce,
     workers: int,
     paths: int | None = None,
-) -> Iterator[tuple[Scene | InvalidScene, Result]]:
-    """Yield scenes, or why they are none, with their results."""
+) -> Iterator[tuple[Scene | InvalidScene, dict[str, Any]]]:
+    """Yield scenes, or why they are none, with their results as plain data."""
     asked = [*map(_as_scene_or_error, written)]
     valid = [scene for scene in asked if not isinstance(scene, InvalidScene)]
-    if paths is None:
-        results = iter(chain.solve_each(valid, solver, workers))
+    if paths is not None:
+        results = (chain.solve_with_points(scene, solver, paths).data() for scene in valid)
+    elif isinstance(solver, ManyAtOnce):
+        results = (data for data in solver.solve_as_data(valid, workers))
     else:
-        results = iter(chain.solve_with_points(x, solver, paths) for x in valid)
+        results = (result.data() for result in chain.solve_each(valid, solver, workers))
     for scene in asked:
-        if isinstance(scene, InvalidScene):
-            yield scene, refused(scene)
-        else:
-            yield scene, next(results)
-
-
-# Scenes of one form: for fewer, the corners of their columns cost more than they save.
-_FEWEST = 64
-
-
-def _solve_alike(written: Sequence[object], solver: Any, workers: int) -> dict[int, Solution]:
-    """Return the solutions, by place, of those scenes that columns can hold."""
-    from longball.engines.batch import solve_columns_as_data
-
-    solutions: dict[int, Solution] = {}
-    parts = [(group, 0, len(group.rows)) for group in alike(written)]
-    while parts:
-        group, begin, end = parts.pop()
-        if end - begin < _FEWEST:
-            continue  # each row is read alone, and gets its own message
-        columns = group.columns(begin, end)
-        base = _scene_or_none(group.written(begin))
-        if base is None or not _all_valid(base, columns, (end - begin) // 4):
-            # One scene that is none costs those near it a search, and the others nothing.
-            middle = (begin + end) // 2
-            parts += [(group, begin, middle), (group, middle, end)]
-            continue
-        rows = solve_columns_as_data(base, columns, solver, workers)
-        for i, data in enumerate(rows, begin):
-            if data is not None:
-                made = partial(_made, group, i)
-                solutions[group.places[i]] = Solution(made, data | {"id": group.ids[i]}, solver)
-    return solutions
-
-
-def _made(group: Alike, row: int) -> Scene:
-    return as_scene(group.written(row))
+        yield scene, refused(scene).data() if isinstance(scene, InvalidScene) else next(results)
 
 
 def _as_scene_or_error(written: object) -> Scene | InvalidScene:
@@ -311,7 +269,7 @@ def _solve_table(
                 f"no row is a scene: {errors[0]} (row 0 of {count}); "
                 f"the columns are {', '.join(map(str, columns))}"
             )
-        data = [result.data() for _, result in solved]
+        data = [result for _, result in solved]
         # Arrays of shape (paths, 7) would become one column for each number.
         flown = [one.pop("path", None) for one in data]
         frame = _with_engines_signed(results_table(data)).drop(columns="id", errors="ignore")
@@ -340,7 +298,7 @@ def _solve_as_columns(
     # To build a scene for each row would take far longer than its flight.
     first = {name: column.item(0) for name, column in varied.items() if column.size}
     base = _scene_or_none(scene_of({**fixed, **first}, _json_alone))
-    if base is None or not _all_valid(base, varied, _MOST_CORNERS):
+    if base is None or not _all_valid(base, varied):
         return None
     slopes = None
     if derivatives:
@@ -377,12 +335,12 @@ def _alone(engine: Any) -> PathEngine:
 
 
 def _derivatives_alone(
-    scene: Scene | InvalidScene, result: Result, engine: Any, names: bool | Sequence[str]
+    scene: Scene | InvalidScene, result: dict[str, Any], engine: Any, names: bool | Sequence[str]
 ) -> Derivatives | None:
     """Return the derivatives of a result; None if none are requested, or it is an error."""
-    if not names or isinstance(scene, InvalidScene) or result.error is not None:
+    if not names or isinstance(scene, InvalidScene) or "error" in result:
         return None
-    return derivatives_in(scene, result, _alone(engine), names)
+    return derivatives_in(scene, Result.model_validate(result), _alone(engine), names)
 
 
 Slopes = Mapping[tuple[str, str], Any]  # columns, by quantities of results and by names of scenes
@@ -502,7 +460,7 @@ def _scene_or_none(written: Mapping[str, Any]) -> Scene | None:
     return None
 
 
-def _all_valid(scene: Scene, varied: Mapping[str, NDArray[Any]], most_corners: int) -> bool:
+def _all_valid(scene: Scene, varied: Mapping[str, NDArray[Any]]) -> bool:
     """True if a scene is certainly valid with every row of columns.
 
     If the valid numbers are a convex set (`may_be_mixed`), it is enough to check the corners of the
@@ -513,7 +471,7 @@ def _all_valid(scene: Scene, varied: Mapping[str, NDArray[Any]], most_corners: i
         return False
     # The smallest and the largest value of each column; one corner where they are equal.
     ends = [{*column[[column.argmin(), column.argmax()]].tolist()} for column in varied.values()]
-    if math.prod(map(len, ends)) > most_corners:
+    if math.prod(map(len, ends)) > _MOST_CORNERS:
         return False
     try:
         for corner in product(*ends):
@@ -561,7 +519,9 @@ _NO_AIR = "null"  # as JSON, because None means the default
 
 
 @naming_extras()
-def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> pd.DataFrame:
+def _frame(
+    table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Mapping[str, Any]]
+) -> pd.DataFrame:
     """Return columns as a table of results, with the reasons why rows have no outcome."""
     import pandas as pd
 
@@ -569,8 +529,8 @@ def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> 
     # Texts in most rows are None: an object column takes both.
     frame["error"] = frame["code"] = pd.Series(None, frame.index, object)
     for i, result in reasons.items():
-        cells = result.outcome, result.engine, result.error, result.code
-        frame.loc[i, ["outcome", "engine", "error", "code"]] = cells
+        names = ["outcome", "engine", "error", "code"]
+        frame.loc[i, names] = [result.get(name) for name in names]
     return _typed(frame)
 
 
