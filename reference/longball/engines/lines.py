@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
@@ -10,7 +9,7 @@ from typing import Any, NamedTuple
 
 from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
-from longball.engines.parallel import in_parallel
+from longball.engines.parallel import in_parallel, without_collection
 from longball.model.changes import Changes
 from longball.model.doubts import doubts
 from longball.model.jsonl import LONGEST_LINE, json_bytes
@@ -94,14 +93,8 @@ def _solve_chunk(
     points: int | None,
     change: Changes | None,
 ) -> list[Answer]:
-    # The garbage collector would search many objects for cycles that do not exist.
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
+    with without_collection():
         return list(_solve_in_turn(chunk, engine, points, change))
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 def _solve_in_turn(
