@@ -12,10 +12,6 @@ from longball.cli.messages import note
 from longball.cli.settings import INSTEAD
 from longball.cli.usage import UsageError
 
-# Names of types in the help; other forms, such as a|b, are unchanged.
-TYPES = {"str": "TEXT", "int": "N", "float": "X", "path": "FILE"}
-_TYPE = re.compile(r"<(?:list\[)?(.*?)\]?(?: range)?>")
-
 
 class Command(TyperCommand):
     """A command whose help has no Python types, and which reports options from a file."""
@@ -62,8 +58,7 @@ class Command(TyperCommand):
         rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
         for parameter in self.get_params(ctx):
             if record := parameter.get_help_record(ctx):
-                # Replace typer's types, <int> or <list[str]>, by the form of the value.
-                name = _TYPE.sub(lambda form: TYPES.get(form[1], form[1]), record[0])
+                name = re.sub(r"<(.*)>", r"\1", record[0])
                 if parameter.param_type_name == "argument":
                     name = str(parameter.metavar)
                 rows[parameter.param_type_name].append((name, record[1]))

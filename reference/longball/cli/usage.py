@@ -1,6 +1,7 @@
 """Usage errors in one style: the option, the given value, and the correct form.
 
-Typer detects them, with different words for each kind; only kind and value are taken from it.
+Typer detects them, with different words for each kind; only the kind is taken from it. Its messages
+on values are ours, from `longball.cli.options`.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def _sentence(error: Any) -> str:
         if option not in known:
             return f"no such option {option}{did_you_mean(option, known) or see_help}"
         if "requires" in error.message:
-            return f"{option}: a value is needed: {known[option].help}".rstrip(".")
+            return f"{option}: a value is needed: {_about(known[option])}"
         return f"{option} takes no value"
     if extra := re.match(r"Got unexpected extra arguments? ?\(?s?\)? \((.*)\)", error.message):
         takes = " ".join(command.collect_usage_pieces(error.ctx)[1:]) or "only options"
@@ -53,29 +54,16 @@ def _sentence(error: Any) -> str:
 
 def _of_value(error: Any, command: Any, parameter: Any) -> str:
     """Return the sentence on the value of an option or an argument."""
-    from longball.model.explain import in_our_words
-
     is_argument = parameter.param_type_name == "argument"
     where = str(parameter.metavar) if is_argument else max(parameter.opts, key=len)
     # The value may be from the configuration file.
     if parameter.name in (error.ctx.default_map or {}):
         where = f"{command.settings}: {command.name}.{where.lstrip('-')}"
     if hasattr(error, "param_type"):  # it is missing
-        return f"{where} is missing: {parameter.help}".rstrip(".")
-    # Pydantic's errors have the value; our own messages begin with it.
-    faults: list[Any] = getattr(error.__cause__, "errors", list)()
-    given = f" {faults[0]['input']}:" if faults else ""
-    message = in_our_words(error.message).rstrip(".")
-    if choices := re.fullmatch(r"'(.*)' is not one of (.*)", message):
-        known = re.findall(r"'([^']*)'", choices[2])
-        given, message = f" {choices[1]}:", f"must be one of {', '.join(known)}"
-        message += did_you_mean(choices[1], known)
-    # Older versions of typer convert numbers themselves.
-    if number := re.fullmatch(r"'(.*)' is not a valid (float|integer)", message):
-        whole = "whole " if number[2] == "integer" else ""
-        given, message = f" {number[1]}:", f"must be a {whole}number"
-    if outside := re.fullmatch(r"(\S+) is not in the range (?:(.+)<=)?x(?:<=(.+))?", message):
-        given, low, high = outside.groups()
-        limit = f"least {low}" if low and float(given) < float(low) else f"most {high}"
-        given, message = f" {given}:", f"must be at {limit}"
-    return f"{where}{given} {message}"
+        return f"{where} is missing: {_about(parameter)}"
+    return f"{where} {error.message}"  # which begins with the value
+
+
+def _about(parameter: Any) -> str:
+    """Return the help of an option without its default and limits, as the end of a sentence."""
+    return str(parameter.help).partition("  [")[0].rstrip(".")
