@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Mapping
 from importlib import import_module
-from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from longball import __version__
-from longball.cli.usage import in_one_voice
+from longball.cli.command import InOneVoice
 from longball.model.names import one_of
 
 # The commands, with an example of each. A command is a function in a module of the same name, which
@@ -58,8 +57,8 @@ def summary_of(command: str, group: str = "") -> str:
     return (ast.get_docstring(tree) or "").partition("\n")[0]
 
 
-class Commands(TyperGroup):
-    """A group of commands, imported on demand, with usage errors in longball's words."""
+class Commands(InOneVoice, TyperGroup):
+    """A group of commands, imported on demand."""
 
     group = ""  # name of the group; empty for longball itself
     examples: Mapping[str, str] = COMMANDS
@@ -78,8 +77,10 @@ class Commands(TyperGroup):
         if cmd_name not in self.examples:
             # A shell asks for the completion of unfinished words.
             if not (ctx.resilient_parsing or cmd_name.startswith("-")):
+                from longball.cli.messages import wrong_call  # loads the model
+
                 known = one_of("the commands are", cmd_name, self.examples)
-                ctx.fail(f"no such command {cmd_name!r}{known}")
+                wrong_call(f"no such command {cmd_name!r}{known}")
             return None
         module = module_of(self.group or cmd_name)
         epilog = f"Example: {self.examples[cmd_name]}\n\n{EXIT_STATUS}"
@@ -99,32 +100,6 @@ class Commands(TyperGroup):
         name = f"{self.group} {cmd_name}".strip()
         function = getattr(module, cmd_name, None) or getattr(module, f"{cmd_name}_")
         return command_of(name, function, epilog)
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the requested command, with the defaults from a configuration file."""
-        resolved: Any = super().resolve_command(ctx, args)
-        name, command, rest = resolved
-        # --help must work even if the configuration file is wrong. Words behind -- are the
-        # COMMAND's.
-        asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
-        has_settings = not self.group and name not in GROUPS
-        if has_settings and not (asks_help or ctx.resilient_parsing):
-            from longball.cli.settings import defaults_of, settings_of
-
-            command.settings, given = settings_of(name, [x for x in COMMANDS if x not in GROUPS])
-            options = command.named_options()
-            ctx.default_map = {name: defaults_of(command.settings, given, options, name)}
-        return name, command, rest
-
-    def make_context(self, *args: Any, **kwargs: Any) -> Any:
-        """Parse the words before the command."""
-        with in_one_voice():
-            return super().make_context(*args, **kwargs)
-
-    def invoke(self, ctx: Any) -> Any:
-        """Call the requested command."""
-        with in_one_voice():
-            return super().invoke(ctx)
 
 
 app = typer.Typer(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from inspect import Parameter, Signature
 from pathlib import Path
@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, get_args
 
 import typer
 
-from longball.cli.command import Command, given_by
-from longball.cli.messages import hushed, wrong_call
-from longball.cli.settings import INSTEAD
+from longball.cli.command import Command
+from longball.cli.messages import hushed, note, wrong_call
+from longball.cli.settings import INSTEAD, settings_of
 from longball.extras import naming_extras
 from longball.model.names import did_you_mean, one_of
 
@@ -32,7 +32,7 @@ def _workers(workers: int) -> int:
     try:
         checked(workers)
     except ValueError as error:
-        raise typer.BadParameter(str(error).removeprefix("workers = ")) from None
+        raise ValueError(str(error).removeprefix("workers = ")) from None
     # Report a missing library now, not after the scenes are read.
     if workers > 1:
         import_module("joblib")
@@ -44,23 +44,23 @@ def _kinds(names: list[str]) -> list[str]:
 
     for name in names:
         if name not in KINDS:
-            raise typer.BadParameter(f"{name}: there is none{one_of('the kinds are', name, KINDS)}")
+            raise ValueError(f"{name}: there is none{one_of('the kinds are', name, KINDS)}")
     return [*dict.fromkeys(names)]
 
 
 def _finite(number: float) -> float:
     if not math.isfinite(number):
-        raise typer.BadParameter(f"{number} is not a finite number")
+        raise ValueError(f"{number} is not a finite number")
     return number
 
 
 def _writable(file: Path) -> Path:
     if file.is_dir():  # an empty name is one, too
-        raise typer.BadParameter(f"{file} is a folder; a file is needed")
+        raise ValueError(f"{file} is a folder; a file is needed")
     if not file.parent.is_dir():
-        raise typer.BadParameter(f"{file}: there is no folder {file.parent}")
+        raise ValueError(f"{file}: there is no folder {file.parent}")
     if not os.access(file if file.exists() else file.parent, os.W_OK):
-        raise typer.BadParameter(f"{file} cannot be written")
+        raise ValueError(f"{file} cannot be written")
     return file
 
 
@@ -72,7 +72,7 @@ def _drawable(file: Path) -> Path:
 
     endings = [f".{name}" for name in FigureCanvasBase.get_supported_filetypes()]
     if file.suffix.lower() not in endings:
-        raise typer.BadParameter(f"{file}: the endings of pictures are {', '.join(endings)}")
+        raise ValueError(f"{file}: the endings of pictures are {', '.join(endings)}")
     return file
 
 
@@ -92,7 +92,7 @@ def _results(output: Path) -> Path | None:
         return None
     if ending(output) not in (*LINES, *TABLES):
         endings = ", ".join(filter(None, (*LINES, *TABLES)))
-        raise typer.BadParameter(f"{output}: the endings of results are {endings}, or none")
+        raise ValueError(f"{output}: the endings of results are {endings}, or none")
     return _writable(output)
 
 
@@ -412,17 +412,71 @@ OPTIONS: dict[str, Row | Callable[[], Row]] = {
 # --- commands -------------------------------------------------------------------------------------
 
 
+class Declared(NamedTuple):
+    """An argument or option of a command, from a word of `COMMANDS` and its row."""
+
+    row: Row
+    form: Any  # of the row, imported
+    is_argument: bool
+    default: str
+    required: bool
+    place: str  # on the command line, for messages
+
+
+def declared(command: str) -> dict[str, Declared]:
+    """Return the arguments and options of a command by their names."""
+    found = {}
+    for word in f"{COMMANDS[command]} quiet".split():
+        name, _, default = word.partition("=")
+        name, required = name.removesuffix("!"), name.endswith("!")
+        own = f"{command}.{name}"
+        is_argument = own in ARGUMENTS or (name in ARGUMENTS and own not in OPTIONS)
+        table: Any = ARGUMENTS if is_argument else OPTIONS
+        row = table[own] if own in table else table[name]
+        row = row() if callable(row) else row
+        form = row.form
+        if isinstance(form, str) and form.startswith("longball."):
+            module, _, of = form.rpartition(".")
+            form = getattr(import_module(module), of)
+        place = _metavar(row, form) if is_argument else flag(name)
+        found[name] = Declared(row, form, is_argument, default, required, place)
+    return found
+
+
 class Options:
     """The arguments and options of a command, as attributes."""
 
-    def __init__(self, ctx: Any, values: dict[str, Any]) -> None:
-        vars(self).update(values)
+    def __init__(self, command: str, values: Mapping[str, Any]) -> None:
+        self.given = {name for name, value in values.items() if value not in (None, [])}
+        known = declared(command)
+        in_file = {name: each.form for name, each in known.items()
+                   if not each.is_argument or name == "command"}  # fmt: skip
+        file, settings = settings_of(command, [x for x in COMMANDS if " " not in x], in_file)
+        # A COMMAND on the command line takes the place of results in the file, and so on.
         for names in INSTEAD:
-            if sum(bool(values.get(name)) for name in names) > 1:
-                *some, last = (flag(name) for name in names if name in values)
+            if self.given.intersection(names):
+                settings = {name: x for name, x in settings.items() if name not in names}
+        settings = {name: x for name, x in settings.items() if name not in self.given}
+        for name, one in known.items():
+            place, value = one.place, one.default or None
+            if name in self.given:
+                value = values[name]
+            elif name in settings:
+                place, value = f"{file}: {command}.{name}", settings[name]
+            if one.required and value is None:
+                wrong_call(f"{place} is missing: {one.row.about}".rstrip("."))
+            try:
+                vars(self)[name] = _read(one, value)
+            except ValueError as error:
+                wrong_call(f"{place} {error}")
+        # Name the options from the file: invisible values would be hard to find.
+        if settings:
+            note(f"{file} gives {', '.join(settings)}")
+        for names in INSTEAD:
+            if sum(bool(vars(self).get(name)) for name in names) > 1:
+                *some, last = (flag(name) for name in names if name in known)
                 both = "both" if len(some) == 1 else "two of them"
                 wrong_call(f"either {', '.join(some)} or {last}, not {both}")
-        self.given = {name for name in values if given_by(ctx, name) == "COMMANDLINE"}
 
     def refuse(self, names: str, why: str) -> None:
         """Reject options that have no effect here: a user would believe that they were applied."""
@@ -443,84 +497,69 @@ def flag(name: str) -> str:
 def command_of(name: str, function: Callable[[Options], None], epilog: str) -> Any:
     """Build a command from a function and the rows of the tables."""
 
-    def run(ctx: typer.Context, **values: Any) -> None:
-        function(Options(ctx, values))
+    def run(**values: Any) -> None:
+        function(Options(name, values))
 
     # Typer reads the signature of `run`, and its docstring for the help.
-    context = Parameter("ctx", Parameter.KEYWORD_ONLY, annotation=typer.Context)
-    asked = [_parameter(name, word) for word in f"{COMMANDS[name]} quiet".split()]
-    run.__signature__ = Signature([context, *asked])  # type: ignore[attr-defined]
+    parameters = [_parameter(option, one) for option, one in declared(name).items()]
+    run.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     run.__doc__ = function.__doc__
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
     alone.command(name.rpartition(" ")[2], cls=Command, epilog=epilog)(run)
     return typer.main.get_command(alone)
 
 
-# Names of values in the help, by their types; a text has its own, and choices are a|b.
-METAVARS: dict[Any, str] = {int: "N", float: "X", Path: "FILE"}
-
-
-def _parameter(command: str, word: str) -> Parameter:
-    """Return a parameter as typer reads it, from a word of `COMMANDS`."""
-    name, _, default = word.partition("=")
-    name, required = name.removesuffix("!"), name.endswith("!")
-    own = f"{command}.{name}"
-    is_argument = own in ARGUMENTS or (name in ARGUMENTS and own not in OPTIONS)
-    table: Any = ARGUMENTS if is_argument else OPTIONS
-    found = table[own] if own in table else table[name]
-    row: Row = found() if callable(found) else found
-    form, about = row.form, row.about
-    if isinstance(form, str) and form.startswith("longball."):
-        module, _, of = form.rpartition(".")
-        form = getattr(import_module(module), of)
-    # Typer passes a switch as a bool, and everything else as it is written.
-    type_: Any = bool if form is bool else list[str] if isinstance(form, list) else str
-    more: dict[str, Any] = {
-        "callback": lambda value: _value(row, form, value),
-        "show_default": False,
-    }
-    if isinstance(form, list):
-        more["metavar"], about = form[0], about if is_argument else f"{about}; repeatable."
-    elif form is not bool:
-        choices = get_args(form)
-        more["metavar"] = row.metavar or METAVARS.get(form) or "|".join(choices) or form
-        more["autocompletion"] = lambda: choices
-    shown = [f"default: {flag(name)[2:] if form is bool else default}"] if default else []
+def _parameter(name: str, one: Declared) -> Parameter:
+    """Return a parameter as typer reads it: a switch, a text or texts, None if it is not given."""
+    row, form, is_list = one.row, one.form, isinstance(one.form, list)
+    notes = []
+    if one.default:
+        notes.append(f"default: {flag(name)[2:] if form is bool else one.default}")
     if row.min > -math.inf:
-        shown.append(f"x>={row.min}" if row.max == math.inf else f"{row.min}<=x<={row.max}")
-    more["help"] = f"{about}  [{'; '.join(shown)}]" if shown else about
-    value: Any = Parameter.empty if required else default or None
-    if form is bool:
-        value = bool(default)
-    elif value is None:
-        type_ |= None
-    if is_argument:
-        declared: Any = typer.Argument(**more)
+        notes.append(f"x>={row.min}" if row.max == math.inf else f"{row.min}<=x<={row.max}")
+    about = row.about + "; repeatable." * (is_list and not one.is_argument)
+    about += f"  [{'; '.join(notes)}]" * bool(notes) + "  [required]" * one.required
+    more: dict[str, Any] = {"help": about, "metavar": _metavar(row, form) or None}
+    more["autocompletion"] = lambda: [] if is_list else get_args(form)
+    if one.is_argument:
+        argument: Any = typer.Argument(**more)
     else:
         # Only a switch that is on by default needs a second name, which turns it off.
-        long = f"{flag(name)}/--no-{flag(name)[2:]}" if value is True else flag(name)
-        declared = typer.Option(*filter(None, (row.short, long)), **more)
-    annotation = Annotated[type_, declared]
-    return Parameter(name, Parameter.KEYWORD_ONLY, default=value, annotation=annotation)
+        off = f"/--no-{flag(name)[2:]}" if form is bool and one.default else ""
+        argument = typer.Option(*filter(None, (row.short, flag(name) + off)), **more)
+    type_: Any = bool if form is bool else list[str] if is_list else str
+    annotation = Annotated[type_ | None, argument]
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
-def _value(row: Row, form: Any, value: Any) -> Any:
-    """Return the value of an option from its text; raise `typer.BadParameter` if it has none."""
-    if value is None:
+def _metavar(row: Row, form: Any) -> str:
+    """Return the name of a value in the help: a text has its own, and choices are a|b."""
+    if isinstance(form, list):
+        return str(form[0])
+    of_types: dict[Any, str] = {int: "N", float: "X", Path: "FILE", bool: ""}
+    return row.metavar or of_types.get(form) or "|".join(get_args(form)) or str(form)
+
+
+def _read(one: Declared, value: Any) -> Any:
+    """Return the value of an option from its text; the error begins with the text."""
+    row, form = one.row, one.form
+    if form is bool:
+        value = bool(value)
+    elif value is None:
         return None
-    if form in (int, float):
+    elif form in (int, float):
         try:
             number = form(value)
         except ValueError:
             whole = "whole " * (form is int)
-            raise typer.BadParameter(f"{value}: must be a {whole}number") from None
+            raise ValueError(f"{value}: must be a {whole}number") from None
         if number < row.min or number > row.max:
             limit = f"least {row.min}" if number < row.min else f"most {row.max}"
-            raise typer.BadParameter(f"{value}: must be at {limit}")
+            raise ValueError(f"{value}: must be at {limit}")
         value = number
     elif form is Path:
         value = Path(value)
-    elif (choices := get_args(form)) and value not in choices:
+    elif (choices := () if isinstance(form, list) else get_args(form)) and value not in choices:
         known = ", ".join(choices)
-        raise typer.BadParameter(f"{value}: must be one of {known}{did_you_mean(value, choices)}")
+        raise ValueError(f"{value}: must be one of {known}{did_you_mean(value, choices)}")
     return value if row.check is None else row.check(value)
