@@ -144,6 +144,10 @@ class Row(NamedTuple):
     max: float = math.inf
     short: str = ""
     metavar: str = ""  # for help, in place of that of the form
+    # From the word of `COMMANDS`.
+    default: str = ""
+    required: bool = False
+    is_argument: bool = False
 
 
 def _written(about: str) -> Row:
@@ -412,35 +416,22 @@ OPTIONS: dict[str, Row | Callable[[], Row]] = {
 # --- commands -------------------------------------------------------------------------------------
 
 
-class Declared(NamedTuple):
-    """An argument or option of a command, from a word of `COMMANDS` and its row."""
-
-    row: Row
-    form: Any  # of the row, imported
-    is_argument: bool
-    default: str
-    required: bool
-    place: str  # on the command line, for messages
-
-
-def declared(command: str) -> dict[str, Declared]:
-    """Return the arguments and options of a command by their names."""
-    found = {}
+def declared(command: str) -> dict[str, Row]:
+    """Return the arguments and options of a command by their names, with forms imported."""
+    rows = {}
     for word in f"{COMMANDS[command]} quiet".split():
         name, _, default = word.partition("=")
         name, required = name.removesuffix("!"), name.endswith("!")
         own = f"{command}.{name}"
         is_argument = own in ARGUMENTS or (name in ARGUMENTS and own not in OPTIONS)
         table: Any = ARGUMENTS if is_argument else OPTIONS
-        row = table[own] if own in table else table[name]
-        row = row() if callable(row) else row
-        form = row.form
-        if isinstance(form, str) and form.startswith("longball."):
-            module, _, of = form.rpartition(".")
-            form = getattr(import_module(module), of)
-        place = _metavar(row, form) if is_argument else flag(name)
-        found[name] = Declared(row, form, is_argument, default, required, place)
-    return found
+        found = table[own] if own in table else table[name]
+        row: Row = found() if callable(found) else found
+        if isinstance(row.form, str) and row.form.startswith("longball."):
+            module, _, of = row.form.rpartition(".")
+            row = row._replace(form=getattr(import_module(module), of))
+        rows[name] = row._replace(default=default, required=required, is_argument=is_argument)
+    return rows
 
 
 class Options:
@@ -448,33 +439,32 @@ class Options:
 
     def __init__(self, command: str, values: Mapping[str, Any]) -> None:
         self.given = {name for name, value in values.items() if value not in (None, [])}
-        known = declared(command)
-        in_file = {name: each.form for name, each in known.items()
-                   if not each.is_argument or name == "command"}  # fmt: skip
-        file, settings = settings_of(command, [x for x in COMMANDS if " " not in x], in_file)
+        rows = declared(command)
+        options = {n: row.form for n, row in rows.items() if n == "command" or not row.is_argument}
+        file, settings = settings_of(command, [x for x in COMMANDS if " " not in x], options)
         # A COMMAND on the command line takes the place of results in the file, and so on.
         for names in INSTEAD:
             if self.given.intersection(names):
                 settings = {name: x for name, x in settings.items() if name not in names}
         settings = {name: x for name, x in settings.items() if name not in self.given}
-        for name, one in known.items():
-            place, value = one.place, one.default or None
+        for name, row in rows.items():
+            place, value = _metavar(row) if row.is_argument else flag(name), row.default or None
             if name in self.given:
                 value = values[name]
             elif name in settings:
-                place, value = f"{file}: {command}.{name}", settings[name]
-            if one.required and value is None:
-                wrong_call(f"{place} is missing: {one.row.about}".rstrip("."))
+                place, value = f"{file}: {command}.{flag(name)[2:]}", settings[name]
+            if row.required and value is None:
+                wrong_call(f"{place} is missing: {row.about}".rstrip("."))
             try:
-                vars(self)[name] = _read(one, value)
+                vars(self)[name] = _read(row, value)
             except ValueError as error:
                 wrong_call(f"{place} {error}")
         # Name the options from the file: invisible values would be hard to find.
         if settings:
-            note(f"{file} gives {', '.join(settings)}")
+            note(f"{file} gives {', '.join(settings).replace('_', '-')}")
         for names in INSTEAD:
             if sum(bool(vars(self).get(name)) for name in names) > 1:
-                *some, last = (flag(name) for name in names if name in known)
+                *some, last = (flag(name) for name in names if name in rows)
                 both = "both" if len(some) == 1 else "two of them"
                 wrong_call(f"either {', '.join(some)} or {last}, not {both}")
 
@@ -501,7 +491,7 @@ def command_of(name: str, function: Callable[[Options], None], epilog: str) -> A
         function(Options(name, values))
 
     # Typer reads the signature of `run`, and its docstring for the help.
-    parameters = [_parameter(option, one) for option, one in declared(name).items()]
+    parameters = [_parameter(*item) for item in declared(name).items()]
     run.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     run.__doc__ = function.__doc__
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -509,40 +499,45 @@ def command_of(name: str, function: Callable[[Options], None], epilog: str) -> A
     return typer.main.get_command(alone)
 
 
-def _parameter(name: str, one: Declared) -> Parameter:
+def _parameter(name: str, row: Row) -> Parameter:
     """Return a parameter as typer reads it: a switch, a text or texts, None if it is not given."""
-    row, form, is_list = one.row, one.form, isinstance(one.form, list)
-    notes = []
-    if one.default:
-        notes.append(f"default: {flag(name)[2:] if form is bool else one.default}")
+    form, is_list = row.form, isinstance(row.form, list)
+    about, notes = row.about, []
+    if is_list and not row.is_argument:
+        about += "; repeatable."
+    if row.default:
+        notes.append(f"default: {flag(name)[2:] if form is bool else row.default}")
     if row.min > -math.inf:
         notes.append(f"x>={row.min}" if row.max == math.inf else f"{row.min}<=x<={row.max}")
-    about = row.about + "; repeatable." * (is_list and not one.is_argument)
-    about += f"  [{'; '.join(notes)}]" * bool(notes) + "  [required]" * one.required
-    more: dict[str, Any] = {"help": about, "metavar": _metavar(row, form) or None}
+    if row.required:
+        notes.append("required")
+    if notes:
+        about += f"  [{'; '.join(notes)}]"
+    more: dict[str, Any] = {"help": about, "metavar": None if form is bool else _metavar(row)}
     more["autocompletion"] = lambda: [] if is_list else get_args(form)
-    if one.is_argument:
+    if row.is_argument:
         argument: Any = typer.Argument(**more)
     else:
         # Only a switch that is on by default needs a second name, which turns it off.
-        off = f"/--no-{flag(name)[2:]}" if form is bool and one.default else ""
+        off = f"/--no-{flag(name)[2:]}" if form is bool and row.default else ""
         argument = typer.Option(*filter(None, (row.short, flag(name) + off)), **more)
     type_: Any = bool if form is bool else list[str] if is_list else str
     annotation = Annotated[type_ | None, argument]
     return Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
 
-def _metavar(row: Row, form: Any) -> str:
+def _metavar(row: Row) -> str:
     """Return the name of a value in the help: a text has its own, and choices are a|b."""
+    form = row.form
     if isinstance(form, list):
         return str(form[0])
-    of_types: dict[Any, str] = {int: "N", float: "X", Path: "FILE", bool: ""}
+    of_types: dict[Any, str] = {int: "N", float: "X", Path: "FILE"}
     return row.metavar or of_types.get(form) or "|".join(get_args(form)) or str(form)
 
 
-def _read(one: Declared, value: Any) -> Any:
+def _read(row: Row, value: Any) -> Any:
     """Return the value of an option from its text; the error begins with the text."""
-    row, form = one.row, one.form
+    form = row.form
     if form is bool:
         value = bool(value)
     elif value is None:
@@ -551,8 +546,8 @@ def _read(one: Declared, value: Any) -> Any:
         try:
             number = form(value)
         except ValueError:
-            whole = "whole " * (form is int)
-            raise ValueError(f"{value}: must be a {whole}number") from None
+            whole = "whole number" if form is int else "number"
+            raise ValueError(f"{value}: must be a {whole}") from None
         if number < row.min or number > row.max:
             limit = f"least {row.min}" if number < row.min else f"most {row.max}"
             raise ValueError(f"{value}: must be at {limit}")
