@@ -30,7 +30,7 @@ class Answer(NamedTuple):
     id: str | None
     failure: str | None
     text: bytes
-    doubts: tuple[tuple[str, str], ...] = ()  # keys of the scene, and questions about them
+    doubts: tuple[tuple[str, str], ...]  # keys of the scene, and questions about them
 
 
 def solve_lines(
@@ -116,9 +116,9 @@ def _solve_in_turn(
     )
     for (number, _), scene in zip(chunk, read, strict=True):
         if isinstance(scene, InvalidScene):
-            yield _answer(number, refused(scene).data())
+            yield _answer(number, refused(scene).data(), ())
         else:
-            yield _answer(number, next(solved))._replace(doubts=tuple(doubts(scene)))
+            yield _answer(number, next(solved), tuple(doubts(scene)))
 
 
 def _read(line: bytes, change: Changes | None) -> Scene | InvalidScene:
@@ -128,7 +128,7 @@ def _read(line: bytes, change: Changes | None) -> Scene | InvalidScene:
         return error
 
 
-def _answer(number: int, data: dict[str, Any]) -> Answer:
+def _answer(number: int, data: dict[str, Any], asked: tuple[tuple[str, str], ...]) -> Answer:
     """Return a result as the answer to a line; without an id it gets the number of the line."""
     if data["id"] is None:
         data["id"] = str(number)
@@ -136,4 +136,5 @@ def _answer(number: int, data: dict[str, Any]) -> Answer:
         data["engine"] = signed(data["engine"])
     if "error" in data:
         data["error"] = f"line {number}: {data['error']}"
-    return Answer(data["id"], data.get("error") or data.get("certificate"), json_bytes(data))
+    failure = data.get("error") or data.get("certificate")
+    return Answer(data["id"], failure, json_bytes(data), asked)
