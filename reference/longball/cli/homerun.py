@@ -110,7 +110,7 @@ def homerun(o: Options) -> None:
 
 
 def base_scene(
-    reading: Mapping[str, Any], values: Sequence[str] | None, fence: str | None = None
+    reading: Mapping[str, Any], values: Mapping[str, str], fence: str | None = None
 ) -> AtBatScene:
     """Return the at-bat of the options, without its random numbers."""
     change = changes(values, fence, {})

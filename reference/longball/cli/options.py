@@ -136,7 +136,8 @@ class Row(NamedTuple):
     """A row of the tables."""
 
     # A type; the place of one, which is imported on demand; the name of a text's value, such as
-    # "SPEED"; or a list with this name if the option is repeatable.
+    # "SPEED"; or a list with this name if the option is repeatable. Its values are then a list, or
+    # of the form NAME=VALUE a dict.
     form: Any
     about: str
     check: Callable[[Any], Any] | None = None  # of a given value; it may return another one
@@ -541,7 +542,7 @@ def _read(row: Row, value: Any) -> Any:
     if form is bool:
         value = bool(value)
     elif value is None:
-        return None
+        return {} if isinstance(form, list) and "=" in form[0] else None
     elif form in (int, float):
         try:
             number = form(value)
@@ -554,7 +555,17 @@ def _read(row: Row, value: Any) -> Any:
         value = number
     elif form is Path:
         value = Path(value)
+    elif isinstance(form, list) and "=" in form[0]:
+        value = dict(map(_assignment, value))
     elif (choices := () if isinstance(form, list) else get_args(form)) and value not in choices:
         known = ", ".join(choices)
         raise ValueError(f"{value}: must be one of {known}{did_you_mean(value, choices)}")
     return value if row.check is None else row.check(value)
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    """Return the two sides of NAME=VALUE."""
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise ValueError(f"{text}: must be NAME=VALUE")
+    return name, value

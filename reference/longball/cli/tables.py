@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 from longball.cli.cluster import on_cluster
-from longball.cli.messages import assignments, refusing, wrong_call
+from longball.cli.messages import refusing, wrong_call
 from longball.cli.options import Options
 from longball.engines.parallel import in_parallel
 
@@ -37,11 +37,11 @@ def read_rows(o: Options, kind: Kind, *, spin: bool) -> MeasuredPitches | Measur
     from longball.pitches.statcast import GAMES, read_measured
     from longball.pitches.table import NoSuchColumn, TableError
 
-    table, names = chosen_table(o), assignments("--column", o.column)
+    table = chosen_table(o)
     games = vars(o).get("games") or GAMES  # not all commands need the weather
     with refusing():
         try:
-            return read_measured(table, kind, games, spin=spin, names=names)
+            return read_measured(table, kind, games, spin=spin, names=o.column)
         except NoSuchColumn as error:
             hint = ""
             if {*error.missing} - (of_spin := {"spin_axis", "release_spin_rate"}):
