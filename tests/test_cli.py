@@ -437,7 +437,7 @@ def test_help_imports_no_command():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
     assert run.stdout.endswith("set()\n")
-    for name in cli.COMMANDS:
+    for name in cli.MODULES:
         assert re.search(rf"^  {name} +[A-Z]", run.stdout, re.MULTILINE)
 
 

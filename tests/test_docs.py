@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from longball.cli import COMMANDS, golden
+from longball.cli import COMMANDS
 from longball.judge.diagnosis.search import ALONE
 from tests.test_environment import PATIENCE
 
@@ -207,7 +207,7 @@ def test_the_page_on_trust_has_the_numbers_of_the_search():
 
 def test_help_has_an_example_and_names_the_form_of_every_value(called):
     """A reader of `--scenes TEXT` does not know that a file is meant."""
-    for command in ("", *COMMANDS, *(f"golden {name}" for name in golden.COMMANDS)):
+    for command in ("", "golden", *COMMANDS):
         shown = called(*command.split(), "--help").stdout
         assert "Example: " in shown, command
         assert " TEXT" not in shown, command

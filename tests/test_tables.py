@@ -58,8 +58,8 @@ PITCHED = {"kind": "at-bat", "pitch": {"speed": 38.0, "aim": [0, 1.7]}, "swing":
 LAUNCHED = {"kind": "flight", "launch": {"position": [0, 0, 1], "velocity": [30.0, 0.0, 25]}}
 
 
-def test_dicts_of_one_form_have_the_answers_of_their_scenes():
-    """With ids or without, of two forms in turn, and with faults: each as if it were alone."""
+def test_dicts_have_the_answers_of_their_scenes():
+    """With ids or without, of two kinds in turn, and with faults: each as if it were alone."""
     scenes: list[Any] = []
     for i in range(300):
         scene = json.loads(json.dumps(PITCHED if i % 2 else LAUNCHED))
@@ -72,7 +72,6 @@ def test_dicts_of_one_form_have_the_answers_of_their_scenes():
     scenes[44] |= {"launch.velocity": [30, 0, 25]}  # a column's name is no key
     scenes[46]["id"], scenes[48]["id"], scenes[50] = "", 7, "no scene"
 
-    # Ten are too few to be read as columns.
     alone = [one for i in range(0, 300, 10) for one in lb.solve_many(scenes[i : i + 10])]
     together = lb.solve_many(scenes, workers=1)
     assert [x.apex for x in together] == [x.apex for x in alone]

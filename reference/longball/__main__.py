@@ -59,9 +59,9 @@ def main() -> None:
         signal.signal(number, signal.SIG_DFL)  # during the imports: no message, no traceback
     _prepare_streams()
 
-    from longball.cli import COMMANDS, app, module_of
+    from longball.cli import MODULES, app, module_of
 
-    if sys.argv[1:] and sys.argv[1] in COMMANDS:
+    if sys.argv[1:] and sys.argv[1] in MODULES:
         module_of(sys.argv[1])  # only this command's module: each loads other libraries
 
     stopped_by: list[int] = []

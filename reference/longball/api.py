@@ -24,14 +24,12 @@ from longball.model.inputs import (
     CONTACT,
     OF_SPIN,
     OF_VELOCITY,
-    UNITS_OF_TRACKED,
-    angle_fault,
     inputs,
     launched,
     require_inputs,
+    tracked_fault,
 )
 from longball.model.numbers import DOUBLES, Undecided
-from longball.model.plain import is_number, plain
 from longball.model.quantities import numbers
 from longball.model.readings import Reading, SamplingReading, readings_of
 from longball.model.result import Result
@@ -130,15 +128,8 @@ def launch(
     if any(spin is not None for spin in spun):
         tracked |= zip(OF_SPIN, (spin or 0.0 for spin in spun), strict=True)
     for name, value in tracked.items():
-        if not is_number(value):
-            key = name.removeprefix("launch.")
-            unit = UNITS_OF_TRACKED[name]
-            raise InvalidScene(f"{key}: must be a number in {unit} (got {value!r})")
-    # `not >` also refuses NaN.
-    if not speed > 0.0:
-        raise InvalidScene(f"speed: must be positive (got {speed!r})")
-    if fault := angle_fault(angle):
-        raise InvalidScene(f"angle: {fault}")
+        if fault := tracked_fault(name, value):
+            raise InvalidScene(f"{name.removeprefix('launch.')}: {fault}")
     start: Any = position  # in any form that a block takes
     vectors = {name.removeprefix("launch."): v for name, v in launched(tracked, DOUBLES).items()}
     return models.Launch(position=start, **vectors)
@@ -165,11 +156,7 @@ def as_scene(written: object) -> Scene:
     if isinstance(written, str | bytes):
         return parse_scene(written)
     if isinstance(written, Mapping):
-        # A mapping may hold itself.
-        try:
-            return scene_of(plain(written))
-        except RecursionError:
-            raise InvalidScene("not a scene: its blocks are nested too deeply") from None
+        return scene_of(written)
     several = "; lb.solve_many takes several" if isinstance(written, list | tuple) else ""
     raise TypeError(
         "a scene is an lb.AtBat, lb.Flight, lb.Pitch or lb.Impact, a mapping or a line of JSON; "
@@ -306,7 +293,7 @@ def solve(
         if result.certificate is not None:
             raise Undecided(result.certificate)
     slopes = derivatives_in(asked, result, solver, derivatives) if derivatives else None
-    return Solution(asked, result, solver, trajectory, slopes)
+    return Solution(asked, result.data(), solver, trajectory, slopes)
 
 
 def derivatives_in(

@@ -195,8 +195,9 @@ _PLOTTED = 400  # points: lines between them are as smooth as a screen
 class Solution:
     """The result of a scene.
 
-    Its attributes are the keys of a line of results; a block that the outcome does not have is
-    None. A number is a float, or with `digits` a `Bounded`, which `float` converts.
+    `scene` is the solved scene, None if it was invalid. The other attributes are the keys of a line
+    of results; a block that the outcome does not have is None. A number is a float, or with
+    `digits` a `Bounded`, which `float` converts.
     """
 
     outcome: Outcome | None
@@ -213,44 +214,33 @@ class Solution:
 
     def __init__(
         self,
-        scene: Scene | Callable[[], Scene] | None,
-        result: Result | dict[str, Any],
+        scene: Scene | None,
+        data: dict[str, Any],  # of its result, with the name of the engine alone
         solver: Engine,
         trajectory: Trajectory | None = None,
         derivatives: Derivatives | None = None,
     ) -> None:
-        self._scene, self._result = scene, result
+        self.scene, self._data = scene, data
         self._solver, self._trajectory = solver, trajectory
         self._derivatives = derivatives
-
-    # Creating models takes longer than the flight, so they are created only for used solutions.
-    @cached_property
-    def scene(self) -> Scene | None:
-        """The solved scene."""
-        return self._scene() if callable(self._scene) else self._scene
 
     @property
     def id(self) -> str | None:
         """The id of the scene."""
-        name: str | None
-        name = self._result["id"] if isinstance(self._result, dict) else self._result.id
+        name: str | None = self._data["id"]
         return name
 
     @cached_property
     def result(self) -> Result:
         """The whole result as a model; ``result.line()`` is its line of JSON."""
-        result = self._result
-        engine = result["engine"] if isinstance(result, dict) else result.engine
-        by = {"engine": engine and signed(engine)}
-        if isinstance(result, dict):
-            return Result.model_validate(result | by)
-        return result.model_copy(update=by)
+        by = self._data.get("engine")
+        return Result.model_validate(self._data | ({"engine": signed(by)} if by else {}))
 
     def __getattr__(self, name: str) -> Any:
         # Blocks and top-level keys; the declarations above are for type checkers.
-        if name in BLOCKS and isinstance(self._result, dict):
+        if name in BLOCKS:
             # Create one block only: most callers need the same one from thousands of solutions.
-            block = self._result.get(name)
+            block = self._data.get(name)
             vars(self)[name] = block and BLOCKS[name].model_validate(block)
             return vars(self)[name]
         if name in Result.model_fields:
@@ -267,7 +257,7 @@ class Solution:
         keys = re.sub(r"\[\d+\]", "", name).split(".")
         if not parts_of(Result, keys):
             raise ValueError(f"{name}: no result has it{one_of('they have', name, _quantities())}")
-        return at(self._result, name) if keys[0] in BLOCKS else at(self.result, name)
+        return at({keys[0]: getattr(self if keys[0] in BLOCKS else self.result, keys[0])}, name)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, without the quantities it does not have."""
@@ -332,7 +322,7 @@ class Solution:
         # In the order of the model, with inner blocks (plate.approach) after their own.
         blocks = [*BLOCKS]
         for name in sorted(chain.PARTS, key=lambda part: blocks.index(part.split(".")[0])):
-            block = at(self.result, name)
+            block = self[name]
             for key, field in type(block).model_fields.items() if block else ():
                 if (
                     value := getattr(block, key)

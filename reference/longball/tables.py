@@ -6,7 +6,6 @@ Columns have the names of the numbers (`longball.model.quantities`): ``pitch.aim
 
 from __future__ import annotations
 
-import gc
 import json
 import math
 import os
@@ -14,22 +13,20 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from functools import partial
+from contextlib import suppress
 from itertools import islice, product
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from longball import engines
-from longball.alike import Alike, alike
 from longball.api import as_engine, as_scene, chosen_inputs, derivatives_in, differentiable
 from longball.engines import chain
 from longball.engines.chain import BLOCKS, DISCRETE
 from longball.engines.engine import Engine, ManyAtOnce
-from longball.engines.parallel import checked
+from longball.engines.parallel import checked, without_collection
 from longball.extras import naming_extras
 from longball.model.changes import USUAL_SCENES
 from longball.model.plain import column_of, is_missing
@@ -175,37 +172,18 @@ def solve_many(
             f"not an object of type {type(scenes).__name__}"
         )
     # Trajectories are not kept: a million of them would fill the memory.
-    with _no_collection():
-        written = [*scenes]
-        solutions: dict[int, Solution] = {}
-        # The compiled code takes columns. Bounds, paths and derivatives need a scene for each.
-        if isinstance(flyer, ManyAtOnce) and not (certify or paths or derivatives):
-            solutions = _solve_alike(written, flyer, workers)
-        others = [i for i in range(len(written)) if i not in solutions]
-        solved = _asked_and_results([written[i] for i in others], solver, workers, paths)
-        for i, (asked, result) in zip(others, solved, strict=True):
-            solutions[i] = Solution(
+    with without_collection():
+        solutions = [
+            Solution(
                 asked if isinstance(asked, BaseModel) else None,
                 result,
                 flyer,
                 derivatives=_derivatives_alone(asked, result, flyer, derivatives),
             )
-    in_order = [solutions[i] for i in range(len(written))]
-    _warn_of_repeated(solution.id for solution in in_order)
-    return in_order
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Pause the cyclic garbage collection."""
-    # It would take half of the time for a few thousand scenes, and solutions have no cycles.
-    active = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if active:
-            gc.enable()
+            for asked, result in _asked_and_results(scenes, solver, workers, paths)
+        ]
+    _warn_of_repeated(solution.id for solution in solutions)
+    return solutions
 
 
 def _warn_of_repeated(ids: Iterable[object]) -> None:
@@ -220,52 +198,18 @@ def _asked_and_results(
     solver: Engine | ManyAtOnce,
     workers: int,
     paths: int | None = None,
-) -> Iterator[tuple[Scene | InvalidScene, Result]]:
-    """Yield scenes, or why they are none, with their results."""
+) -> Iterator[tuple[Scene | InvalidScene, dict[str, Any]]]:
+    """Yield scenes, or why they are none, with their results as plain data."""
     asked = [*map(_as_scene_or_error, written)]
     valid = [scene for scene in asked if not isinstance(scene, InvalidScene)]
-    if paths is None:
-        results = iter(chain.solve_each(valid, solver, workers))
+    if paths is not None:
+        results = (chain.solve_with_points(scene, solver, paths).data() for scene in valid)
+    elif isinstance(solver, ManyAtOnce):
+        results = (data for data in solver.solve_as_data(valid, workers))
     else:
-        results = iter(chain.solve_with_points(x, solver, paths) for x in valid)
+        results = (result.data() for result in chain.solve_each(valid, solver, workers))
     for scene in asked:
-        if isinstance(scene, InvalidScene):
-            yield scene, refused(scene)
-        else:
-            yield scene, next(results)
-
-
-# Scenes of one form: for fewer, the corners of their columns cost more than they save.
-_FEWEST = 64
-
-
-def _solve_alike(written: Sequence[object], solver: Any, workers: int) -> dict[int, Solution]:
-    """Return the solutions, by place, of those scenes that columns can hold."""
-    from longball.engines.batch import solve_columns_as_data
-
-    solutions: dict[int, Solution] = {}
-    parts = [(group, 0, len(group.rows)) for group in alike(written)]
-    while parts:
-        group, begin, end = parts.pop()
-        if end - begin < _FEWEST:
-            continue  # each row is read alone, and gets its own message
-        columns = group.columns(begin, end)
-        base = _scene_or_none(group.written(begin))
-        if base is None or not _all_valid(base, columns, (end - begin) // 4):
-            # One scene that is none costs those near it a search, and the others nothing.
-            middle = (begin + end) // 2
-            parts += [(group, begin, middle), (group, middle, end)]
-            continue
-        rows = solve_columns_as_data(base, columns, solver, workers)
-        for i, data in enumerate(rows, begin):
-            if data is not None:
-                made = partial(_made, group, i)
-                solutions[group.places[i]] = Solution(made, data | {"id": group.ids[i]}, solver)
-    return solutions
-
-
-def _made(group: Alike, row: int) -> Scene:
-    return as_scene(group.written(row))
+        yield scene, refused(scene).data() if isinstance(scene, InvalidScene) else next(results)
 
 
 def _as_scene_or_error(written: object) -> Scene | InvalidScene:
@@ -296,13 +240,16 @@ def _solve_table(
     fixed, varied, count = _split(columns)
     # An id may be a number here, and is no part of the scene that it is a name of.
     ids = varied.pop("id", fixed.pop("id", None))
-    frame = None
+    frame = slopes = None
     # The compiled code takes columns as they are. Paths need a trajectory for each ball.
     if isinstance(solver, ManyAtOnce) and hasattr(solver, "fly_all") and paths is None:
-        frame = _solve_as_columns(fixed, varied, solver, workers, derivatives)
+        base = _base_of_valid(fixed, varied)
+        if base is not None:
+            frame, slopes = _solve_as_columns(base, varied, solver, workers, derivatives)
     if frame is None:
-        rows = [*_rows(fixed, varied, count)]
-        scenes = (scene_of(row, _json_alone) for row in rows)
+        cells = [column.tolist() for column in varied.values()]
+        rows = zip(*cells, strict=True) if cells else [()] * count
+        scenes = (_scene_at(fixed, varied, row) for row in rows)
         solved = [*_asked_and_results(scenes, solver, workers, paths)]
         errors = [asked for asked, _ in solved if isinstance(asked, InvalidScene)]
         # The same fault in all rows is one of the columns, as a column that is missing.
@@ -311,64 +258,84 @@ def _solve_table(
                 f"no row is a scene: {errors[0]} (row 0 of {count}); "
                 f"the columns are {', '.join(map(str, columns))}"
             )
-        data = [result.data() for _, result in solved]
+        data = [result for _, result in solved]
         # Arrays of shape (paths, 7) would become one column for each number.
         flown = [one.pop("path", None) for one in data]
-        frame = _with_engines_signed(results_table(data)).drop(columns="id", errors="ignore")
+        frame = results_table(data).drop(columns="id", errors="ignore")
         if paths is not None:
             points = np.empty(count, object)
             points[:] = [None if path is None else np.array(path, float) for path in flown]
             frame["path"] = points
         if derivatives:
-            derived = [_derivatives_alone(*one, solver, derivatives) for one in solved]
-            frame = _with_slopes(frame, *_slopes_alone(derived, solver))
+            slopes = _slopes_alone(solved, solver, derivatives)
+    # A few names in a million rows: each is signed once.
+    if "engine" in frame:
+        names = frame["engine"].dropna().unique()
+        frame["engine"] = frame["engine"].map({name: signed(name) for name in names})
+    if slopes is not None:
+        frame = _with_slopes(frame, slopes)
     if ids is not None and count:
         frame.insert(0, "id", ids)
     return frame
 
 
+def _scene_at(
+    fixed: Mapping[str, Any], varied: Mapping[str, Any], row: Iterable[Any]
+) -> dict[str, Any]:
+    return scene_of({**fixed, **dict(zip(varied, row, strict=True))}, _json_alone)
+
+
+@naming_extras()
 def _solve_as_columns(
-    fixed: Mapping[str, Any],
-    varied: dict[str, NDArray[Any]],
+    base: Scene,
+    varied: Mapping[str, NDArray[Any]],
     solver: Any,
     workers: int,
     derivatives: bool | Sequence[str],
-) -> pd.DataFrame | None:
-    """Solve columns by the batch engine without building scenes; None if a row is invalid."""
+) -> tuple[pd.DataFrame, _Slopes | None]:
+    """Solve columns of valid scenes by the batch engine, without building the scenes."""
+    import pandas as pd
+
     from longball.engines.batch import solve_columns, solve_columns_with_slopes
 
-    # To build a scene for each row would take far longer than its flight.
-    first = {name: column.item(0) for name, column in varied.items() if column.size}
-    base = _scene_or_none(scene_of({**fixed, **first}, _json_alone))
-    if base is None or not _all_valid(base, varied, _MOST_CORNERS):
-        return None
     slopes = None
     if derivatives:
         names = chosen_inputs(base, derivatives)
-        table, slopes = solve_columns_with_slopes(base, varied, names, solver, workers)
+        table, found = solve_columns_with_slopes(base, varied, names, solver, workers)
+        # Engine of the derivatives: compiled for most rows, `ivp` for those at a corner.
+        by = np.full(len(table["outcome"]), None, object)
+        by[table["outcome"] != ""] = solver.description
+        by[found.alone] = _alone(solver).description
+        columns = {
+            f"{quantity} by {name}": column
+            for quantity, by_number in found.columns.items()
+            for name, column in zip(names, by_number, strict=True)
+        }
+        slopes = _Slopes(columns, by, found.refused)
     else:
         table = solve_columns(base, varied, solver, workers)
     # Rows without an answer of the compiled code: the chain solves them, or gives the reason.
     unsolved = np.flatnonzero(table["outcome"] == "").tolist()
-    rows = ({n: column.item(i) for n, column in varied.items()} for i in unsolved)
-    scenes = (scene_of({**fixed, **row}, _json_alone) for row in rows)
-    reasons = (result for _, result in _asked_and_results(scenes, solver, workers))
-    frame = _with_engines_signed(_frame(table, dict(zip(unsolved, reasons, strict=True))))
-    if slopes is None:
-        return frame
-    columns = {
-        (quantity, name): column
-        for quantity, by_number in slopes.columns.items()
-        for name, column in zip(names, by_number, strict=True)
-    }
-    # Engine of the derivatives: compiled for most rows, `ivp` for those at a corner.
-    by = np.full(len(frame), None, object)
-    by[table["outcome"] != ""] = signed(solver.description)
-    by[slopes.alone] = signed(_alone(solver).description)
-    return _with_slopes(frame, columns, by, slopes.refused)
+    rows = ({name: column.item(i) for name, column in varied.items()} for i in unsolved)
+    reasons = _asked_and_results((replaced(base, row) for row in rows), solver, workers)
+    texts = ("outcome", "engine", "error", "code")
+    nothing = np.full(len(table["outcome"]), None, object)
+    table |= {name: table.get(name, nothing).astype(object) for name in texts}
+    for i, (_, result) in zip(unsolved, reasons, strict=True):
+        for name in texts:
+            table[name][i] = result.get(name)
+    return _typed(pd.DataFrame({name: table[name] for name in sorted(table, key=_place)})), slopes
 
 
 # --- derivatives ----------------------------------------------------------------------------------
+
+
+class _Slopes(NamedTuple):
+    """Derivatives of the results of a table."""
+
+    columns: Any  # by names such as "landing.distance by launch.speed", as a mapping or a table
+    by: Any  # description of their engine in each row; None for a row without any
+    refused: Mapping[int, Mapping[str, str]]  # reasons for missing ones, by row and input
 
 
 def _alone(engine: Any) -> PathEngine:
@@ -377,52 +344,50 @@ def _alone(engine: Any) -> PathEngine:
 
 
 def _derivatives_alone(
-    scene: Scene | InvalidScene, result: Result, engine: Any, names: bool | Sequence[str]
+    scene: Scene | InvalidScene, result: dict[str, Any], engine: Any, names: bool | Sequence[str]
 ) -> Derivatives | None:
     """Return the derivatives of a result; None if none are requested, or it is an error."""
-    if not names or isinstance(scene, InvalidScene) or result.error is not None:
+    if not names or isinstance(scene, InvalidScene) or "error" in result:
         return None
-    return derivatives_in(scene, result, _alone(engine), names)
-
-
-Slopes = Mapping[tuple[str, str], Any]  # columns, by quantities of results and by names of scenes
-
-
-def _slopes_alone(
-    derived: Sequence[Derivatives | None], engine: Any
-) -> tuple[Slopes, Any, dict[int, Mapping[str, str]]]:
-    """Return derivatives as columns, their engine by row, and refusals by row."""
-    there = {i: one for i, one in enumerate(derived) if one is not None}
-    # Rows have different quantities, as a miss has no landing: columns are the union.
-    pairs = dict.fromkeys((q, n) for one in there.values() for q, by in one.items() for n in by)
-    columns = {pair: np.full(len(derived), math.nan) for pair in pairs}
-    by = np.full(len(derived), None, object)
-    for i, one in there.items():
-        by[i] = signed(_alone(engine).description)
-        for quantity, slopes in one.items():
-            for name, slope in slopes.items():
-                columns[quantity, name][i] = float(slope)
-    return columns, by, {i: one.refused for i, one in there.items() if one.refused}
+    return derivatives_in(scene, Result.model_validate(result), _alone(engine), names)
 
 
 @naming_extras()
-def _with_slopes(
-    frame: pd.DataFrame, columns: Slopes, by: Any, refused: Mapping[int, Mapping[str, str]]
-) -> pd.DataFrame:
+def _slopes_alone(
+    solved: Sequence[tuple[Scene | InvalidScene, dict[str, Any]]],
+    engine: Any,
+    names: bool | Sequence[str],
+) -> _Slopes:
+    """Return the derivatives of results one by one."""
+    import pandas as pd
+
+    derived = [_derivatives_alone(*one, engine, names) for one in solved]
+    # Rows have different quantities, as a miss has no landing: columns are the union.
+    columns = pd.DataFrame(
+        {f"{q} by {name}": float(x) for q, by in (one or {}).items() for name, x in by.items()}
+        for one in derived
+    )
+    by = [None if one is None else _alone(engine).description for one in derived]
+    refused = {i: one.refused for i, one in enumerate(derived) if one is not None and one.refused}
+    return _Slopes(columns, by, refused)
+
+
+@naming_extras()
+def _with_slopes(frame: pd.DataFrame, slopes: _Slopes) -> pd.DataFrame:
     """Return a table of results with columns of derivatives, and where they are from."""
     import pandas as pd
 
     text = pd.StringDtype(na_value=math.nan)
+    signatures = [by and signed(by) for by in slopes.by]
     sentences = np.full(len(frame), None, object)
-    for i, reasons in refused.items():
+    for i, reasons in slopes.refused.items():
         sentences[i] = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
-    named = {
-        f"{quantity} by {name}": columns[quantity, name]
-        for quantity, name in sorted(columns, key=lambda pair: _place(pair[0]))
+    columns = {name: slopes.columns[name] for name in sorted(slopes.columns, key=_place)}
+    columns |= {
+        "derivatives": pd.array(signatures, text),
+        "refused": pd.array(sentences, text),
     }
-    whence = {"derivatives": pd.array(by, text), "refused": pd.array(sentences, text)}
-    slopes = pd.DataFrame({**named, **whence}, frame.index, copy=False)
-    return pd.concat([frame, slopes], axis=1)
+    return pd.concat([frame, pd.DataFrame(columns, frame.index, copy=False)], axis=1)
 
 
 def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], int]:
@@ -438,7 +403,9 @@ def _split(columns: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any], 
             # A single None removes the air of all scenes; None in a cell means the default.
             fixed[name] = _NO_AIR if name == "air" and value is None else value
         else:
-            varied[name] = _one_a_row(column_of(value)) if name != "id" else _labels(value)
+            # Ids may be numbers, and stay as they are given.
+            labels = [None if is_missing(x) else x for x in value] if name == "id" else []
+            varied[name] = labels or _one_a_row(column_of(value))
     # All columns at once, so that the message shows which of them differ.
     shapes = {name: np.shape(column) for name, column in varied.items()}
     if len({*shapes.values()}) > 1 or any(len(shape) != 1 for shape in shapes.values()):
@@ -491,44 +458,26 @@ def _is_single(value: Any) -> bool:
     return getattr(value, "ndim", 1) == 0
 
 
-def _labels(values: Iterable[Any]) -> list[Any]:
-    """Return ids, which may be numbers, as they are given; None where one is missing."""
-    return [None if is_missing(x) else x for x in values]
-
-
-def _scene_or_none(written: Mapping[str, Any]) -> Scene | None:
-    with suppress(TypeError, ValueError):
-        return as_scene(written)
-    return None
-
-
-def _all_valid(scene: Scene, varied: Mapping[str, NDArray[Any]], most_corners: int) -> bool:
-    """True if a scene is certainly valid with every row of columns.
+def _base_of_valid(fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]]) -> Scene | None:
+    """Return the scene of the first row if the scenes of all rows are certainly valid.
 
     If the valid numbers are a convex set (`may_be_mixed`), it is enough to check the corners of the
-    box that the columns span.
+    box that the columns span: to build a scene for each row would take far longer than its flight.
     """
-    numeric = all(c.dtype == float and c.size and np.isfinite(c).all() for c in varied.values())
-    if not varied or not numeric or not may_be_mixed(scene):
-        return False
+    columns = varied.values()
+    if not columns or not all(
+        c.dtype == float and c.size and np.isfinite(c).all() for c in columns
+    ):
+        return None
     # The smallest and the largest value of each column; one corner where they are equal.
-    ends = [{*column[[column.argmin(), column.argmax()]].tolist()} for column in varied.values()]
-    if math.prod(map(len, ends)) > most_corners:
-        return False
-    try:
-        for corner in product(*ends):
-            replaced(scene, dict(zip(varied, corner, strict=True)))
-    except ValueError:
-        return False
-    return True
-
-
-def _rows(
-    fixed: Mapping[str, Any], varied: Mapping[str, NDArray[Any]], count: int
-) -> Iterator[dict[str, Any]]:
-    columns = [column.tolist() for column in varied.values()]
-    for values in zip(*columns, strict=True) if columns else [()] * count:
-        yield {**fixed, **dict(zip(varied, values, strict=True))}
+    ends = [{*column[[column.argmin(), column.argmax()]].tolist()} for column in columns]
+    with suppress(TypeError, ValueError):
+        base = as_scene(_scene_at(fixed, varied, [column.item(0) for column in columns]))
+        if may_be_mixed(base) and math.prod(map(len, ends)) <= _MOST_CORNERS:
+            for corner in product(*ends):
+                replaced(base, dict(zip(varied, corner, strict=True)))
+            return base
+    return None
 
 
 def scene_of(row: Mapping[Any, Any], read: Callable[[str], Any]) -> dict[str, Any]:
@@ -558,29 +507,6 @@ def _json_alone(text: str) -> Any:
 
 
 _NO_AIR = "null"  # as JSON, because None means the default
-
-
-@naming_extras()
-def _frame(table: Mapping[str, NDArray[Any]], reasons: Mapping[int, Result]) -> pd.DataFrame:
-    """Return columns as a table of results, with the reasons why rows have no outcome."""
-    import pandas as pd
-
-    frame = pd.DataFrame({name: table[name] for name in sorted(table, key=_place)})
-    # Texts in most rows are None: an object column takes both.
-    frame["error"] = frame["code"] = pd.Series(None, frame.index, object)
-    for i, result in reasons.items():
-        cells = result.outcome, result.engine, result.error, result.code
-        frame.loc[i, ["outcome", "engine", "error", "code"]] = cells
-    return _typed(frame)
-
-
-def _with_engines_signed(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return a table of results whose engines have longball's version, as in a `Solution`."""
-    # A few names in a million rows: each is signed once.
-    if "engine" in frame:
-        names = frame["engine"].dropna().unique()
-        frame["engine"] = frame["engine"].map({name: signed(name) for name in names})
-    return frame
 
 
 @naming_extras()

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
 from importlib import import_module
-from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,11 +11,11 @@ import typer
 from typer.core import TyperGroup
 
 from longball import __version__
-from longball.cli.usage import in_one_voice
+from longball.cli.command import InOneVoice
 from longball.model.names import one_of
 
-# The commands, with an example of each. A command is a function in a module of the same name, which
-# is imported on demand: completion and --help must not load SciPy.
+# The commands, with an example of each. The first word is that of a module, which is imported on
+# demand: completion and --help must not load SciPy. The last word is that of a function in it.
 COMMANDS = {
     "solve": "longball solve at-bats.jsonl -o results.jsonl",
     "judge": "longball judge -- longball solve --engine verlet --dt 1e-3",
@@ -34,9 +32,14 @@ COMMANDS = {
     "infer": "longball infer flight.json --points path.csv --unknown launch.speed",
     "plot": "longball plot at-bats.jsonl -o paths.svg",
     "readings": "longball readings --samples 1000",
-    "golden": "longball golden list",
+    "golden list": "longball golden list",
+    "golden path": "ls $(longball golden path)",
+    "golden export": "longball golden export golden.zip",
+    "golden write": "longball golden write golden-data",
+    "golden coverage": "longball golden coverage scenes.jsonl",
+    "golden check": "longball golden check --sample 50",
 }
-GROUPS = ("golden",)  # commands with subcommands
+MODULES = tuple(dict.fromkeys(name.split()[0] for name in COMMANDS))
 EXIT_STATUS = (
     "Exit status: 0 success, 1 a line or a verdict failed, 2 an option or an input is wrong."
 )
@@ -44,87 +47,62 @@ EXIT_STATUS = (
 
 def module_of(command: str) -> Any:
     """Import the module of a command."""
-    return import_module(f"longball.cli.{command}")
+    return import_module(f"longball.cli.{command.split()[0]}")
 
 
-def summary_of(command: str, group: str = "") -> str:
-    """Return the first line of a command's docstring, without importing its module."""
+def summary_of(command: str) -> str:
+    """Return the first line of the docstring of a command or a group, without an import."""
     # Help lists all commands; importing them takes five times as long as parsing them.
-    tree: Any = ast.parse(Path(__file__).with_name(f"{group or command}.py").read_bytes())
-    if command not in GROUPS:
+    module, function = command.split()[0], command.split()[-1]
+    tree: Any = ast.parse(Path(__file__).with_name(f"{module}.py").read_bytes())
+    if command in COMMANDS:
         # The function has the command's name, with _ if it would hide a word of Python.
         functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
-        tree = next(node for node in functions if node.name.rstrip("_") == command)
+        tree = next(node for node in functions if node.name.rstrip("_") == function)
     return (ast.get_docstring(tree) or "").partition("\n")[0]
 
 
-class Commands(TyperGroup):
-    """A group of commands, imported on demand, with usage errors in longball's words."""
+class Commands(InOneVoice, TyperGroup):
+    """A group of commands, imported on demand."""
 
-    group = ""  # name of the group; empty for longball itself
-    examples: Mapping[str, str] = COMMANDS
+    prefix = ""  # of their names in `COMMANDS`, such as "golden "
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands."""
-        return [*self.examples]
+        inner = (x.removeprefix(self.prefix) for x in COMMANDS if x.startswith(self.prefix))
+        return [*dict.fromkeys(name.split()[0] for name in inner)]
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the section of the commands."""
+        names = self.list_commands(ctx)
         with formatter.section("Commands"):
-            formatter.write_dl([(name, summary_of(name, self.group)) for name in self.examples])
+            formatter.write_dl([(name, summary_of(self.prefix + name)) for name in names])
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command, None if there is none of that name."""
-        if cmd_name not in self.examples:
+        if cmd_name not in (names := self.list_commands(ctx)):
             # A shell asks for the completion of unfinished words.
             if not (ctx.resilient_parsing or cmd_name.startswith("-")):
-                known = one_of("the commands are", cmd_name, self.examples)
-                ctx.fail(f"no such command {cmd_name!r}{known}")
+                from longball.cli.messages import wrong_call  # loads the model
+
+                known = one_of("the commands are", cmd_name, names)
+                wrong_call(f"no such command {cmd_name!r}{known}")
             return None
-        module = module_of(self.group or cmd_name)
-        epilog = f"Example: {self.examples[cmd_name]}\n\n{EXIT_STATUS}"
-        if cmd_name in GROUPS:
-            group = Commands(
-                name=cmd_name,
-                help=summary_of(cmd_name),
-                epilog=epilog,
-                no_args_is_help=True,
-                rich_markup_mode=None,
-            )
-            group.group, group.examples = cmd_name, module.COMMANDS
+        name = self.prefix + cmd_name
+        example = next(x for known, x in COMMANDS.items() if f"{known} ".startswith(f"{name} "))
+        more: dict[str, Any] = {
+            "help": summary_of(name),
+            "epilog": f"Example: {example}\n\n{EXIT_STATUS}",
+        }
+        if name not in COMMANDS:
+            group = Commands(name=cmd_name, **more, no_args_is_help=True, rich_markup_mode=None)
+            group.prefix = f"{name} "
             return group
         from longball.cli.options import command_of
 
-        # The key of options such as "golden check.seed".
-        name = f"{self.group} {cmd_name}".strip()
+        module = module_of(name)
         function = getattr(module, cmd_name, None) or getattr(module, f"{cmd_name}_")
-        return command_of(name, function, epilog)
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the requested command, with the defaults from a configuration file."""
-        resolved: Any = super().resolve_command(ctx, args)
-        name, command, rest = resolved
-        # --help must work even if the configuration file is wrong. Words behind -- are the
-        # COMMAND's.
-        asks_help = {"-h", "--help"} & {*takewhile(lambda word: word != "--", rest)}
-        has_settings = not self.group and name not in GROUPS
-        if has_settings and not (asks_help or ctx.resilient_parsing):
-            from longball.cli.settings import defaults_of, settings_of
-
-            command.settings, given = settings_of(name, [x for x in COMMANDS if x not in GROUPS])
-            options = command.named_options()
-            ctx.default_map = {name: defaults_of(command.settings, given, options, name)}
-        return name, command, rest
-
-    def make_context(self, *args: Any, **kwargs: Any) -> Any:
-        """Parse the words before the command."""
-        with in_one_voice():
-            return super().make_context(*args, **kwargs)
-
-    def invoke(self, ctx: Any) -> Any:
-        """Call the requested command."""
-        with in_one_voice():
-            return super().invoke(ctx)
+        return command_of(name, function, more["epilog"])
 
 
 app = typer.Typer(

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from longball.cli.messages import refusing, split_assignment, wrong_call
+from longball.cli.messages import refusing, wrong_call
 from longball.cli.options import Options
 from longball.model.changes import Changes, changes_of, value_of
 from longball.model.jsonl import json_or_number
@@ -32,20 +32,21 @@ def chosen_changes(o: Options, blocks: Mapping[str, Any] | None = None) -> Chang
     return changes(given.get("set"), given.get("fence"), whole)
 
 
-def changes(values: Sequence[str] | None, fence: str | None, whole: Mapping[str, Any]) -> Changes:
+def changes(
+    values: Mapping[str, str] | None, fence: str | None, whole: Mapping[str, Any]
+) -> Changes:
     """Return changes of whole blocks, then of --fence, then of --set."""
     if fence is not None:
         whole = {**whole, "fence": fence_block(fence)}
     with refusing("--set "):
-        return changes_of((split_assignment("--set", text) for text in values or []), whole)
+        return changes_of((values or {}).items(), whole)
 
 
-def chosen_switches(readings: Sequence[str] | None) -> dict[Belongs, dict[str, Any]]:
+def chosen_switches(readings: Mapping[str, str] | None) -> dict[Belongs, dict[str, Any]]:
     """Return the switches of --reading options, grouped by the part that they change."""
     ledger = {entry.switch: entry for entry in LEDGER if entry.is_switch}
     switches: dict[Belongs, dict[str, Any]] = {"scene": {}, "sampling": {}, "figure": {}}
-    for text in readings or ():
-        name, option = split_assignment("--reading", text)
+    for name, option in (readings or {}).items():
         if name not in ledger:
             near = one_of("it has", name, ledger)
             wrong_call(f"--reading {name}: not in the ledger{near}")

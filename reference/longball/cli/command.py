@@ -1,55 +1,60 @@
-"""A command of the command line: its help, and the options from a configuration file."""
+"""Commands as typer runs them, with help and usage errors in longball's words.
+
+Typer splits the words of a call into options and texts, writes the help, and completes words in a
+shell. `longball.cli.options` reads the texts.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from typing import Any
 
+import typer
 from typer.core import TyperCommand
 
-from longball.cli.messages import note
-from longball.cli.settings import INSTEAD
-from longball.cli.usage import UsageError
+from longball.model.names import did_you_mean
 
-# Names of types in the help; other forms, such as a|b, are unchanged.
-TYPES = {"str": "TEXT", "int": "N", "float": "X", "path": "FILE"}
-_TYPE = re.compile(r"<(?:list\[)?(.*?)\]?(?: range)?>")
+# Base class of typer's usage errors; it is click's in some versions, and typer's in others.
+_UsageError: Any = typer.BadParameter.__mro__[1]
 
 
-class Command(TyperCommand):
-    """A command whose help has no Python types, and which reports options from a file."""
-
-    settings = ""  # name of the configuration file
-
-    def named_options(self) -> Mapping[str, Any]:
-        """Return parameters by their long names; the argument of a COMMAND is one of them."""
-        long = {o.lstrip("-"): p for p in self.params for o in p.opts if o.startswith("--")}
-        return long | {p.name: p for p in self.params if p.name == "command"}
+class InOneVoice:
+    """A command or a group whose usage errors are printed like every other error."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
-        """Parse the arguments, which override alternatives in the configuration file."""
-        # Typer fills in the values of the file, and the defaults.
+        """Parse the arguments."""
+        known: Any = super()
         try:
-            rest = super().parse_args(ctx, args)
-        except UsageError as error:
-            error.ctx = error.ctx or ctx  # typer omits it for an option without a value
-            raise
-        # A COMMAND on the command line takes the place of results in the file, and so on.
-        for names in INSTEAD:
-            if any(given_by(ctx, name) == "COMMANDLINE" for name in names):
-                ctx.params |= {name: None for name in names if given_by(ctx, name) == "DEFAULT_MAP"}
-        return rest
+            return known.parse_args(ctx, args)
+        except _UsageError as error:
+            if type(error).__name__ == "NoArgsIsHelpError":  # its message is the help
+                raise
+            from longball.cli.messages import wrong_call  # loads the model: not needed for --help
 
-    def invoke(self, ctx: Any) -> Any:
-        """Call the command."""
-        names = (name for name, parameter in self.named_options().items()
-                 if given_by(ctx, parameter.name) == "DEFAULT_MAP"
-                 and ctx.params.get(parameter.name) is not None)  # fmt: skip
-        # Name the options from the file: invisible values would be hard to find.
-        if given := ", ".join(names):
-            note(f"{self.settings} gives {given}")
-        return super().invoke(ctx)
+            wrong_call(_sentence(error, self, ctx))
+
+
+def _sentence(error: Any, command: Any, ctx: Any) -> str:
+    """Return a sentence on a usage error; typer has different words for each kind."""
+    see_help = f"; see {ctx.command_path} --help"
+    if option := getattr(error, "option_name", None):
+        known = {name: each for each in command.get_params(ctx) for name in each.opts}
+        if option not in known:
+            return f"no such option {option}{did_you_mean(option, known) or see_help}"
+        if "requires" in error.message:
+            about = str(known[option].help).partition("  [")[0]  # without default and limits
+            return f"{option}: a value is needed: {about}".rstrip(".")
+        return f"{option} takes no value"
+    if extra := re.match(r"Got unexpected extra arguments? ?\(?s?\)? \((.*)\)", error.message):
+        takes = " ".join(command.collect_usage_pieces(ctx)[1:]) or "only options"
+        # The shell has split --speed 103 mph.
+        quote = "; a value with spaces needs quotes" if takes == "only options" else ""
+        return f"unexpected {extra[1]}: the command takes {takes}{quote}{see_help}"
+    return str(error.message)
+
+
+class Command(InOneVoice, TyperCommand):
+    """A command whose help has no Python types."""
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the arguments of the usage line."""
@@ -62,8 +67,7 @@ class Command(TyperCommand):
         rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
         for parameter in self.get_params(ctx):
             if record := parameter.get_help_record(ctx):
-                # Replace typer's types, <int> or <list[str]>, by the form of the value.
-                name = _TYPE.sub(lambda form: TYPES.get(form[1], form[1]), record[0])
+                name = re.sub(r"<(.*)>", r"\1", record[0])
                 if parameter.param_type_name == "argument":
                     name = str(parameter.metavar)
                 rows[parameter.param_type_name].append((name, record[1]))
@@ -71,9 +75,3 @@ class Command(TyperCommand):
             if rows[kind]:
                 with formatter.section(title):
                     formatter.write_dl(rows[kind])
-
-
-def given_by(ctx: Any, name: str) -> str:
-    """Return the source of a value: COMMANDLINE, DEFAULT_MAP (a file) or DEFAULT."""
-    source = ctx.get_parameter_source(name)
-    return source.name if source else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from longball.cli.messages import assignments, parsed, refusing
+from longball.cli.messages import parsed, refusing
 from longball.cli.options import Options
 from longball.cli.tables import chosen_table
 from longball.model.jsonl import json_or_number
@@ -15,8 +15,7 @@ from longball.pitches.table import NoSuchColumn
 def fit(o: Options) -> None:
     """Fit the paper's distributions of speeds and locations to a table of pitches."""
     table = chosen_table(o)
-    pairs = assignments("--column", o.column)
-    values = {name: json_or_number(value) for name, value in pairs.items()}
+    values = {name: json_or_number(value) for name, value in o.column.items()}
     columns = parsed(Columns, values, "--column ")
     # With --straight alone, all other types count as breaking: the default list has Statcast's
     # names.

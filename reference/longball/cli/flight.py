@@ -43,7 +43,7 @@ def flight(o: Options) -> None:
             where = park_of(o.park)
         height = where.elevation
         # A fence in --set replaces the park's.
-        if not any(text.startswith("fence") for text in o.set or ()):
+        if not any(name.startswith("fence") for name in o.set):
             blocks["fence"] = where.fence.model_dump(mode="json", exclude_none=True)
     if o.wind is not None:
         blocks["air.wind"] = _wind(o.wind)
@@ -74,7 +74,7 @@ def flight(o: Options) -> None:
     )
     (asked,) = scenes(ball, model_of(o.model), change=change)
     # The regression is for flies: its backspin grows with the angle, beyond all measured values.
-    chosen = any(text.startswith(("launch.spin", "launch.backspin")) for text in o.set or ())
+    chosen = any(name.startswith(("launch.spin", "launch.backspin")) for name in o.set)
     if model_of(o.model).spin and not chosen and not LOWEST <= angle <= HIGHEST:
         note("the spin is from a regression for 10° to 60°; --set launch.spin=[x,y,z] sets another")
     if isinstance(asked, InvalidScene):

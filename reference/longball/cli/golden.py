@@ -10,15 +10,6 @@ from longball.cli.options import Options
 from longball.golden import files, reader
 from longball.model.names import one_of
 
-COMMANDS = {
-    "list": "longball golden list",
-    "path": "ls $(longball golden path)",
-    "export": "longball golden export golden.zip",
-    "write": "longball golden write golden-data",
-    "coverage": "longball golden coverage scenes.jsonl",
-    "check": "longball golden check --sample 50",
-}
-
 
 def list_(o: Options) -> None:
     """List the families, which other commands take as SET, with their sizes."""

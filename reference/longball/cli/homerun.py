@@ -15,7 +15,7 @@ from longball.cli.messages import fail, parsed, progress_bar, refusing, show, te
 from longball.cli.options import Options
 from longball.home_run import Curve, Estimate, Fit, Integral
 from longball.model.readings import FIGURE_SWITCH, SamplingReading
-from longball.model.scene import AtBatScene, Fence, parse_scene
+from longball.model.scene import AtBatScene, Fence, scene_of
 from longball.pitches import load_fitted
 
 Rows = Sequence[Estimate] | Sequence[Integral]
@@ -110,14 +110,12 @@ def homerun(o: Options) -> None:
 
 
 def base_scene(
-    reading: Mapping[str, Any], values: Sequence[str] | None, fence: str | None = None
+    reading: Mapping[str, Any], values: Mapping[str, str], fence: str | None = None
 ) -> AtBatScene:
     """Return the at-bat of the options, without its random numbers."""
     change = changes(values, fence, {})
-    # Through a line of JSON, so that options are validated like scenes.
     with refusing():
-        line = json.dumps({"id": "base", "kind": "at-bat", "reading": reading})
-        scene = parse_scene(line, change)
+        scene = scene_of(change({"id": "base", "kind": "at-bat", "reading": reading}))
     assert isinstance(scene, AtBatScene)
     with refusing("--set "):
         home_run.refuse_drawn(scene)

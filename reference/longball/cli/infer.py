@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from longball.cli.changes import chosen_changes
-from longball.cli.messages import assignments, fail, refusing, wrong_call
+from longball.cli.messages import fail, refusing, wrong_call
 from longball.cli.options import Options
 from longball.cli.scenes import one_scene
 from longball.engines.engine import CannotSolve
@@ -37,10 +37,9 @@ def infer(o: Options) -> None:
             _, table = read_table(o.points, ("t", "x", "y", "z"))
             data = {name: numbers(table[name]) for name in table}
     else:
-        pairs = assignments("--measured", o.measured)
         # Values may have units, such as 390ft for landing.distance.
         with refusing("--measured "):
-            data = {name: value_of(name, text, [Result]) for name, text in pairs.items()}
+            data = {name: value_of(name, text, [Result]) for name, text in o.measured.items()}
     scene = one_scene(o.source, chosen_changes(o))
     with answering():
         fitted = fit(data, scene, unknowns=o.unknown, sigma=o.sigma)

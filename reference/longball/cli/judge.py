@@ -7,7 +7,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from longball.cli.messages import (
-    assignments,
     failing_unless,
     note,
     progress_bar,
@@ -69,8 +68,7 @@ def judge(o: Options) -> None:
         # All options are checked before this point, because a program may run for an hour.
         judge = Judge(cases, rule, truth, o.partial, dt=dt)
         if o.results:
-            columns = assignments("--column", o.column)
-            evaluation = judge.evaluate_file(o.results, columns, drawn)
+            evaluation = judge.evaluate_file(o.results, o.column, drawn)
         elif o.command:
             if stepped:
                 note(f"first run: dt = {dt:g}; then runs with other steps (--steps FROM:TO:COUNT)")

@@ -81,19 +81,6 @@ def refusing(what: str = "") -> Iterator[None]:
         wrong_call(f"{what}{error}")
 
 
-def split_assignment(option: str, text: str) -> tuple[str, str]:
-    """Return the two sides of NAME=VALUE."""
-    name, equals, value = text.partition("=")
-    if not (name and equals and value):
-        wrong_call(f"{option} {text}: must be NAME=VALUE")
-    return name, value
-
-
-def assignments(option: str, texts: Iterable[str] | None) -> dict[str, str]:
-    """Return the values of a repeated option by their names."""
-    return dict(split_assignment(option, text) for text in texts or ())
-
-
 def show(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print a table."""
     print("\n".join(aligned([head, *rows])))

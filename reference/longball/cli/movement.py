@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from longball.cli.options import Options
-from longball.cli.pitches import answers, pitches_of, show_each, show_types
+from longball.cli.tables import answers, pitches_of, show_each, show_types
 from longball.pitches.statcast import INCH
 from longball.questions.movement import PFX, clock, measured_movement
 

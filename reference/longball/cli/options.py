@@ -9,19 +9,19 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from inspect import Parameter, Signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, get_args
 
 import typer
 
-from longball.cli.command import Command, given_by
-from longball.cli.messages import hushed, wrong_call
-from longball.cli.settings import INSTEAD
+from longball.cli.command import Command
+from longball.cli.messages import hushed, note, wrong_call
+from longball.cli.settings import INSTEAD, settings_of
 from longball.extras import naming_extras
-from longball.model.names import one_of
+from longball.model.names import did_you_mean, one_of
 
 # --- checks: wrong values are rejected before anything is computed --------------------------------
 
@@ -32,49 +32,47 @@ def _workers(workers: int) -> int:
     try:
         checked(workers)
     except ValueError as error:
-        raise typer.BadParameter(str(error).removeprefix("workers = ")) from None
+        raise ValueError(str(error).removeprefix("workers = ")) from None
     # Report a missing library now, not after the scenes are read.
     if workers > 1:
         import_module("joblib")
     return workers
 
 
-def _kinds(names: list[str] | None) -> list[str]:
+def _kinds(names: list[str]) -> list[str]:
     from longball.model.scene import KINDS  # as slow to import as the model
 
-    for name in names or ():
+    for name in names:
         if name not in KINDS:
-            raise typer.BadParameter(f"{name}: there is none{one_of('the kinds are', name, KINDS)}")
-    return [*dict.fromkeys(names or ())]
+            raise ValueError(f"{name}: there is none{one_of('the kinds are', name, KINDS)}")
+    return [*dict.fromkeys(names)]
 
 
-def _finite(number: float | None) -> float | None:
-    if number is not None and not math.isfinite(number):
-        raise typer.BadParameter(f"{number} is not a finite number")
+def _finite(number: float) -> float:
+    if not math.isfinite(number):
+        raise ValueError(f"{number} is not a finite number")
     return number
 
 
-def _writable(file: Path | None) -> Path | None:
-    if file is not None:
-        if file.is_dir():  # an empty name is one, too
-            raise typer.BadParameter(f"{file} is a folder; a file is needed")
-        if not file.parent.is_dir():
-            raise typer.BadParameter(f"{file}: there is no folder {file.parent}")
-        if not os.access(file if file.exists() else file.parent, os.W_OK):
-            raise typer.BadParameter(f"{file} cannot be written")
+def _writable(file: Path) -> Path:
+    if file.is_dir():  # an empty name is one, too
+        raise ValueError(f"{file} is a folder; a file is needed")
+    if not file.parent.is_dir():
+        raise ValueError(f"{file}: there is no folder {file.parent}")
+    if not os.access(file if file.exists() else file.parent, os.W_OK):
+        raise ValueError(f"{file} cannot be written")
     return file
 
 
-def _drawable(file: Path | None) -> Path | None:
-    if _writable(file) and file:
-        # Without a suffix, Matplotlib would add one, and write another file than the checked one.
-        file = file if file.suffix else file.with_suffix(".png")
-        with naming_extras():
-            from matplotlib.backend_bases import FigureCanvasBase  # slow to import
+def _drawable(file: Path) -> Path:
+    # Without a suffix, Matplotlib would add one, and write another file than the checked one.
+    file = _writable(file) if file.suffix else _writable(file).with_suffix(".png")
+    with naming_extras():
+        from matplotlib.backend_bases import FigureCanvasBase  # slow to import
 
-        endings = [f".{name}" for name in FigureCanvasBase.get_supported_filetypes()]
-        if file.suffix.lower() not in endings:
-            raise typer.BadParameter(f"{file}: the endings of pictures are {', '.join(endings)}")
+    endings = [f".{name}" for name in FigureCanvasBase.get_supported_filetypes()]
+    if file.suffix.lower() not in endings:
+        raise ValueError(f"{file}: the endings of pictures are {', '.join(endings)}")
     return file
 
 
@@ -88,13 +86,13 @@ def ending(file: str | Path) -> str:
     return Path(file).suffix.lower()
 
 
-def _results(output: Path | None) -> Path | None:
+def _results(output: Path) -> Path | None:
     # Reject other suffixes, such as .xlsx: the file would contain JSON.
-    if output is None or str(output) == "-":
+    if str(output) == "-":
         return None
     if ending(output) not in (*LINES, *TABLES):
         endings = ", ".join(filter(None, (*LINES, *TABLES)))
-        raise typer.BadParameter(f"{output}: the endings of results are {endings}, or none")
+        raise ValueError(f"{output}: the endings of results are {endings}, or none")
     return _writable(output)
 
 
@@ -134,275 +132,283 @@ COMMANDS = {
 }
 
 
-def _row(
-    form: Any, about: str, check: Callable[..., Any] | None = None, **more: Any
-) -> dict[str, Any]:
-    """Return a row of the tables.
+class Row(NamedTuple):
+    """A row of the tables."""
 
-    The form is a type; the place of one, which is imported on demand; the name of a text's value,
-    such as "SPEED"; or a list with this name if the option is repeatable.
-    """
-    return {"form": form, "help": about, "callback": check, **more}
+    # A type; the place of one, which is imported on demand; the name of a text's value, such as
+    # "SPEED"; or a list with this name if the option is repeatable. Its values are then a list, or
+    # of the form NAME=VALUE a dict.
+    form: Any
+    about: str
+    check: Callable[[Any], Any] | None = None  # of a given value; it may return another one
+    min: float = -math.inf
+    max: float = math.inf
+    short: str = ""
+    metavar: str = ""  # for help, in place of that of the form
+    # From the word of `COMMANDS`.
+    default: str = ""
+    required: bool = False
+    is_argument: bool = False
 
 
-def _written(about: str) -> dict[str, Any]:
-    return _row(Path, about, _writable)
+def _written(about: str) -> Row:
+    return Row(Path, about, _writable)
 
 
-def _picture(about: str, **more: Any) -> dict[str, Any]:
-    return _row(Path, f"{about}: .png, .svg, .pdf.", _drawable, **more)
+def _picture(about: str, **more: Any) -> Row:
+    return Row(Path, f"{about}: .png, .svg, .pdf.", _drawable, **more)
 
 
-def _column_of_fit() -> dict[str, Any]:
+def _column_of_fit() -> Row:
     from longball.pitches import Columns
 
     names = ", ".join(Columns.model_fields)
     about = f"Set a column or unit of the table. NAME is one of {names}. By default, "
-    return _row(["NAME=VALUE"], f"{about}Statcast's names and units. height=null omits heights")
+    return Row(["NAME=VALUE"], f"{about}Statcast's names and units. height=null omits heights")
 
 
 ARGUMENTS = {
-    "source": _row(
+    "source": Row(
         "[SCENES|-]",
         "One scene per line of JSON, or per row of a .csv or .parquet; - reads stdin.",
     ),
-    "parks.source": _row(
+    "parks.source": Row(
         "[SCENES|-]", "Batted balls, as longball flight --scene prints one; - reads stdin."
     ),
-    "judge.command": _row(
+    "judge.command": Row(
         ["[-- COMMAND …]"],
         "The program to judge: it reads scenes on standard input and writes results on standard "
         "output. If it contains {dt}, it is also run with several time steps, to measure its order "
         "of convergence.",
     ),
-    "converge.command": _row(
+    "converge.command": Row(
         ["-- COMMAND …{dt}…"],
         "The program: it reads scenes on standard input and writes results on standard output. The "
         "time step, s, replaces {dt}.",
     ),
-    "fit.table": _row("[PITCHES.csv|-]", "One row per pitch; - reads stdin."),
-    "table": _row("[TABLE.csv|-]", "In Statcast's columns; - reads stdin."),
-    "folder": _row(Path, "By default the set that comes with longball.", metavar="[DIR]"),
-    "golden write.folder": _row(Path, "Where the set is written.", metavar="DIR"),
-    "golden export.output": _row(Path, "By default named by version.", metavar="[FILE.zip]"),
-    "golden coverage.scenes": _row("SCENES", "A file of scenes, or - for standard input."),
+    "fit.table": Row("[PITCHES.csv|-]", "One row per pitch; - reads stdin."),
+    "table": Row("[TABLE.csv|-]", "In Statcast's columns; - reads stdin."),
+    "folder": Row(Path, "By default the set that comes with longball.", metavar="[DIR]"),
+    "golden write.folder": Row(Path, "Where the set is written.", metavar="DIR"),
+    "golden export.output": Row(Path, "By default named by version.", metavar="[FILE.zip]"),
+    "golden coverage.scenes": Row("SCENES", "A file of scenes, or - for standard input."),
 }
 
 # A row that needs an import is a function.
-OPTIONS: dict[str, dict[str, Any] | Callable[[], dict[str, Any]]] = {
+OPTIONS: dict[str, Row | Callable[[], Row]] = {
     # scenes, and what changes them
-    "reading": _row(["NAME=OPTION"], "Set a switch of the ledger (longball readings)"),
-    "set": _row(
+    "reading": Row(["NAME=OPTION"], "Set a switch of the ledger (longball readings)"),
+    "set": Row(
         ["BLOCK.KEY=VALUE"],
         "Set a value of the scene, e.g. pitch.speed=40, pitch.speed=95mph or launch.angle=30deg",
     ),
-    "fence": _row(
+    "fence": Row(
         "FILE|RADIUS",
         "Fence: a JSON file with a scene's fence block, or a radius, e.g. 120 or 400ft.",
     ),
     # how commands run, and print
-    "engine": _row("longball.engines.Name", "Engine."),
-    "workers": _row(int, "Parallel threads or processes; -1: one per core.", _workers),
-    "scheduler": _row(
+    "engine": Row("longball.engines.Name", "Engine."),
+    "workers": Row(int, "Parallel threads or processes; -1: one per core.", _workers),
+    "scheduler": Row(
         "ADDRESS",
         "Work on the Dask cluster of this scheduler, tcp:// or tls://HOST:PORT; needs the extra "
         "dask.",
     ),
-    "seed": _row(int, "Seed of the random numbers.", min=0),
-    "quiet": _row(bool, "No progress, no notes: errors only.", hushed, short="-q"),
-    "json": _row(bool, "Print JSON instead of text."),
+    "seed": Row(int, "Seed of the random numbers.", min=0),
+    "quiet": Row(bool, "No progress, no notes: errors only.", hushed, short="-q"),
+    "json": Row(bool, "Print JSON instead of text."),
     # solve, plot
-    "solve.output": _row(
+    "solve.output": Row(
         Path,
         "Output file, .jsonl, .csv or .parquet; by default, or if -, stdout.",
         _results,
         short="-o",
     ),
     "plot.output": _picture("The picture", short="-o"),
-    "integrator": _row(
+    "integrator": Row(
         "NAME", "ivp: Taylor (default), or of solve_ivp: RK23, RK45, DOP853, Radau, BDF, LSODA."
     ),
-    "rtol": _row(float, "ivp: relative tolerance of solve_ivp's methods, by default 5e-14."),
-    "atol": _row(float, "ivp: their absolute tolerance, m and m/s, by default 5e-14."),
-    "landing_error": _row(float, "batch: error allowed at the landing, m, by default 1e-13."),
-    "digits": _row(
+    "rtol": Row(float, "ivp: relative tolerance of solve_ivp's methods, by default 5e-14."),
+    "atol": Row(float, "ivp: their absolute tolerance, m and m/s, by default 5e-14."),
+    "landing_error": Row(float, "batch: error allowed at the landing, m, by default 1e-13."),
+    "digits": Row(
         int, "enclosure, multiprecision: digits of numbers, by default 30, up to 500 and 290."
     ),
-    "solve.dt": _row(float, "verlet: time step, s, by default 0.05."),
-    "forces": _row(
+    "solve.dt": Row(float, "verlet: time step, s, by default 0.05."),
+    "forces": Row(
         "longball.model.readings.VerletForces",
         "verlet: velocity at which drag and lift are evaluated, by default old_carried.",
     ),
-    "landing": _row(
+    "landing": Row(
         "longball.model.readings.VerletLanding",
         "verlet: position of the landing, by default interpolated.",
     ),
-    "root": _row(
+    "root": Row(
         "longball.model.readings.AppendixBRoot",
         "verlet: root of Appendix B's quadratic equation, by default first.",
     ),
-    "contact_force": _row(
+    "contact_force": Row(
         "longball.model.readings.ContactForce",
         "verlet: step in which half of the contact force acts, by default whole.",
     ),
-    "path": _row(bool, "Add the path: [[t, x, y, z, vx, vy, vz], …]."),
-    "points": _row(
+    "path": Row(bool, "Add the path: [[t, x, y, z, vx, vy, vz], …]."),
+    "points": Row(
         int, "Points of the path, evenly spaced in time, by default 201.", min=2, max=1_000_000
     ),
-    "certify": _row(bool, "Add a proven error bound to every number."),
+    "certify": Row(bool, "Add a proven error bound to every number."),
     # judge, converge
-    "judge.golden": _row(
+    "judge.golden": Row(
         ["SET"],
         "Golden cases to use: a family (longball golden list), all, quick (a small set that "
         "detects nearly every edit) or usual-constants (gravities and air densities that other "
         "simulators use). By default the families of the paper's model except hard",
     ),
-    "judge.scenes": _row(
+    "judge.scenes": Row(
         "FILE",
         "Judge by the scenes in this file, lines of JSON, .csv or .parquet. Longball first solves "
         "them with proven bounds.",
     ),
-    "random": _row(int, "Judge by N random scenes, drawn from --seed.", min=1),
-    "judge.seed": _row(int, "Seed of the random scenes, by default 1.", min=0),
-    "kind": _row(["KIND"], "Scenes of this kind only: flight, pitch, impact or at-bat", _kinds),
-    "judge.readings": _row(bool, "Use golden cases of other readings as well."),
-    "write_defaults": _row(bool, "Add all defaults, except readings, to every scene."),
-    "partial": _row(bool, "Accept missing scenes and quantities."),
-    "as_csv": _row(bool, "Send scenes to COMMAND as CSV, and read its results as CSV."),
-    "results": _row(
+    "random": Row(int, "Judge by N random scenes, drawn from --seed.", min=1),
+    "judge.seed": Row(int, "Seed of the random scenes, by default 1.", min=0),
+    "kind": Row(["KIND"], "Scenes of this kind only: flight, pitch, impact or at-bat", _kinds),
+    "judge.readings": Row(bool, "Use golden cases of other readings as well."),
+    "write_defaults": Row(bool, "Add all defaults, except readings, to every scene."),
+    "partial": Row(bool, "Accept missing scenes and quantities."),
+    "as_csv": Row(bool, "Send scenes to COMMAND as CSV, and read its results as CSV."),
+    "results": Row(
         Path,
         "Judge the results in this file, .jsonl or .csv, instead of running a COMMAND. Columns of "
         "a .csv: id, outcome, landing.distance, landing.position[0], …",
     ),
-    "judge.column": _row(
+    "judge.column": Row(
         ["COLUMN=QUANTITY"],
         "The quantity in a column of the .csv, if the column has another name",
     ),
-    "judge.samples": _row(
+    "judge.samples": Row(
         Path, "At-bats that the program has drawn, as .jsonl, to test their distributions."
     ),
-    "profile": _row(
+    "profile": Row(
         Literal["exact", "converged", "paper"],
         "Required accuracy. exact: within 100 times the unavoidable rounding error; converged: "
         "errors below --tolerance; paper: the same as the paper's scheme at its time step, 0.05 s "
         "or --dt.",
     ),
-    "tolerance": _row(
+    "tolerance": Row(
         float, "Error that the profile converged allows, in SI units, by default 1e-6."
     ),
-    "judge.dt": _row(float, "The program's time step, s. It replaces {dt} in the COMMAND."),
-    "steps": _row(
+    "judge.dt": Row(float, "The program's time step, s. It replaces {dt} in the COMMAND."),
+    "steps": Row(
         "FROM:TO:COUNT",
         "Time steps, s, that replace {dt} in turn, evenly spaced in their logarithm, at least 5. "
         "By default, trial runs choose them.",
     ),
-    "knob": _row(
+    "knob": Row(
         "NAME=VALUES",
         "Values that replace {NAME} in the COMMAND in turn, from coarse to fine: FROM:TO:COUNT, or "
         "a list with commas. For programs with a tolerance or a number of steps.",
     ),
-    "expected": _row(float, "Theoretical order of convergence of the method.", _finite),
-    "timeout": _row(float, "Timeout per answer, s.", min=0.001),
-    "total_timeout": _row(float, "Timeout for all answers together, s.", min=0.001),
-    "format": _row(
+    "expected": Row(float, "Theoretical order of convergence of the method.", _finite),
+    "timeout": Row(float, "Timeout per answer, s.", min=0.001),
+    "total_timeout": Row(float, "Timeout for all answers together, s.", min=0.001),
+    "format": Row(
         Literal["text", "json", "junit", "github"],
         "Format of the verdict: text, JSON, JUnit XML, or GitHub Actions annotations.",
     ),
-    "judge.table": _row(bool, "Print a table of the errors of each quantity."),
+    "judge.table": Row(bool, "Print a table of the errors of each quantity."),
     "html": _written("Write the verdict to FILE as HTML with figures."),
-    "converge.scenes": _row(
+    "converge.scenes": Row(
         "FILE", "Lines of JSON, .csv or .parquet; by default golden flights and at-bats."
     ),
-    "converge.golden": _row("SET", "Cases of one golden family instead; see longball golden list."),
-    "truth": _row(
+    "converge.golden": Row("SET", "Cases of one golden family instead; see longball golden list."),
+    "truth": Row(
         bool, "Measure errors against proven values, or by differences between successive steps."
     ),
     "converge.csv": _written("Write the error at every step to FILE."),
     "converge.figure": _picture("Draw error against step in FILE"),
     # homerun, readings
-    "homerun.samples": _row(int, "Number of at-bats drawn.", min=1),
-    "homerun.e": _row(
+    "homerun.samples": Row(int, "Number of at-bats drawn.", min=1),
+    "homerun.e": Row(
         "FIRST:LAST:STEP", "Restitutions of the ball: first:last:step, or values with commas."
     ),
     "homerun.csv": _written("Write the table to FILE."),
     "homerun.figure": _picture("Draw P(e) in FILE"),
     "homerun.scenes": _written("Write the sampled at-bats to FILE, as scenes."),
-    "pitches": _row(Path, "Pitch distributions written by longball fit --json."),
-    "method": _row(
+    "pitches": Row(Path, "Pitch distributions written by longball fit --json."),
+    "method": Row(
         Literal["monte-carlo", "quadrature"],
         "Method: samples, or integration over their distributions.",
     ),
     # Fast engines that report undecided at-bats; verlet would decide them by its errors.
-    "homerun.engine": _row(Literal["batch", "ivp"], "Engine."),
-    "readings.samples": _row(int, "Number of at-bats drawn; 0: the ledger only.", min=0),
-    "readings.e": _row(float, "Restitution of the ball.", min=0.0, max=1.0),
+    "homerun.engine": Row(Literal["batch", "ivp"], "Engine."),
+    "readings.samples": Row(int, "Number of at-bats drawn; 0: the ledger only.", min=0),
+    "readings.e": Row(float, "Restitution of the ball.", min=0.0, max=1.0),
     # tables of measurements
-    "example": _row(bool, "Use the day of pitches that comes with longball."),
-    "measured.kind": _row("longball.pitches.statcast.Kind", "Predict pitches or batted balls."),
-    "model": _row("longball.pitches.models.Model", "Model of the flight."),
-    "spin.model": _row("longball.pitches.models.Model", "Model whose law of lift is inverted."),
-    "spin.speed": _row("SPEED", 'Speed at release, e.g. "95 mph"; without a unit in m/s.'),
-    "release": _row(
+    "example": Row(bool, "Use the day of pitches that comes with longball."),
+    "measured.kind": Row("longball.pitches.statcast.Kind", "Predict pitches or batted balls."),
+    "model": Row("longball.pitches.models.Model", "Model of the flight."),
+    "spin.model": Row("longball.pitches.models.Model", "Model whose law of lift is inverted."),
+    "spin.speed": Row("SPEED", 'Speed at release, e.g. "95 mph"; without a unit in m/s.'),
+    "release": Row(
         "X,Y,Z",
         "Position of the release, from the front of the plate; x to the pitcher, y to the "
         "catcher's left, z up.",
     ),
-    "up": _row("LENGTH", "Movement upwards, e.g. 16in; without a unit in m."),
-    "across": _row("LENGTH", "Movement to the catcher's left; without a unit in m."),
-    "pfx": _row(bool, "Count from 40 ft, as PITCHf/x does."),
-    "games": _row(
+    "up": Row("LENGTH", "Movement upwards, e.g. 16in; without a unit in m."),
+    "across": Row("LENGTH", "Movement to the catcher's left; without a unit in m."),
+    "pfx": Row(bool, "Count from 40 ft, as PITCHf/x does."),
+    "games": Row(
         Path,
         "game_pk, temperature (°F), and elevation (ft) or park of each game; by default those of "
         "the example. Other games are played at 20 °C at sea level.",
     ),
-    "column": _row(["NAME=COLUMN"], "The table's name of Statcast's column NAME, e.g. vx0=VX0"),
+    "column": Row(["NAME=COLUMN"], "The table's name of Statcast's column NAME, e.g. vx0=VX0"),
     "measured.scenes": _written("Write the scenes to FILE."),
     "measured.csv": _written("Write each prediction to FILE, in SI units."),
     "measured.figure": _picture("Draw the errors in FILE"),
     "fit.column": _column_of_fit,
-    "straight": _row("A,B", "Pitch types that count as straight, e.g. FF,SI."),
-    "breaking": _row("A,B", "Pitch types that count as breaking; by default all others."),
+    "straight": Row("A,B", "Pitch types that count as straight, e.g. FF,SI."),
+    "breaking": Row("A,B", "Pitch types that count as breaking; by default all others."),
     # flight, parks
-    "speed": _row("SPEED", 'Exit speed, e.g. "103 mph"; without a unit in m/s.'),
-    "angle": _row("ANGLE", "Angle above the horizontal; without a unit in degrees."),
-    "direction": _row("ANGLE", "Angle left of centre field; without a unit in degrees."),
-    "flight.park": _row("NAME", "Park that sets fence and elevation; by default sea level."),
-    "wind": _row("WIND", 'Wind, e.g. "10 mph out": out, in, left or right.'),
-    "temperature": _row("TEMPERATURE", 'Temperature, e.g. "72 F"; without a unit in K.'),
-    "elevation": _row(
+    "speed": Row("SPEED", 'Exit speed, e.g. "103 mph"; without a unit in m/s.'),
+    "angle": Row("ANGLE", "Angle above the horizontal; without a unit in degrees."),
+    "direction": Row("ANGLE", "Angle left of centre field; without a unit in degrees."),
+    "flight.park": Row("NAME", "Park that sets fence and elevation; by default sea level."),
+    "wind": Row("WIND", 'Wind, e.g. "10 mph out": out, in, left or right.'),
+    "temperature": Row("TEMPERATURE", 'Temperature, e.g. "72 F"; without a unit in K.'),
+    "elevation": Row(
         "HEIGHT", "Height above sea level, instead of the park's; without a unit in m."
     ),
-    "scene": _row(bool, "Print the scene instead, for longball parks, plot, aim and infer."),
-    "bats": _row(Literal["R", "L"], "Batter's side; sets the sign of the side spin."),
-    "parks.park": _row(["NAME"], "Solve in this park only"),
+    "scene": Row(bool, "Print the scene instead, for longball parks, plot, aim and infer."),
+    "bats": Row(Literal["R", "L"], "Batter's side; sets the sign of the side spin."),
+    "parks.park": Row(["NAME"], "Solve in this park only"),
     # infer, aim
-    "infer.points": _row(Path, "Points of the path: columns t, x, y, z, in s and m."),
-    "measured": _row(
+    "infer.points": Row(Path, "Points of the path: columns t, x, y, z, in s and m."),
+    "measured": Row(
         ["NAME=VALUE"],
         "A number of the result, e.g. landing.distance=118.2 or landing.distance=390ft",
     ),
-    "unknown": _row(
+    "unknown": Row(
         ["NAME"], "A number to fit, e.g. launch.speed, launch.angle, air.drag_coefficient"
     ),
-    "aim.unknown": _row(
+    "aim.unknown": Row(
         ["NAME"], "A number to compute: launch.angle or launch.speed, and launch.direction"
     ),
-    "sigma": _row(
+    "sigma": Row(
         float, "Standard deviation of the measurements; by default estimated from their scatter."
     ),
-    "target": _row(
+    "target": Row(
         "D|X,Y|X,Y,Z",
         "Target, m or with a unit: distance of the landing, its position, or a point of the path.",
     ),
     # golden
-    "part": _row(Literal["cases", "probability"], "Only that part of the set."),
-    "family": _row(["NAME"], "Only that family of cases; the others are taken from DIR"),
-    "golden export.folder": _row(Path, "A set other than the shipped one.", metavar="DIR"),
-    "most": _row(int, "Number of missed mistakes to list.", min=0),
-    "every": _row(int, "Try one edit in N; 1 for all, which takes minutes.", min=1),
-    "golden check.sample": _row(int, "Number of cases to solve again; by default all.", min=0),
-    "golden check.seed": _row(int, "Seed of the sample.", min=0),
-    "independent": _row(
+    "part": Row(Literal["cases", "probability"], "Only that part of the set."),
+    "family": Row(["NAME"], "Only that family of cases; the others are taken from DIR"),
+    "golden export.folder": Row(Path, "A set other than the shipped one.", metavar="DIR"),
+    "most": Row(int, "Number of missed mistakes to list.", min=0),
+    "every": Row(int, "Try one edit in N; 1 for all, which takes minutes.", min=1),
+    "golden check.sample": Row(int, "Number of cases to solve again; by default all.", min=0),
+    "golden check.seed": Row(int, "Seed of the sample.", min=0),
+    "independent": Row(
         bool, "Solve them also by the multiprecision engine, which shares no method."
     ),
 }
@@ -411,17 +417,57 @@ OPTIONS: dict[str, dict[str, Any] | Callable[[], dict[str, Any]]] = {
 # --- commands -------------------------------------------------------------------------------------
 
 
+def declared(command: str) -> dict[str, Row]:
+    """Return the arguments and options of a command by their names, with forms imported."""
+    rows = {}
+    for word in f"{COMMANDS[command]} quiet".split():
+        name, _, default = word.partition("=")
+        name, required = name.removesuffix("!"), name.endswith("!")
+        own = f"{command}.{name}"
+        is_argument = own in ARGUMENTS or (name in ARGUMENTS and own not in OPTIONS)
+        table: Any = ARGUMENTS if is_argument else OPTIONS
+        found = table[own] if own in table else table[name]
+        row: Row = found() if callable(found) else found
+        if isinstance(row.form, str) and row.form.startswith("longball."):
+            module, _, of = row.form.rpartition(".")
+            row = row._replace(form=getattr(import_module(module), of))
+        rows[name] = row._replace(default=default, required=required, is_argument=is_argument)
+    return rows
+
+
 class Options:
     """The arguments and options of a command, as attributes."""
 
-    def __init__(self, ctx: Any, values: dict[str, Any]) -> None:
-        vars(self).update(values)
+    def __init__(self, command: str, values: Mapping[str, Any]) -> None:
+        self.given = {name for name, value in values.items() if value not in (None, [])}
+        rows = declared(command)
+        options = {n: row.form for n, row in rows.items() if n == "command" or not row.is_argument}
+        file, settings = settings_of(command, [x for x in COMMANDS if " " not in x], options)
+        # A COMMAND on the command line takes the place of results in the file, and so on.
         for names in INSTEAD:
-            if sum(bool(values.get(name)) for name in names) > 1:
-                *some, last = (flag(name) for name in names if name in values)
+            if self.given.intersection(names):
+                settings = {name: x for name, x in settings.items() if name not in names}
+        settings = {name: x for name, x in settings.items() if name not in self.given}
+        for name, row in rows.items():
+            place, value = _metavar(row) if row.is_argument else flag(name), row.default or None
+            if name in self.given:
+                value = values[name]
+            elif name in settings:
+                place, value = f"{file}: {command}.{flag(name)[2:]}", settings[name]
+            if row.required and value is None:
+                wrong_call(f"{place} is missing: {row.about}".rstrip("."))
+            try:
+                vars(self)[name] = _read(row, value)
+            except ValueError as error:
+                wrong_call(f"{place} {error}")
+        # Name the options from the file: invisible values would be hard to find.
+        if settings:
+            note(f"{file} gives {', '.join(settings).replace('_', '-')}")
+        for names in INSTEAD:
+            if sum(bool(vars(self).get(name)) for name in names) > 1:
+                *some, last = (flag(name) for name in names if name in rows)
                 both = "both" if len(some) == 1 else "two of them"
                 wrong_call(f"either {', '.join(some)} or {last}, not {both}")
-        self.given = {name for name in values if given_by(ctx, name) == "COMMANDLINE"}
 
     def refuse(self, names: str, why: str) -> None:
         """Reject options that have no effect here: a user would believe that they were applied."""
@@ -442,47 +488,84 @@ def flag(name: str) -> str:
 def command_of(name: str, function: Callable[[Options], None], epilog: str) -> Any:
     """Build a command from a function and the rows of the tables."""
 
-    def run(ctx: typer.Context, **values: Any) -> None:
-        function(Options(ctx, values))
+    def run(**values: Any) -> None:
+        function(Options(name, values))
 
     # Typer reads the signature of `run`, and its docstring for the help.
-    context = Parameter("ctx", Parameter.KEYWORD_ONLY, annotation=typer.Context)
-    asked = [_parameter(name, word) for word in f"{COMMANDS[name]} quiet".split()]
-    run.__signature__ = Signature([context, *asked])  # type: ignore[attr-defined]
+    parameters = [_parameter(*item) for item in declared(name).items()]
+    run.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     run.__doc__ = function.__doc__
     alone = typer.Typer(add_completion=False, rich_markup_mode=None)
     alone.command(name.rpartition(" ")[2], cls=Command, epilog=epilog)(run)
     return typer.main.get_command(alone)
 
 
-def _parameter(command: str, word: str) -> Parameter:
-    """Return a parameter as typer reads it, from a word of `COMMANDS`."""
-    name, _, text = word.partition("=")
-    name, required = name.removesuffix("!"), name.endswith("!")
-    own = f"{command}.{name}"
-    is_argument = own in ARGUMENTS or (name in ARGUMENTS and own not in OPTIONS)
-    table: Any = ARGUMENTS if is_argument else OPTIONS
-    row = table[own] if own in table else table[name]
-    more = {**(row() if callable(row) else row)}
-    type_, short = more.pop("form"), more.pop("short", "")
-    if isinstance(type_, list):
-        more["metavar"], type_ = type_[0], list[str]
-        more["help"] += "" if is_argument else "; repeatable."
-    elif isinstance(type_, str) and type_.startswith("longball."):
-        module, _, of = type_.rpartition(".")
-        type_ = getattr(import_module(module), of)
-    elif isinstance(type_, str):
-        more["metavar"], type_ = type_, str
-    default: Any = Parameter.empty if required else text or None
-    if type_ in (int, float, bool, Path) and (text or type_ is bool):
-        default = type_(text)
-    if default is None:
-        type_ |= None
-    if is_argument:
-        form: Any = typer.Argument(**more)
+def _parameter(name: str, row: Row) -> Parameter:
+    """Return a parameter as typer reads it: a switch, a text or texts, None if it is not given."""
+    form, is_list = row.form, isinstance(row.form, list)
+    about, notes = row.about, []
+    if is_list and not row.is_argument:
+        about += "; repeatable."
+    if row.default:
+        notes.append(f"default: {flag(name)[2:] if form is bool else row.default}")
+    if row.min > -math.inf:
+        notes.append(f"x>={row.min}" if row.max == math.inf else f"{row.min}<=x<={row.max}")
+    if row.required:
+        notes.append("required")
+    if notes:
+        about += f"  [{'; '.join(notes)}]"
+    more: dict[str, Any] = {"help": about, "metavar": None if form is bool else _metavar(row)}
+    more["autocompletion"] = lambda: [] if is_list else get_args(form)
+    if row.is_argument:
+        argument: Any = typer.Argument(**more)
     else:
         # Only a switch that is on by default needs a second name, which turns it off.
-        long = f"{flag(name)}/--no-{flag(name)[2:]}" if default is True else flag(name)
-        form = typer.Option(*filter(None, (short, long)), **more)
-    annotation = Annotated[type_, form]  # type: ignore[valid-type]
-    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+        off = f"/--no-{flag(name)[2:]}" if form is bool and row.default else ""
+        argument = typer.Option(*filter(None, (row.short, flag(name) + off)), **more)
+    type_: Any = bool if form is bool else list[str] if is_list else str
+    annotation = Annotated[type_ | None, argument]
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+
+
+def _metavar(row: Row) -> str:
+    """Return the name of a value in the help: a text has its own, and choices are a|b."""
+    form = row.form
+    if isinstance(form, list):
+        return str(form[0])
+    of_types: dict[Any, str] = {int: "N", float: "X", Path: "FILE"}
+    return row.metavar or of_types.get(form) or "|".join(get_args(form)) or str(form)
+
+
+def _read(row: Row, value: Any) -> Any:
+    """Return the value of an option from its text; the error begins with the text."""
+    form = row.form
+    if form is bool:
+        value = bool(value)
+    elif value is None:
+        return {} if isinstance(form, list) and "=" in form[0] else None
+    elif form in (int, float):
+        try:
+            number = form(value)
+        except ValueError:
+            whole = "whole number" if form is int else "number"
+            raise ValueError(f"{value}: must be a {whole}") from None
+        if number < row.min or number > row.max:
+            limit = f"least {row.min}" if number < row.min else f"most {row.max}"
+            raise ValueError(f"{value}: must be at {limit}")
+        value = number
+    elif form is Path:
+        value = Path(value)
+    elif isinstance(form, list) and "=" in form[0]:
+        value = dict(map(_assignment, value))
+    elif (choices := () if isinstance(form, list) else get_args(form)) and value not in choices:
+        known = ", ".join(choices)
+        raise ValueError(f"{value}: must be one of {known}{did_you_mean(value, choices)}")
+    return value if row.check is None else row.check(value)
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    """Return the two sides of NAME=VALUE."""
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise ValueError(f"{text}: must be NAME=VALUE")
+    return name, value

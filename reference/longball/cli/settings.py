@@ -20,10 +20,15 @@ FILES = ("longball.toml", "pyproject.toml")
 INSTEAD = (("command", "results"), ("golden", "scenes", "random"), ("steps", "knob"))
 
 
-def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, Any]]:
-    """Return the name of the file and the settings of a command; raise a usage error if wrong."""
+def settings_of(
+    command: str, commands: Sequence[str], forms: Mapping[str, Any]
+) -> tuple[str, dict[str, Any]]:
+    """Return the name of the file, and the values of a command's options as they would be typed.
+
+    `forms` are those of its options, by name. Wrong settings are usage errors.
+    """
     for file in map(Path, FILES):
-        if not file.is_file():
+        if command not in commands or not file.is_file():
             continue
         try:
             tables = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -40,32 +45,29 @@ def settings_of(command: str, commands: Sequence[str]) -> tuple[str, dict[str, A
                 wrong_call(f"{file}: {name}: must be a table of options, [{name}]")
         # A pyproject.toml without a table of ours is no file of settings.
         if tables:
-            return file.name, tables.get(command, {})
+            known = {name.replace("_", "-"): (name, form) for name, form in forms.items()}
+            given = tables.get(command, {}).items()
+            return file.name, dict(_setting(f"{file}: {command}", known, *pair) for pair in given)
     return "", {}
 
 
-def defaults_of(
-    file: str, given: Mapping[str, Any], options: Mapping[str, Any], command: str
-) -> dict[str, Any]:
-    """Return settings by parameter name; `options` maps names of options to parameters."""
-    defaults = {}
-    for name, value in given.items():
-        where = f"{file}: {command}.{name}"
-        if name not in options:
-            wrong_call(f"{where}: no such option{one_of('they are', name, options)}")
-        parameter = options[name]
-        # A COMMAND has several words; other lists are for repeatable options.
-        many = parameter.nargs == -1 or getattr(parameter, "multiple", False)
-        if isinstance(value, dict):
-            wrong_call(f"{where}: must be a value, not a table")
-        if name == "command" and not isinstance(value, list):
-            wrong_call(f'{where}: must be a list of words, as ["python", "my_simulator.py"]')
-        if isinstance(value, list) and not many:
-            wrong_call(f"{where}: takes one value, not a list")
-        if getattr(parameter, "is_flag", False) and not isinstance(value, bool):
-            wrong_call(f"{where}: must be true or false")
-        # As texts, so that typer checks them like values of the command line.
-        values = value if isinstance(value, list) else [value]
-        texts = [x if isinstance(x, bool) else str(x) for x in values]
-        defaults[parameter.name] = texts if many else texts[0]
-    return defaults
+def _setting(
+    where: str, known: Mapping[str, tuple[str, Any]], key: str, value: Any
+) -> tuple[str, Any]:
+    """Return the option of a key, and its value as text, as texts or as a bool."""
+    if key not in known:
+        wrong_call(f"{where}.{key}: no such option{one_of('they are', key, known)}")
+    name, form = known[key]
+    # A COMMAND has several words; other lists are for repeatable options.
+    many = isinstance(form, list)
+    if isinstance(value, dict):
+        wrong_call(f"{where}.{key}: must be a value, not a table")
+    if name == "command" and not isinstance(value, list):
+        wrong_call(f'{where}.{key}: must be a list of words, as ["python", "my_simulator.py"]')
+    if isinstance(value, list) and not many:
+        wrong_call(f"{where}.{key}: takes one value, not a list")
+    if (form is bool) != isinstance(value, bool):
+        wrong_call(f"{where}.{key}: must {'' if form is bool else 'not '}be true or false")
+    if many:
+        return name, [str(word) for word in (value if isinstance(value, list) else [value])]
+    return name, value if form is bool else str(value)

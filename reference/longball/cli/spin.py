@@ -11,7 +11,7 @@ from longball.cli.changes import chosen_changes, in_si
 from longball.cli.infer import answering
 from longball.cli.messages import note, refusing, show, wrong_call
 from longball.cli.options import Options
-from longball.cli.pitches import answers, pitches_of, show_each, show_types
+from longball.cli.tables import answers, pitches_of, show_each, show_types
 from longball.model.doubts import doubts
 from longball.model.jsonl import json_line
 from longball.model.scene import PitchScene

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterable, Iterator
 from io import BufferedIOBase
 from itertools import islice
@@ -10,7 +9,7 @@ from typing import Any, NamedTuple
 
 from longball.engines.chain import solve, solve_with_points
 from longball.engines.engine import Engine, ManyAtOnce
-from longball.engines.parallel import in_parallel
+from longball.engines.parallel import in_parallel, without_collection
 from longball.model.changes import Changes
 from longball.model.doubts import doubts
 from longball.model.jsonl import LONGEST_LINE, json_bytes
@@ -31,7 +30,7 @@ class Answer(NamedTuple):
     id: str | None
     failure: str | None
     text: bytes
-    doubts: tuple[tuple[str, str], ...] = ()  # keys of the scene, and questions about them
+    doubts: tuple[tuple[str, str], ...]  # keys of the scene, and questions about them
 
 
 def solve_lines(
@@ -94,14 +93,8 @@ def _solve_chunk(
     points: int | None,
     change: Changes | None,
 ) -> list[Answer]:
-    # The garbage collector would search many objects for cycles that do not exist.
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
+    with without_collection():
         return list(_solve_in_turn(chunk, engine, points, change))
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 def _solve_in_turn(
@@ -123,9 +116,9 @@ def _solve_in_turn(
     )
     for (number, _), scene in zip(chunk, read, strict=True):
         if isinstance(scene, InvalidScene):
-            yield _answer(number, refused(scene).data())
+            yield _answer(number, refused(scene).data(), ())
         else:
-            yield _answer(number, next(solved))._replace(doubts=tuple(doubts(scene)))
+            yield _answer(number, next(solved), tuple(doubts(scene)))
 
 
 def _read(line: bytes, change: Changes | None) -> Scene | InvalidScene:
@@ -135,7 +128,7 @@ def _read(line: bytes, change: Changes | None) -> Scene | InvalidScene:
         return error
 
 
-def _answer(number: int, data: dict[str, Any]) -> Answer:
+def _answer(number: int, data: dict[str, Any], asked: tuple[tuple[str, str], ...]) -> Answer:
     """Return a result as the answer to a line; without an id it gets the number of the line."""
     if data["id"] is None:
         data["id"] = str(number)
@@ -143,4 +136,5 @@ def _answer(number: int, data: dict[str, Any]) -> Answer:
         data["engine"] = signed(data["engine"])
     if "error" in data:
         data["error"] = f"line {number}: {data['error']}"
-    return Answer(data["id"], data.get("error") or data.get("certificate"), json_bytes(data))
+    failure = data.get("error") or data.get("certificate")
+    return Answer(data["id"], failure, json_bytes(data), asked)

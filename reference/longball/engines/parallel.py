@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, nullcontext
@@ -57,6 +58,18 @@ def checked(workers: object) -> int:
     if number < 1 and number != -1:
         raise ValueError(f"workers = {number}: a positive number, or -1 for one per core")
     return number
+
+
+@contextmanager
+def without_collection() -> Iterator[None]:
+    """Pause the garbage collector, which would search many results for cycles; they have none."""
+    active = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if active:
+            gc.enable()
 
 
 @contextmanager

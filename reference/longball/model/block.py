@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import json
 from collections.abc import Iterator
 from contextlib import suppress
 from inspect import Parameter, Signature
@@ -81,11 +80,11 @@ else:
             with suppress(ValidationError):
                 return super().__call__(**keys)
             from longball.model.explain import explain
-            from longball.model.plain import plain
+            from longball.model.plain import json_text
             from longball.model.scene import InvalidScene
 
             try:
-                return self.model_validate_json(json.dumps(plain(keys)))
+                return self.model_validate_json(json_text(keys))
             except ValidationError as error:
                 raise InvalidScene(explain(error, self)) from None
             except RecursionError:

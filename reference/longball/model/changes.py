@@ -15,11 +15,10 @@ from pydantic import BaseModel
 from longball.model.explain import keys_of, parts_of
 from longball.model.inputs import (
     OF_SPIN,
-    OF_VELOCITY,
     TRACKED,
     UNITS_OF_TRACKED,
-    angle_fault,
     launched,
+    tracked_fault,
     tracks_of,
 )
 from longball.model.names import one_of
@@ -74,11 +73,7 @@ def _launch_with(launch: Any, name: str, value: Any) -> dict[str, Any]:
     velocity, spin = (at(launch, key) for key in ("velocity", "spin"))
     if not (_is_vector(velocity) and (spin is None or _is_vector(spin))):
         raise InvalidScene(f"{name}: the scene must give launch.velocity, which it changes")
-    if not _is_vector([value] * 3):
-        raise InvalidScene(f"{name}: must be a number in {UNITS_OF_TRACKED[name]} (got {value!r})")
-    if name == OF_VELOCITY[0] and not value > 0.0:
-        raise InvalidScene(f"{name}: must be positive (got {value!r})")
-    if name == OF_VELOCITY[1] and (fault := angle_fault(value)):
+    if fault := tracked_fault(name, value):
         raise InvalidScene(f"{name}: {fault}")
     tracks = tracks_of(velocity, spin, DOUBLES, math.hypot, math.atan2)
     # A ball without spin gets the one component that is set; the others are zero.

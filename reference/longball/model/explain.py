@@ -98,7 +98,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             return f"not JSON: {fault['ctx']['error']}"
         case "literal_error":
             words = re.findall(r"'([^']*)'", fault["ctx"]["expected"])
-            sentence = f"{in_our_words(fault['msg'])} (got {short(fault['input'])})"
+            sentence = f"{_in_our_words(fault['msg'])} (got {short(fault['input'])})"
             return f"{where}: {sentence}{did_you_mean(fault['input'], words)}"
         case "greater_than_equal" | "less_than_equal" as side:
             ((_, limit),) = fault["ctx"].items()
@@ -108,7 +108,7 @@ def _explain_fault(fault: dict[str, Any], model: type[BaseModel]) -> str:
             if side == "greater_than_equal" and limit in (SMALLEST, 0.0):
                 sentence = "must be positive" if limit else "must not be negative"
             return f"{where}: {sentence} (got {short(fault['input'])})"
-    return f"{where}: {in_our_words(fault['msg'])} (got {short(fault['input'])})"
+    return f"{where}: {_in_our_words(fault['msg'])} (got {short(fault['input'])})"
 
 
 def _listed(annotation: Any, about: str) -> str:
@@ -132,15 +132,10 @@ def is_vector(parts: tuple[Any, ...]) -> bool:
     return len(parts) in (2, 3) and all(part == Quantity for part in parts)
 
 
-def in_our_words(message: str) -> str:
+def _in_our_words(message: str) -> str:
     """Return pydantic's message on a value in our words, as the end of a sentence."""
-    message = re.sub("^(Value error, |(Input|String) )|, unable to parse.*", "", message)
-    message = message.replace("a valid integer", "a whole number")
-    message = re.sub("(greater|less) than or equal to", lambda side: _BOUNDS[side[1]], message)
-    return message.replace("should", "must").replace("a valid number", "a number")
-
-
-_BOUNDS = {"greater": "at least", "less": "at most"}
+    message = re.sub("^(Input|String) should", "must", message)
+    return message.replace("a valid integer", "a whole number").replace("a valid ", "a ")
 
 
 # Hints for numbers that are probably in another unit if they exceed their limits.

@@ -15,9 +15,10 @@ from pydantic import ValidationError
 
 from longball.model.names import one_of
 from longball.model.numbers import DOUBLES, N, Numbers, Vector
+from longball.model.plain import is_number
 from longball.model.quantities import number, numbers, replaced
 from longball.model.scene import FlightScene, Scene
-from longball.model.vectors import dot
+from longball.model.vectors import dot, plus, scaled
 
 # A value of zero means that the force is absent from the equations, so it is not an input.
 _ABSENT_AT_ZERO = (
@@ -119,32 +120,27 @@ def launched(values: Mapping[str, N], numbers: Numbers) -> dict[str, Vector]:
     """Return velocity and spin (if any) of a launch from its tracked quantities."""
     speed, angle, direction = (values[name] for name in OF_VELOCITY)
     along, back, side = axes_of(angle, direction, numbers)
-    made = {"launch.velocity": _combined((speed,), (along,))}
+    made = {"launch.velocity": scaled(speed, along)}
     if OF_SPIN[0] in values:
         # All three components are needed: backspin alone does not determine the axis.
-        parts = tuple(values[name] for name in OF_SPIN)
-        made["launch.spin"] = _combined(parts, (back, side, along))
+        of_back, of_side, of_along = (values[name] for name in OF_SPIN)
+        across = plus(scaled(of_back, back), scaled(of_side, side))
+        made["launch.spin"] = plus(across, scaled(of_along, along))
     return made
 
 
-def _combined(parts: tuple[N, ...], axes: tuple[Vector, ...]) -> Vector:
-    x, y, z = (
-        sum((part * axis[i] for part, axis in zip(parts[1:], axes[1:], strict=True)), first)
-        for i in range(3)
-        for first in [parts[0] * axes[0][i]]
-    )
-    return x, y, z
-
-
-def angle_fault(angle: float) -> str | None:
-    """Return a sentence if a launch angle cannot be in radians, and None otherwise.
-
-    Degrees would otherwise give a wrong flight without an error.
-    """
-    if abs(angle) <= math.pi / 2:
-        return None
-    radians = f"{math.radians(angle):.4f} rad"
-    return f"must be from -π/2 to π/2 rad (got {angle!r}); {angle:g}° are {radians}"
+def tracked_fault(name: str, value: Any) -> str | None:
+    """Return a sentence if a tracked quantity cannot have a value, and None otherwise."""
+    if not is_number(value):
+        return f"must be a number in {UNITS_OF_TRACKED[name]} (got {value!r})"
+    # `not >` also refuses NaN.
+    if name == OF_VELOCITY[0] and not value > 0.0:
+        return f"must be positive (got {value!r})"
+    # Degrees would otherwise give a wrong flight without an error.
+    if name == OF_VELOCITY[1] and not abs(value) <= math.pi / 2:
+        radians = f"{math.radians(value):.4f} rad"
+        return f"must be from -π/2 to π/2 rad (got {value!r}); {value:g}° are {radians}"
+    return None
 
 
 def value_of(scene: Scene, name: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Mapping
@@ -78,6 +79,14 @@ def plain(value: object, name: str = "") -> Any:
         return plain([*array] if array.ndim else array[()], name)
     where = f"{name}: " if name else ""
     raise TypeError(f"{where}must be a number, text or block (got a {type(value).__name__})")
+
+
+def json_text(value: object) -> str:
+    """Return a value as JSON, with the conversions of `plain`."""
+    try:
+        return json.dumps(value, default=plain)
+    except (TypeError, ValueError):
+        return json.dumps(plain(value))  # whose message names what has no form in JSON
 
 
 def column_of(values: Any) -> NDArray[Any]:

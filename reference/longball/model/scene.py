@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
+from numbers import Integral
 from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import (
@@ -32,6 +33,7 @@ from longball.model.csv_files import not_utf8
 from longball.model.explain import explain, is_vector, parts_of, short
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.names import did_you_mean, one_of
+from longball.model.plain import json_text, plain
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
 from longball.model.vectors import cross, plus, scaled
@@ -293,7 +295,7 @@ def _text_of_whole(value: Any) -> Any:
     # A column of ids with a gap is a column of floats in pandas.
     if isinstance(value, float) and value.is_integer() and abs(value) <= 2**53:
         value = int(value)
-    is_whole = isinstance(value, int) and not isinstance(value, bool)
+    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     return str(value) if is_whole and abs(value) < 10**_MOST_DIGITS else value
 
 
@@ -323,7 +325,6 @@ class _Scene(_Block):
         (0.0, 1.7)
         """
         from longball.model.changes import Changes  # which knows scenes
-        from longball.model.plain import plain
 
         # Without the defaults, a change can use a block's other form, such as velocity in place of
         # speed and aim.
@@ -575,12 +576,17 @@ def parse_scene(
     return _validated(data, text)
 
 
-def scene_of(data: dict[str, Any]) -> Scene:
-    """Return the scene of plain data; see `parse_scene`."""
-    return _validated(data, _text(json.dumps(data)))
+def scene_of(data: Mapping[str, Any]) -> Scene:
+    """Return the scene of a mapping with values of Python, NumPy and pandas; see `parse_scene`."""
+    # A mapping may hold itself.
+    try:
+        text = json_text(data)
+    except RecursionError:
+        raise InvalidScene("not a scene: its blocks are nested too deeply") from None
+    return _validated(data, _text(text))
 
 
-def _validated(data: dict[str, Any], text: str) -> Scene:
+def _validated(data: Mapping[str, Any], text: str) -> Scene:
     scene_id = _text_of_whole(data.get("id"))
     # Read before validation, so that an error has the id.
     scene_id = scene_id if _is_text(scene_id) else None

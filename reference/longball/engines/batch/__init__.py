@@ -9,7 +9,6 @@ columns with derivatives; `many` has the engine and the functions for columns.
 
 from longball.engines.batch.many import Batch as Batch
 from longball.engines.batch.many import solve_columns as solve_columns
-from longball.engines.batch.many import solve_columns_as_data as solve_columns_as_data
 from longball.engines.batch.many import (
     solve_columns_with_restitutions as solve_columns_with_restitutions,
 )
