@@ -30,7 +30,7 @@ from longball.engines.event import (
     past,
     zero_of,
 )
-from longball.engines.path import Flight, Part, Path, Rest
+from longball.engines.path import Flight, Part, Path
 from longball.engines.polynomial import Dual
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, doubt
@@ -178,21 +178,18 @@ class PathEngine(Engine, ABC):
     def _smooth(
         self, law: Law, start: State, begin: N, limit: N, events: Events
     ) -> Iterator[Piece]:
-        """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
+        """Yield the pieces of a flight; one that is vertical is flown up, and then down.
 
         A ball that moves vertically through the air comes to rest in it at its apex, where the drag
         k V² has a kink. So it flies up and down under two laws, in which V is w and -w.
         """
         nothing = self.numbers.exact(0.0)
 
-        # at rest
+        # Where the ball is at rest, a part of its spin across the velocity has no direction.
         try:
-            rates = law.rates(self.numbers)(*start)
+            law.rates(self.numbers)(*start)
         except ZeroDivisionError:
             raise CannotSolve(RESTS_WITH_SPIN) from None
-        if all(rate == 0 for rate in rates):
-            yield Rest(begin, limit, start)
-            return
 
         # vertical
         up = down = None
