@@ -230,9 +230,9 @@ class FixedMatrix:
 
 @dataclass(frozen=True)
 class Rule:
-    """The n Gauss-Legendre nodes on [-1, 1], and what is linear in the values there."""
+    """What is linear in the values at the n Gauss-Legendre nodes on [-1, 1]."""
 
-    nodes: tuple[Mpf, ...]  # in rising order
+    count: int  # n
     # From values at the nodes to Legendre coefficients of degree 0 to n - 1
     coefficients: FixedMatrix
     integrals: FixedMatrix  # from values at the nodes to integrals from -1 to each node
@@ -248,7 +248,7 @@ def gauss_legendre(n: int, context: MPContext) -> Rule:
         whole = tuple(tuple(value.to_fixed(bits) for value in row) for row in rows)
         return FixedMatrix(whole, bits, context)
 
-    nodes, by_node, rises = [], [], []
+    by_node, rises = [], []
     for guess in np.polynomial.legendre.leggauss(n)[0].tolist():
         node = context.mpf(guess)
         for _ in range((context.prec // 40).bit_length()):  # from 50 bits, twice as many each time
@@ -256,7 +256,6 @@ def gauss_legendre(n: int, context: MPContext) -> Rule:
             node -= values[n] * (1 - node * node) / (n * (values[n - 1] - node * values[n]))
         values = legendre(node, n)
         weight = 2 * (1 - node * node) / (n * values[n - 1]) ** 2
-        nodes.append(node)
         by_node.append([(2 * k + 1) * weight * values[k] / 2 for k in range(n)])
         # The integral of P_k from -1 is (P_{k+1} - P_{k-1})/(2k + 1), and 1 + x for k = 0.
         higher = [(values[k + 1] - values[k - 1]) / (2 * k + 1) for k in range(1, n)]
@@ -265,7 +264,7 @@ def gauss_legendre(n: int, context: MPContext) -> Rule:
     integrals = [from_coefficients @ rise for rise in rises]
     coefficients = [list(row) for row in zip(*by_node, strict=True)]
     return Rule(
-        tuple(nodes),
+        n,
         fixed(coefficients),
         fixed(integrals),
         np.array(coefficients, dtype=float),
@@ -331,7 +330,7 @@ class Dynamics:
     """
 
     def __init__(self, law: Law, numbers: MultiprecisionNumbers) -> None:
-        self.numbers, self.enough = numbers, len(numbers.rule.nodes) - _IDLE
+        self.numbers, self.enough = numbers, numbers.rule.count - _IDLE
         # Each position, and the velocity that it is the integral of. All other variables, which are
         # called velocities here, are the unknowns of a step, whose error is relative to theirs.
         names, rates = law.variables, law.program.outputs
@@ -438,8 +437,7 @@ class Dynamics:
 
     def _roughly(self, start: State, half: float) -> tuple[list[Array], Any, float] | None:
         """Solve in doubles: the rates at the nodes, the Jacobian factored, the fastest speed."""
-        rule, unknown = self.numbers.rule, self.velocities
-        n = len(rule.nodes)
+        rule, n, unknown = self.numbers.rule, self.numbers.rule.count, self.velocities
         once = half * rule.integrals_in_doubles
         twice = once @ once
         at_start = type(start)(*map(float, start))
