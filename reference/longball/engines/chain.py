@@ -45,7 +45,7 @@ from longball.model import result as written
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Force, Law, State, in_plane, law_of
 from longball.model.numbers import N, Numbers, Undecided, Vector
-from longball.model.quantities import nested, replaced, viewed
+from longball.model.quantities import replaced, viewed
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
 from longball.model.vectors import dot, minus
@@ -1115,7 +1115,13 @@ def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = Non
             return tuple(map(run.numbers.report, value))
         return value if isinstance(value, str | int) else run.numbers.report(value)
 
-    blocks = nested({name: reported(value) for name, value in run.answer.items()})
+    blocks: dict[str, Any] = {}
+    for name, value in run.answer.items():
+        *outer, key = name.split(".")
+        block = blocks
+        for step in outer:
+            block = block.setdefault(step, {})
+        block[key] = reported(value)
     outcome = blocks.pop("outcome", None)
     return Result(
         id=run.scene.id,

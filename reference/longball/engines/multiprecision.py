@@ -230,7 +230,7 @@ class FixedMatrix:
 
 @dataclass(frozen=True)
 class Rule:
-    """What is linear in the values at the n Gauss-Legendre nodes on [-1, 1]."""
+    """Matrices that act on the values at the n Gauss-Legendre nodes on [-1, 1]."""
 
     count: int  # n
     # From values at the nodes to Legendre coefficients of degree 0 to n - 1
