@@ -8,14 +8,13 @@ from typing import Any
 
 import pytest
 
-from longball.engines.collocation import Collocation, SegmentCurve
-from longball.engines.multiprecision import _collocation
+from longball.engines.multiprecision import Multiprecision, SegmentCurve
 from longball.model.law import Law, PlaneState, Shape, law_with
 from longball.model.trace import Program, variable
 
 DIGITS = 10
-METHOD: Collocation = _collocation(DIGITS)
-CONTEXT = METHOD.context
+METHOD = Multiprecision(DIGITS)
+CONTEXT = METHOD.numbers.context
 exact = CONTEXT.mpf
 
 
@@ -34,7 +33,7 @@ def test_segments_join_and_reach_the_end() -> None:
     law = plane_law(drag=0.0075, lift=0.00375, gravity=9.8)
     begin, end = exact(1.25), exact(9)
     start = launched(1.0, 30.0, 30.0)
-    segments = list(METHOD.segments(law, begin, start, end))
+    segments = list(METHOD.steps(law, start, begin, end, ()))
     assert (segments[0].begin, segments[0].start) == (begin, start)
     assert 2 < len(segments) < 40
     for before, after in pairwise(segments):
@@ -62,7 +61,7 @@ def test_segments_join_and_reach_the_end() -> None:
 def parabola() -> Any:
     """A segment of 4 s of ``z = 12 t - 4 t²`` (gravity 8): up to 9 at 1.5 s, down at 3 s."""
     law = plane_law(gravity=8.0)
-    (segment,) = METHOD.segments(law, exact(0), launched(0.0, 60.0, 12.0), exact(4))
+    (segment,) = METHOD.steps(law, launched(0.0, 60.0, 12.0), exact(0), exact(4), ())
     return segment
 
 
@@ -111,5 +110,5 @@ def test_a_rate_that_is_a_variable_is_an_integral_only_of_another_one(outputs, w
     program = Program(names, (), tuple(variable("y") for _ in names))
     law = Law(program, {}, Shape())
     start = law.state(*(exact(1) for _ in names))
-    *_, last = METHOD.segments(law, exact(0), start, exact(1))
+    *_, last = METHOD.steps(law, start, exact(0), exact(1), ())
     assert [float(x) for x in last.end] == pytest.approx(wanted, rel=1e-13)

@@ -12,7 +12,6 @@ from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground, vertical
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
-from longball.engines.path import Rest
 from longball.engines.verlet import Verlet
 from longball.model.law import PlaneState, law_with
 from longball.model.scene import parse_scene
@@ -155,18 +154,6 @@ def test_a_flight_that_goes_on_as_another(engine):
         for one, following in pairwise(whole.path.pieces()):
             assert_same([one.begin + one.length], [following.begin], math.ulp(20.0))
             assert not one.begin + one.length < following.begin
-
-
-def test_a_rest_is_always_the_same_state():
-    state = PlaneState(1.0, 2.0, 0.0, 0.0)
-    rest = Rest(0.0, 60.0, state)
-    assert rest.at(0.0) == rest.at(33.0) == state
-    for height, positive in ((1.0, True), (2.0, False), (3.0, False)):
-        curve = rest.curve(lambda state, height=height: state.z - height)
-        assert curve(5.0) == 2.0 - height
-        assert curve.positive(0.0, 60.0) is positive
-        assert list(curve.turns(0.0, 60.0)) == []
-        assert curve.zero(7.0, 60.0) == 7.0
 
 
 # --- scenes ---------------------------------------------------------------------------------------

@@ -46,6 +46,18 @@ def test_a_turning_point_where_the_interval_is_halved():
         np.testing.assert_allclose(found, places, atol=1e-12)
 
 
+def test_a_ball_at_rest_turns_nowhere():
+    rest = PolynomialPiece(
+        0.0, 60.0, PlaneState, np.array([[1.0, 0.0], [2.0, 0.0]] + [[0.0] * 2] * 2)
+    )
+    assert rest.at(0.0) == rest.at(33.0) == PlaneState(1.0, 2.0, 0.0, 0.0)
+    for height, positive in ((1.0, True), (2.0, False), (3.0, False)):
+        curve = rest.curve(lambda state, height=height: state.z - height)
+        assert curve(5.0) == 2.0 - height
+        assert curve.positive(0.0, 60.0) is positive
+        assert curve.turns(0.0, 60.0) == []
+
+
 def test_what_stays_high_is_above_half_of_its_start():
     rng = np.random.default_rng(1)
     high = 0

@@ -318,26 +318,21 @@ def meet_bat(run: Run) -> ContactState | None:
         return None
     error, frame, state = run.engine.flight_error, pitch.frame, touch.state
     assert state is not None
-    ball = Ball(
+    ball = (
         frame.position(state),
         frame.velocity(state),
         spin_at(frame, pitch.law, state, numbers, numbers.exact(error)),
-        # Verlet's method compares the y of the first step inside the bat with the bat's end (paper,
-        # Sec. III.C).
-        end_y=frame.position(state if touch.inside is None else touch.inside)[1],
-        leaving=touch.leaving,
-        approach=approach,
     )
     run.record("contact.time", touch.time, touched)
-    run.record("contact.position", ball.position, touched)
-    return meet(run, ball, approach.bat.offset(state, numbers), error, touched)
+    run.record("contact.position", ball[0], touched)
+    return meet(run, *ball, approach.bat.offset(state, numbers), error, touched, approach)
 
 
 def finish(run: Run, contact: ContactState | None) -> None:
     """Apply the impulse and fly the batted ball."""
     if contact is None:
         return
-    engine, touch, pitch = run.engine, contact.ball.approach.touch, contact.ball.approach.pitch
+    engine, touch, pitch = run.engine, contact.approach.touch, contact.approach.pitch
 
     # the impulse: only the choice between grip and slide needs an error
     error = 0.0 if run.scene.bat.friction is None else _contact_error(run, contact)
@@ -350,7 +345,7 @@ def finish(run: Run, contact: ContactState | None) -> None:
         launch = engine.rebound(
             pitch.frame,
             touch,
-            minus(impact.velocity, contact.ball.velocity),
+            minus(impact.velocity, contact.velocity),
             lambda frame: run.law(replace(frame, spin=impact.spin)),
             run.ground(pitch.start),
         )
@@ -361,11 +356,11 @@ def finish(run: Run, contact: ContactState | None) -> None:
             # V⁺ = V - (1 + ẽ) (μ/m) (Ṽ·n) n. The error of V counts once, that of n twice, with a
             # factor (1 + ẽ) μ/m of at most two: 1 + 2 · 2 = 5. The factor is larger only under
             # readings that create energy, where ẽ exceeds 1.
-            ball, bat, sqrt = contact.ball.velocity, contact.bat_velocity, run.numbers.sqrt
+            ball, bat, sqrt = contact.velocity, contact.bat_velocity, run.numbers.sqrt
             speeds = sqrt(dot(ball, ball)) + sqrt(dot(bat, bat))
             off = 5 * _contact_error(run, contact) * speeds
         launch = Launch(
-            contact.ball.position,
+            contact.position,
             impact.velocity,
             touch.time,
             touch.time * 0,  # no delay, in the shape and the numbers of the time
@@ -383,10 +378,10 @@ def _contact_error(run: Run, contact: ContactState) -> N:
     graze and of a contact that is δ r deep, from ``r cos θ = r (1 - δ)``.
     """
     numbers, error = run.numbers, run.engine.flight_error
-    bat, pitch = contact.ball.approach.bat, contact.ball.approach.pitch
+    bat, pitch = contact.approach.bat, contact.approach.pitch
     moved = margin_error(bat, pitch.flight.state.z, error, numbers) / bat.reach
-    speed = numbers.sqrt(dot(contact.ball.velocity, contact.ball.velocity))
-    towards = abs(dot(contact.ball.velocity, contact.normal))
+    speed = numbers.sqrt(dot(contact.velocity, contact.velocity))
+    towards = abs(dot(contact.velocity, contact.normal))
     most = numbers.sqrt(2 * moved)
     steep = moved * speed > most * towards
     turned = numbers.where(steep, most, moved * speed / numbers.where(steep, speed, towards))
@@ -400,66 +395,66 @@ def solve_impacts(run: Run) -> None:
     """Solve impact scenes, in which the touching is given."""
     incoming = run.scene.incoming
     position, velocity = run.vector(incoming.position), run.vector(incoming.velocity)
-    ball = Ball(position, velocity, run.vector(incoming.spin))
     offset = position[0], position[2] - run.numbers.exact(incoming.bat_height)
     # Nothing has flown: the position is exact, and only roundings here are in doubt.
-    contact = meet(run, ball, offset, 0.0, run.everything)
+    contact = meet(run, position, velocity, run.vector(incoming.spin), offset, 0.0, run.everything)
     if contact is not None:
         _, parted = strike(run, contact, 0.0)
         run.conclude("struck", parted)
 
 
 @dataclass(frozen=True)
-class Ball:
-    """A ball that touches the bat."""
-
-    # position, velocity, spin: m, m/s and rad/s; None: the scene has no spin
-    position: Vector
-    velocity: Vector
-    spin: Vector | None = None
-    end_y: N | None = None  # y that is compared with the bat's end, m; None: that of `position`
-    leaving: bool = False  # it is where it would leave the bat, instead of where it enters
-    approach: Any = None  # the pitch and the bat; None: the touching is given
-
-
-@dataclass(frozen=True)
 class ContactState:
     """Ball and bat at the touching, before the impulse."""
 
-    ball: Ball
+    # position, velocity, spin: of the ball, m, m/s and rad/s; None: the scene has no spin
+    position: Vector
+    velocity: Vector
+    spin: Vector | None
     normal: Vector  # unit vector from the bat's axis to the ball
     bat_velocity: Vector  # of the bat on its axis, m/s
     lever_arm: N  # r̃, m
     normal_speed: N  # Ṽ·n, m/s
     closing: Mask  # whether they approach each other
+    approach: Any  # the `BatEncounter` that led to it; None: the touching is given
 
 
 def meet(
-    run: Run, ball: Ball, offset: tuple[N, N], inherited: float, rows: Mask
+    run: Run,
+    position: Vector,  # of the ball, m
+    velocity: Vector,  # m/s
+    spin: Vector | None,  # rad/s
+    offset: tuple[N, N],  # from the bat's axis to the ball's centre, m: in x, and up
+    inherited: float,  # relative error of position and velocity, without the rounding here
+    rows: Mask,
+    approach: BatEncounter | None = None,
 ) -> ContactState | None:
     """Return the contact of balls and bats that approach each other; None if none do.
 
-    Others are recorded as `beyond_bat` or `separating`. The `offset` leads from the bat's axis to
-    the ball's centre, m: in x, and up. `inherited` is the relative error of position and velocity,
-    without the rounding here.
+    Others are recorded as `beyond_bat` or `separating`.
     """
-    numbers, bat = run.numbers, run.scene.bat
+    numbers, bat, end_y, leaving = run.numbers, run.scene.bat, position[1], False
+    if approach is not None:
+        touch, leaving = approach.touch, approach.touch.leaving
+        # Verlet's method compares the y of the first step inside the bat with the bat's end (paper,
+        # Sec. III.C).
+        if touch.inside is not None:
+            end_y = approach.pitch.frame.position(touch.inside)[1]
 
     # along the bat
     half = numbers.exact(bat.length) / 2
     slack = half * (inherited + 2 * numbers.rounding) if inherited else numbers.exact(0.0)
-    y = ball.position[1] if ball.end_y is None else ball.end_y
     question = "whether the ball meets the bat or its end"
-    on_bat, beyond = run.decide(half - abs(y), slack, question, rows)
+    on_bat, beyond = run.decide(half - abs(end_y), slack, question, rows)
     run.conclude("beyond_bat", beyond)
     if not run.any(on_bat):
         return None
 
     # across the bat
-    velocity, (across, above) = ball.velocity, offset
+    across, above = offset
     distance = numbers.sqrt(across * across + above * above)
     normal = (across / distance, numbers.exact(0.0), above / distance)
-    arm = bats.lever_arm(ball.position[1], bat, numbers)
+    arm = bats.lever_arm(position[1], bat, numbers)
     moving = bats.bat_velocity(arm, run.scene.swing, numbers)
     normal_speed = dot(minus(velocity, moving), normal)
     # Ṽ = V - V_b (paper, Sec. III.C). Six operations lead from the velocities to its normal part,
@@ -468,17 +463,19 @@ def meet(
     doubt = sum((abs(a * b) * (inherited + 6 * numbers.rounding) for a, b in terms), across * 0)
     # The impulse is the same for n and -n; with Appendix B's larger root the ball is where it would
     # leave the bat, and approaches when it moves outwards.
-    approach = normal_speed if ball.leaving else -normal_speed
+    rate = normal_speed if leaving else -normal_speed
     question = "whether ball and bat approach or separate"
-    closing, separating = run.decide(approach, doubt, question, on_bat)
-    run.record("contact.position", ball.position, on_bat)
+    closing, separating = run.decide(rate, doubt, question, on_bat)
+    run.record("contact.position", position, on_bat)
     run.record("contact.normal", normal, on_bat)
     run.record("contact.bat_velocity", moving, on_bat)
     run.record("contact.normal_speed", normal_speed, on_bat)
     run.conclude("separating", separating)
     if not run.any(closing):
         return None
-    return ContactState(ball, normal, moving, arm, normal_speed, closing)
+    return ContactState(
+        position, velocity, spin, normal, moving, arm, normal_speed, closing, approach
+    )
 
 
 # --- the impulse ---------------------------------------------------------------------------------
@@ -511,7 +508,7 @@ def strike(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
     # is not considered, since the model does not say where the bat is by then.
     rate = dot(minus(impact.velocity, contact.bat_velocity), contact.normal)
     parting = run.numbers.where(contact.normal_speed < 0, rate, -rate)
-    speeds = sum(map(abs, (*contact.ball.velocity, *contact.bat_velocity)), rate * 0)
+    speeds = sum(map(abs, (*contact.velocity, *contact.bat_velocity)), rate * 0)
     doubt = speeds * run.numbers.exact(_RESOLVED)
     again, apart = parting < -doubt, parting > doubt
     run.record("impact.recontact", "certain", parted & again)
@@ -555,8 +552,8 @@ def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
         return _rub(run, contact, pair, error)
     parts = pair.reduced_mass, pair.restitution, contact.normal_speed
     mass, push = numbers.exact(scene.ball.mass), formulas.impulse(*parts)
-    after = formulas.velocity_after(contact.ball.velocity, contact.normal, mass, push)
-    spin = contact.ball.spin
+    after = formulas.velocity_after(contact.velocity, contact.normal, mass, push)
+    spin = contact.spin
     mode = None if spin is None else "frictionless"
     impact = Impact(pair.restitution, push, after, formulas.energy_change(*parts), spin, mode)
     return impact, contact.closing
@@ -586,7 +583,7 @@ def _rub(
     zero, one = numbers.exact(0.0), numbers.exact(1.0)
 
     # the slip, and its change by an impulse
-    velocity, spin = contact.ball.velocity, contact.ball.spin or (zero, zero, zero)
+    velocity, spin = contact.velocity, contact.spin or (zero, zero, zero)
     motion = velocity, spin, contact.bat_velocity, bats.bat_rotation(scene.swing, numbers)
     _, g_y, g_t = formulas.slip(*motion, normal, radius, bat_radius)
     g = contact.normal_speed, g_y, g_t

@@ -141,8 +141,9 @@ def turning_points(p: Any, end: float) -> Any:
         for k in range(len(q) - 1, 0, -1):
             change = (change + abs(q[k])) * half
             curvature = curvature * half + (k * abs(q[k]) if k > 1 else 0.0)
-        # no zero of the slope: its value in the middle exceeds all that it can change by
-        if abs(q[0]) > change * (1.0 + 4 * len(q) * _ROUNDING):
+        # no zero of the slope: its value in the middle exceeds all that it can change by; or it is
+        # zero everywhere, and nothing turns
+        if abs(q[0]) > change * (1.0 + 4 * len(q) * _ROUNDING) or q[0] == change == 0.0:
             continue
         # one zero at most: the slope is monotonic, and the signs at the ends decide
         if len(q) > 1 and abs(q[1]) >= curvature:

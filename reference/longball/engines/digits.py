@@ -31,7 +31,7 @@ def to_digits(
     result, rest = solved(engine)
     digits: int = engine.digits
     for finer in engine.finer():
-        if result.code != "undecided" and not _missed(scene, result, digits):
+        if result.code != "undecided" and not missed_in(scene, result, digits):
             break
         more, path = solved(finer)
         if more.error is not None and more.code != "undecided":  # too long with more digits
@@ -39,20 +39,18 @@ def to_digits(
         # The answer of a finer engine is cut to the digits that were asked for.
         short = {name: shortened(number, digits) for name, number in numbers_of(more)}
         result, rest = replaced(more, short), path
-    if missed := _missed(scene, result, digits):
+    if missed := missed_in(scene, result, digits):
         fault = f"{missed} is not proven to {digits} digits; take fewer digits"
         known = {"id": result.id, "engine": result.engine}
         result = Result.model_validate(known | {"error": fault, "code": "out_of_range"})
     return result, rest
 
 
-def are_reached(scene: Scene, result: Result, digits: int) -> bool:
-    """True if every radius of a result is as small as promised; absolute next to zero."""
-    return not _missed(scene, result, digits)
+def missed_in(scene: Scene, result: Result, digits: int) -> str:
+    """Return a quantity whose radius exceeds the promise, with the radius; "" if there is none.
 
-
-def _missed(scene: Scene, result: Result, digits: int) -> str:
-    """Return a quantity whose radius exceeds the promise, with the radius, or ""."""
+    The promise is relative to the size of the quantity, and absolute next to zero.
+    """
     if result.error is not None:
         return ""
     size = sizes(scene, result)

@@ -40,20 +40,16 @@ class Chord:
     segment: int
     a: tuple[N, N, N]
     b: tuple[N, N, N]
+    length: N
     open_a: bool
     open_b: bool
 
-    def length(self, numbers: Numbers) -> N:
-        """Return the length, m."""
-        x, y = self.b[0] - self.a[0], self.b[1] - self.a[1]
-        return numbers.sqrt(x * x + y * y)
-
     def place(self, fraction: N, to_end: N, to_break: N, numbers: Numbers) -> Place:
         """Return the point at a fraction of the chord from a to b; `to_end` is ``1 - fraction``."""
-        length, rise = self.length(numbers), self.b[2] - self.a[2]
+        rise = self.b[2] - self.a[2]
         shorter = numbers.where(to_end < fraction, to_end, fraction)
         height = self.a[2] + fraction * rise
-        return Place(height, self.segment, shorter * length, to_break, rise / length)
+        return Place(height, self.segment, shorter * self.length, to_break, rise / self.length)
 
     def inside(self, position: Sequence[Any]) -> Any:
         """Return the signed distance inside the chord's line, times the chord's length, m²."""
@@ -63,7 +59,7 @@ class Chord:
     def passed(self, position: Vector, slack: N, numbers: Numbers) -> Place | None:
         """Return the point of the chord at a position on its line; None beyond the ends + slack."""
         (ax, ay, _), (bx, by, _), (x, y, _) = self.a, self.b, position
-        length, far = self.length(numbers), numbers.exact(_FAR)
+        length, far = self.length, numbers.exact(_FAR)
         ahead = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length
         if ahead < -slack or ahead > length + slack:
             return None
@@ -89,7 +85,8 @@ def chords(polyline: Sequence[Sequence[float]], numbers: Numbers) -> list[Chord]
         u, v, k = (numbers.exact(v) for v in b)
         goes_on = before is not None and tuple(before[2]) == tuple(a)
         ends = after is None or tuple(after[1]) != tuple(b)
-        made.append(Chord(i, (x, y, h), (u, v, k), not goes_on, ends))
+        length = numbers.sqrt((u - x) * (u - x) + (v - y) * (v - y))
+        made.append(Chord(i, (x, y, h), (u, v, k), length, not goes_on, ends))
     return made
 
 
@@ -228,7 +225,7 @@ def first_crossing(
         for chord, value in lines:
             # The gradient of the value: 2 |r| of radius² - r², and the chord's length of the other.
             length = size(piece.at(zero))
-            slope = 2 * length if chord is None else chord.length(numbers)
+            slope = 2 * length if chord is None else chord.length
             off = error * length * slope
             at_end = None if moved is None else off + moved * slope
             for t, doubtful in falls(piece.curve(value), until, off, at_end):

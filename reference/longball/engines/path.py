@@ -141,40 +141,6 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Rest:
-    """A ball that nothing moves, as a piece of a flight."""
-
-    begin: N
-    length: N
-    state: State
-
-    def at(self, t: N) -> State:
-        """Return the state, which is always the same."""
-        return self.state
-
-    def curve(self, value: Callable[[Any], Any]) -> Curve:
-        """Return the value of an event, which is always the same."""
-        return _Constant(value(self.state))
-
-
-@dataclass(frozen=True)
-class _Constant:
-    value: N
-
-    def __call__(self, t: N) -> N:
-        return self.value
-
-    def positive(self, a: N, b: N) -> bool:
-        return bool(self.value > 0)
-
-    def turns(self, a: N, b: N) -> list[N]:
-        return []
-
-    def zero(self, a: N, b: N) -> N:
-        return a
-
-
-@dataclass(frozen=True)
 class Leg:
     """A flight of a scene: when it begins, s since the start of the scene, and in which frame."""
 

@@ -30,11 +30,10 @@ from longball.engines.event import (
     past,
     zero_of,
 )
-from longball.engines.path import Flight, Part, Path, Rest
+from longball.engines.path import Flight, Part, Path
 from longball.engines.polynomial import Dual
 from longball.model.law import Law, State
 from longball.model.numbers import N, Numbers, doubt
-from longball.model.trace import Program
 
 
 class PathEngine(Engine, ABC):
@@ -138,8 +137,12 @@ class PathEngine(Engine, ABC):
                     value = partial(lambda beyond, state: -beyond(state), value)
                 size = self.numbers.where(threshold > 1, threshold, self.numbers.exact(1.0))
                 event = Event("switch", switch.question, value, size)
-                function = form.switching_function(switch)
-                switching.append(_SwitchEvent(event, which, direction, function, threshold))
+                # Balls are equal if both their parts are.
+                part = (
+                    (threshold.mid(), threshold.rad()) if hasattr(threshold, "mid") else threshold
+                )
+                surface = form.switching_function(switch).outputs, part
+                switching.append(_SwitchEvent(event, which, direction, surface))
         return switching
 
     def _first_switch(
@@ -155,7 +158,7 @@ class PathEngine(Engine, ABC):
         The `first` piece on a branch begins on the threshold that was `passed`; another switch of
         the same function may have that threshold, too.
         """
-        earliest: tuple[N, _SwitchEvent] | None = None
+        found = []
         for end in ends:
             event = end.event
             error = self.numbers.exact(self.flight_error) * event.size
@@ -168,31 +171,28 @@ class PathEngine(Engine, ABC):
             time = first_fall(
                 curve, piece.length, error, question, self.numbers,
                 launch=first or self.flight_error > 0.0,
-                on_surface=passed is not None and end.is_threshold_of(passed),
+                on_surface=passed is not None and end.surface == passed.surface,
                 stays=False,
             )  # fmt: skip
-            if time is not None and (earliest is None or time < earliest[0]):
-                earliest = time, end
-        return earliest
+            if time is not None:
+                found.append((time, end))
+        return min(found, key=lambda each: each[0], default=None)
 
     def _smooth(
         self, law: Law, start: State, begin: N, limit: N, events: Events
     ) -> Iterator[Piece]:
-        """Yield the pieces of a flight: one of a ball at rest, two of one that flies vertically.
+        """Yield the pieces of a flight; one that is vertical is flown up, and then down.
 
         A ball that moves vertically through the air comes to rest in it at its apex, where the drag
         k V² has a kink. So it flies up and down under two laws, in which V is w and -w.
         """
         nothing = self.numbers.exact(0.0)
 
-        # at rest
+        # Where the ball is at rest, a part of its spin across the velocity has no direction.
         try:
-            rates = law.rates(self.numbers)(*start)
+            law.rates(self.numbers)(*start)
         except ZeroDivisionError:
             raise CannotSolve(RESTS_WITH_SPIN) from None
-        if all(rate == 0 for rate in rates):
-            yield Rest(begin, limit, start)
-            return
 
         # vertical
         up = down = None
@@ -343,23 +343,12 @@ _MOST_PIECES = 10_000
 
 
 class _SwitchEvent(NamedTuple):
-    """A switching event: the number of its switch, its direction, and the threshold crossed."""
+    """A switching event: its switch, by number, its direction, and the surface that is crossed."""
 
     event: Event
     which: int
     direction: int
-    switching_function: Program  # the switching function
-    threshold: N  # the threshold
-
-    def is_threshold_of(self, other: _SwitchEvent) -> bool:
-        """True if function and threshold are equal; balls are, if both their parts are."""
-        if self.switching_function.outputs != other.switching_function.outputs:
-            return False
-        one, two = (
-            (x.mid(), x.rad()) if hasattr(x, "mid") else x
-            for x in (self.threshold, other.threshold)
-        )
-        return bool(one == two)
+    surface: tuple[Any, Any]  # the switching function, and the threshold
 
 
 RESTS_WITH_SPIN = (

@@ -220,10 +220,8 @@ class Recurrence:
         return expand
 
 
-@cache
-def recurrence(program: Program) -> Recurrence:
-    """Return the recurrence of a program."""
-    return Recurrence(program)
+# The recurrence of a program, made once.
+recurrence = cache(Recurrence)
 
 
 def row_of(node: Node) -> Node:
