@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.expression import (
@@ -251,3 +252,26 @@ def test_numbers_that_change_at_kinks_and_jumps():
 )  # fmt: skip
 def test_words(node: Node, text: str):
     assert words(node) == repr(node) == text
+
+
+# Tables of two and of four nodes; the shorter one is filled up with its last node.
+NODES = np.array([[0.0, 1.0], [1.0, 2.0], [2.5, 2.0], [3.0, 2.0]])
+OF_NODES = np.array([[1.0, 4.0], [3.0, 2.0], [2.0, 2.0], [5.0, 2.0]])
+CURVES = {"spline": CubicSpline, "monotonic": PchipInterpolator}
+
+
+@pytest.mark.parametrize("mode", CURVES)
+def test_curves_through_the_nodes_of_a_table(mode: str):
+    tables = {"key.at": NODES, "key.values": OF_NODES}
+    for x in (-0.5, 0.3, 1.0, 1.7, 2.9, 3.5):
+        found = evaluate(table(symbol("s"), "key", mode), {**tables, "s": np.array([x, x])})
+        whole = CURVES[mode](NODES[:, 0], OF_NODES[:, 0])(np.clip(x, 0.0, 3.0))
+        line = np.interp(x, (1.0, 2.0), (4.0, 2.0))
+        assert found == pytest.approx([float(whole), line], abs=1e-14)
+
+
+def test_a_smoothed_table():
+    tables = {"key.at": NODES, "key.values": OF_NODES, "s": np.array([0.25, 1.25])}
+    # s²(3 - 2s) = 5/32 at s = 1/4
+    expected = [1.0 + 2.0 * 5 / 32, 4.0 - 2.0 * 5 / 32]
+    assert evaluate(table(symbol("s"), "key", "smoothed"), tables) == pytest.approx(expected)

@@ -778,7 +778,7 @@ OTHERWISE = {
     ),
     "energy": (
         named("the ball's energy, m(V⁺² - V²)/2", _sizes), dot(V, n), _with_bat, _with_effective,
-        I["e"], _cut,
+        named("(V⁺ - V_b)·n", dot(after - V_b, n)), I["e"], _cut,
     ),
     "distance": (_from_launch, _downrange, component(landing, 0), place, I["launch.position"]),
     "time": (plate_time,),

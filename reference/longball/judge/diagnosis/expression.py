@@ -21,6 +21,7 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from longball.model.arrays import Array
 
@@ -516,6 +517,15 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
     elif where_slipped == "last segment":
         chosen = np.arange(len(long))[:, None] == last
 
+    if mode in CURVES:
+        b, c, d = _cubics(at, values, CURVES[mode])
+
+        def curve(x: Array) -> Any:
+            part = np.clip(x - start, 0.0, widths)
+            return first + np.add.reduce(part * (b + part * (c + part * d)))
+
+        return curve
+
     def line(x: Array) -> Any:
         within = np.minimum(np.maximum(x - start, low), high)
         if slip in SLIPS:
@@ -525,6 +535,29 @@ def _table(at: Array, values: Array, mode: str) -> Callable[[Array], Array]:
         return np.maximum(found, 0.0) if limited else found
 
     return line
+
+
+# Curves between the nodes, by their slopes there.
+CURVES: Mapping[str, Callable[[Array, Array], Array]] = {
+    "smoothed": lambda x, y: np.zeros_like(x),
+    "spline": lambda x, y: CubicSpline(x, y)(x, 1),
+    "monotonic": lambda x, y: PchipInterpolator(x, y)(x, 1),
+}
+
+
+def _cubics(
+    at: Array, values: Array, slopes: Callable[[Array, Array], Array]
+) -> tuple[Array, Array, Array]:
+    """Coefficients of the part of each segment, of its square and of its cube: Hermite's cubic."""
+    found = np.zeros((3, len(at) - 1, at.shape[1]))
+    for ball in range(at.shape[1]):
+        count = 1 + np.count_nonzero(np.diff(at[:, ball]))  # tables are filled up
+        x, y = at[:count, ball], values[:count, ball]
+        m, width, rise = slopes(x, y), np.diff(x), np.diff(y) / np.diff(x)
+        found[0, : count - 1, ball] = m[:-1]
+        found[1, : count - 1, ball] = (3 * rise - 2 * m[:-1] - m[1:]) / width
+        found[2, : count - 1, ball] = (m[:-1] + m[1:] - 2 * rise) / width**2
+    return found[0], found[1], found[2]
 
 
 # Wrong lengths of the part of a segment, from the right length and the width.

@@ -1330,6 +1330,9 @@ TABLES = {
         for slip, text in SLIPS_IN_WORDS.items()
         for at in ("", " in the first segment", " in the last segment")
     },
+    "smoothed": "reads {} in smooth steps, s²(3 - 2s) for s",
+    "spline": "reads {} by a cubic spline",
+    "monotonic": "reads {} by a monotonic cubic",
     "short": "ends {} at its last node but one",
 }
 _A, _B = symbol("a", NONE, True), symbol("b", NONE, True)

@@ -134,7 +134,7 @@ OUTCOMES = Tree(
         Test("missed", (-margin,), ("at-bat",), _TOUCHED),
         Test(
             "beyond_bat",
-            (function("abs", y, dimension=M) - I["L"] / 2.0,), _STRUCK, _TOUCHED,
+            (function("abs", y, dimension=M) - named("L/2", I["L"] / 2.0),), _STRUCK, _TOUCHED,
         ),
         Test("separating", (w,), _STRUCK, (*_TOUCHED, "normal", "bat velocity", "normal speed")),
         # A ball that is over the fence at the limit is a home run without a landing.
