@@ -99,15 +99,3 @@ def test_a_scene_in_doubt_is_left_out():
         else:
             high = graze["swing"]["height_offset"]
     assert nightly.truth(graze) is None
-
-
-def test_always_up_on_a_turning_earth():
-    """The Earth turns the ball out of its plane, so that the axis is not across its velocity."""
-    scene = {
-        "kind": "flight",
-        "launch": {"position": [0, 0, 1], "velocity": [30, 0, 25]},
-        "earth": {"latitude": 0.7},
-        "reading": {"lift_direction": "always_up"},
-    }
-    rows, _ = nightly.compare([scene], ["always up"])
-    assert not any(row.wrong for row in rows)

@@ -241,34 +241,6 @@ def test_odd_meetings_are_those_that_are_proven(meeting):
             assert abs(known[key] - truth) <= error * max(1.0, abs(truth)), (name, key)
 
 
-@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure", "multiprecision"])
-@pytest.mark.parametrize("top", [0.0, 2.0**-8, -(2.0**-8)])
-def test_a_lob_that_is_close_before_the_bat_and_behind_it(name, top):
-    """z = 6 - (x - top)², m, above a bat at z = 5.375 - top²: closest on either side of it."""
-    scene = scene_of(
-        air=None,
-        gravity=8.0,
-        ball={"radius": 0.125},
-        bat={"radius": 0.25},
-        pitch={"release": [2.0 + top, 0.0, 2.0], "velocity": [-2.0, 0.0, 8.0]},
-        swing={"height_offset": -0.625},
-    )
-    found = solve(scene, create(name))
-    path = np.polynomial.Polynomial([0.625, 2 * top, -1.0])  # above the bat, at x
-    squares = path**2 + np.polynomial.Polynomial([0.0, 0.0, 1.0])
-    turns = squares.deriv().roots()
-    nearest = math.sqrt(min(squares(x.real) for x in turns if abs(x.imag) < 1e-9))
-    assert found.outcome == "missed"
-    assert float(found.contact.margin) == pytest.approx(0.375 - nearest, abs=1e-13)
-
-
-def test_the_ground_may_end_the_search():
-    """A bat in the ground is never reached."""
-    touch = approach_of(scene_of(swing={"height_offset": -1.5}), ENGINE).touch
-    assert touch.touched is False
-    assert touch.margin < -0.1
-
-
 @dataclass(frozen=True)
 class Cut(Ivp):
     """Flies in a straight line, in pieces that end at some times; looks for the bat on those."""

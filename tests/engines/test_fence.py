@@ -138,17 +138,6 @@ def test_the_first_of_two_chords_that_are_crossed_on_a_piece(turned):
     assert met.place.height == 1.0
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_the_first_of_two_walls_that_are_close_together(turned):
-    """Out at x = 30, in again at x = 30.3 and out at x = 30.6: also for a ball in a plane."""
-    fence = [[30.6, 50, 9], [30.6, -5, 9], [30.3, -5, 9], [30.3, 5, 9], [30, 5, 9], [30, -50, 9]]
-    if turned:
-        fence = [[x, -y, h] for x, y, h in fence[::-1]]
-    result = solve(flight((44.0, 0.0, 2.0), fence), Ivp())
-    assert result.outcome == "wall"
-    assert result.fence.position[:2] == pytest.approx((30.0, 0.0), abs=1e-12)
-
-
 @pytest.mark.parametrize(("x", "y"), [(0.0, 80.0), (-70.0, 9.0), (60.0, 20.0)])
 @pytest.mark.parametrize(("share", "doubtful"), [(0.9, True), (1.1, False)])
 def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):

@@ -88,7 +88,11 @@ def air(**blocks: Any) -> Any:
 WRONG = r"""
 rough(friction=0.5, tangential_restitution=1.0000001) -> tangential_restitution
 rough(friction=0.5, tangential_restitution=-1.0000001) -> tangential_restitution
-rough(tangential_restitution=1.0) -> tangential_restitution needs friction
+rough(tangential_restitution=1.0) -> bat: tangential_restitution needs friction
+rough(friction=0) -> bat.friction
+rough(support="held") -> bat.support
+scene("at-bat", bat={"support": "free"}, reading={"effective_mass": "as_printed"})
+    -> bat.support = free has no
 table([1], [1]) -> at least 2
 table([*range(101)], [0.3] * 101) -> at most 100
 table([1, 2, 3], [1, 2]) -> at has 3 nodes and values has 2 numbers
