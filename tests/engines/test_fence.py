@@ -127,17 +127,6 @@ def over(piece, fence, error=1e-12, end=100.0):
     return first_crossing(scene.fence, HERE, iter([piece]), end, 0.0, error, DOUBLES)
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_the_first_of_two_chords_that_are_crossed_on_a_piece(turned):
-    """Out at x = 30, in again at x = 45 and out at x = 60, whichever the fence names first."""
-    fence = [[60, 50, 9], [60, -5, 9], [45, -5, 9], [45, 5, 1], [30, 5, 1], [30, -50, 1]]
-    if turned:
-        fence = [[x, -y, h] for x, y, h in fence[::-1]]
-    met = over(line(0.0, 0.0, 10.0, 0.0), fence)
-    assert met.time == pytest.approx(2.0 + 3.0)
-    assert met.place.height == 1.0
-
-
 @pytest.mark.parametrize(("x", "y"), [(0.0, 80.0), (-70.0, 9.0), (60.0, 20.0)])
 @pytest.mark.parametrize(("share", "doubtful"), [(0.9, True), (1.1, False)])
 def test_a_turn_within_the_error_of_a_state_is_doubtful(x, y, share, doubtful):

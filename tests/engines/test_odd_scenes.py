@@ -60,6 +60,8 @@ FORCELESS = {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "spin_decay_lengt
 PLAIN = {"bat_ball_restitution": "plain", "reduced_mass": "bat_mass"}
 WALLS = [[30.6, 50, 9], [30.6, -5, 9], [30.3, -5, 9], [30.3, 5, 9], [30, 5, 9], [30, -50, 9]]
 
+ZIGZAG = [[60, 50, 9], [60, -5, 9], [45, -5, 9], [45, 5, 1], [30, 5, 1], [30, -50, 1]]
+
 # A quantity of a state goes by the branch of the law that is valid in that state.
 BRANCHES = {
     # Nathan's spin, e^(-t U/L), has the airspeed of the wind that the ball came through.
@@ -90,6 +92,8 @@ BRANCHES = {
 SCENES = {
     # the highest point
     "is Galileo's": flight({"position": (1, 2, 0.5), "velocity": (12, 9, 20)}),
+    # 15 s is where halving the time limit comes to.
+    "lands at a round time": flight(thrown(0.0, 1, 0, 75), gravity=10.0),
     "does not get up to the ground": flight(
         thrown(0.0, 30, 0, 12), ground={"height": 8}, time_limit=5.0
     ),
@@ -121,8 +125,61 @@ SCENES = {
     "hits the first of two walls, turned": flight(
         thrown(1.0, 44, 0, 2), {}, fence={"polyline": [[x, -y, h] for x, y, h in WALLS[::-1]]}
     ),
+    # Out at x = 30, in again at x = 45 and out at x = 60.
+    **{
+        f"crosses the first of two chords, {sign:+}": flight(
+            thrown(5.0, 60, 0, 5), gravity=1.0,
+            fence={"polyline": [[x, sign * y, h] for x, y, h in ZIGZAG[::sign]]},
+        )
+        for sign in (1, -1)
+    },
     # the bat
     "meets the ground before a bat in it": at_bat(swing={"height_offset": -1.5}),
+    # So slow that it falls as much as it flies while it passes: V² is less than 2 |d| |a|.
+    **{
+        f"passes a bat at walking pace, {offset} m": at_bat(
+            pitch={"release": [0.5, 0, 1.8], "speed": 1.5, "aim": [0, 2.2]},
+            swing={"height_offset": offset},
+        )
+        for offset in (0.2, 0.1, 0.0, -0.1, -0.2)
+    },
+    # It comes closer, touches, and never crosses behind the plate.
+    "falls onto the bat from above": at_bat(
+        pitch={"release": [0.01, 0, 3.0], "speed": 0.02, "aim": [0, 3.0]},
+        swing={"height_offset": -1.0}, air=None,
+    ),
+    # A lob that falls past below the bat, and comes 1.4 mm closer behind it.
+    "is closest behind the bat": at_bat(
+        pitch={"speed": 14.76, "aim": [0.344, 24.2136]}, swing={"height_offset": -0.1642},
+        air={"drag_coefficient": 0.4033, "lift_coefficient": 0.158},
+    ),
+    # The closest approach may lie steps before any in which the ball could have touched.
+    **{
+        f"passes {offset} m from the bat": at_bat(swing={"height_offset": offset})
+        for offset in (1.0, 10.0, -1.2)
+    },
+    # The ball falls away from a bat that is swung above it.
+    "is closest at the release": at_bat(
+        pitch={"release": [0.08, 0, 1.8], "aim": [0, 1.2]}, swing={"height_offset": 1.0}
+    ),
+    # A ball of 9 mg sinks for a fifth of a second from the bat to the plate's plane.
+    "touches long before the plate": at_bat(
+        ball={"mass": 8.8e-06, "radius": 0.0167}, bat={"radius": 0.0132}, gravity=105.3,
+        air={"density": 3.73, "drag_coefficient": 1.117, "lift_coefficient": 0.792},
+        pitch={"speed": 0.1145, "release": [0.361, -0.994, 3.9], "aim": [0.557, 0.324]},
+        swing={"height_offset": 0.0726}, **UPWARDS,
+    ),
+    # It flies at 79° to the bat: where it touches, it is 0.3 m from the plate's plane.
+    "comes along the bat": at_bat(pitch={"speed": 60.0, "release": [2.0, -10.0, 1.8]}),
+    # The batch engine's search begins 0.25 m before the plate.
+    **{
+        f"starts {x} m away": at_bat(pitch={"release": [x, 0, 1.8], "aim": [0, 1.8]})
+        for x in (0.24, 0.25, 0.26)
+    },
+    "touches the bat at the release": at_bat(
+        air=None, gravity=0.0, ball={"radius": 0.0625}, bat={"radius": 0.03125}, time_limit=2.0,
+        pitch={"release": [0.09375, 0.0, 1.8]},
+    ),
     # z = 6 - (x - top)², m, above a bat at z = 5.375 - top²: closest on either side of it
     **{
         f"is close before the bat and behind it, {top} m": at_bat(
