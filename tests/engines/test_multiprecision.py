@@ -1,114 +1,127 @@
-"""The multiprecision engine: closed forms, invariants, laws of any kind, and near ties."""
+"""The multiprecision engine, by Gauss-Legendre collocation: steps, events on a segment, digits."""
 
+from __future__ import annotations
+
+import math
 import pickle
+from itertools import pairwise
+from typing import Any
 
 import pytest
 
-from longball.engines import event
-from longball.engines.multiprecision import Multiprecision
-from longball.model.law import PlaneState, law_with
+from longball.engines.collocation import Collocation, SegmentCurve
+from longball.engines.multiprecision import Multiprecision, _collocation
+from longball.model.law import Law, PlaneState, Shape, law_with
 from longball.model.result import Bounded
-from longball.model.trace import ZERO, exp, log
+from longball.model.trace import Program, variable
 
-ENGINE = Multiprecision(30)
-NUMBERS = ENGINE.numbers
-mp = NUMBERS.context
-exact = NUMBERS.exact
-
-
-def printed(x, digits=30):
-    """The truth `x`, as the engine writes it if all of its digits are right."""
-    return mp.nstr(x, digits, strip_zeros=False)
+DIGITS = 10
+METHOD: Collocation = _collocation(DIGITS)
+CONTEXT = METHOD.context
+exact = CONTEXT.mpf
 
 
-def plane_law(drag=None, lift=None, gravity=9.8):
-    named = {"drag": drag, "lift": lift, "gravity": gravity}
-    return law_with({name: exact(k) for name, k in named.items() if k is not None})
+def plane_law(**strengths: float) -> Any:
+    return law_with({name: exact(k) for name, k in strengths.items()})
 
 
-def launched(z, u, w):
-    return PlaneState(exact(0.0), exact(z), exact(u), exact(w))
+def launched(z: float, u: float, w: float) -> PlaneState:
+    return PlaneState(exact(0), exact(z), exact(u), exact(w))
 
 
-def ground(height=0.0):
-    return event.ground(exact(0.0) + height, launched(1.0, 0.0, 0.0), NUMBERS)
+# --- the choice of steps --------------------------------------------------------------------------
 
 
-# ---- laws of any kind ----------------------------------------------------------------------------
+def test_segments_join_and_reach_the_end() -> None:
+    law = plane_law(drag=0.0075, lift=0.00375, gravity=9.8)
+    begin, end = exact(1.25), exact(9)
+    start = launched(1.0, 30.0, 30.0)
+    segments = list(METHOD.segments(law, begin, start, end))
+    assert (segments[0].begin, segments[0].start) == (begin, start)
+    assert 2 < len(segments) < 40
+    for before, after in pairwise(segments):
+        assert after.begin == before.begin + before.length
+        assert after.start == before.end == before.at(before.length)
+        assert after.at(exact(0)) == after.start
+        assert after.begin < end
+    last = segments[-1]
+    assert end <= last.begin + last.length < end + 1e-20
+    for segment in segments:
+        # The polynomials end where the next segment begins, and satisfy the law between the nodes.
+        near = segment.at(segment.length * (1 - 4 * CONTEXT.eps))
+        for x, y in zip(near, segment.end, strict=True):
+            assert abs(x - y) < 1e-24
+        t, h = segment.length * exact(0.37), exact(10) ** -9
+        rates, low, high = segment.rates(t), segment.at(t - h), segment.at(t + h)
+        for rate, a, b in zip(rates, low, high, strict=True):
+            assert abs((b - a) / (2 * h) - rate) < 1e-14
 
 
-def height_law(force):
-    """Return the law of an upward acceleration that is a function of the height."""
-
-    def acceleration(motion, p):
-        return ZERO, ZERO, p.strength * force(motion.position[2])
-
-    return law_with({"strength": exact(1.0)}, (acceleration,))
-
-
-@pytest.mark.parametrize(
-    ("force", "potential"),
-    [
-        (lambda z: exp(-z), mp.exp),
-        (lambda z: -log(z), lambda x: -x * mp.log(-x) + x),
-        (lambda z: -4 * z, lambda x: 2 * x * x),
-    ],
-    ids=["exp", "log", "spring"],
-)
-def test_a_force_of_the_height_keeps_its_energy(force, potential):
-    """Unlike drag, lift and weight it depends on the position."""
-    law = height_law(force)
-    start = launched(2.0, 3.0, -0.5)
-    end = ENGINE.fly(law, start, [], exact(3.0)).state
-
-    def energy(state):
-        return state.w**2 / 2 + potential(-state.z)
-
-    assert abs(energy(end) / energy(start) - 1) < mp.mpf(10) ** -37
-    assert printed(end.s) == printed(exact(9.0))
-
-
-def test_a_spring_swings():
-    law = height_law(lambda z: -4 * z)
-    flight = ENGINE.fly(law, launched(1.0, 3.0, 0.0), [ground()], exact(3.0))
-    assert printed(flight.time) == printed(mp.pi / 4)
-    assert printed(flight.state.w) == printed(exact(-2.0))
-
-
-# ---- events --------------------------------------------------------------------------------------
+# --- events on a segment --------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
-def circle():
-    """A flight without weight and drag: a circle of radius 1/k_L, here of 5 m."""
-    law = plane_law(lift=0.2, gravity=None)
-    # The curvature is the double 0.2, whose inverse is not quite 5.
-    return launched(7.0, 0.0, -20.0), law, 7 - 1 / law.strengths["lift"]
+def parabola() -> Any:
+    """A segment of 4 s of ``z = 12 t - 4 t²`` (gravity 8): up to 9 at 1.5 s, down at 3 s."""
+    law = plane_law(gravity=8.0)
+    (segment,) = METHOD.segments(law, exact(0), launched(0.0, 60.0, 12.0), exact(4))
+    return segment
 
 
-@pytest.mark.parametrize(("above", "stop"), [(1e-30, "ground"), (-1e-30, "time")])
-def test_a_dip_is_told_from_a_miss(circle, above, stop):
-    start, law, bottom = circle
-    floor = ground(bottom + exact(above))
-    assert ENGINE.fly(law, start, [floor], exact(1.0)).stop == stop
+def curve(segment: Any, value: Any) -> SegmentCurve:
+    found = segment.curve(value)
+    assert isinstance(found, SegmentCurve)
+    return found
 
 
-@pytest.mark.parametrize("depth", [1e-3, 1e-9, 1e-18, 1e-30])
-def test_a_dip_far_shorter_than_a_step_is_found(circle, depth):
-    """The ball is under the ground for some sqrt(depth) of a step of about a second."""
-    start, law, bottom = circle
-    flight = ENGINE.fly(law, start, [ground(bottom + exact(depth))], exact(60.0))
-    assert flight.stop == "ground"
-    # The bottom is a quarter of the circle away, at 20 m/s on a radius of 1/k_L.
-    early = mp.acos(1 - exact(depth) * law.strengths["lift"])
-    assert abs(flight.time - (mp.pi / 2 - early) / (20 * law.strengths["lift"])) < 1e-20
+def test_the_turns_of_a_value_are_all_found(parabola: Any) -> None:
+    zero, end = exact(0), parabola.length
+    (top,) = curve(parabola, lambda y: y.z).turns(zero, end)
+    assert abs(top - 1.5) < 1e-28
+    # (z - 5)² turns where z is 5, at 1/2 and 5/2, and at the top.
+    squared = curve(parabola, lambda y: (y.z - 5) * (y.z - 5))
+    found = squared.turns(zero, end)
+    for t, wanted in zip(found, (0.5, 1.5, 2.5), strict=True):
+        assert abs(t - wanted) < 1e-28
+    assert [float(t) for t in squared.turns(exact(1), exact(2))] == [1.5]
+    assert squared.turns(exact(1.75), exact(2.25)) == []
+    assert curve(parabola, lambda y: y.s).turns(zero, end) == []
+    assert curve(parabola, lambda y: y.u).turns(zero, end) == []
 
 
-# ---- the engine as an object ---------------------------------------------------------------------
+def test_where_a_value_falls_through_zero(parabola: Any) -> None:
+    height, z = curve(parabola, lambda y: y.z), parabola.end.z
+    assert abs(height.zero(exact(1.5), exact(4)) - 3) < 1e-28
+    low = curve(parabola, lambda y: y.z - 8)
+    assert abs(low.zero(exact(1.5), exact(4)) - 2) < 1e-28
+    # Where it is nowhere positive, it is there from the beginning; a zero at an end is one.
+    assert height.zero(exact(3.25), exact(4)) == 3.25
+    assert height.zero(exact(0), exact(4)) == 0
+    assert curve(parabola, lambda y: y.z - z).zero(exact(1.5), parabola.length) == parabola.length
+
+
+@pytest.mark.parametrize(("floor", "above"), [(-16.1, True), (-15.9, False), (-30.0, True)])
+def test_whether_a_value_is_certainly_positive(parabola: Any, floor: float, above: bool) -> None:
+    """With x from -1 to 1 it is 8/3 - 8 P₁ - 32/3 P₂: at least 8/3 - 8 - 32/3 = -16."""
+    assert curve(parabola, lambda y: y.z - floor).positive(exact(0), exact(4)) is above
+
+
+@pytest.mark.parametrize(("outputs", "wanted"), [("y", (math.e,)), ("xy", (math.e, math.e))])
+def test_a_rate_that_is_a_variable_is_an_integral_only_of_another_one(outputs, wanted) -> None:
+    """y' = y; and x' = y with it: both are e^t."""
+    names = tuple(outputs)
+    program = Program(names, (), tuple(variable("y") for _ in names))
+    law = Law(program, {}, Shape())
+    start = law.state(*(exact(1) for _ in names))
+    *_, last = METHOD.segments(law, exact(0), start, exact(1))
+    assert [float(x) for x in last.end] == pytest.approx(wanted, rel=1e-13)
+
+
+# --- the engine as an object ----------------------------------------------------------------------
 
 
 def test_an_engine_travels_to_another_process():
-    assert pickle.loads(pickle.dumps(ENGINE)) == ENGINE
+    assert pickle.loads(pickle.dumps(Multiprecision(30))) == Multiprecision(30)
 
 
 @pytest.mark.parametrize(

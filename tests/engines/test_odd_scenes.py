@@ -135,6 +135,11 @@ SCENES = {
     },
     # the bat
     "meets the ground before a bat in it": at_bat(swing={"height_offset": -1.5}),
+    # Lift turns it round just beyond the plate, which it crosses at 0.16 m/s, there and back.
+    "turns round": {
+        "kind": "pitch", "air": {"drag_coefficient": 0.1, "lift_coefficient": 1.5},
+        "pitch": {"speed": 40, "release": [45.14168982597962, 0, 30], "aim": [0, 30]},
+    },
     # So slow that it falls as much as it flies while it passes: V² is less than 2 |d| |a|.
     **{
         f"passes a bat at walking pace, {offset} m": at_bat(

@@ -85,10 +85,22 @@ def air(**blocks: Any) -> Any:
     return scene(air=blocks)
 
 
+def aside(direction: list[float], wind: Any = None, reading: Any = None, **pitch: Any) -> Any:
+    air = {"side_coefficient": {"value": 0.1, "direction": direction}, "wind": wind}
+    return scene("pitch", air=air, pitch=pitch, reading=reading or {})
+
+
 WRONG = r"""
 rough(friction=0.5, tangential_restitution=1.0000001) -> tangential_restitution
 rough(friction=0.5, tangential_restitution=-1.0000001) -> tangential_restitution
 rough(tangential_restitution=1.0) -> bat: tangential_restitution needs friction
+aside([0, 0, 0]) -> side_coefficient.direction: \[0.0, 0.0, 0.0\] has no direction
+aside([10, 0, -1], velocity=[-40, 0, 4])
+    -> air.side_coefficient.direction = \[10.0, 0.0, -1.0\] is parallel to the velocity
+aside([1, 0, 0], wind=[0, 2, 4], velocity=[-40, 2, 4])
+    -> is parallel to the velocity through the air at the start
+aside([0, 1, 0], reading={"lift_direction": "always_up"})
+    -> cannot be combined with spin, wind, a table of the lift, or a side_coefficient
 rough(friction=0) -> bat.friction
 rough(support="held") -> bat.support
 scene("at-bat", bat={"support": "free"}, reading={"effective_mass": "as_printed"})
