@@ -48,18 +48,13 @@ def names_of(schema):
     return {name for name in found if isinstance(name, str)}
 
 
-def test_random_scenes_have_every_key_and_option():
+def test_random_scenes_have_every_key_option_and_outcome():
     scenes, _ = nightly.drawn(SEED, range(400))
     # An id changes nothing; the options that are defaults are what is left out.
     defaults = {*oracle.READINGS.values(), "pivot", "id"}
     wanted = names_of(json.loads(SCHEMA.read_text(encoding="utf-8"))) - defaults
     assert wanted - set().union(*map(names_in, scenes)) == set()
-
-
-def test_outcomes_are_well_spread():
-    scenes, _ = nightly.drawn(SEED, range(SCENES))
-    found = {lb.solve(scene).outcome for scene in scenes}
-    assert found == set(get_args(Outcome))
+    assert {lb.solve(scene).outcome for scene in scenes[:SCENES]} == set(get_args(Outcome))
 
 
 def test_the_comparison_notices_what_is_wrong():

@@ -7,7 +7,6 @@ import re
 import numpy as np
 import pytest
 
-import longball as lb
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
@@ -83,16 +82,6 @@ def test_columns_are_the_scenes_one_by_one():
         alone = landing(flight(value), Batch())
         assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone[:3].tolist()
     assert table["engine"][1] == Batch().description
-    told = lb.solve_many(
-        {
-            "kind": "pitch",
-            "air.side_coefficient.value": values,
-            "air.side_coefficient.direction": [0.0, 1.0, 0.0],
-        },
-        engine="batch",
-    )
-    assert told["outcome"].tolist() == ["crossed"] * 3
-    assert np.sign(told["plate.position[1]"]).tolist() == [0.0, 1.0, -1.0]
 
 
 def test_a_row_that_passes_its_direction_is_refused_alone():

@@ -71,26 +71,6 @@ TRACKED = ["launch.speed", "launch.angle", "launch.direction"]
 OF_SPIN = ["launch.spin[0]", "launch.backspin", "launch.side_spin", "launch.gyrospin"]
 
 
-def test_a_parabola_has_the_derivatives_of_its_closed_form():
-    # d = v² sin 2θ / g
-    v, angle = np.linspace(20, 50, 7), 0.5
-    columns = {
-        "kind": "flight",
-        "air": None,
-        "launch.position": [0, 0, 0],
-        "launch.velocity[0]": v * math.cos(angle),
-        "launch.velocity[1]": 0.0,
-        "launch.velocity[2]": v * math.sin(angle),
-    }
-    names = ["launch.speed", "launch.angle", "gravity"]
-    found = lb.solve_many(columns, derivatives=names)
-    g, d = 9.8, v * v * math.sin(2 * angle) / 9.8
-    for name, slope in zip(names, (2 * d / v, 2 * d / math.tan(2 * angle), -d / g), strict=True):
-        assert found[f"landing.distance by {name}"].to_numpy() == pytest.approx(slope, rel=1e-13)
-    assert found["derivatives"].str.contains("batch").all()
-    assert found["refused"].isna().all()
-
-
 def off(scene, columns, names, engine, every=1):
     """Largest difference from the derivatives of single scenes, of the size of a quantity."""
     base = as_scene(scene)
