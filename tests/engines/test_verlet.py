@@ -202,23 +202,6 @@ def test_of_two_stops_in_one_step_the_first_one_counts():
         assert verlet(0.5).fly(NOTHING, down, stops, 1.0).stop == expected
 
 
-# ---- laws of any kind ----------------------------------------------------------------------------
-
-
-def test_a_spring_makes_the_scheme_symplectic():
-    """The textbook's case: for a force of the position it keeps ``v² + ω² (1 - (ωΔt/2)²) r²``."""
-    there, dt = law(lambda motion, p: (0, 0, -4 * motion.position[2])), 0.05
-    start = PlaneState(0.0, 1.0, 0.0, 0.0)
-
-    def kept(state):
-        return state.w**2 + 4.0 * (1 - dt * dt) * state.z**2
-
-    for treatment in TREATMENTS:
-        end = after_steps(Verlet(dt, treatment), 2_000, start, there)
-        assert kept(end) == pytest.approx(kept(start), rel=1e-12)
-        assert abs(end.z) < 1 + 1e-12
-
-
 # ---- the contact ---------------------------------------------------------------------------------
 
 
