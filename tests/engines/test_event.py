@@ -107,7 +107,7 @@ def on_a_circle(rng, surface):
 
 
 def turning(rng, surface):
-    """Return what makes a flight that goes beyond a surface by a depth, or stays short of it."""
+    """Maker of a flight that goes beyond a surface by a depth, or stays short of it."""
     if surface == "vertical":
         # u = u₀ - c (w₀ t - g t²/2) is least at the top, exactly.
         gravity, push, w = rng.uniform(2, 9.8), rng.uniform(0.1, 1), rng.uniform(5, 40)
