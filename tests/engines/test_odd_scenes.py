@@ -24,6 +24,7 @@ from tests.test_oracle import PRESENT
 ENGINES = {"ivp": {}, "batch": {}, "enclosure": {}, "multiprecision": {"digits": 16}}
 ON_THE_VERGE = 1e-9  # relative, of 1 at least
 SCHEME, IN_STEPS = create("verlet", dt=1e-3, forces="implicit"), 1e-2  # relative, of 100 at least
+CALM = {"lift_coefficient": 0.0}
 
 
 def thrown(height, *velocity, **more):
@@ -34,7 +35,7 @@ def flight(launch, air=None, **keys):
     return {"kind": "flight", "launch": launch, "air": air} | keys
 
 
-def blown(launch, above, wind=(15, 0, 0), air={"lift_coefficient": 0.0}, floor=0.0, **keys):  # noqa: B006
+def blown(launch, above, wind=(15, 0, 0), air=CALM, floor=0.0, **keys):
     """A ball that comes through the height where the wind sets in, ends there, or starts there."""
     air = air | {"wind": {"velocity": wind, "above": above}}
     return flight(launch, air, ground={"height": floor}) | keys
